@@ -1,0 +1,10 @@
+# Every library Gridlock is built on, and why; ./dev installs them. The installed package repeats this list, since the
+# library is static.
+find_package(fmt REQUIRED)            # text with numbers, round-trip exact
+find_package(tomlplusplus REQUIRED)   # the configuration, with line and column of every value
+find_package(nlohmann_json REQUIRED)  # summary.json
+find_package(TBB REQUIRED)            # sweeps on all cores
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)      # pictures of disks, SVG and PNG
+pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash) # the state hash
+find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED) # counter-based random numbers, headers only

@@ -1,0 +1,80 @@
+#pragma once
+
+#include "gridlock/core/vector.hpp"
+
+namespace gridlock {
+
+/// What a disk meets at the border of the box.
+enum class Edge { wall, periodic };
+
+/// The rectangle [0, width] × [0, height] all agents live in, with hard walls or periodic edges on all four sides.
+///
+/// In a periodic box every displacement is the minimum image, which is the right one only while the distances asked
+/// for stay below half the shorter side; engines refuse boxes too small for their reach.
+/// Errors: a side that is not finite and positive throws Error.
+class Box {
+ public:
+  Box() = default;
+  Box(double width, double height, Edge edge);
+
+  [[nodiscard]] double width() const { return width_; }
+  [[nodiscard]] double height() const { return height_; }
+  [[nodiscard]] double area() const { return width_ * height_; }
+  /// √area: the side of the square box, and the length displacements are quoted in for rectangular ones.
+  [[nodiscard]] double side() const;
+  [[nodiscard]] Edge edge() const { return edge_; }
+  [[nodiscard]] bool is_periodic() const { return edge_ == Edge::periodic; }
+
+  /// The vector from `from` to `to`: b − a, and its minimum image in a periodic box.
+  /// Antisymmetric to the last bit, so that two disks always agree whether they overlap.
+  [[nodiscard]] Vector displacement(Vector from, Vector to) const {
+    Vector d = to - from;
+    if (is_periodic()) {
+      d.x = nearest_image(d.x, width_, half_width_);
+      d.y = nearest_image(d.y, height_, half_height_);
+    }
+    return d;
+  }
+
+  /// Puts a point that left a periodic box by less than one side back into [0, width) × [0, height); counts the
+  /// edges crossed in `crossed_x`, `crossed_y` (+1 for the right or top edge). A walled box leaves it untouched.
+  [[nodiscard]] Vector wrap(Vector p, int& crossed_x, int& crossed_y) const {
+    if (is_periodic()) {
+      p.x = into_range(p.x, width_, crossed_x);
+      p.y = into_range(p.y, height_, crossed_y);
+    }
+    return p;
+  }
+
+  friend bool operator==(Box const&, Box const&) = default;
+
+ private:
+  static double nearest_image(double d, double side, double half) {
+    if (d > half) return d - side;
+    if (d < -half) return d + side;
+    return d;
+  }
+  static double into_range(double p, double side, int& crossed) {
+    if (p >= side) {
+      p -= side;
+      ++crossed;
+    } else if (p < 0.0) {
+      p += side;
+      --crossed;
+      // −ε + side rounds to side itself, which belongs to the next image: land on its lower edge instead.
+      if (p >= side) {
+        p = 0.0;
+        ++crossed;
+      }
+    }
+    return p;
+  }
+
+  double width_ = 1.0;
+  double height_ = 1.0;
+  double half_width_ = 0.5;
+  double half_height_ = 0.5;
+  Edge edge_ = Edge::wall;
+};
+
+}  // namespace gridlock

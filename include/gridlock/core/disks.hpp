@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "gridlock/core/population.hpp"
+#include "gridlock/core/vector.hpp"
+
+namespace gridlock {
+
+struct X {
+  using type = double;
+  static constexpr char const* name = "x";
+};
+struct Y {
+  using type = double;
+  static constexpr char const* name = "y";
+};
+struct VelocityX {
+  using type = double;
+  static constexpr char const* name = "velocity_x";
+};
+struct VelocityY {
+  using type = double;
+  static constexpr char const* name = "velocity_y";
+};
+struct Radius {
+  using type = double;
+  static constexpr char const* name = "radius";
+};
+struct Mass {
+  using type = double;
+  static constexpr char const* name = "mass";
+};
+/// How often the disk left the periodic box through the right edge, minus the left; always 0 between walls.
+struct ImageX {
+  using type = std::int32_t;
+  static constexpr char const* name = "image_x";
+};
+/// The same for the top and the bottom edge.
+struct ImageY {
+  using type = std::int32_t;
+  static constexpr char const* name = "image_y";
+};
+
+/// Hard disks: centre, velocity, radius, mass, and the periodic image the centre has travelled to.
+using Disks = Population<X, Y, VelocityX, VelocityY, Radius, Mass, ImageX, ImageY>;
+
+inline Vector position(Disks const& disks, std::size_t i) { return {disks.column<X>()[i], disks.column<Y>()[i]}; }
+inline Vector velocity(Disks const& disks, std::size_t i) {
+  return {disks.column<VelocityX>()[i], disks.column<VelocityY>()[i]};
+}
+
+/// The radius of the largest and of the smallest disk; 0 for no disks.
+struct RadiusRange {
+  double smallest = 0.0;
+  double largest = 0.0;
+};
+RadiusRange radius_range(Disks const& disks);
+
+/// ½ Σ m v², in (mass unit)·(length unit / time unit)².
+double kinetic_energy(Disks const& disks);
+
+/// Σ m v.
+Vector momentum(Disks const& disks);
+
+/// The fastest disk's speed; 0 for no disks.
+double largest_speed(Disks const& disks);
+
+/// Σ π R², the area the disks cover.
+double covered_area(Disks const& disks);
+
+}  // namespace gridlock

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "gridlock/core/population.hpp"
+#include "gridlock/core/vector.hpp"
+
+namespace gridlock {
+
+/// What a random number is for. Numbers of different purposes are independent; never renumber, old runs depend on it.
+enum class Purpose : std::uint64_t {
+  start_position = 1,
+  start_velocity = 2,
+  species = 3,
+  paper_study = 4,
+};
+
+/// The random numbers of one agent, at one step, for one purpose.
+///
+/// A pure function of (seed, step, id, purpose) and of how many were drawn before: never of thread, rank or visiting
+/// order. Philox-4x64-10, period 2⁶⁴ blocks per stream (Salmon et al. 2011, doi:10.1145/2063384.2063405).
+/// Uniform and normal numbers come out of exactly rounded operations alone, so every compiler gives the same bits.
+/// Cost: about 5 ns a number.
+class RandomStream {
+ public:
+  RandomStream(std::uint64_t seed, std::uint64_t step, Id id, Purpose purpose);
+
+  /// 64 random bits.
+  std::uint64_t bits();
+  /// Uniform in [0, 1), a multiple of 2⁻⁵³.
+  double uniform();
+  /// Uniform whole number in [0, bound); bound > 0.
+  std::uint64_t below(std::uint64_t bound);
+  /// Normal with mean 0 and variance 1, by the ratio of uniforms (Kinderman & Monahan 1977, doi:10.1145/355744.355750).
+  double normal();
+  /// Uniform in the disk of radius 1 around the origin, by rejection from the square.
+  Vector in_unit_disk();
+
+ private:
+  std::uint64_t seed_;
+  std::array<std::uint64_t, 3> stream_;
+  std::uint64_t block_ = 0;
+  std::array<std::uint64_t, 4> numbers_{};
+  unsigned used_ = 4;
+};
+
+}  // namespace gridlock

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gridlock/core/setting.hpp"
+#include "gridlock/core/state.hpp"
+
+namespace gridlock {
+
+/// Where an engine stops: at whichever comes first.
+struct Horizon {
+  std::uint64_t step = std::numeric_limits<std::uint64_t>::max();             ///< state.clock.step to reach
+  double time = std::numeric_limits<double>::infinity();                      ///< state.clock.time to reach
+  std::uint64_t pair_collisions = std::numeric_limits<std::uint64_t>::max();  ///< tally.pair_collisions to reach
+};
+
+/// What happened, counted from the start of the run; the caller keeps it and every advance() adds to it, so the sums
+/// do not depend on how a run is cut into chunks.
+struct Tally {
+  enum Wall : std::size_t { left, right, bottom, top };
+
+  std::uint64_t turns = 0;            ///< disk turns taken (stepped) or disk events handled (exact)
+  std::uint64_t blocked_turns = 0;    ///< turns that ended at a wall or at another disk
+  std::uint64_t pair_collisions = 0;  ///< pairs scattered
+  std::uint64_t distance_checks = 0;  ///< candidate distances looked at
+  std::array<std::uint64_t, 4> wall_hits{};
+  std::array<double, 4> wall_impulse{};  ///< Σ |Δp| given to each wall
+  /// Σ over scattered pairs of −(r_j − r_i)·Δp_i: σ m |v_n| for two equal disks in contact.
+  double pair_virial = 0.0;
+
+  [[nodiscard]] std::uint64_t all_wall_hits() const { return wall_hits[0] + wall_hits[1] + wall_hits[2] + wall_hits[3]; }
+};
+
+/// Whether a disk that halts scatters off its partner whatever their motion (the paper's rule) or only when the two
+/// approach each other.
+enum class Contact { always, approaching };
+
+/// The settings `[engine]`.
+struct EngineSettings {
+  std::string kind = "stepped";
+  double time_step = 0.1;               ///< in diameters of the smallest disk per `speed`
+  std::optional<double> speed;          ///< the speed time_step refers to; left out: velocities.max
+  std::uint64_t substeps = 5;
+  std::optional<std::uint64_t> cells;   ///< k of the k × k grid; left out: chosen from the sizes
+  Contact contact = Contact::always;
+};
+void describe(EngineSettings& settings, SettingVisitor& visitor);
+
+/// A dynamics of hard disks. One virtual call per chunk of work, never per disk.
+class Engine {
+ public:
+  Engine() = default;
+  Engine(Engine const&) = delete;
+  Engine& operator=(Engine const&) = delete;
+  virtual ~Engine() = default;
+
+  /// Moves the state on to the horizon and adds what happened to the tally. Between calls the state is plain and up
+  /// to date, and the caller may change it.
+  /// Errors: RunFailure where the physics breaks an invariant, naming step, ids and gap.
+  virtual void advance(State& state, Tally& tally, Horizon const& horizon) = 0;
+
+  /// The physical time one step stands for.
+  [[nodiscard]] virtual double time_step() const = 0;
+};
+
+/// Makes the engine named by settings.kind for a valid state.
+/// Errors: Error naming the setting for an unknown kind, or for a set-up the engine cannot treat rightly.
+std::unique_ptr<Engine> make_engine(EngineSettings const& settings, State const& state);
+
+/// The kinds make_engine() knows.
+std::vector<std::string> engine_kinds();
+
+/// The physical length of one step, time_step · σ_min / speed, where an absent or zero speed counts as 1.
+double step_duration(EngineSettings const& settings, State const& state);
+
+}  // namespace gridlock

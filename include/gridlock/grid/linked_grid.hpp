@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gridlock/grid/cell_layout.hpp"
+
+namespace gridlock {
+
+/// The paper's neighbourhoods: one intrusive, doubly linked list of agents per cell.
+///
+///     heads_[cell] → i ⇄ j ⇄ l → none        next_[i] = j, previous_[j] = i, cell_[i] = cell
+///
+/// Agents are named by their row in the population. Insert, erase and move cost O(1) whatever the size of the cell.
+/// Contract: an agent is inserted once before it is moved or erased (asserted).
+/// Source: J.-X. Shen, Agent based simulations and optimization with uniform grid applied to colloidal jamming
+/// transitions.
+class LinkedGrid {
+ public:
+  LinkedGrid() = default;
+  explicit LinkedGrid(CellLayout const& layout);
+  /// Holds every point given, agent i at (x[i], y[i]).
+  LinkedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y);
+
+  [[nodiscard]] CellLayout const& layout() const { return layout_; }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] int cell_of(std::size_t agent) const { return cell_[agent]; }
+  [[nodiscard]] bool contains(std::size_t agent) const { return agent < cell_.size() && cell_[agent] != outside; }
+
+  void insert(std::size_t agent, Vector p) {
+    if (agent >= cell_.size()) grow(agent + 1);
+    assert(cell_[agent] == outside);
+    link(agent, layout_.cell_of(p));
+    ++size_;
+  }
+
+  void erase(std::size_t agent) {
+    assert(contains(agent));
+    unlink(agent);
+    cell_[agent] = outside;
+    --size_;
+  }
+
+  /// Puts the agent in the list of the cell that holds `p`; nothing changes while it stays in its cell.
+  void move(std::size_t agent, Vector p) {
+    assert(contains(agent));
+    int const cell = layout_.cell_of(p);
+    if (cell == cell_[agent]) return;
+    unlink(agent);
+    link(agent, cell);
+  }
+
+  /// Calls visit(agent) for every agent of one cell.
+  template <class Visit>
+  void for_each_in_cell(int cell, Visit visit) const {
+    for (std::int32_t i = heads_[static_cast<std::size_t>(cell)]; i != none; i = next_[static_cast<std::size_t>(i)]) {
+      visit(static_cast<std::size_t>(i));
+    }
+  }
+
+  /// Calls visit(agent) for every agent of the block of cells around `cell`, the 3×3 block for reach 1, 1.
+  template <class Visit>
+  void for_each_in_block(int cell, int reach_columns, int reach_rows, Visit visit) const {
+    layout_.for_each_cell_in_block(cell, reach_columns, reach_rows, [&](int c) { for_each_in_cell(c, visit); });
+  }
+
+  /// Whether every list is linked both ways, holds only agents of its cell, and all agents are in a list.
+  /// Cost: O(agents + cells); for tests and audits.
+  [[nodiscard]] bool is_consistent() const;
+
+ private:
+  static constexpr std::int32_t none = -1;
+  static constexpr int outside = -1;
+
+  void grow(std::size_t agents);
+  void link(std::size_t agent, int cell);
+  void unlink(std::size_t agent);
+
+  CellLayout layout_;
+  std::vector<std::int32_t> heads_;
+  std::vector<std::int32_t> next_;
+  std::vector<std::int32_t> previous_;
+  std::vector<int> cell_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace gridlock

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gridlock/core/setting.hpp"
+#include "gridlock/core/state.hpp"
+
+namespace gridlock {
+
+/// The settings `[box]`.
+struct BoxSettings {
+  Edge edge = Edge::wall;
+  double side = 1.0;
+  std::optional<double> width;   ///< left out: side
+  std::optional<double> height;  ///< left out: side
+};
+void describe(BoxSettings& settings, SettingVisitor& visitor);
+Box make_box(BoxSettings const& settings);
+
+/// One kind of disk in a mixture: `[[disks.species]]`.
+struct SpeciesSettings {
+  double fraction = 1.0;    ///< share of the disks; the shares of all species add up to 1
+  double size_ratio = 1.0;  ///< radius in units of disks.radius
+  double mass = 1.0;
+};
+void describe(SpeciesSettings& settings, SettingVisitor& visitor);
+
+/// Where the disks stand at the start.
+enum class StartKind { square, triangular, random, file };
+
+/// The settings `[disks]`.
+struct DisksSettings {
+  std::optional<std::uint64_t> count;      ///< left out: 841, or as many as the file holds
+  std::optional<double> packing_fraction;  ///< exactly one of packing_fraction and radius, none for a file
+  std::optional<double> radius;            ///< of a disk with size_ratio 1
+  StartKind start = StartKind::square;
+  std::string file;                        ///< extended XYZ; giving it implies start = "file"
+  std::vector<SpeciesSettings> species;    ///< empty: equal disks of mass 1
+};
+void describe(DisksSettings& settings, SettingVisitor& visitor);
+
+/// How the first velocities are drawn.
+enum class VelocityKind { uniform, maxwell, file };
+/// Whether the mean velocity of the start is taken out; automatic: in a periodic box only.
+enum class Drift { automatic, keep, remove };
+
+/// The settings `[velocities]`.
+struct VelocitySettings {
+  VelocityKind kind = VelocityKind::uniform;
+  double max = 1.0;  ///< v_max; maxwell: kT = m v_max²/4, the temperature the uniform start relaxes to
+  Drift drift = Drift::automatic;
+};
+void describe(VelocitySettings& settings, SettingVisitor& visitor);
+
+/// Disks of the settings, on their sites, at rest; Ids 0 … count − 1 in the order of the sites, row after row from the
+/// lower left. Species are dealt out at random, exactly round(fraction · count) of each.
+///
+/// Errors: Error where the settings contradict each other or the disks cannot fit, naming the largest packing fraction
+/// that does.
+State make_start(Box const& box, DisksSettings const& settings, std::uint64_t seed);
+
+/// Draws a velocity for every disk: a function of (seed, Id) alone.
+void draw_velocities(State& state, VelocitySettings const& settings);
+
+/// The largest radius of equal disks on the best lattice of `count` sites, and its packing fraction.
+struct LatticeFit {
+  double radius = 0.0;
+  double packing_fraction = 0.0;
+  std::vector<Vector> sites;  ///< exactly `count`, row after row from the lower left; they do not depend on the radius used
+};
+LatticeFit fit_square_lattice(Box const& box, std::uint64_t count);
+LatticeFit fit_triangular_lattice(Box const& box, std::uint64_t count);
+
+}  // namespace gridlock

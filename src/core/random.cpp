@@ -1,0 +1,53 @@
+#include "gridlock/core/random.hpp"
+
+#include <Random123/philox.h>
+
+#include <cmath>
+
+namespace gridlock {
+
+RandomStream::RandomStream(std::uint64_t seed, std::uint64_t step, Id id, Purpose purpose)
+    : seed_(seed), stream_{step, id, static_cast<std::uint64_t>(purpose)} {}
+
+std::uint64_t RandomStream::bits() {
+  if (used_ == numbers_.size()) {
+    r123::Philox4x64 const philox;
+    r123::Philox4x64::ctr_type const counter{{block_++, stream_[0], stream_[1], stream_[2]}};
+    r123::Philox4x64::key_type const key{{seed_, 0}};
+    auto const output = philox(counter, key);
+    for (unsigned n = 0; n < numbers_.size(); ++n) numbers_[n] = output[n];
+    used_ = 0;
+  }
+  return numbers_[used_++];
+}
+
+double RandomStream::uniform() { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
+
+std::uint64_t RandomStream::below(std::uint64_t bound) {
+  // Numbers under the remainder of 2⁶⁴ / bound would make the low residues more likely: draw again.
+  std::uint64_t const remainder = (0 - bound) % bound;
+  std::uint64_t drawn = bits();
+  while (drawn < remainder) drawn = bits();
+  return drawn % bound;
+}
+
+double RandomStream::normal() {
+  // The logarithm only decides whether a candidate is kept; the number returned comes from a division, which IEEE 754
+  // rounds exactly, so the last bit does not depend on the mathematical library.
+  constexpr double width = 1.71552776992141359295;  // 2 √(2/e)
+  for (;;) {
+    double const u = 1.0 - uniform();
+    double const v = width * (uniform() - 0.5);
+    double const x = v / u;
+    if (x * x <= -4.0 * std::log(u)) return x;
+  }
+}
+
+Vector RandomStream::in_unit_disk() {
+  for (;;) {
+    Vector const p{2.0 * uniform() - 1.0, 2.0 * uniform() - 1.0};
+    if (squared_length(p) <= 1.0) return p;
+  }
+}
+
+}  // namespace gridlock

@@ -1,0 +1,85 @@
+#include "gridlock/engine/engine.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "gridlock/core/error.hpp"
+#include "stepped.hpp"
+
+namespace gridlock {
+
+namespace {
+
+using Maker = std::unique_ptr<Engine> (*)(EngineSettings const&, State const&);
+
+/// Adding an engine means one line here and a file behind it.
+constexpr std::array<std::pair<char const*, Maker>, 1> registry{{
+    {"stepped",
+     [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
+       return std::make_unique<SteppedEngine>(settings, state);
+     }},
+}};
+
+}  // namespace
+
+std::vector<std::string> engine_kinds() {
+  std::vector<std::string> kinds;
+  for (auto const& [kind, make] : registry) kinds.emplace_back(kind);
+  return kinds;
+}
+
+std::unique_ptr<Engine> make_engine(EngineSettings const& settings, State const& state) {
+  for (auto const& [kind, make] : registry) {
+    if (settings.kind == kind) return make(settings, state);
+  }
+  throw Error({.what = fmt::format("there is no engine \"{}\"", settings.kind),
+               .hint = fmt::format("engine.kind is one of: {}", fmt::join(engine_kinds(), ", ")),
+               .key = "engine.kind"});
+}
+
+double step_duration(EngineSettings const& settings, State const& state) {
+  double const diameter = 2.0 * radius_range(state.disks).smallest;
+  double const speed = settings.speed.value_or(1.0);
+  return settings.time_step * diameter / (speed > 0.0 ? speed : 1.0);
+}
+
+void describe(EngineSettings& settings, SettingVisitor& visitor) {
+  static constexpr std::array<std::string_view, 2> contacts{"always", "approaching"};
+  visitor.visit({.key = "kind", .documentation = "How the disks move: \"stepped\" is the paper's rule."}, settings.kind);
+  visitor.visit({.key = "time_step",
+                 .unit = "diameters of the smallest disk per speed",
+                 .documentation = "Length of one time step.",
+                 .least = 0.0,
+                 .least_is_allowed = false},
+                settings.time_step);
+  visitor.visit({.key = "speed",
+                 .unit = "length / time",
+                 .documentation = "The speed that time_step refers to.",
+                 .least = 0.0,
+                 .default_note = "velocities.max, or for a file √2 times its root mean square speed"},
+                settings.speed);
+  visitor.visit({.key = "substeps",
+                 .documentation = "Equal parts of a time step in which a disk tries to move.",
+                 .least = 1,
+                 .most = 1e6},
+                settings.substeps);
+  visitor.visit({.key = "cells",
+                 .documentation = "k: the grid has k × k neighbourhoods.",
+                 .least = 1,
+                 .most = 46340,
+                 .default_note = "as many as keep the 3×3 block wide enough for every collision of one step"},
+                settings.cells);
+  visit_enum(visitor,
+             {.key = "contact",
+              .documentation = "Whether a halted disk scatters off its partner \"always\" (the paper's rule) or only "
+                               "when the two are \"approaching\"."},
+             contacts, settings.contact);
+}
+
+}  // namespace gridlock

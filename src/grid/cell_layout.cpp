@@ -1,0 +1,47 @@
+#include "gridlock/grid/cell_layout.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "gridlock/core/error.hpp"
+
+namespace gridlock {
+
+namespace {
+
+constexpr std::uint64_t most_cells = std::uint64_t{1} << 31;
+
+/// Whole cells of at least `reach` along a side; at least one.
+std::uint64_t cells_along(double side, double reach, double most) {
+  double const cells = std::min(std::floor(side / reach), std::floor(most));
+  return cells > 1.0 ? static_cast<std::uint64_t>(cells) : 1;
+}
+
+}  // namespace
+
+CellLayout::CellLayout(Box const& box, std::uint64_t columns, std::uint64_t rows)
+    : columns_(static_cast<int>(columns)),
+      rows_(static_cast<int>(rows)),
+      cell_width_(box.width() / static_cast<double>(columns)),
+      cell_height_(box.height() / static_cast<double>(rows)),
+      columns_per_length_(static_cast<double>(columns) / box.width()),
+      rows_per_length_(static_cast<double>(rows) / box.height()),
+      is_periodic_(box.is_periodic()) {
+  if (columns == 0 || rows == 0 || columns >= most_cells / rows) {
+    throw Error({.what = fmt::format("a grid of {} × {} cells cannot be made", columns, rows),
+                 .hint = fmt::format("use at least 1 and at most {} cells a side", 46340),
+                 .key = "engine.cells"});
+  }
+}
+
+CellLayout layout_for_reach(Box const& box, double reach, std::size_t agents) {
+  // A hair more than the reach, so that the margin of columns_within() does not ask for a second ring of cells.
+  reach *= 1.0 + 1e-9;
+  // Cells far smaller in number than agents would make long lists; far more would only be empty memory.
+  double const most = std::sqrt(2.0 * static_cast<double>(agents) + 1.0);
+  double const stretch = std::sqrt(box.width() / box.height());
+  return {box, cells_along(box.width(), reach, most * stretch + 1.0), cells_along(box.height(), reach, most / stretch + 1.0)};
+}
+
+}  // namespace gridlock

@@ -1,0 +1,112 @@
+#include "gridlock/grid/validate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/grid/pairs.hpp"
+
+namespace gridlock {
+
+namespace {
+
+/// Keeps the first few problems of one kind and counts the rest.
+class ProblemList {
+ public:
+  void add(std::string what, std::string hint) {
+    if (++count_ <= most_shown) problems_.push_back({.what = std::move(what), .hint = std::move(hint), .key = "disks"});
+  }
+  void move_into(std::vector<Problem>& all) {
+    if (count_ > most_shown) problems_.back().what += fmt::format(" (and {} more like it)", count_ - most_shown);
+    std::ranges::move(problems_, std::back_inserter(all));
+  }
+
+ private:
+  static constexpr std::size_t most_shown = 3;
+  std::vector<Problem> problems_;
+  std::size_t count_ = 0;
+};
+
+bool is_positive(double value) { return std::isfinite(value) && value > 0.0; }
+
+/// Problems that make a search for overlaps meaningless.
+std::vector<Problem> find_broken_rows(State const& state) {
+  ProblemList not_finite;
+  ProblemList not_inside;
+  Disks const& disks = state.disks;
+  for (std::size_t i = 0; i < disks.size(); ++i) {
+    Vector const p = position(disks, i);
+    Vector const v = velocity(disks, i);
+    double const r = disks.column<Radius>()[i];
+    double const m = disks.column<Mass>()[i];
+    if (!std::isfinite(p.x + p.y + v.x + v.y) || !is_positive(r) || !is_positive(m)) {
+      not_finite.add(fmt::format("disk {} has position ({}, {}), velocity ({}, {}), radius {} and mass {}",
+                                 disks.ids()[i], p.x, p.y, v.x, v.y, r, m),
+                     "every value must be finite, radius and mass above 0");
+      continue;
+    }
+    double const margin = state.box.is_periodic() ? 0.0 : r;
+    bool const is_inside = p.x >= margin && p.x <= state.box.width() - margin && p.y >= margin &&
+                           p.y <= state.box.height() - margin;
+    // A centre exactly on the upper edge of a periodic box is the same point as 0 and must be written so.
+    bool const is_on_upper_edge =
+        state.box.is_periodic() && (p.x == state.box.width() || p.y == state.box.height());
+    if (!is_inside || is_on_upper_edge) {
+      not_inside.add(fmt::format("disk {} at ({}, {}) with radius {} is not inside the box of {} × {}", disks.ids()[i],
+                                 p.x, p.y, r, state.box.width(), state.box.height()),
+                     state.box.is_periodic() ? "centres lie in [0, width) × [0, height)"
+                                             : "centres lie at least one radius away from every wall");
+    }
+  }
+  std::vector<Problem> problems;
+  not_finite.move_into(problems);
+  not_inside.move_into(problems);
+  return problems;
+}
+
+/// Calls visit(i, j, gap) for every pair that overlaps, gap < 0 being the distance between the rims.
+template <class Visit>
+void for_each_overlap(State const& state, Visit visit) {
+  if (state.disks.empty()) return;
+  auto const r = state.disks.column<Radius>();
+  double const reach = 2.0 * radius_range(state.disks).largest;
+  for_each_pair(state, grid_for_reach(state, reach), reach, [&](std::size_t i, std::size_t j, Vector separation) {
+    double const contact = r[i] + r[j];
+    if (squared_length(separation) < contact * contact) visit(i, j, std::sqrt(squared_length(separation)) - contact);
+  });
+}
+
+}  // namespace
+
+void validate(State const& state) {
+  std::vector<Problem> problems = find_broken_rows(state);
+  if (!problems.empty()) throw Error(std::move(problems));
+  ProblemList overlaps;
+  for_each_overlap(state, [&](std::size_t i, std::size_t j, double gap) {
+    auto const [a, b] = std::minmax(state.disks.ids()[i], state.disks.ids()[j]);
+    overlaps.add(fmt::format("disks {} and {} overlap by {:.3g}", a, b, -gap),
+                 "move them apart or make them smaller; hard disks may touch but not overlap");
+  });
+  overlaps.move_into(problems);
+  double const diameter = 2.0 * radius_range(state.disks).largest;
+  if (state.box.is_periodic() && diameter > std::min(state.box.width(), state.box.height())) {
+    problems.push_back({.what = fmt::format("a disk of diameter {} overlaps its own image in a periodic box of {} × {}",
+                                            diameter, state.box.width(), state.box.height()),
+                        .hint = "use a larger box or smaller disks",
+                        .key = "disks"});
+  }
+  if (!problems.empty()) throw Error(std::move(problems));
+}
+
+double largest_overlap(State const& state) {
+  double largest = 0.0;
+  for_each_overlap(state, [&](std::size_t, std::size_t, double gap) { largest = std::max(largest, -gap); });
+  return largest;
+}
+
+}  // namespace gridlock
