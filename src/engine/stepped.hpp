@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 
@@ -10,6 +12,9 @@ CellLayout stepped_layout(EngineSettings const& settings, State const& state);
 
 /// The paper's rule, disk after disk in the order of their Ids, on the paper's linked lists: the readable reference
 /// every faster version is measured against.
+///
+/// Errors: Error for settings out of their bounds, for no disks, for a start in which a sub-step could jump over a
+/// disk, and for a periodic box so small that the image a disk runs into need not be the nearest one.
 class SteppedEngine final : public Engine {
  public:
   SteppedEngine(EngineSettings const& settings, State const& state);
@@ -23,6 +28,7 @@ class SteppedEngine final : public Engine {
 
   EngineSettings settings_;
   double duration_;
+  Box box_;  ///< the box layout_ was made for
   CellLayout layout_;
 };
 

@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <span>
 
 #include "gridlock/core/state.hpp"
 #include "gridlock/engine/engine.hpp"

@@ -39,9 +39,11 @@ CellLayout layout_for_reach(Box const& box, double reach, std::size_t agents) {
   // A hair more than the reach, so that the margin of columns_within() does not ask for a second ring of cells.
   reach *= 1.0 + 1e-9;
   // Cells far smaller in number than agents would make long lists; far more would only be empty memory.
-  double const most = std::sqrt(2.0 * static_cast<double>(agents) + 1.0);
-  double const stretch = std::sqrt(box.width() / box.height());
-  return {box, cells_along(box.width(), reach, most * stretch + 1.0), cells_along(box.height(), reach, most / stretch + 1.0)};
+  double const most = 2.0 * static_cast<double>(agents) + 1.0;
+  double const columns = std::sqrt(most * (box.width() / box.height()));
+  double const rows = std::sqrt(most * (box.height() / box.width()));
+  return {box, cells_along(box.width(), reach, std::min(columns + 1.0, most)),
+          cells_along(box.height(), reach, std::min(rows + 1.0, most))};
 }
 
 }  // namespace gridlock

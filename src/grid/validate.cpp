@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -51,11 +52,10 @@ std::vector<Problem> find_broken_rows(State const& state) {
       continue;
     }
     double const margin = state.box.is_periodic() ? 0.0 : r;
-    bool const is_inside = p.x >= margin && p.x <= state.box.width() - margin && p.y >= margin &&
-                           p.y <= state.box.height() - margin;
+    bool const is_inside =
+        p.x >= margin && p.x <= state.box.width() - margin && p.y >= margin && p.y <= state.box.height() - margin;
     // A centre exactly on the upper edge of a periodic box is the same point as 0 and must be written so.
-    bool const is_on_upper_edge =
-        state.box.is_periodic() && (p.x == state.box.width() || p.y == state.box.height());
+    bool const is_on_upper_edge = state.box.is_periodic() && (p.x == state.box.width() || p.y == state.box.height());
     if (!is_inside || is_on_upper_edge) {
       not_inside.add(fmt::format("disk {} at ({}, {}) with radius {} is not inside the box of {} × {}", disks.ids()[i],
                                  p.x, p.y, r, state.box.width(), state.box.height()),
@@ -77,7 +77,9 @@ void for_each_overlap(State const& state, Visit visit) {
   double const reach = 2.0 * radius_range(state.disks).largest;
   for_each_pair(state, grid_for_reach(state, reach), reach, [&](std::size_t i, std::size_t j, Vector separation) {
     double const contact = r[i] + r[j];
-    if (squared_length(separation) < contact * contact) visit(i, j, std::sqrt(squared_length(separation)) - contact);
+    double const missing = contact * contact - squared_length(separation);
+    // √(d²) − contact would round an overlap of the last bit to nothing; this quotient stays below 0.
+    if (missing > 0.0) visit(i, j, -missing / (contact + std::sqrt(squared_length(separation))));
   });
 }
 

@@ -55,27 +55,23 @@ class Population {
 
   /// Adds an agent with one value per column, in the order the columns are declared.
   Id add(typename Columns::type... values) {
-    if (free_slots_.empty()) {
-      free_slots_.push_back(static_cast<std::uint32_t>(slots_.size()));
-      slots_.emplace_back();
-    }
-    std::uint32_t const slot = free_slots_.back();
-    free_slots_.pop_back();
+    std::uint32_t const slot = take_free_slot();
     Id const id = (Id{slots_[slot].generation} << 32) | slot;
     append(slot, id, values...);
     return id;
   }
 
   /// Adds an agent under a given Id, as a reader of files does. Returns false, and adds nothing, where that name or
-  /// another generation of its slot is alive already.
+  /// another generation of its slot is alive already, or where it is the name of a dead agent of this population.
+  /// Cost: O(1), and memory for every slot up to the one named: bound the Ids of an untrusted file first.
   [[nodiscard]] bool add_as(Id id, typename Columns::type... values) {
     std::size_t const slot = slot_of(id);
     while (slots_.size() <= slot) {
       free_slots_.push_back(static_cast<std::uint32_t>(slots_.size()));
       slots_.emplace_back();
     }
-    if (slots_[slot].is_alive) return false;
-    std::erase(free_slots_, static_cast<std::uint32_t>(slot));
+    if (slots_[slot].is_alive || generation_of(id) < slots_[slot].generation) return false;
+    // The slot stays in free_slots_, where finding it would cost O(N): take_free_slot() drops it when it gets there.
     slots_[slot].generation = generation_of(id);
     append(static_cast<std::uint32_t>(slot), id, values...);
     return true;
@@ -115,6 +111,16 @@ class Population {
 
   static std::size_t slot_of(Id id) { return static_cast<std::size_t>(id & 0xFFFFFFFFU); }
   static std::uint32_t generation_of(Id id) { return static_cast<std::uint32_t>(id >> 32); }
+
+  std::uint32_t take_free_slot() {
+    while (!free_slots_.empty()) {
+      std::uint32_t const slot = free_slots_.back();
+      free_slots_.pop_back();
+      if (!slots_[slot].is_alive) return slot;
+    }
+    slots_.emplace_back();
+    return static_cast<std::uint32_t>(slots_.size() - 1);
+  }
 
   void append(std::uint32_t slot, Id id, typename Columns::type... values) {
     slots_[slot].index = static_cast<std::uint32_t>(size());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 
 #include "gridlock/core/box.hpp"
@@ -44,8 +45,10 @@ class CellLayout {
   }
 
   /// The smallest number of cells to each side that holds every point nearer than `distance` to any point of a cell.
-  [[nodiscard]] int columns_within(double distance) const { return cells_within(distance, cell_width_, columns_); }
-  [[nodiscard]] int rows_within(double distance) const { return cells_within(distance, cell_height_, rows_); }
+  [[nodiscard]] int columns_within(double distance) const {
+    return cells_within(distance, columns_per_length_, columns_);
+  }
+  [[nodiscard]] int rows_within(double distance) const { return cells_within(distance, rows_per_length_, rows_); }
 
  private:
   struct Range {
@@ -54,11 +57,12 @@ class CellLayout {
   };
 
   static int index_of(double p, double per_length, int count) {
-    return std::clamp(static_cast<int>(p * per_length), 0, count - 1);
+    // Clamped before the conversion, which is undefined for a point far outside; max(0, NaN) is 0.
+    return static_cast<int>(std::min(std::max(0.0, p * per_length), static_cast<double>(count - 1)));
   }
-  static int cells_within(double distance, double cell, int count) {
-    // The margin covers the rounding of index_of at the border of two cells.
-    double const cells = distance / cell * (1.0 + 1e-12);
+  static int cells_within(double distance, double per_length, int count) {
+    // The margins cover rounding: of the distance, relative to it, and of points and index_of(), relative to the side.
+    double const cells = distance * per_length * (1.0 + 1e-12) + 1e-15 * count;
     if (!(cells < count)) return count;
     int const whole = static_cast<int>(cells);
     return whole < cells ? whole + 1 : whole;
