@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "gridlock/observe/block_average.hpp"
+#include "gridlock/observe/observable.hpp"
+
+namespace gridlock {
+
+/// An observable whose every column is averaged over the samples that count: a derived class only measures.
+class AveragingObservable : public Observable {
+ public:
+  [[nodiscard]] std::vector<ColumnInfo> columns() const override { return columns_; }
+  /// One estimate per column that ever had a value that counted.
+  [[nodiscard]] std::vector<NamedEstimate> results() const override;
+
+ protected:
+  /// Sets the columns and forgets all averages; for begin().
+  void reset(std::vector<ColumnInfo> columns);
+
+  /// Adds one finite value of a column to its average.
+  void average(std::size_t column, double value, double weight = 1.0) { averages_[column].add(value, weight); }
+
+  [[nodiscard]] BlockAverage const& average_of(std::size_t column) const { return averages_[column]; }
+
+ private:
+  std::vector<ColumnInfo> columns_;
+  std::vector<BlockAverage> averages_;
+};
+
+}  // namespace gridlock

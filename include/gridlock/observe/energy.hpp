@@ -1,0 +1,32 @@
+#pragma once
+
+#include "gridlock/observe/averaging_observable.hpp"
+
+namespace gridlock {
+
+/// The energy, which elastic dynamics must keep.
+///
+///     kinetic_energy       = ½ Σ_i m_i v_i²                            mass · length² / time²
+///     kinetic_energy_drift = (K(t) − K(begin)) / K(begin)              pure number
+///
+/// kinetic_energy is averaged over samples; where the dynamics keeps the energy its error is rounding. The drift's
+/// result is that of the last sample, a fact of this trajectory that has no standard error; undefined for disks at
+/// rest at begin().
+/// Cost: one pass over the disks.
+/// Source: D. Frenkel & B. Smit, Understanding Molecular Simulation (2002), section 4.3, for the drift as the first
+/// thing to look at.
+class Energy final : public AveragingObservable {
+ public:
+  void begin(Moment const& start) override;
+  void sample(Moment const& now, std::span<double> row, bool counts_for_average) override;
+  [[nodiscard]] std::vector<NamedEstimate> results() const override;
+
+ private:
+  [[nodiscard]] bool has_drift() const { return start_ > 0.0; }
+  [[nodiscard]] double drift() const { return (last_ - start_) / start_; }
+
+  double start_ = 0.0;
+  double last_ = 0.0;
+};
+
+}  // namespace gridlock

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gridlock/core/setting.hpp"
+#include "gridlock/core/state.hpp"
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/observe/estimate.hpp"
+
+namespace gridlock {
+
+/// What an observable sees: the state now, and what happened since the start of the run.
+struct Moment {
+  State const& state;
+  Tally const& tally;
+};
+
+/// One column of a table.
+struct ColumnInfo {
+  std::string name;  ///< full and unique: the key in summary.json and the head of the column in series.csv
+  std::string unit;  ///< in the units of the box, the masses and the velocities; empty for pure numbers
+  std::string documentation;
+};
+
+struct NamedEstimate {
+  std::string name;
+  Estimate estimate;
+  std::string unit;
+};
+
+/// A measured curve; becomes <name>.csv.
+struct Distribution {
+  std::string name;
+  std::vector<ColumnInfo> columns;
+  std::vector<std::vector<double>> columns_of_values;  ///< one vector per column, all of the same length
+};
+
+/// A cell of a row without a value: not defined at this moment, or not measured in this sample. Tables leave it empty.
+inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+
+/// Something measured along a run: a few numbers at every sample, and their averages at the end.
+///
+/// The run calls begin() once, then sample() at every sampled moment in the order of time (the start may be one), then
+/// results() and distributions(). The state may be reordered between samples; Ids keep their meaning.
+class Observable {
+ public:
+  Observable() = default;
+  Observable(Observable const&) = delete;
+  Observable& operator=(Observable const&) = delete;
+  virtual ~Observable() = default;
+
+  /// The columns this observable fills in each row; the same from begin() on.
+  [[nodiscard]] virtual std::vector<ColumnInfo> columns() const = 0;
+
+  /// Forgets everything and starts to measure from this moment.
+  virtual void begin(Moment const& start) = 0;
+
+  /// Measures now: writes one number per column, or `no_value`. Rates are those since the previous sample (or since
+  /// begin), and enter the averages with that interval's duration.
+  /// `counts_for_average` says whether this moment, and the interval that ends with it, enter averages.
+  /// Contract: row.size() == columns().size().
+  virtual void sample(Moment const& now, std::span<double> row, bool counts_for_average) = 0;
+
+  /// The averages over what counted, and the final values of what grows with time; only finite numbers. What is not
+  /// defined (a rate of no time, a pressure of no disks) is left out.
+  [[nodiscard]] virtual std::vector<NamedEstimate> results() const = 0;
+
+  /// The measured curves, averaged over what counted; those without a sample are left out.
+  [[nodiscard]] virtual std::vector<Distribution> distributions() const { return {}; }
+};
+
+/// The settings `[observe]`.
+struct ObserveSettings {
+  std::uint64_t every = 100;            ///< steps between samples
+  double discard = 0.2;                 ///< share of the run left out of averages
+  std::uint64_t structure_every = 10;   ///< samples between measurements of ψ6 and g(r); 0 for none
+  double pair_correlation_range = 5.0;  ///< in mean diameters
+  std::uint64_t pair_correlation_bins = 250;
+  double speed_range = 3.0;  ///< in root mean square speeds of the lightest disks
+  std::uint64_t speed_bins = 60;
+};
+void describe(ObserveSettings& settings, SettingVisitor& visitor);
+
+/// Every observable that is defined for such a state, ready to sample: begun at `start`.
+///
+/// Displacement, Energy, Speed, Rates, Pressure, VelocityAutocorrelation; BondOrientation and PairCorrelation unless
+/// structure_every is 0. Each is described in its own header. Quantities of walls exist in walled boxes only.
+/// Cost of a sample: a few passes over the disks, about 20 ns a disk; ψ6 and g(r) about 1 µs a disk when they are due.
+std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Moment const& start);
+
+}  // namespace gridlock

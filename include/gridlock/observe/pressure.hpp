@@ -1,0 +1,36 @@
+#pragma once
+
+#include "gridlock/observe/averaging_observable.hpp"
+
+namespace gridlock {
+
+/// The pressure, from the impulses pairs of disks and walls receive between samples.
+///
+///     virial_pressure        = (N kT + W / 2t) / A                  mass / time² (force per length)
+///     compressibility_factor = Z = 1 + W / (2 N kT t)               pure number
+///     wall_pressure_left …   = I_left / (t H)                       mass / time²; walled boxes only
+///     wall_pressure          = Σ_walls I / (2 t (W_box + H_box))    mean over the length of the four walls
+///
+/// W = Σ (r_i − r_j)·Δp_i is the virial of all pair collisions during t (σ m |v_n| for two equal disks in contact), I
+/// the impulse given to a wall, and kT the temperature() of the state at the end of the interval, which energy-keeping
+/// dynamics does not change. Z is left out at rest, and everything that needs kT for a single disk in a periodic box.
+///
+/// Between walls the pair virial divided by the full area falls short of the bulk pressure by a layer at the walls; on
+/// any one long trajectory of equal disks in a square box of side L the two are tied by
+/// wall_pressure · L (L − 2R) = K + W / 2t.
+/// Averages are ratios of sums over all time that counts.
+/// Cost: one pass over the disks for kT.
+/// Source: J. J. Erpenbeck & W. W. Wood (1977), in Statistical Mechanics B, ed. B. J. Berne,
+/// doi:10.1007/978-1-4615-7906-9_1; M. Engel et al. (2013), doi:10.1103/PhysRevE.87.042134.
+class Pressure final : public AveragingObservable {
+ public:
+  void begin(Moment const& start) override;
+  void sample(Moment const& now, std::span<double> row, bool counts_for_average) override;
+
+ private:
+  Tally last_;
+  double last_time_ = 0.0;
+  bool has_walls_ = false;
+};
+
+}  // namespace gridlock

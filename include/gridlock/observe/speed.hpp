@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gridlock/observe/averaging_observable.hpp"
+
+namespace gridlock {
+
+/// How fast the disks move, against what Maxwell says of thermal equilibrium.
+///
+///     mean_speed         = (1/N) Σ_i |v_i|                                          length / time
+///     speed_moment_ratio = N Σ_i (m_i v_i²)² / (Σ_i m_i v_i²)²                      pure number
+///
+/// For equal masses the ratio is ⟨v⁴⟩/⟨v²⟩²: 1 if all are equally fast, 4/3 for velocities uniform in a disk, 2 for
+/// Maxwell's in two dimensions (2N/(N+1) for N disks of fixed total energy between walls). Written with energies it
+/// is 2 in equilibrium for mixtures too. In equilibrium of equal masses the mean speed is √(πkT/2m). At rest the ratio
+/// is undefined.
+///
+/// The distribution "speed_distribution" is the histogram of |v| over all samples that count, per unit of speed and
+/// normalised by all disks, with errors from blocks, beside Maxwell's curve averaged over the same bins at the
+/// measured temperature:
+///
+///     f(v) = (1/N) Σ_i (m_i v / kT) exp(−m_i v² / 2kT)
+///
+/// Cost: one pass over the disks, one square root each.
+/// Source: J. C. Maxwell (1860), doi:10.1080/14786446008642818, here for two dimensions.
+class Speed final : public AveragingObservable {
+ public:
+  Speed(double range, std::uint64_t bins) : range_(range), bins_(bins) {}
+
+  void begin(Moment const& start) override;
+  void sample(Moment const& now, std::span<double> row, bool counts_for_average) override;
+  [[nodiscard]] std::vector<Distribution> distributions() const override;
+
+ private:
+  struct MassShare {
+    double mass;
+    double share;  ///< of all disks
+  };
+  /// Maxwell's probability of a speed below v.
+  [[nodiscard]] double maxwell_below(double v, double temperature) const;
+
+  double range_;
+  std::uint64_t bins_;
+  double bin_width_ = 0.0;  ///< 0 where nothing moves at begin(): no histogram
+  std::vector<MassShare> masses_;
+  std::vector<std::uint64_t> counts_;  ///< of the present sample
+  std::vector<BlockAverage> shares_;   ///< of all disks, per bin
+  BlockAverage temperature_;
+};
+
+}  // namespace gridlock

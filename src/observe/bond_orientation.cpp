@@ -1,0 +1,84 @@
+#include "gridlock/observe/bond_orientation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <vector>
+
+#include "gridlock/grid/pairs.hpp"
+
+namespace gridlock {
+
+namespace {
+
+/// Σ_k exp(6 i θ_jk) of one disk and the number of its neighbours.
+struct Bonds {
+  std::complex<double> sum;
+  double count = 0.0;
+};
+
+/// exp(6 i θ) of the direction of a vector that is not zero.
+std::complex<double> sixth_power_of_direction(Vector r) {
+  double const squared = squared_length(r);
+  // (x + iy)² / |r|², a unit vector at twice the angle.
+  double const c = (r.x - r.y) * (r.x + r.y) / squared;
+  double const s = 2.0 * r.x * r.y / squared;
+  // Its third power.
+  return {c * (c * c - 3.0 * s * s), s * (3.0 * c * c - s * s)};
+}
+
+double neighbour_distance(State const& state) {
+  double const density = static_cast<double>(state.disks.size()) / state.box.area();
+  double const reach = 1.5 * std::sqrt(2.0 / (std::numbers::sqrt3 * density));
+  if (!state.box.is_periodic()) return reach;
+  return std::min(reach, 0.5 * std::min(state.box.width(), state.box.height()));
+}
+
+}  // namespace
+
+std::optional<BondOrientationOrder> bond_orientation_order(State const& state) {
+  std::size_t const n = state.disks.size();
+  if (n == 0) return std::nullopt;
+  double const reach = neighbour_distance(state);
+  std::vector<Bonds> bonds(n);
+  for_each_pair(state, grid_for_reach(state, reach), reach, [&](std::size_t i, std::size_t j, Vector separation) {
+    if (!(squared_length(separation) > 0.0)) return;
+    // Six is even: the direction back gives the same number.
+    std::complex<double> const bond = sixth_power_of_direction(separation);
+    bonds[i].sum += bond;
+    bonds[j].sum += bond;
+    bonds[i].count += 1.0;
+    bonds[j].count += 1.0;
+  });
+  std::complex<double> global;
+  double local = 0.0;
+  for (Bonds const& of_disk : bonds) {
+    if (!(of_disk.count > 0.0)) continue;
+    std::complex<double> const order = of_disk.sum / of_disk.count;
+    global += order;
+    local += std::abs(order);
+  }
+  auto const count = static_cast<double>(n);
+  return BondOrientationOrder{.global = std::abs(global) / count, .local = local / count};
+}
+
+void BondOrientation::begin(Moment const&) {
+  reset({{"global_bond_orientation_order", "", "|⟨ψ6⟩|, the sixfold order of the whole system."},
+         {"local_bond_orientation_order", "", "⟨|ψ6|⟩, the sixfold order around each disk."}});
+  schedule_.reset();
+}
+
+void BondOrientation::sample(Moment const& now, std::span<double> row, bool counts_for_average) {
+  std::ranges::fill(row, no_value);
+  if (!schedule_.is_due(counts_for_average)) return;
+  auto const order = bond_orientation_order(now.state);
+  if (!order) return;
+  row[0] = order->global;
+  row[1] = order->local;
+  if (!counts_for_average) return;
+  average(0, order->global);
+  average(1, order->local);
+}
+
+}  // namespace gridlock

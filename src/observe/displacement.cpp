@@ -1,0 +1,61 @@
+#include "gridlock/observe/displacement.hpp"
+
+#include <cmath>
+
+namespace gridlock {
+
+std::vector<ColumnInfo> Displacement::columns() const {
+  return {{"mean_displacement", "sides of the box", "Mean distance of the disks from where they started."},
+          {"mean_squared_displacement", "length²", "Mean squared distance of the disks from where they started."}};
+}
+
+void Displacement::begin(Moment const& start) {
+  Disks const& disks = start.state.disks;
+  rows_ = RowsById(disks.ids());
+  sites_.assign(disks.size(), {});
+  for (std::size_t i = 0; i < disks.size(); ++i) {
+    sites_[rows_.place_of(disks.ids()[i], i)] = {disks.column<X>()[i], disks.column<Y>()[i], disks.column<ImageX>()[i],
+                                                 disks.column<ImageY>()[i]};
+  }
+  length_ = {};
+  squared_length_ = {};
+}
+
+void Displacement::sample(Moment const& now, std::span<double> row, bool) {
+  Disks const& disks = now.state.disks;
+  Box const& box = now.state.box;
+  auto const ids = disks.ids();
+  auto const x = disks.column<X>();
+  auto const y = disks.column<Y>();
+  auto const image_x = disks.column<ImageX>();
+  auto const image_y = disks.column<ImageY>();
+  length_ = {};
+  squared_length_ = {};
+  for (std::size_t i = 0; i < disks.size(); ++i) {
+    std::size_t const place = rows_.place_of(ids[i], i);
+    if (place == RowsById::not_found) continue;
+    Site const& from = sites_[place];
+    double const crossed_x = static_cast<double>(image_x[i]) - static_cast<double>(from.image_x);
+    double const crossed_y = static_cast<double>(image_y[i]) - static_cast<double>(from.image_y);
+    Vector const moved{x[i] - from.x + crossed_x * box.width(), y[i] - from.y + crossed_y * box.height()};
+    double const squared = squared_length(moved);
+    std::size_t const block = rows_.block_of(place, disk_blocks);
+    length_[block].add({std::sqrt(squared) / box.side(), 1.0});
+    squared_length_[block].add({squared, 1.0});
+  }
+  auto const length = estimate_from(length_);
+  auto const squared_length = estimate_from(squared_length_);
+  row[0] = length ? length->value : no_value;
+  row[1] = squared_length ? squared_length->value : no_value;
+}
+
+std::vector<NamedEstimate> Displacement::results() const {
+  std::vector<NamedEstimate> results;
+  std::vector<ColumnInfo> const infos = columns();
+  if (auto const estimate = estimate_from(length_)) results.push_back({infos[0].name, *estimate, infos[0].unit});
+  if (auto const estimate = estimate_from(squared_length_))
+    results.push_back({infos[1].name, *estimate, infos[1].unit});
+  return results;
+}
+
+}  // namespace gridlock

@@ -1,0 +1,68 @@
+#include "gridlock/observe/observable.hpp"
+
+#include <utility>
+
+#include "gridlock/observe/bond_orientation.hpp"
+#include "gridlock/observe/displacement.hpp"
+#include "gridlock/observe/energy.hpp"
+#include "gridlock/observe/pair_correlation.hpp"
+#include "gridlock/observe/pressure.hpp"
+#include "gridlock/observe/rates.hpp"
+#include "gridlock/observe/speed.hpp"
+#include "gridlock/observe/velocity_autocorrelation.hpp"
+
+namespace gridlock {
+
+void describe(ObserveSettings& settings, SettingVisitor& visitor) {
+  visitor.visit({.key = "every", .unit = "steps", .documentation = "Steps between two samples.", .least = 1.0},
+                settings.every);
+  visitor.visit({.key = "discard",
+                 .documentation = "Share of the run at its start that averages leave out.",
+                 .least = 0.0,
+                 .most = 1.0,
+                 .most_is_allowed = false},
+                settings.discard);
+  visitor.visit({.key = "structure_every",
+                 .unit = "samples",
+                 .documentation = "Samples between two measurements of ψ6 and g(r), the expensive ones; 0 for none."},
+                settings.structure_every);
+  visitor.visit({.key = "pair_correlation_range",
+                 .unit = "mean diameters",
+                 .documentation = "Largest distance of g(r); at most half the shorter side of the box is used.",
+                 .least = 0.0,
+                 .least_is_allowed = false},
+                settings.pair_correlation_range);
+  visitor.visit(
+      {.key = "pair_correlation_bins", .documentation = "Bins of g(r) from 0 to its range.", .least = 1.0, .most = 1e6},
+      settings.pair_correlation_bins);
+  visitor.visit({.key = "speed_range",
+                 .unit = "root mean square speeds of the lightest disks",
+                 .documentation = "Largest speed of the speed distribution.",
+                 .least = 0.0,
+                 .least_is_allowed = false},
+                settings.speed_range);
+  visitor.visit({.key = "speed_bins",
+                 .documentation = "Bins of the speed distribution from 0 to its range.",
+                 .least = 1.0,
+                 .most = 1e6},
+                settings.speed_bins);
+}
+
+std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Moment const& start) {
+  std::vector<std::unique_ptr<Observable>> observables;
+  observables.push_back(std::make_unique<Displacement>());
+  observables.push_back(std::make_unique<Energy>());
+  observables.push_back(std::make_unique<Speed>(settings.speed_range, settings.speed_bins));
+  observables.push_back(std::make_unique<Rates>());
+  observables.push_back(std::make_unique<Pressure>());
+  observables.push_back(std::make_unique<VelocityAutocorrelation>());
+  if (settings.structure_every > 0) {
+    observables.push_back(std::make_unique<BondOrientation>(settings.structure_every));
+    observables.push_back(std::make_unique<PairCorrelation>(settings.structure_every, settings.pair_correlation_range,
+                                                            settings.pair_correlation_bins));
+  }
+  for (auto const& observable : observables) observable->begin(start);
+  return observables;
+}
+
+}  // namespace gridlock

@@ -1,0 +1,90 @@
+#include "gridlock/observe/pair_correlation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "gridlock/grid/pairs.hpp"
+
+namespace gridlock {
+
+namespace {
+
+double mean_radius(Disks const& disks) {
+  double sum = 0.0;
+  for (double const r : disks.column<Radius>()) sum += r;
+  return sum / static_cast<double>(disks.size());
+}
+
+/// The part of the box that centres can reach; absent for no disks and where the walls leave no area.
+std::optional<Box> domain_of_centres(State const& state) {
+  if (state.disks.empty()) return std::nullopt;
+  if (state.box.is_periodic()) return state.box;
+  double const margin = 2.0 * mean_radius(state.disks);
+  double const width = state.box.width() - margin;
+  double const height = state.box.height() - margin;
+  return width > 0.0 && height > 0.0 ? std::optional(Box(width, height, Edge::wall)) : std::nullopt;
+}
+
+}  // namespace
+
+double probability_of_nearer_points(Box const& box, double r) {
+  double const area = box.area();
+  double const disk = std::numbers::pi * r * r;
+  if (box.is_periodic()) return disk / area;
+  double const sides = box.width() + box.height();
+  return (disk * area - (4.0 / 3.0) * sides * r * r * r + 0.5 * r * r * r * r) / (area * area);
+}
+
+void PairCorrelation::begin(Moment const& start) {
+  schedule_.reset();
+  bin_width_ = 0.0;
+  if (auto const domain = domain_of_centres(start.state)) {
+    double const most = 0.5 * std::min(domain->width(), domain->height());
+    bin_width_ = std::min(range_ * 2.0 * mean_radius(start.state.disks), most) / static_cast<double>(bins_);
+  }
+  counts_.assign(bin_width_ > 0.0 ? bins_ : 0, 0);
+  correlation_.assign(counts_.size(), {});
+}
+
+void PairCorrelation::sample(Moment const& now, std::span<double>, bool counts_for_average) {
+  // There is no column to fill, so what does not count need not be measured.
+  if (!schedule_.is_due(counts_for_average) || !counts_for_average || counts_.empty()) return;
+  auto const domain = domain_of_centres(now.state);
+  double const range = bin_width_ * static_cast<double>(counts_.size());
+  auto const n = static_cast<double>(now.state.disks.size());
+  // A box that has shrunk below the range, or lost its disks, has nothing to compare with.
+  if (!domain || n < 2.0 || range > 0.5 * std::min(domain->width(), domain->height()) * (1.0 + 1e-12)) return;
+
+  std::ranges::fill(counts_, 0);
+  for_each_pair(now.state, grid_for_reach(now.state, range), range, [&](std::size_t, std::size_t, Vector separation) {
+    auto const bin = static_cast<std::size_t>(std::sqrt(squared_length(separation)) / bin_width_);
+    ++counts_[std::min(bin, counts_.size() - 1)];
+  });
+  double const pairs = 0.5 * n * (n - 1.0);
+  for (std::size_t b = 0; b < counts_.size(); ++b) {
+    double const expected = pairs * (probability_of_nearer_points(*domain, static_cast<double>(b + 1) * bin_width_) -
+                                     probability_of_nearer_points(*domain, static_cast<double>(b) * bin_width_));
+    correlation_[b].add(static_cast<double>(counts_[b]) / expected);
+  }
+}
+
+std::vector<Distribution> PairCorrelation::distributions() const {
+  if (correlation_.empty() || correlation_.front().samples() == 0) return {};
+  std::vector<double> distance, value, error;
+  for (std::size_t b = 0; b < correlation_.size(); ++b) {
+    Estimate const estimate = *correlation_[b].estimate();
+    distance.push_back((static_cast<double>(b) + 0.5) * bin_width_);
+    value.push_back(estimate.value);
+    error.push_back(estimate.error.value_or(no_value));
+  }
+  return {{.name = "pair_correlation",
+           .columns = {{"distance", "length", "Middle of the bin."},
+                       {"pair_correlation", "", "g(r): pairs in the bin for each one of an ideal gas."},
+                       {"error", "", "One standard error of g, from blocks of samples."}},
+           .columns_of_values = {std::move(distance), std::move(value), std::move(error)}}};
+}
+
+}  // namespace gridlock

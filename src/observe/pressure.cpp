@@ -1,0 +1,72 @@
+#include "gridlock/observe/pressure.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "gridlock/observe/temperature.hpp"
+
+namespace gridlock {
+
+namespace {
+
+// In the order of the columns; those of walls exist in walled boxes only, the four single walls in the order of Tally.
+constexpr std::size_t virial_column = 0;
+constexpr std::size_t compressibility_column = 1;
+constexpr std::size_t all_walls_column = 2;
+constexpr std::size_t first_wall_column = 3;
+constexpr std::array<char const*, 4> wall_names{"left", "right", "bottom", "top"};
+
+std::vector<ColumnInfo> columns_for(Box const& box) {
+  std::vector<ColumnInfo> columns{
+      {"virial_pressure", "mass / time²", "Pressure from kinetic energy and pair impulses, over the whole area."},
+      {"compressibility_factor", "", "Z = virial pressure · area / (N kT)."}};
+  if (box.is_periodic()) return columns;
+  columns.push_back({"wall_pressure", "mass / time²", "Impulse per time and length on all four walls."});
+  for (std::string const name : wall_names) {
+    columns.push_back(
+        {"wall_pressure_" + name, "mass / time²", "Impulse per time and length on the " + name + " wall."});
+  }
+  return columns;
+}
+
+}  // namespace
+
+void Pressure::begin(Moment const& start) {
+  has_walls_ = !start.state.box.is_periodic();
+  reset(columns_for(start.state.box));
+  last_ = start.tally;
+  last_time_ = start.state.clock.time;
+}
+
+void Pressure::sample(Moment const& now, std::span<double> row, bool counts_for_average) {
+  Box const& box = now.state.box;
+  double const duration = now.state.clock.time - last_time_;
+  double const virial = now.tally.pair_virial - last_.pair_virial;
+  std::array<double, 4> impulse{};
+  for (std::size_t wall = 0; wall < 4; ++wall) impulse[wall] = now.tally.wall_impulse[wall] - last_.wall_impulse[wall];
+  last_ = now.tally;
+  last_time_ = now.state.clock.time;
+
+  std::ranges::fill(row, no_value);
+  if (!(duration > 0.0)) return;
+  auto const set = [&](std::size_t column, double value, double weight) {
+    row[column] = value;
+    if (counts_for_average) average(column, value, weight);
+  };
+  if (auto const kt = temperature(now.state)) {
+    double const thermal = static_cast<double>(now.state.disks.size()) * *kt;
+    set(virial_column, (thermal + 0.5 * virial / duration) / box.area(), duration);
+    if (thermal > 0.0) set(compressibility_column, 1.0 + 0.5 * virial / (thermal * duration), thermal * duration);
+  }
+  if (!has_walls_) return;
+  double const perimeter = 2.0 * (box.width() + box.height());
+  set(all_walls_column, (impulse[0] + impulse[1] + impulse[2] + impulse[3]) / (duration * perimeter), duration);
+  for (std::size_t wall = 0; wall < 4; ++wall) {
+    bool const is_upright = wall == Tally::left || wall == Tally::right;
+    double const length = is_upright ? box.height() : box.width();
+    set(first_wall_column + wall, impulse[wall] / (duration * length), duration);
+  }
+}
+
+}  // namespace gridlock

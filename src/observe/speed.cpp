@@ -1,0 +1,97 @@
+#include "gridlock/observe/speed.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "gridlock/observe/temperature.hpp"
+
+namespace gridlock {
+
+namespace {
+
+constexpr std::size_t speed_column = 0;
+constexpr std::size_t ratio_column = 1;
+
+}  // namespace
+
+void Speed::begin(Moment const& start) {
+  reset({{"mean_speed", "length / time", "Mean speed of the disks."},
+         {"speed_moment_ratio", "", "⟨v⁴⟩/⟨v²⟩², with energies for unequal masses; 2 in thermal equilibrium."}});
+  Disks const& disks = start.state.disks;
+  auto const n = static_cast<double>(disks.size());
+  std::vector<double> masses(disks.column<Mass>().begin(), disks.column<Mass>().end());
+  std::ranges::sort(masses);
+  masses_.clear();
+  for (double const mass : masses) {
+    if (masses_.empty() || masses_.back().mass != mass) masses_.push_back({mass, 0.0});
+    masses_.back().share += 1.0 / n;
+  }
+  double const energy = kinetic_energy(disks);
+  bin_width_ =
+      energy > 0.0 ? range_ * std::sqrt(2.0 * energy / (n * masses_.front().mass)) / static_cast<double>(bins_) : 0.0;
+  counts_.assign(bin_width_ > 0.0 ? bins_ : 0, 0);
+  shares_.assign(counts_.size(), {});
+  temperature_ = {};
+}
+
+void Speed::sample(Moment const& now, std::span<double> row, bool counts_for_average) {
+  Disks const& disks = now.state.disks;
+  auto const n = static_cast<double>(disks.size());
+  auto const mass = disks.column<Mass>();
+  auto const velocity_x = disks.column<VelocityX>();
+  auto const velocity_y = disks.column<VelocityY>();
+  std::ranges::fill(counts_, 0);
+  double const bins_per_speed = bin_width_ > 0.0 ? 1.0 / bin_width_ : 0.0;
+  auto const bins = static_cast<double>(counts_.size());
+  double speeds = 0.0;
+  double energies = 0.0;  // twice the kinetic ones
+  double squared_energies = 0.0;
+  for (std::size_t i = 0; i < disks.size(); ++i) {
+    double const squared_speed = velocity_x[i] * velocity_x[i] + velocity_y[i] * velocity_y[i];
+    double const speed = std::sqrt(squared_speed);
+    double const energy = mass[i] * squared_speed;
+    speeds += speed;
+    energies += energy;
+    squared_energies += energy * energy;
+    double const bin = speed * bins_per_speed;
+    if (bin < bins) ++counts_[static_cast<std::size_t>(bin)];
+  }
+  bool const is_moving = energies > 0.0;
+  row[speed_column] = n > 0.0 ? speeds / n : no_value;
+  row[ratio_column] = is_moving ? n * squared_energies / (energies * energies) : no_value;
+  if (!counts_for_average || !(n > 0.0)) return;
+  average(speed_column, row[speed_column]);
+  if (is_moving) average(ratio_column, row[ratio_column]);
+  for (std::size_t b = 0; b < counts_.size(); ++b) shares_[b].add(static_cast<double>(counts_[b]) / n);
+  if (auto const kt = temperature(now.state)) temperature_.add(*kt);
+}
+
+double Speed::maxwell_below(double v, double temperature) const {
+  double below = 0.0;
+  for (auto const& [mass, share] : masses_) below -= share * std::expm1(-0.5 * mass * v * v / temperature);
+  return below;
+}
+
+std::vector<Distribution> Speed::distributions() const {
+  auto const kt = temperature_.estimate();
+  if (counts_.empty() || !kt || !(kt->value > 0.0)) return {};
+  std::vector<double> speed, density, error, maxwell;
+  for (std::size_t b = 0; b < shares_.size(); ++b) {
+    double const lower = static_cast<double>(b) * bin_width_;
+    double const upper = static_cast<double>(b + 1) * bin_width_;
+    Estimate const share = *shares_[b].estimate();
+    speed.push_back(0.5 * (lower + upper));
+    density.push_back(share.value / bin_width_);
+    error.push_back(share.error ? *share.error / bin_width_ : no_value);
+    maxwell.push_back((maxwell_below(upper, kt->value) - maxwell_below(lower, kt->value)) / bin_width_);
+  }
+  return {{.name = "speed_distribution",
+           .columns = {{"speed", "length / time", "Middle of the bin."},
+                       {"density", "time / length", "Share of the disks in the bin per unit of speed."},
+                       {"error", "time / length", "One standard error of the density, from blocks of samples."},
+                       {"maxwell", "time / length", "Maxwell's density at the measured temperature."}},
+           .columns_of_values = {std::move(speed), std::move(density), std::move(error), std::move(maxwell)}}};
+}
+
+}  // namespace gridlock
