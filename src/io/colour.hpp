@@ -1,0 +1,33 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+namespace gridlock {
+
+/// A colour of sRGB space, each part in [0, 1].
+struct Colour {
+  double red = 0.0;
+  double green = 0.0;
+  double blue = 0.0;
+};
+
+/// "#rrggbb".
+std::string to_hex(Colour colour);
+
+/// The colour `share` of the way from `from` to `to`.
+Colour mixed(Colour from, Colour to, double share);
+
+/// Eight colours that people with any common colour blindness tell apart, in the order curves take them; the yellow,
+/// too pale for a line on white, comes last.
+/// Source: M. Okabe & K. Ito, Color Universal Design (2008), https://jfly.uni-koeln.de/color/.
+std::span<Colour const> categorical_colours();
+
+/// The perceptually uniform map from dark blue (t = 0) over green to yellow (t = 1); t outside [0, 1] is clamped.
+///
+/// Ten anchors of viridis with straight lines between, within 0.02 of the original table in each part.
+/// Source: S. van der Walt & N. Smith, A better default colormap for Matplotlib, SciPy 2015; why uniform maps:
+/// J. R. Nuñez et al. 2018, doi:10.1371/journal.pone.0199239.
+Colour viridis(double t);
+
+}  // namespace gridlock

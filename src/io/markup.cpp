@@ -1,0 +1,109 @@
+#include "io/markup.hpp"
+
+#include <cstddef>
+#include <cstdint>
+
+namespace gridlock {
+
+namespace {
+
+constexpr std::string_view replacement_character = "\xEF\xBF\xBD";
+
+bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == '\x7F'; }
+
+/// The length of the well-formed UTF-8 character the text begins with; 0 where it begins with none (RFC 3629).
+std::size_t length_of_character(std::string_view text) {
+  auto const byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  unsigned const first = byte(0);
+  if (first < 0x80) return 1;
+  std::size_t const length = first >= 0xC2 && first < 0xE0   ? 2
+                             : first >= 0xE0 && first < 0xF0 ? 3
+                             : first >= 0xF0 && first < 0xF5 ? 4
+                                                             : 0;
+  if (length == 0 || text.size() < length) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xC0U) != 0x80) return 0;
+  }
+  unsigned const second = byte(1);
+  bool const is_overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
+  bool const is_surrogate = first == 0xED && second >= 0xA0;
+  bool const is_beyond_unicode = first == 0xF4 && second >= 0x90;
+  // U+FFFE and U+FFFF are no characters of XML.
+  bool const is_noncharacter = first == 0xEF && second == 0xBF && byte(2) >= 0xBE;
+  return is_overlong || is_surrogate || is_beyond_unicode || is_noncharacter ? 0 : length;
+}
+
+/// Calls visit(character) for every character, broken bytes replaced one by one.
+template <class Visit>
+void for_each_character(std::string_view text, Visit visit) {
+  while (!text.empty()) {
+    std::size_t const length = length_of_character(text);
+    visit(length == 0 ? replacement_character : text.substr(0, length));
+    text.remove_prefix(length == 0 ? 1 : length);
+  }
+}
+
+}  // namespace
+
+std::string escape_markup(std::string_view text) {
+  std::string escaped;
+  escaped.reserve(text.size());
+  for_each_character(text, [&](std::string_view character) {
+    switch (character.front()) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      case '\'':
+        escaped += "&#39;";
+        break;
+      case '\n':
+      case '\t':
+        escaped += character;
+        break;
+      default:
+        if (!is_control(character.front())) escaped += character;
+    }
+  });
+  return escaped;
+}
+
+std::string one_line(std::string_view text) {
+  std::string line;
+  line.reserve(text.size());
+  for_each_character(text, [&](std::string_view character) {
+    if (is_control(character.front())) {
+      line += ' ';
+    } else {
+      line += character;
+    }
+  });
+  return line;
+}
+
+std::string to_base64(std::string_view bytes) {
+  static constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string encoded;
+  encoded.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::size_t const present = bytes.size() - i < 3 ? bytes.size() - i : 3;
+    std::uint32_t group = 0;
+    for (std::size_t j = 0; j < 3; ++j) {
+      group = (group << 8) | (j < present ? static_cast<unsigned char>(bytes[i + j]) : 0U);
+    }
+    for (std::size_t j = 0; j < 4; ++j) {
+      encoded += j <= present ? digits[(group >> (18 - 6 * j)) & 0x3FU] : '=';
+    }
+  }
+  return encoded;
+}
+
+}  // namespace gridlock

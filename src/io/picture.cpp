@@ -1,0 +1,395 @@
+#include "gridlock/io/picture.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/io/file.hpp"
+#include "io/canvas.hpp"
+#include "io/colour.hpp"
+#include "io/neighbourhood_colour.hpp"
+
+namespace gridlock {
+
+namespace {
+
+constexpr double reference_width = 720.0;  // the picture width the sizes below are meant for
+constexpr std::uint32_t least_pixels = 16;
+constexpr std::uint32_t most_pixels = 16'384;
+constexpr double narrowest_cell = 4.0;  // pixels; the lines of a finer grid would hide the disks
+constexpr std::size_t most_arrows = 2'000;
+constexpr std::size_t most_species_colours = 6;
+constexpr double tallest_picture = 2.0;  // height over width, where the box asks for more
+constexpr double raster_magnification = 2.0;
+
+constexpr Colour white{1.0, 1.0, 1.0};
+constexpr Colour ink{0.13, 0.14, 0.16};
+constexpr Colour unknown_value{0.75, 0.75, 0.75};
+
+/// The range of numbers a colour bar stands for.
+struct Scale {
+  double least = 0.0;
+  double most = 1.0;
+
+  [[nodiscard]] double place_of(double value) const { return (value - least) / (most - least); }
+};
+
+/// Where everything stands, in pixels.
+struct Arrangement {
+  double unit = 1.0;    ///< one pixel of a picture of reference_width
+  double pixels = 1.0;  ///< per unit of length of the box
+  double width = 0.0;
+  double height = 0.0;
+  PixelRectangle box;
+  PixelRectangle bar;
+};
+
+bool has_bar(Colouring colouring) { return colouring == Colouring::speed || colouring == Colouring::values; }
+
+void check(State const& state, PictureSettings const& settings) {
+  for (auto const& [key, pixels] : {std::pair{"width", settings.width}, std::pair{"height", settings.height}}) {
+    bool const follows = pixels == 0 && std::string_view(key) == "height";
+    if (follows || (pixels >= least_pixels && pixels <= most_pixels)) continue;
+    throw Error({.what = fmt::format("a picture {} of {} pixels cannot be drawn", key, pixels),
+                 .hint = fmt::format("use {} to {} pixels", least_pixels, most_pixels),
+                 .key = key});
+  }
+  if (settings.colouring == Colouring::values && settings.values.size() != state.disks.size()) {
+    throw Error({.what = fmt::format("{} values to colour {} disks by", settings.values.size(), state.disks.size()),
+                 .hint = "give one value for each disk"});
+  }
+}
+
+Arrangement arrange(Box const& box, PictureSettings const& settings) {
+  Arrangement a;
+  a.width = settings.width;
+  a.unit = a.width / reference_width;
+  double const margin = 14.0 * a.unit;
+  double const top = settings.title.empty() ? margin : 46.0 * a.unit;
+  double const right = has_bar(settings.colouring) ? 100.0 * a.unit : margin;
+  double const room = a.width - margin - right;
+  double const most_height = (settings.height > 0 ? settings.height : tallest_picture * a.width) - top - margin;
+  a.pixels = std::min(room / box.width(), std::max(1.0, most_height) / box.height());
+  a.box = {.width = a.pixels * box.width(), .height = a.pixels * box.height()};
+  double const least_height = has_bar(settings.colouring) ? 160.0 * a.unit : 0.0;
+  double const content = std::max(a.box.height, least_height);
+  a.height = settings.height > 0 ? settings.height : std::max(1.0, std::round(top + content + margin));
+  a.box.x = margin + 0.5 * (room - a.box.width);
+  a.box.y = top + 0.5 * (a.height - top - margin - a.box.height);
+  a.bar = {.x = a.box.x + a.box.width + 18.0 * a.unit,
+           .y = top + 4.0 * a.unit,
+           .width = 16.0 * a.unit,
+           .height = std::max(1.0, a.height - top - margin - 8.0 * a.unit)};
+  return a;
+}
+
+/// Which colour each disk has.
+class DiskColours {
+ public:
+  DiskColours(State const& state, PictureSettings const& settings) : state_(state), settings_(settings) {
+    if (settings.colouring == Colouring::speed) {
+      for (std::size_t i = 0; i < state.disks.size(); ++i) {
+        values_.push_back(std::sqrt(squared_length(velocity(state.disks, i))));
+      }
+    } else if (settings.colouring == Colouring::values) {
+      values_.assign(settings.values.begin(), settings.values.end());
+    } else if (settings.colouring == Colouring::radius) {
+      find_radii();
+    }
+    if (has_bar(settings.colouring)) find_scale();
+  }
+
+  [[nodiscard]] Scale const& scale() const { return scale_; }
+
+  [[nodiscard]] Colour of(std::size_t i) const {
+    switch (settings_.colouring) {
+      case Colouring::radius:
+        return of_radius(state_.disks.column<Radius>()[i]);
+      case Colouring::neighbourhood:
+        return of_cell(position(state_.disks, i));
+      case Colouring::speed:
+      case Colouring::values:
+        break;
+    }
+    return std::isfinite(values_[i]) ? viridis(scale_.place_of(values_[i])) : unknown_value;
+  }
+
+ private:
+  void find_radii() {
+    auto const radii = state_.disks.column<Radius>();
+    radii_.assign(radii.begin(), radii.end());
+    std::erase_if(radii_, [](double r) { return !std::isfinite(r); });
+    std::ranges::sort(radii_);
+    radii_.erase(std::unique(radii_.begin(), radii_.end()), radii_.end());
+    if (!radii_.empty()) scale_ = widened({radii_.front(), radii_.back()});
+  }
+
+  void find_scale() {
+    Scale range{.least = 0.0, .most = -HUGE_VAL};
+    for (double const value : values_) {
+      if (!std::isfinite(value)) continue;
+      range.least = std::min(range.least, value);
+      range.most = std::max(range.most, value);
+    }
+    if (!(range.most >= range.least)) range = {};
+    scale_ = widened({settings_.least.value_or(range.least), settings_.most.value_or(range.most)});
+  }
+
+  static Scale widened(Scale scale) {
+    if (!(scale.most > scale.least)) scale.most = scale.least + std::max(1.0, std::abs(scale.least));
+    return scale;
+  }
+
+  [[nodiscard]] Colour of_radius(double radius) const {
+    if (!std::isfinite(radius)) return unknown_value;
+    if (radii_.size() > most_species_colours) return viridis(scale_.place_of(radius));
+    auto const kind = std::ranges::lower_bound(radii_, radius) - radii_.begin();
+    return mixed(categorical_colours()[static_cast<std::size_t>(kind)], white, 0.35);
+  }
+
+  [[nodiscard]] Colour of_cell(Vector p) const {
+    static std::array<Colour, neighbourhood_colours> const colours = neighbourhood_palette();
+    auto const count = [](std::uint64_t cells) {
+      return static_cast<int>(std::clamp<std::uint64_t>(cells, 1, std::numeric_limits<int>::max()));
+    };
+    int const columns = count(settings_.columns);
+    int const rows = count(settings_.rows);
+    auto const index = [](double x, double side, int cells) {
+      return static_cast<int>(std::clamp(x * (cells / side), 0.0, cells - 1.0));
+    };
+    Box const& box = state_.box;
+    int const colour = neighbourhood_colour(index(p.x, box.width(), columns), index(p.y, box.height(), rows), columns,
+                                            rows, box.is_periodic());
+    return colours[static_cast<std::size_t>(colour)];
+  }
+
+  /// The four colours of an even grid are those easiest to tell apart; the five others appear on odd periodic rings.
+  static std::array<Colour, neighbourhood_colours> neighbourhood_palette() {
+    auto const c = categorical_colours();
+    Colour const blue = mixed(c[0], white, 0.25), orange = mixed(c[4], white, 0.15), green = mixed(c[2], white, 0.2);
+    Colour const purple = mixed(c[3], white, 0.1), vermilion = mixed(c[1], white, 0.1), sky = mixed(c[5], white, 0.2);
+    Colour const grey{0.55, 0.55, 0.55}, yellow = c[7], brown{0.45, 0.26, 0.18};
+    return {blue, orange, vermilion, green, purple, sky, yellow, grey, brown};
+  }
+
+  State const& state_;
+  PictureSettings const& settings_;
+  std::vector<double> values_;
+  std::vector<double> radii_;
+  Scale scale_;
+};
+
+class Picture {
+ public:
+  Picture(State const& state, PictureSettings const& settings)
+      : state_(state), settings_(settings), at_(arrange(state.box, settings)), colours_(state, settings) {}
+
+  [[nodiscard]] Arrangement const& arrangement() const { return at_; }
+
+  void draw_background(Canvas& canvas) const {
+    canvas.fill({.width = at_.width, .height = at_.height}, white);
+    if (settings_.title.empty()) return;
+    canvas.text({at_.box.x + 0.5 * at_.box.width, 30.0 * at_.unit}, settings_.title,
+                {.size = 18.0 * at_.unit, .anchor = TextAnchor::middle, .colour = ink});
+  }
+
+  void draw_disks(Canvas& canvas) const {
+    double const outline = outline_width();
+    canvas.begin_circles({.colour = ink, .width = outline});
+    for (std::size_t i = 0; i < state_.disks.size(); ++i) {
+      Colour const colour = colours_.of(i);
+      // The outline lies inside the disk, so that two disks in contact touch and do not overlap.
+      double const radius = state_.disks.column<Radius>()[i] * at_.pixels - 0.5 * outline;
+      for_each_image(i, [&](Vector centre) { canvas.circle(to_pixels(centre), radius, colour); });
+    }
+    canvas.end_circles();
+    if (settings_.shows_velocities && state_.disks.size() <= most_arrows) draw_arrows(canvas);
+  }
+
+  void draw_frame(Canvas& canvas) const {
+    draw_grid(canvas);
+    // The line stands outside the box, so that a disk at the wall is seen to touch and not to overlap it.
+    double const thickness = (state_.box.is_periodic() ? 1.2 : 4.0) * at_.unit;
+    PixelRectangle const around{at_.box.x - 0.5 * thickness, at_.box.y - 0.5 * thickness, at_.box.width + thickness,
+                                at_.box.height + thickness};
+    canvas.outline(around, {.colour = ink, .width = thickness, .is_dashed = state_.box.is_periodic()});
+    if (has_bar(settings_.colouring)) draw_bar(canvas);
+  }
+
+ private:
+  [[nodiscard]] Vector to_pixels(Vector p) const {
+    return {at_.box.x + p.x * at_.pixels, at_.box.y + at_.box.height - p.y * at_.pixels};
+  }
+
+  /// Thin against the disk, and none where it would be all there is to see.
+  [[nodiscard]] double outline_width() const {
+    double const smallest = radius_range(state_.disks).smallest * at_.pixels;
+    return smallest < 2.5 ? 0.0 : std::min(0.8 * at_.unit, 0.12 * smallest);
+  }
+
+  /// Calls visit(centre) for every periodic image of disk i that reaches into the box.
+  template <class Visit>
+  void for_each_image(std::size_t i, Visit visit) const {
+    Vector const p = position(state_.disks, i);
+    double const r = state_.disks.column<Radius>()[i];
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !(r > 0.0) || !std::isfinite(r)) return;
+    if (!state_.box.is_periodic()) return visit(p);
+    auto const reaches = [r](double x, double side) { return x + r > 0.0 && x - r < side; };
+    for (int const row : {-1, 0, 1}) {
+      for (int const column : {-1, 0, 1}) {
+        Vector const image{p.x + column * state_.box.width(), p.y + row * state_.box.height()};
+        if (reaches(image.x, state_.box.width()) && reaches(image.y, state_.box.height())) visit(image);
+      }
+    }
+  }
+
+  void draw_arrows(Canvas& canvas) const {
+    double squares = 0.0;
+    for (std::size_t i = 0; i < state_.disks.size(); ++i) squares += squared_length(velocity(state_.disks, i));
+    if (!(squares > 0.0) || !std::isfinite(squares)) return;
+    double const speed = std::sqrt(squares / static_cast<double>(state_.disks.size()));
+    double const pixels_per_speed = 2.0 * radius_range(state_.disks).smallest * at_.pixels / speed;
+    for (std::size_t i = 0; i < state_.disks.size(); ++i) {
+      Vector const v = velocity(state_.disks, i);
+      Vector const along{v.x * pixels_per_speed, -v.y * pixels_per_speed};
+      if (squared_length(along) > 1.0) draw_arrow(canvas, to_pixels(position(state_.disks, i)), along);
+    }
+  }
+
+  void draw_arrow(Canvas& canvas, Vector from, Vector along) const {
+    double const length = std::sqrt(squared_length(along));
+    double const head = std::min(7.0 * at_.unit, 0.5 * length);
+    Vector const to = from + along;
+    Vector const neck = to - (head / length) * along;
+    Vector const across = (0.45 * head / length) * Vector{-along.y, along.x};
+    canvas.line(from, neck, {.colour = ink, .width = std::min(1.5 * at_.unit, 0.3 * head)});
+    canvas.triangle(to, neck + across, neck - across, ink);
+  }
+
+  void draw_grid(Canvas& canvas) const {
+    auto const columns = static_cast<double>(settings_.columns);
+    auto const rows = static_cast<double>(settings_.rows);
+    if (columns == 0.0 || rows == 0.0) return;
+    if (at_.box.width / columns < narrowest_cell || at_.box.height / rows < narrowest_cell) return;
+    Stroke const stroke{.colour = ink, .width = 1.1 * at_.unit, .opacity = 0.7};
+    PixelRectangle const& b = at_.box;
+    for (std::uint64_t c = 1; c < settings_.columns; ++c) {
+      double const x = b.x + b.width * static_cast<double>(c) / columns;
+      canvas.line({x, b.y}, {x, b.y + b.height}, stroke);
+    }
+    for (std::uint64_t r = 1; r < settings_.rows; ++r) {
+      double const y = b.y + b.height * static_cast<double>(r) / rows;
+      canvas.line({b.x, y}, {b.x + b.width, y}, stroke);
+    }
+  }
+
+  void draw_bar(Canvas& canvas) const {
+    constexpr int bands = 128;
+    PixelRectangle const& bar = at_.bar;
+    for (int i = 0; i < bands; ++i) {
+      // Each band reaches under the ones above it, or the seams would show between them.
+      double const below = bar.height * i / bands;
+      canvas.fill({bar.x, bar.y, bar.width, bar.height - below}, viridis((i + 0.5) / bands));
+    }
+    Stroke const thin{.colour = ink, .width = 1.0 * at_.unit};
+    canvas.outline(bar, thin);
+    Scale const& scale = colours_.scale();
+    double const step = tick_step(scale);
+    double const first = std::ceil(scale.least / step - 1e-9);
+    for (double n = first; n * step <= scale.most + 1e-9 * step; ++n) {
+      double const y = bar.y + bar.height * (1.0 - scale.place_of(n * step));
+      canvas.line({bar.x + bar.width, y}, {bar.x + bar.width + 4.0 * at_.unit, y}, thin);
+      // The sum turns −0 into 0.
+      canvas.text({bar.x + bar.width + 7.0 * at_.unit, y + 4.5 * at_.unit}, fmt::format("{:.6g}", n * step + 0.0),
+                  {.size = 13.0 * at_.unit, .colour = ink});
+    }
+    std::string const label =
+        settings_.bar_label.empty() && settings_.colouring == Colouring::speed ? "speed" : settings_.bar_label;
+    canvas.text({bar.x + 74.0 * at_.unit, bar.y + 0.5 * bar.height}, label,
+                {.size = 15.0 * at_.unit, .anchor = TextAnchor::middle, .is_upright = true, .colour = ink});
+  }
+
+  /// 1, 2 or 5 times a power of ten, for about five ticks.
+  static double tick_step(Scale const& scale) {
+    double const rough = (scale.most - scale.least) / 5.0;
+    double const power = std::pow(10.0, std::floor(std::log10(rough)));
+    double const share = rough / power;
+    return power * (share < 1.5 ? 1.0 : share < 3.5 ? 2.0 : share < 7.5 ? 5.0 : 10.0);
+  }
+
+  State const& state_;
+  PictureSettings const& settings_;
+  Arrangement at_;
+  DiskColours colours_;
+};
+
+bool is_raster(State const& state, PictureSettings const& settings) {
+  return state.disks.size() > settings.most_vector_disks;
+}
+
+}  // namespace
+
+std::string picture_svg(State const& state, PictureSettings const& settings) {
+  check(state, settings);
+  Picture const picture(state, settings);
+  Arrangement const& at = picture.arrangement();
+  SvgCanvas canvas(at.width, at.height);
+  picture.draw_background(canvas);
+  canvas.begin_clip(at.box);
+  if (is_raster(state, settings)) {
+    PixelCanvas layer(at.box, raster_magnification);
+    layer.fill(at.box, white);
+    picture.draw_disks(layer);
+    canvas.image(at.box, layer.png());
+  } else {
+    picture.draw_disks(canvas);
+  }
+  canvas.end_clip();
+  picture.draw_frame(canvas);
+  return canvas.document();
+}
+
+std::string picture_png(State const& state, PictureSettings const& settings) {
+  check(state, settings);
+  Picture const picture(state, settings);
+  Arrangement const& at = picture.arrangement();
+  PixelCanvas canvas({.width = at.width, .height = at.height}, 1.0);
+  picture.draw_background(canvas);
+  canvas.begin_clip(at.box);
+  picture.draw_disks(canvas);
+  canvas.end_clip();
+  picture.draw_frame(canvas);
+  return canvas.png();
+}
+
+PictureKind draw_disks(State const& state, PictureSettings const& settings, std::filesystem::path const& file) {
+  if (file.extension() == ".svg") {
+    write_file(file, picture_svg(state, settings));
+    return is_raster(state, settings) ? PictureKind::raster : PictureKind::vector;
+  }
+  if (file.extension() != ".png") {
+    throw Error({.what = fmt::format("{}: a picture is written as .svg or .png", file.string())});
+  }
+  write_file(file, picture_png(state, settings));
+  return PictureKind::raster;
+}
+
+std::string picture_table(State const& state) {
+  std::string table = "x,y,radius\n";
+  double const width = state.box.width();
+  for (std::size_t i = 0; i < state.disks.size(); ++i) {
+    Vector const p = position(state.disks, i);
+    fmt::format_to(std::back_inserter(table), "{:.7g},{:.7g},{:.7g}\n", p.x / width, p.y / width,
+                   state.disks.column<Radius>()[i] / width);
+  }
+  return table;
+}
+
+}  // namespace gridlock
