@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace gridlock {
+
+/// A file that appears under its name complete or not at all.
+///
+/// Text goes to a temporary file beside it; commit() brings that to the disk and renames it. Without a commit() nothing
+/// is left behind, so a crash or a full disk never destroys the file that was there before. A device or pipe
+/// ("/dev/stdout") is written directly.
+/// Errors: RunFailure with the reason of the operating system. Cost: one buffer of 256 KiB, whatever the file's size.
+class AtomicFile {
+ public:
+  explicit AtomicFile(std::filesystem::path path);
+  ~AtomicFile();
+  AtomicFile(AtomicFile const&) = delete;
+  AtomicFile& operator=(AtomicFile const&) = delete;
+
+  void append(std::string_view text);
+  /// Brings the file to its name; nothing may be appended after it.
+  void commit();
+
+ private:
+  void write_out(std::string_view text);
+  void discard() noexcept;
+  [[noreturn]] void fail(int error_number);
+
+  std::filesystem::path path_;       ///< as the user knows it
+  std::filesystem::path target_;     ///< path_ with symbolic links followed, so that a link stays a link
+  std::filesystem::path temporary_;  ///< empty where the target is written directly
+  int descriptor_ = -1;
+  std::string buffer_;
+};
+
+/// Writes the whole file at once, as AtomicFile does.
+void write_file(std::filesystem::path const& path, std::string_view content);
+
+/// The bytes of a file.
+/// Errors: Error for a file that is missing, a directory, unreadable or larger than `largest` bytes (2 GiB).
+std::string read_file(std::filesystem::path const& path, std::uint64_t largest = std::uint64_t{1} << 31);
+
+/// Creates a directory with its parents, and makes sure that files can be created in it.
+/// Errors: Error under the key "-o", with the reason of the operating system.
+void make_output_directory(std::filesystem::path const& path);
+
+}  // namespace gridlock

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "gridlock/core/state.hpp"
+
+namespace gridlock {
+
+/// Writes a state as extended XYZ, which ASE and OVITO read, with every bit that hash() covers.
+///
+///     841
+///     Lattice="1.0 0 0 0 1.0 0 0 0 1" pbc="F F F" Properties=species:S:1:pos:R:3:id:I:1:velo:R:3:radius:R:1:masses:R:1:image:I:2 Time=0.5 step=100 seed=1
+///     Ar 0.017 0.017 0 0 0.31 -0.2 0 0.017 1 0 0
+///
+/// The disks lie at z = 0 in a box of height 1. pbc is "T T F" for a periodic box. The symbol stands for the radius, so
+/// that viewers colour a mixture: Ar, Kr, Xe, Rn, Ne, He from the smallest to the largest; X for all disks where there
+/// are more than six radii. Numbers are the shortest that read back the same.
+/// Errors: RunFailure. Cost: about 1 µs a disk; never the whole text in memory.
+void write_xyz(State const& state, std::filesystem::path const& path);
+
+/// What a file of extended XYZ holds.
+struct XyzFrame {
+  State state;
+  bool has_velocities = false;  ///< where not, all are 0
+  bool has_radii = false;       ///< where not, all are 0 and the caller has to give them
+};
+
+/// Reads a file of extended XYZ with one frame.
+///
+/// Columns may stand in any order, Properties names them: pos is needed; velo, radius, masses, image and id are left
+/// out at will (0; 0; 1; 0; the number of the row from 0); others are skipped. Time, step and seed default to 0, pbc to
+/// periodic as the format has it. Rows come back in the order of their ids.
+/// Errors: Error with line and column for anything damaged, not orthogonal, not in the plane, not finite or ambiguous;
+/// never a crash, and never more memory than a small multiple of the file's size.
+/// Not checked: that disks lie inside the box and do not overlap; validate() does.
+XyzFrame read_xyz(std::filesystem::path const& path);
+
+/// read_xyz() of a text; `name` stands for the file in errors.
+XyzFrame parse_xyz(std::string_view text, std::string const& name);
+
+}  // namespace gridlock

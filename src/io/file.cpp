@@ -1,0 +1,181 @@
+#include "gridlock/io/file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <system_error>
+#include <utility>
+
+#include "gridlock/core/error.hpp"
+
+namespace gridlock {
+
+namespace {
+
+constexpr std::size_t buffer_size = std::size_t{256} * 1024;
+
+std::string reason(int error_number) { return std::generic_category().message(error_number); }
+
+/// Where a symbolic link points to in the end; the path itself where it is none, or a broken one.
+std::filesystem::path follow_links(std::filesystem::path const& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_symlink(path, ignored)) return path;
+  std::filesystem::path followed = std::filesystem::canonical(path, ignored);
+  return followed.empty() ? path : followed;
+}
+
+bool is_written_directly(std::filesystem::path const& path) {
+  std::error_code ignored;
+  auto const type = std::filesystem::status(path, ignored).type();
+  using enum std::filesystem::file_type;
+  return type == character || type == block || type == fifo || type == socket;
+}
+
+/// Opens a new file beside `target`; its name tells a user who finds one after a crash what it was to become.
+int open_temporary(std::filesystem::path const& target, std::filesystem::path& temporary) {
+  for (int attempt = 0;; ++attempt) {
+    temporary = target.parent_path() / fmt::format(".{}.{}-{}.part", target.filename().string(), getpid(), attempt);
+    int const descriptor = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor >= 0 || errno != EEXIST || attempt > 1000) return descriptor;
+  }
+}
+
+/// A file descriptor that is closed at the end of its scope.
+class Descriptor {
+ public:
+  explicit Descriptor(int value) : value_(value) {}
+  ~Descriptor() {
+    if (value_ >= 0) close(value_);
+  }
+  Descriptor(Descriptor const&) = delete;
+  Descriptor& operator=(Descriptor const&) = delete;
+  [[nodiscard]] int value() const { return value_; }
+
+ private:
+  int value_;
+};
+
+[[noreturn]] void refuse_reading(std::filesystem::path const& path, std::string const& why, std::string hint) {
+  throw Error(Problem{
+      .what = fmt::format("cannot read {}: {}", path.string(), why), .hint = std::move(hint), .file = path.string()});
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)), target_(follow_links(path_)) {
+  if (is_written_directly(target_)) {
+    descriptor_ = open(target_.c_str(), O_WRONLY | O_CLOEXEC);
+  } else {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(target_, ignored)) fail(EISDIR);
+    descriptor_ = open_temporary(target_, temporary_);
+  }
+  if (descriptor_ < 0) {
+    int const error_number = errno;
+    temporary_.clear();
+    fail(error_number);
+  }
+  buffer_.reserve(buffer_size);
+}
+
+AtomicFile::~AtomicFile() { discard(); }
+
+void AtomicFile::append(std::string_view text) {
+  if (buffer_.size() + text.size() > buffer_size) {
+    write_out(buffer_);
+    buffer_.clear();
+    if (text.size() > buffer_size) return write_out(text);
+  }
+  buffer_ += text;
+}
+
+void AtomicFile::commit() {
+  write_out(buffer_);
+  buffer_.clear();
+  if (!temporary_.empty() && fsync(descriptor_) != 0) fail(errno);
+  if (close(std::exchange(descriptor_, -1)) != 0) fail(errno);
+  if (temporary_.empty()) return;
+  if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail(errno);
+  temporary_.clear();
+}
+
+void AtomicFile::write_out(std::string_view text) {
+  while (!text.empty()) {
+    ssize_t const written = write(descriptor_, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(errno);
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+void AtomicFile::discard() noexcept {
+  if (descriptor_ >= 0) close(std::exchange(descriptor_, -1));
+  if (!temporary_.empty()) unlink(temporary_.c_str());
+  temporary_.clear();
+}
+
+void AtomicFile::fail(int error_number) {
+  discard();
+  throw RunFailure(fmt::format("cannot write {}: {}", path_.string(), reason(error_number)));
+}
+
+void write_file(std::filesystem::path const& path, std::string_view content) {
+  AtomicFile file(path);
+  file.append(content);
+  file.commit();
+}
+
+std::string read_file(std::filesystem::path const& path, std::uint64_t largest) {
+  Descriptor const file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.value() < 0) {
+    refuse_reading(path, reason(errno), errno == ENOENT ? "check the name and the directory it is looked for in" : "");
+  }
+  struct stat status {};
+  if (fstat(file.value(), &status) != 0) refuse_reading(path, reason(errno), "");
+  if (S_ISDIR(status.st_mode)) refuse_reading(path, "it is a directory", "name a file inside it");
+  auto const too_large = [&] {
+    refuse_reading(path, fmt::format("it is larger than {} bytes", largest), "is it the right file?");
+  };
+  auto const size = static_cast<std::uint64_t>(status.st_size);
+  if (size > largest) too_large();
+
+  // The size is only a first guess: a pipe has none, and the file may grow while it is read.
+  std::string content(static_cast<std::size_t>(size) + 1, '\0');
+  std::size_t filled = 0;
+  while (true) {
+    if (filled == content.size()) content.resize(2 * content.size() + 4096);
+    ssize_t const got = read(file.value(), content.data() + filled, content.size() - filled);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) refuse_reading(path, reason(errno), "");
+    if (got == 0) break;
+    filled += static_cast<std::size_t>(got);
+    if (filled > largest) too_large();
+  }
+  content.resize(filled);
+  return content;
+}
+
+void make_output_directory(std::filesystem::path const& path) {
+  auto const refuse = [&](std::string const& why) {
+    throw Error(Problem{.what = fmt::format("cannot write into the directory {}: {}", path.string(), why),
+                        .hint = "name another directory with -o",
+                        .key = "-o"});
+  };
+  if (path.empty()) refuse("its name is empty");
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error && !std::filesystem::is_directory(path)) refuse(error.message());
+  // Permission bits do not tell of read-only file systems, quotas or root: only creating a file does.
+  std::filesystem::path probe;
+  int const descriptor = open_temporary(path / "probe", probe);
+  if (descriptor < 0) refuse(reason(errno));
+  close(descriptor);
+  unlink(probe.c_str());
+}
+
+}  // namespace gridlock

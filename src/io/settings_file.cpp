@@ -1,0 +1,247 @@
+#include "gridlock/io/settings_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "gridlock/io/file.hpp"
+#include "io/number.hpp"
+#include "io/settings_reader.hpp"
+#include "io/toml_tree.hpp"
+
+namespace gridlock {
+
+namespace {
+
+using Kind = TomlValue::Kind;
+
+/// A file of settings is written by hand; more than this is something else under the wrong name.
+constexpr std::uint64_t largest_file = std::uint64_t{16} << 20;
+
+/// The parts of a dotted key, without the places in lists: "disks.species[1].mass" → disks, species, mass with 1.
+struct KeyPart {
+  std::string name;
+  std::optional<std::size_t> place;
+};
+
+std::vector<KeyPart> parts_of(std::string_view key) {
+  std::vector<KeyPart> parts;
+  while (true) {
+    std::size_t const dot = key.find('.');
+    std::string_view const word = key.substr(0, dot);
+    std::size_t const bracket = word.find('[');
+    KeyPart part{.name = std::string(word.substr(0, bracket))};
+    if (bracket != std::string_view::npos && word.back() == ']') {
+      part.place = parse_number<std::size_t>(word.substr(bracket + 1, word.size() - bracket - 2));
+    }
+    parts.push_back(std::move(part));
+    if (dot == std::string_view::npos) return parts;
+    key.remove_prefix(dot + 1);
+  }
+}
+
+/// What lies at a dotted key, or as far along it as anything is given.
+struct Found {
+  TomlValue const* value = nullptr;
+  bool is_whole_key = false;
+};
+
+Found follow(TomlValue const& root, std::string_view key) {
+  Found found;
+  TomlValue const* at = &root;
+  for (KeyPart const& part : parts_of(key)) {
+    at = at->find(part.name);
+    if (at != nullptr) found.value = at;
+    if (at != nullptr && part.place) {
+      at = at->kind == Kind::array && *part.place < at->items.size() ? &at->items[*part.place] : nullptr;
+      if (at != nullptr) found.value = at;
+    }
+    if (at == nullptr) return found;
+  }
+  found.is_whole_key = true;
+  return found;
+}
+
+bool is_usable_key(std::string_view key) {
+  if (key.empty()) return false;
+  return std::ranges::all_of(parts_of(key), [](KeyPart const& part) { return !part.name.empty(); }) &&
+         key.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-.") ==
+             std::string_view::npos;
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+  return text;
+}
+
+Problem problem_at(SettingLocation const& where, std::string key, std::string what, std::string hint) {
+  return {.what = std::move(what),
+          .hint = std::move(hint),
+          .key = std::move(key),
+          .file = where.file,
+          .line = where.line,
+          .column = where.column,
+          .source_line = where.source_line};
+}
+
+/// Collects the lists of a table and of the tables that dotted keys make within it.
+void collect_lists(TomlValue const& table, std::string const& prefix, std::string const& outer,
+                   std::vector<SettingList>& lists, std::vector<Problem>& problems) {
+  for (std::size_t i = 0; i < table.items.size(); ++i) {
+    TomlValue const& member = table.items[i];
+    std::string const key = prefix.empty() ? table.names[i] : prefix + "." + table.names[i];
+    auto const report = [&](SettingLocation const& where, std::string what, std::string hint) {
+      problems.push_back(problem_at(where, outer + "." + key, std::move(what), std::move(hint)));
+    };
+    if (member.is_table()) {
+      collect_lists(member, key, outer, lists, problems);
+    } else if (!is_usable_key(key)) {
+      report(member.key_location, fmt::format("{} in [{}] is no setting", in_quotes(key), outer),
+             "write dotted keys, as in disks.packing_fraction = [0.5, 0.6]");
+    } else if (member.kind != Kind::array) {
+      report(member.location, fmt::format("{} in [{}] is {}, but must be a list", key, outer, in_words(member)),
+             fmt::format("write {} = [{}]", key, to_toml(member)));
+    } else if (member.items.empty()) {
+      report(member.location, fmt::format("{} in [{}] is an empty list", key, outer),
+             "list at least one value, or take the line out");
+    } else if (std::ranges::find(lists, key, &SettingList::key) != lists.end()) {
+      report(member.key_location, fmt::format("{} is given twice in [{}]", key, outer), "join the two lists");
+    } else {
+      SettingList list{.key = key, .values = {}, .value_locations = {}, .location = member.location};
+      for (TomlValue const& item : member.items) {
+        list.values.push_back(to_toml(item));
+        list.value_locations.push_back(item.location);
+      }
+      lists.push_back(std::move(list));
+    }
+  }
+}
+
+}  // namespace
+
+struct SettingsFile::Content {
+  TomlValue root;
+  std::string name;  ///< of the file, for errors; empty where there is none
+  std::filesystem::path directory = ".";
+};
+
+SettingsFile::SettingsFile() : content_(std::make_unique<Content>()) {}
+SettingsFile::~SettingsFile() = default;
+SettingsFile::SettingsFile(SettingsFile const& other) : content_(std::make_unique<Content>(*other.content_)) {}
+SettingsFile::SettingsFile(SettingsFile&& other) noexcept = default;
+SettingsFile& SettingsFile::operator=(SettingsFile other) noexcept {
+  std::swap(content_, other.content_);
+  return *this;
+}
+
+SettingsFile SettingsFile::from_path(std::filesystem::path const& path) {
+  SettingsFile file = from_text(read_file(path, largest_file), path.string());
+  if (path.has_parent_path()) file.content_->directory = path.parent_path();
+  return file;
+}
+
+SettingsFile SettingsFile::from_text(std::string_view text, std::string const& name) {
+  SettingsFile file;
+  file.content_->root = parse_toml(text, name);
+  file.content_->name = name;
+  return file;
+}
+
+void SettingsFile::set(std::string_view assignment) {
+  SettingLocation const where{.file = "--set", .source_line = std::string(assignment)};
+  std::size_t const equals = assignment.find('=');
+  if (equals == std::string_view::npos) {
+    throw Error(problem_at(where, "", fmt::format("{} sets nothing", in_quotes(assignment)),
+                           "write --set key=value, as in --set disks.packing_fraction=0.7"));
+  }
+  set(trimmed(assignment.substr(0, equals)), trimmed(assignment.substr(equals + 1)), where);
+}
+
+void SettingsFile::set(std::string_view key, std::string_view value, SettingLocation const& where) {
+  if (!is_usable_key(key)) {
+    throw Error(problem_at(where, "", fmt::format("{} is no key of a setting", in_quotes(key)),
+                           "write the table, a dot and the setting, as in disks.packing_fraction"));
+  }
+  TomlValue* table = &content_->root;
+  std::string path;
+  for (KeyPart const& part : parts_of(key)) {
+    path += (path.empty() ? "" : ".") + part.name;
+    if (path.size() == key.size()) {
+      TomlValue given = parse_toml_value(value, where);
+      table->put(part.name, std::move(given));
+      return;
+    }
+    TomlValue* inner = table->find(part.name);
+    if (inner == nullptr) {
+      inner = &table->put(part.name, {.kind = Kind::table, .location = where, .key_location = where});
+    }
+    if (!inner->is_table()) {
+      throw Error(
+          problem_at(where, std::string(key),
+                     fmt::format("{} cannot be set, because {} is {}, not a table", key, path, in_words(*inner)),
+                     inner->kind == Kind::array ? fmt::format("set the whole list: {}=[…]", path) : ""));
+    }
+    table = inner;
+  }
+}
+
+std::vector<SettingList> SettingsFile::take_lists(std::string_view table) {
+  TomlValue& root = content_->root;
+  auto const found = std::ranges::find(root.names, table);
+  if (found == root.names.end()) return {};
+  auto const place = found - root.names.begin();
+  TomlValue const taken = std::move(root.items[static_cast<std::size_t>(place)]);
+  root.names.erase(found);
+  root.items.erase(root.items.begin() + place);
+
+  std::vector<SettingList> lists;
+  std::vector<Problem> problems;
+  if (taken.is_table()) {
+    collect_lists(taken, "", std::string(table), lists, problems);
+  } else {
+    problems.push_back(problem_at(taken.location, std::string(table),
+                                  fmt::format("{} is {}, but must be a table of lists", table, in_words(taken)),
+                                  fmt::format("write [{}] and below it lists, as in run.seed = [1, 2, 3]", table)));
+  }
+  if (!problems.empty()) throw Error(std::move(problems));
+  // TOML tables have no order; the order of the lines is what the user sees.
+  std::ranges::stable_sort(lists, {}, [](SettingList const& list) {
+    return std::pair(list.location.line == 0, std::pair(list.location.line, list.location.column));
+  });
+  return lists;
+}
+
+void SettingsFile::read_into(Describe const& describe) const {
+  SettingsReader reader(content_->root);
+  describe(reader);
+  std::vector<Problem> problems = reader.problems();
+  if (!problems.empty()) throw Error(std::move(problems));
+}
+
+bool SettingsFile::is_given(std::string_view key) const { return follow(content_->root, key).is_whole_key; }
+
+std::optional<SettingLocation> SettingsFile::location(std::string_view key) const {
+  Found const found = follow(content_->root, key);
+  if (found.value == nullptr) return std::nullopt;
+  return found.value->location;
+}
+
+Error SettingsFile::locate(Error const& error) const {
+  std::vector<Problem> problems = error.problems();
+  for (Problem& problem : problems) {
+    if (problem.key.empty() || !problem.file.empty()) continue;
+    auto const where = location(problem.key);
+    if (!where) continue;
+    problem.file = where->file;
+    problem.line = where->line;
+    problem.column = where->column;
+    problem.source_line = where->source_line;
+  }
+  return Error(std::move(problems));
+}
+
+std::filesystem::path SettingsFile::directory() const { return content_->directory; }
+
+}  // namespace gridlock

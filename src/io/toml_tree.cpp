@@ -1,0 +1,252 @@
+#include "io/toml_tree.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <sstream>
+#include <utility>
+
+#include "io/number.hpp"
+
+namespace gridlock {
+
+namespace {
+
+using Kind = TomlValue::Kind;
+
+/// The lines of a text, for quoting them in errors.
+class SourceLines {
+ public:
+  SourceLines(std::string_view text, std::string file) : file_(std::move(file)) {
+    for (std::size_t at = 0; at <= text.size();) {
+      std::size_t const end = std::min(text.find('\n', at), text.size());
+      lines_.push_back(text.substr(at, end - at));
+      at = end + 1;
+    }
+  }
+
+  [[nodiscard]] SettingLocation at(toml::source_position const& position) const {
+    SettingLocation where{
+        .file = file_, .line = static_cast<int>(position.line), .column = static_cast<int>(position.column)};
+    if (position.line >= 1 && position.line <= lines_.size()) where.source_line = shown(lines_[position.line - 1]);
+    return where;
+  }
+
+ private:
+  static std::string shown(std::string_view line) {
+    constexpr std::size_t longest = 100;
+    std::size_t const begin = std::min(line.find_first_not_of(" \t"), line.size());
+    std::size_t const end = line.find_last_not_of(" \t\r") + 1;
+    line = begin < end ? line.substr(begin, end - begin) : std::string_view{};
+    if (line.size() <= longest) return std::string(line);
+    // Cut between characters, not inside one of several bytes.
+    std::size_t cut = longest;
+    while (cut > 0 && (static_cast<unsigned char>(line[cut]) & 0xC0U) == 0x80U) --cut;
+    return std::string(line.substr(0, cut)) + "…";
+  }
+
+  std::string file_;
+  std::vector<std::string_view> lines_;
+};
+
+TomlValue convert(toml::node const& node, SourceLines const& lines);
+
+TomlValue convert_table(toml::table const& table, SourceLines const& lines) {
+  TomlValue value{.kind = Kind::table};
+  for (auto const& [key, member] : table) {
+    TomlValue item = convert(member, lines);
+    item.key_location = lines.at(key.source().begin);
+    // The table of a dotted key stands nowhere itself.
+    if (item.location.line == 0) item.location = item.key_location;
+    value.names.emplace_back(key.str());
+    value.items.push_back(std::move(item));
+  }
+  return value;
+}
+
+TomlValue convert(toml::node const& node, SourceLines const& lines) {
+  TomlValue value;
+  switch (node.type()) {
+    case toml::node_type::table:
+      value = convert_table(*node.as_table(), lines);
+      break;
+    case toml::node_type::array:
+      value.kind = Kind::array;
+      for (auto const& item : *node.as_array()) value.items.push_back(convert(item, lines));
+      break;
+    case toml::node_type::string:
+      value.kind = Kind::text;
+      value.text = node.as_string()->get();
+      break;
+    case toml::node_type::integer:
+      value.kind = Kind::integer;
+      value.integer = node.as_integer()->get();
+      break;
+    case toml::node_type::floating_point:
+      value.kind = Kind::number;
+      value.number = node.as_floating_point()->get();
+      break;
+    case toml::node_type::boolean:
+      value.kind = Kind::boolean;
+      value.boolean = node.as_boolean()->get();
+      break;
+    default: {
+      value.kind = Kind::date;
+      std::ostringstream text;
+      if (auto const* date = node.as_date()) text << date->get();
+      if (auto const* time = node.as_time()) text << time->get();
+      if (auto const* both = node.as_date_time()) text << both->get();
+      value.text = text.str();
+    }
+  }
+  value.location = lines.at(node.source().begin);
+  return value;
+}
+
+/// Whether a key of very many dotted parts stands in the text. Each part is a table inside the one before, and taking
+/// thousands of them apart again overflows the stack.
+bool has_bottomless_key(std::string_view text) {
+  constexpr int deepest = 256;
+  int dots = 0;
+  for (char const c : text) {
+    if (c == '.') {
+      if (++dots > deepest) return true;
+    } else if (c == '\n' || c == ',' || c == '#' || c == '=') {
+      dots = 0;
+    }
+  }
+  return false;
+}
+
+std::string hint_for(std::string_view description) {
+  if (description.find("redefine") != std::string_view::npos) return "give every key and every table once";
+  if (description.find("could not determine value type") != std::string_view::npos ||
+      description.find("expected digit") != std::string_view::npos) {
+    return "a word has to stand in quotes, as in start = \"square\"";
+  }
+  return "";
+}
+
+void relocate(TomlValue& value, SettingLocation const& where) {
+  value.location = where;
+  value.key_location = where;
+  for (TomlValue& item : value.items) relocate(item, where);
+}
+
+}  // namespace
+
+TomlValue const* TomlValue::find(std::string_view name) const {
+  if (!is_table()) return nullptr;
+  auto const found = std::ranges::find(names, name);
+  return found == names.end() ? nullptr : &items[static_cast<std::size_t>(found - names.begin())];
+}
+
+TomlValue* TomlValue::find(std::string_view name) { return const_cast<TomlValue*>(std::as_const(*this).find(name)); }
+
+TomlValue& TomlValue::put(std::string_view name, TomlValue value) {
+  if (TomlValue* existing = find(name)) return *existing = std::move(value);
+  names.emplace_back(name);
+  items.push_back(std::move(value));
+  return items.back();
+}
+
+TomlValue parse_toml(std::string_view text, std::string const& file) {
+  if (has_bottomless_key(text)) {
+    throw Error(
+        Problem{.what = "a key has more than 256 dotted parts", .hint = "is this a file of settings?", .file = file});
+  }
+  SourceLines const lines(text, file);
+  try {
+    return convert(toml::parse(text, file), lines);
+  } catch (toml::parse_error const& error) {
+    SettingLocation const where = lines.at(error.source().begin);
+    throw Error(Problem{.what = fmt::format("this is no TOML: {}", error.description()),
+                        .hint = hint_for(error.description()),
+                        .file = where.file,
+                        .line = where.line,
+                        .column = where.column,
+                        .source_line = where.source_line});
+  }
+}
+
+TomlValue parse_toml_value(std::string_view text, SettingLocation const& where) {
+  TomlValue value{.kind = Kind::text, .text = std::string(text)};
+  try {
+    TomlValue document = parse_toml(fmt::format("value = {}", text), where.file);
+    // More than one member: the text smuggled in a line of its own.
+    if (document.items.size() == 1) value = std::move(document.items.front());
+  } catch (Error const&) {
+    // No TOML: the text stands for itself.
+  }
+  relocate(value, where);
+  value.as_typed = text;
+  return value;
+}
+
+std::string toml_quoted(std::string_view text) {
+  std::string result = "\"";
+  for (char const c : text) {
+    if (c == '"' || c == '\\') {
+      result += '\\';
+      result += c;
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      result += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
+    } else {
+      result += c;
+    }
+  }
+  return result + '"';
+}
+
+std::string toml_key(std::string_view key) {
+  constexpr std::string_view bare = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
+  bool const is_bare = !key.empty() && key.find_first_not_of(bare) == std::string_view::npos;
+  return is_bare ? std::string(key) : toml_quoted(key);
+}
+
+std::string to_toml(TomlValue const& value) {
+  switch (value.kind) {
+    case Kind::boolean:
+      return value.boolean ? "true" : "false";
+    case Kind::integer:
+      return fmt::format("{}", value.integer);
+    case Kind::number:
+      return double_text(value.number);
+    case Kind::text:
+      return toml_quoted(value.text);
+    case Kind::date:
+      return value.text;
+    case Kind::array:
+    case Kind::table:
+      break;
+  }
+  std::string inside;
+  for (std::size_t i = 0; i < value.items.size(); ++i) {
+    if (i > 0) inside += ", ";
+    if (value.is_table()) inside += toml_key(value.names[i]) + " = ";
+    inside += to_toml(value.items[i]);
+  }
+  if (!value.is_table()) return "[" + inside + "]";
+  return inside.empty() ? "{}" : "{ " + inside + " }";
+}
+
+std::string in_words(TomlValue const& value) {
+  switch (value.kind) {
+    case Kind::boolean:
+    case Kind::integer:
+    case Kind::number:
+      return to_toml(value);
+    case Kind::text:
+      return "the text " + in_quotes(value.text);
+    case Kind::date:
+      return "the date " + value.text;
+    case Kind::array:
+      return value.items.empty() ? "an empty list" : "a list";
+    case Kind::table:
+      return "a table";
+  }
+  return "";
+}
+
+}  // namespace gridlock
