@@ -13,7 +13,7 @@ namespace gridlock {
 /// result is that of the last sample, a fact of this trajectory that has no standard error; undefined for disks at
 /// rest at begin().
 /// Cost: one pass over the disks.
-/// Source: D. Frenkel & B. Smit, Understanding Molecular Simulation (2002), section 4.3, for the drift as the first
+/// Source: D. Frenkel & B. Smit, Understanding Molecular Simulation (2002), chapter 4, for the drift as the first
 /// thing to look at.
 class Energy final : public AveragingObservable {
  public:

@@ -32,7 +32,7 @@ struct Block {
 /// a shorter block counts by its weight. With durations as weights the mean is a rate: events over time.
 /// Contract: weights ≥ 0; blocks of weight 0 are ignored. Absent where there is no weight at all; the error is absent
 /// for fewer than two blocks. The error is right only if blocks are longer than what they measure remembers.
-/// Source: W. G. Cochran, Sampling Techniques (1977), section 6, the ratio estimate.
+/// Source: W. G. Cochran, Sampling Techniques (1977), chapter 6, the ratio estimate.
 std::optional<Estimate> estimate_from(std::span<Block const> blocks);
 
 }  // namespace gridlock

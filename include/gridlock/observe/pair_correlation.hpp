@@ -18,7 +18,7 @@ namespace gridlock {
 /// γ(r) = A − (2/π)(W + H) r + r²/π is the set covariance of the rectangle averaged over directions: the area of the
 /// points that still lie inside after a shift by r.
 /// Contract: r ≤ half the shorter side of a periodic box, r ≤ the shorter side between walls.
-/// Source: S. N. Chiu, D. Stoyan, W. S. Kendall & J. Mecke, Stochastic Geometry and its Applications (2013), section 1.7.
+/// Source: S. N. Chiu, D. Stoyan, W. S. Kendall & J. Mecke, Stochastic Geometry and its Applications (2013).
 double probability_of_nearer_points(Box const& box, double r);
 
 /// The pair correlation function: how many pairs have a distance near r, for each one an ideal gas would have.
@@ -34,7 +34,7 @@ double probability_of_nearer_points(Box const& box, double r);
 /// for fewer than two disks, and where walls leave the centres no area.
 /// Cost: O(N · disks within the range), about 0.5 µs a disk at 5 diameters; sampled on the StructureSchedule.
 /// Source: L. S. Ornstein & F. Zernike (1914); normalisation by set covariance: J. Ohser (1983), Mathematische
-/// Operationsforschung und Statistik 14, 63, doi:10.1080/02331888308801687.
+/// Operationsforschung und Statistik 14, 63.
 class PairCorrelation final : public Observable {
  public:
   PairCorrelation(std::uint64_t every, double range, std::uint64_t bins)

@@ -20,8 +20,8 @@ namespace gridlock {
 /// wall_pressure · L (L − 2R) = K + W / 2t.
 /// Averages are ratios of sums over all time that counts.
 /// Cost: one pass over the disks for kT.
-/// Source: J. J. Erpenbeck & W. W. Wood (1977), in Statistical Mechanics B, ed. B. J. Berne,
-/// doi:10.1007/978-1-4615-7906-9_1; M. Engel et al. (2013), doi:10.1103/PhysRevE.87.042134.
+/// Source: M. Engel et al. (2013), doi:10.1103/PhysRevE.87.042134; J. J. Erpenbeck & W. W. Wood (1977), in Statistical
+/// Mechanics B, ed. B. J. Berne.
 class Pressure final : public AveragingObservable {
  public:
   void begin(Moment const& start) override;

@@ -15,7 +15,7 @@ namespace gridlock {
 /// share of no turns are left out. Collisions are the scatterings the engine did; under the paper's rule with
 /// contact = "always" that includes pairs that recede.
 /// Cost: O(1).
-/// Source: S. Chapman & T. G. Cowling, The Mathematical Theory of Non-uniform Gases (1970), section 5.2: in equilibrium
+/// Source: S. Chapman & T. G. Cowling, The Mathematical Theory of Non-uniform Gases (1970), chapter 5: in equilibrium
 /// Γ = 2 σ ρ g(σ) √(πkT/m) for equal disks of diameter σ and density ρ.
 class Rates final : public AveragingObservable {
  public:
