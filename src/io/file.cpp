@@ -169,7 +169,7 @@ void make_output_directory(std::filesystem::path const& path) {
   if (path.empty()) refuse("its name is empty");
   std::error_code error;
   std::filesystem::create_directories(path, error);
-  if (error && !std::filesystem::is_directory(path)) refuse(error.message());
+  if (error) refuse(error.message());
   // Permission bits do not tell of read-only file systems, quotas or root: only creating a file does.
   std::filesystem::path probe;
   int const descriptor = open_temporary(path / "probe", probe);

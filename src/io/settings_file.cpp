@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "gridlock/io/file.hpp"
-#include "io/number.hpp"
 #include "io/settings_reader.hpp"
+#include "io/text.hpp"
 #include "io/toml_tree.hpp"
 
 namespace gridlock {
@@ -17,7 +17,7 @@ namespace {
 using Kind = TomlValue::Kind;
 
 /// A file of settings is written by hand; more than this is something else under the wrong name.
-constexpr std::uint64_t largest_file = std::uint64_t{16} << 20;
+constexpr std::uint64_t largest_file = std::uint64_t{1} << 20;
 
 /// The parts of a dotted key, without the places in lists: "disks.species[1].mass" → disks, species, mass with 1.
 struct KeyPart {

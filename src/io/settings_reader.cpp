@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "io/nearest_name.hpp"
-#include "io/number.hpp"
+#include "io/text.hpp"
 
 namespace gridlock {
 

@@ -6,8 +6,8 @@
 
 #include "gridlock/io/settings_file.hpp"
 #include "io/nearest_name.hpp"
-#include "io/number.hpp"
 #include "io/settings_reader.hpp"
+#include "io/text.hpp"
 #include "io/toml_tree.hpp"
 
 namespace gridlock {

@@ -10,7 +10,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
-#include "io/number.hpp"
+#include "io/text.hpp"
 
 namespace gridlock {
 
@@ -116,7 +116,7 @@ class CsvReader {
                          .file = file_,
                          .line = line,
                          .column = column,
-                         .source_line = std::string(source.substr(0, 120))});
+                         .source_line = shown_line(source)});
   }
 
   bool split(std::vector<Entry>& entries) {

@@ -7,13 +7,17 @@
 #include <sstream>
 #include <utility>
 
-#include "io/number.hpp"
+#include "io/text.hpp"
 
 namespace gridlock {
 
 namespace {
 
 using Kind = TomlValue::Kind;
+
+/// No setting lies deeper than this; the bounds keep what is no file of settings from overflowing the stack.
+constexpr int deepest_value = 32;
+constexpr int most_dots = 64;
 
 /// The lines of a text, for quoting them in errors.
 class SourceLines {
@@ -29,33 +33,21 @@ class SourceLines {
   [[nodiscard]] SettingLocation at(toml::source_position const& position) const {
     SettingLocation where{
         .file = file_, .line = static_cast<int>(position.line), .column = static_cast<int>(position.column)};
-    if (position.line >= 1 && position.line <= lines_.size()) where.source_line = shown(lines_[position.line - 1]);
+    if (position.line >= 1 && position.line <= lines_.size()) where.source_line = shown_line(lines_[position.line - 1]);
     return where;
   }
 
  private:
-  static std::string shown(std::string_view line) {
-    constexpr std::size_t longest = 100;
-    std::size_t const begin = std::min(line.find_first_not_of(" \t"), line.size());
-    std::size_t const end = line.find_last_not_of(" \t\r") + 1;
-    line = begin < end ? line.substr(begin, end - begin) : std::string_view{};
-    if (line.size() <= longest) return std::string(line);
-    // Cut between characters, not inside one of several bytes.
-    std::size_t cut = longest;
-    while (cut > 0 && (static_cast<unsigned char>(line[cut]) & 0xC0U) == 0x80U) --cut;
-    return std::string(line.substr(0, cut)) + "…";
-  }
-
   std::string file_;
   std::vector<std::string_view> lines_;
 };
 
-TomlValue convert(toml::node const& node, SourceLines const& lines);
+TomlValue convert(toml::node const& node, SourceLines const& lines, int depth);
 
-TomlValue convert_table(toml::table const& table, SourceLines const& lines) {
+TomlValue convert_table(toml::table const& table, SourceLines const& lines, int depth) {
   TomlValue value{.kind = Kind::table};
   for (auto const& [key, member] : table) {
-    TomlValue item = convert(member, lines);
+    TomlValue item = convert(member, lines, depth + 1);
     item.key_location = lines.at(key.source().begin);
     // The table of a dotted key stands nowhere itself.
     if (item.location.line == 0) item.location = item.key_location;
@@ -65,15 +57,24 @@ TomlValue convert_table(toml::table const& table, SourceLines const& lines) {
   return value;
 }
 
-TomlValue convert(toml::node const& node, SourceLines const& lines) {
+TomlValue convert(toml::node const& node, SourceLines const& lines, int depth) {
+  if (depth > deepest_value) {
+    SettingLocation const where = lines.at(node.source().begin);
+    throw Error(Problem{.what = fmt::format("tables and lists lie {} deep within one another", depth),
+                        .hint = "is this a file of settings?",
+                        .file = where.file,
+                        .line = where.line,
+                        .column = where.column,
+                        .source_line = where.source_line});
+  }
   TomlValue value;
   switch (node.type()) {
     case toml::node_type::table:
-      value = convert_table(*node.as_table(), lines);
+      value = convert_table(*node.as_table(), lines, depth);
       break;
     case toml::node_type::array:
       value.kind = Kind::array;
-      for (auto const& item : *node.as_array()) value.items.push_back(convert(item, lines));
+      for (auto const& item : *node.as_array()) value.items.push_back(convert(item, lines, depth + 1));
       break;
     case toml::node_type::string:
       value.kind = Kind::text;
@@ -107,23 +108,31 @@ TomlValue convert(toml::node const& node, SourceLines const& lines) {
 /// Whether a key of very many dotted parts stands in the text. Each part is a table inside the one before, and taking
 /// thousands of them apart again overflows the stack.
 bool has_bottomless_key(std::string_view text) {
-  constexpr int deepest = 256;
   int dots = 0;
+  bool is_comment = false;
+  bool is_line_begin = true;
   for (char const c : text) {
-    if (c == '.') {
-      if (++dots > deepest) return true;
-    } else if (c == '\n' || c == ',' || c == '#' || c == '=') {
+    if (c == '\n') {
+      is_line_begin = true;
+      is_comment = false;
       dots = 0;
+    } else if (is_line_begin && c != ' ' && c != '\t') {
+      is_line_begin = false;
+      is_comment = c == '#';
     }
+    if (c == ',' || c == '=') dots = 0;
+    if (c == '.' && !is_comment && ++dots > most_dots) return true;
   }
   return false;
 }
 
 std::string hint_for(std::string_view description) {
   if (description.find("redefine") != std::string_view::npos) return "give every key and every table once";
-  if (description.find("could not determine value type") != std::string_view::npos ||
-      description.find("expected digit") != std::string_view::npos) {
+  if (description.find("could not determine value type") != std::string_view::npos) {
     return "a word has to stand in quotes, as in start = \"square\"";
+  }
+  if (description.find("parsing floating-point") != std::string_view::npos) {
+    return "numbers have a digit on both sides of the point: 0.5, 1.0, 5e-3";
   }
   return "";
 }
@@ -153,12 +162,13 @@ TomlValue& TomlValue::put(std::string_view name, TomlValue value) {
 
 TomlValue parse_toml(std::string_view text, std::string const& file) {
   if (has_bottomless_key(text)) {
-    throw Error(
-        Problem{.what = "a key has more than 256 dotted parts", .hint = "is this a file of settings?", .file = file});
+    throw Error(Problem{.what = fmt::format("a key has more than {} dotted parts", most_dots),
+                        .hint = "is this a file of settings?",
+                        .file = file});
   }
   SourceLines const lines(text, file);
   try {
-    return convert(toml::parse(text, file), lines);
+    return convert(toml::parse(text, file), lines, 0);
   } catch (toml::parse_error const& error) {
     SettingLocation const where = lines.at(error.source().begin);
     throw Error(Problem{.what = fmt::format("this is no TOML: {}", error.description()),

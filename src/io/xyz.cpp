@@ -14,7 +14,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
-#include "io/number.hpp"
+#include "io/text.hpp"
 
 namespace gridlock {
 
@@ -147,17 +147,12 @@ class XyzReader {
   }
 
   [[noreturn]] void refuse(std::string what, std::string hint, int column = 0) const {
-    std::string_view const shown = line_.substr(0, std::min<std::size_t>(line_.find_last_not_of(" \t\r") + 1, 100));
-    std::string source(shown);
-    for (char& c : source) {
-      if (static_cast<unsigned char>(c) < 0x20) c = ' ';
-    }
     throw Error(Problem{.what = std::move(what),
                         .hint = std::move(hint),
                         .file = file_,
                         .line = line_number_,
                         .column = column,
-                        .source_line = std::move(source)});
+                        .source_line = shown_line(line_)});
   }
 
   std::uint64_t read_count() {

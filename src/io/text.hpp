@@ -1,0 +1,53 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace gridlock {
+
+/// The shortest decimal text that reads back as the same bits, and as a floating-point number: "1.0", never "1".
+inline std::string double_text(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_not_of("-0123456789") == std::string::npos) text += ".0";
+  return text;
+}
+
+/// The number a whole word stands for; nothing where it is no number or beyond the range of the type.
+template <class Number>
+std::optional<Number> parse_number(std::string_view word) {
+  // from_chars knows no leading plus; "+-1" must not slip through by dropping it.
+  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
+  Number value{};
+  auto const [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+/// At most `longest` bytes of a text, cut between characters of UTF-8, with control bytes replaced.
+inline std::string cut(std::string_view text, std::size_t longest) {
+  std::size_t end = std::min(text.size(), longest);
+  while (end < text.size() && end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  std::string result(text.substr(0, end));
+  for (char& c : result) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  }
+  return end < text.size() ? result + "…" : result;
+}
+
+/// A word of the user's in an error message.
+inline std::string in_quotes(std::string_view word) { return '"' + cut(word, 60) + '"'; }
+
+/// A line of the user's file in an error message: without the blanks around it.
+inline std::string shown_line(std::string_view line) {
+  constexpr std::string_view blanks = " \t\r";
+  std::size_t const begin = line.find_first_not_of(blanks);
+  if (begin == std::string_view::npos) return "";
+  return cut(line.substr(begin, line.find_last_not_of(blanks) + 1 - begin), 100);
+}
+
+}  // namespace gridlock
