@@ -1,0 +1,46 @@
+#include "gridlock/observe/rows_by_id.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <vector>
+
+namespace gridlock {
+namespace {
+
+TEST(RowsById, FindsThePlaceOfAnIdFromAnyRow) {
+  std::array<Id, 4> const ids{7, 3, (Id{1} << 32) | 3, 0};
+  RowsById const rows(ids);
+  for (std::size_t row = 0; row < 6; ++row) {
+    EXPECT_EQ(rows.place_of(0, row), 0U);
+    EXPECT_EQ(rows.place_of(3, row), 1U);
+    EXPECT_EQ(rows.place_of(7, row), 2U);
+    EXPECT_EQ(rows.place_of((Id{1} << 32) | 3, row), 3U);
+    EXPECT_EQ(rows.place_of(1, row), RowsById::not_found);
+  }
+  EXPECT_EQ(RowsById().place_of(0, 0), RowsById::not_found);
+}
+
+TEST(RowsById, BlocksAreConsecutiveAndEqualToOneAgent) {
+  for (std::size_t agents = 1; agents < 100; ++agents) {
+    std::vector<Id> ids(agents);
+    for (std::size_t i = 0; i < agents; ++i) ids[i] = i;
+    RowsById const rows(ids);
+    std::vector<std::size_t> sizes(16, 0);
+    std::size_t previous = 0;
+    for (std::size_t place = 0; place < agents; ++place) {
+      std::size_t const block = rows.block_of(place, 16);
+      ASSERT_LT(block, 16U);
+      ASSERT_GE(block, previous);
+      previous = block;
+      ++sizes[block];
+    }
+    for (std::size_t const size : sizes) {
+      ASSERT_GE(size, agents / 16) << agents;
+      ASSERT_LE(size, agents / 16 + 1) << agents;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gridlock
