@@ -264,7 +264,7 @@ void append_preamble(std::string& script, Plot const& plot) {
   if (plot.title.empty()) {
     script += "unset title\n";
   } else {
-    fmt::format_to(out, "set title {} noenhanced font ',17'\n", text_literal(plot.title));
+    fmt::format_to(out, "set title {} noenhanced font ',17' offset 0,-0.3\n", text_literal(plot.title));
   }
   append_axis(script, 'x', plot.x);
   append_axis(script, 'y', plot.y);
