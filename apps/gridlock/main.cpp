@@ -1,1 +1,59 @@
-int main() { return 0; }
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/run/run_directory.hpp"
+#include "verbs.hpp"
+
+namespace {
+
+ExitCode run_command_line(int argc, char** argv) {
+  CLI::App app{"gridlock: many moving disks that only feel their neighbours", "gridlock"};
+  app.set_version_flag("--version", std::string("gridlock ") + gridlock::version());
+  app.require_subcommand(1);
+  app.failure_message(CLI::FailureMessage::help);
+  ExitCode exit_code = ExitCode::good;
+  add_run(app, exit_code);
+  add_sweep(app, exit_code);
+  //PAPER
+  add_check(app, exit_code);
+  add_explain(app, exit_code);
+  add_info(app, exit_code);
+  add_plot(app, exit_code);
+  app.footer("Start with:  gridlock paper --quick    or    gridlock explain");
+  try {
+    app.parse(argc, argv);
+  } catch (CLI::ParseError const& error) {
+    if (error.get_exit_code() == 0) {  // --help and --version
+      app.exit(error);
+      return ExitCode::good;
+    }
+    fmt::print(stderr, "error: {}\n  hint: gridlock {}--help shows what there is\n", error.what(),
+               app.get_subcommands().empty() ? "" : app.get_subcommands().front()->get_name() + " ");
+    return ExitCode::bad_input;
+  }
+  return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return static_cast<int>(run_command_line(argc, argv));
+  } catch (gridlock::Error const& error) {
+    for (gridlock::Problem const& problem : error.problems()) {
+      fmt::print(stderr, "error: {}\n", gridlock::to_text(problem));
+    }
+    return static_cast<int>(ExitCode::bad_input);
+  } catch (std::bad_alloc const&) {
+    fmt::print(stderr, "error: not enough memory\n  hint: use fewer disks; a run needs about 200 bytes for each\n");
+    return static_cast<int>(ExitCode::run_failed);
+  } catch (std::exception const& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return static_cast<int>(ExitCode::run_failed);
+  }
+}

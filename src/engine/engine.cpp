@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
+#include "exact.hpp"
 #include "stepped.hpp"
 
 namespace gridlock {
@@ -19,10 +20,14 @@ namespace {
 using Maker = std::unique_ptr<Engine> (*)(EngineSettings const&, State const&);
 
 /// Adding an engine means one line here and a file behind it.
-constexpr std::array<std::pair<char const*, Maker>, 1> registry{{
+constexpr std::array<std::pair<char const*, Maker>, 2> registry{{
     {"stepped",
      [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
        return std::make_unique<SteppedEngine>(settings, state);
+     }},
+    {"exact",
+     [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
+       return std::make_unique<ExactEngine>(settings, state);
      }},
 }};
 
@@ -51,7 +56,8 @@ double step_duration(EngineSettings const& settings, State const& state) {
 
 void describe(EngineSettings& settings, SettingVisitor& visitor) {
   static constexpr std::array<std::string_view, 2> contacts{"always", "approaching"};
-  visitor.visit({.key = "kind", .documentation = "How the disks move: \"stepped\" is the paper's rule."}, settings.kind);
+  visitor.visit({.key = "kind", .documentation = "How the disks move: \"stepped\" is the paper's rule, \"exact\" goes from collision "
+                                   "to collision without a time step."}, settings.kind);
   visitor.visit({.key = "time_step",
                  .unit = "diameters of the smallest disk per speed",
                  .documentation = "Length of one time step.",
@@ -62,7 +68,7 @@ void describe(EngineSettings& settings, SettingVisitor& visitor) {
                  .unit = "length / time",
                  .documentation = "The speed that time_step refers to.",
                  .least = 0.0,
-                 .default_note = "velocities.max, or for a file √2 times its root mean square speed"},
+                 .default_note = "velocities.max"},
                 settings.speed);
   visitor.visit({.key = "substeps",
                  .documentation = "Equal parts of a time step in which a disk tries to move.",
@@ -80,6 +86,10 @@ void describe(EngineSettings& settings, SettingVisitor& visitor) {
               .documentation = "Whether a halted disk scatters off its partner \"always\" (the paper's rule) or only "
                                "when the two are \"approaching\"."},
              contacts, settings.contact);
+  visitor.visit({.key = "audit_every",
+                 .unit = "pair collisions",
+                 .documentation = "How often the exact engine looks for overlaps and missed collisions; 0 is never."},
+                settings.audit_every);
 }
 
 }  // namespace gridlock

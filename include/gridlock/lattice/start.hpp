@@ -47,11 +47,13 @@ enum class VelocityKind { uniform, maxwell, file };
 /// Whether the mean velocity of the start is taken out; automatic: in a periodic box only.
 enum class Drift { automatic, keep, remove };
 
-/// The settings `[velocities]`.
+/// The settings `[velocities]`. A start from a file keeps the velocities of the file, whatever `kind` says, unless
+/// `redraw` asks for new ones.
 struct VelocitySettings {
   VelocityKind kind = VelocityKind::uniform;
   double max = 1.0;  ///< v_max; maxwell: kT = m v_max²/4, the temperature the uniform start relaxes to
   Drift drift = Drift::automatic;
+  bool redraw = false;  ///< with a file that holds velocities: draw new ones all the same
 };
 void describe(VelocitySettings& settings, SettingVisitor& visitor);
 
@@ -62,10 +64,22 @@ void describe(VelocitySettings& settings, SettingVisitor& visitor);
 /// that does.
 State make_start(Box const& box, DisksSettings const& settings, std::uint64_t seed);
 
-/// Draws a velocity for every disk: a function of (seed, Id) alone.
+/// Draws a velocity for every disk: a function of (seed, Id) alone, but for the drift.
+///
+/// uniform: v = v_max u, u uniform in the unit disk, so ⟨v²⟩ = v_max²/2 and the mean speed is 2 v_max/3;
+/// maxwell: each component normal with variance kT/m, kT = v_max²/4 in units of mass 1.
+/// Removing the drift subtracts Σ m v / Σ m from every velocity; automatic does so for two disks or more in a periodic
+/// box, where nothing else would ever stop it.
+/// Errors: kind = file throws Error, since there is no file here.
 void draw_velocities(State& state, VelocitySettings const& settings);
 
-/// The largest radius of equal disks on the best lattice of `count` sites, and its packing fraction.
+/// The largest radius of equal disks on the best lattice of at least `count` sites, and its packing fraction.
+///
+/// square: columns × rows sites (c + ½, r + ½) in units of the spacings, columns and rows chosen for the largest radius.
+/// triangular: rows of p and p or p and p − 1 sites, every second one shifted by half a spacing, stretched to fill the
+/// box; number of rows, p and orientation chosen for the largest radius, min(a_x, √(a_x²/4 + a_y²), 2 a_y)/2.
+/// 841 disks in a hard square box reach π/4 and 0.8654. Sites left over are spread evenly.
+/// Cost: O(count).
 struct LatticeFit {
   double radius = 0.0;
   double packing_fraction = 0.0;

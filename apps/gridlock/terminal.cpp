@@ -1,0 +1,90 @@
+#include "terminal.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+
+namespace {
+
+volatile std::sig_atomic_t signals_received = 0;
+
+void remember(int signal) {
+  signals_received = signals_received + 1;
+  // The next one is meant seriously.
+  if (signals_received > 1) {
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
+  }
+}
+
+void handle(int signal, void (*handler)(int)) {
+  struct sigaction action = {};
+  action.sa_handler = handler;
+  sigemptyset(&action.sa_mask);
+  sigaction(signal, &action, nullptr);
+}
+
+}  // namespace
+
+StopSignals::StopSignals() {
+  signals_received = 0;
+  handle(SIGINT, remember);
+  handle(SIGTERM, remember);
+}
+
+StopSignals::~StopSignals() {
+  handle(SIGINT, SIG_DFL);
+  handle(SIGTERM, SIG_DFL);
+}
+
+bool StopSignals::is_stop_asked() { return signals_received > 0; }
+
+ProgressLine::ProgressLine() : is_terminal_(isatty(STDERR_FILENO) == 1), last_time_(Clock::now()) {}
+
+ProgressLine::~ProgressLine() {
+  if (is_line_open_) std::fputc('\n', stderr);
+}
+
+void ProgressLine::show(double fraction, double seconds, std::string const& what) {
+  auto const now = Clock::now();
+  double const waited = std::chrono::duration<double>(now - last_time_).count();
+  bool const is_done = fraction >= 1.0;
+  // A line for the end alone would say nothing that the summary does not.
+  bool const is_due = is_terminal_ ? waited >= 0.2 || (is_done && is_line_open_)
+                                   : waited >= 30.0 || (waited >= 1.0 && fraction - last_fraction_ >= 0.1);
+  if (!is_due) return;
+  last_time_ = now;
+  last_fraction_ = fraction;
+  double const seconds_left = fraction > 0.0 ? seconds * (1.0 - fraction) / fraction : 0.0;
+  std::string const text = fmt::format("{:5.1f} %  {}  {} left", 100.0 * fraction, what, duration_text(seconds_left));
+  if (is_terminal_) {
+    fmt::print(stderr, "\r\033[K{}", text);
+    is_line_open_ = true;
+  } else {
+    fmt::print(stderr, "{}\n", text);
+  }
+  std::fflush(stderr);
+}
+
+std::string duration_text(double seconds) {
+  if (seconds < 9.95) return fmt::format("{:.1f} s", seconds);
+  auto const whole = static_cast<long long>(std::llround(seconds));
+  if (whole < 60) return fmt::format("{} s", whole);
+  if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
+}
+
+std::string count_text(double count) {
+  constexpr struct {
+    double size;
+    char const* letter;
+  } prefixes[] = {{1e9, "G"}, {1e6, "M"}, {1e3, "k"}};
+  for (auto const& [size, letter] : prefixes) {
+    if (count >= size) return fmt::format("{:.3g} {}", count / size, letter);
+  }
+  return fmt::format("{:.3g} ", count);
+}

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "gridlock/io/settings_file.hpp"
+
+/// What a verb ends with, as the shell sees it.
+enum class ExitCode : int {
+  good = 0,
+  run_failed = 1,  ///< the run failed or was stopped; what there is has been written
+  bad_input = 2,   ///< the user's input cannot be used; nothing was written
+};
+
+/// Each adds its verb to the command line; parsing it runs the verb and leaves how it ended in `exit_code`.
+void add_run(CLI::App& app, ExitCode& exit_code);
+void add_sweep(CLI::App& app, ExitCode& exit_code);
+void add_paper(CLI::App& app, ExitCode& exit_code);
+void add_check(CLI::App& app, ExitCode& exit_code);
+void add_explain(CLI::App& app, ExitCode& exit_code);
+void add_info(CLI::App& app, ExitCode& exit_code);
+void add_plot(CLI::App& app, ExitCode& exit_code);
+
+/// A configuration file and the `--set` options on top of it: what run, sweep and check have in common.
+struct ConfigurationOptions {
+  std::string file;
+  std::vector<std::string> assignments;
+
+  void add_to(CLI::App& verb);
+  [[nodiscard]] gridlock::SettingsFile read() const;
+};
+
+/// Where results go, and whether they may replace others.
+struct OutputOptions {
+  std::string directory;
+  bool overwrites = false;
+
+  void add_to(CLI::App& verb, std::string const& default_directory);
+  /// The directory asked for, or results/<stem>.
+  [[nodiscard]] std::filesystem::path directory_for(std::string const& stem) const;
+};

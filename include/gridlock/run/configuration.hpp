@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gridlock/core/setting.hpp"
+#include "gridlock/core/state.hpp"
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/io/settings_file.hpp"
+#include "gridlock/lattice/start.hpp"
+#include "gridlock/observe/observable.hpp"
+
+namespace gridlock {
+
+/// The settings `[run]`: the run ends at whichever of its three lengths comes first.
+struct RunSettings {
+  std::optional<std::uint64_t> steps;         ///< left out: 10,000 where no other length is given
+  std::optional<double> time;
+  std::optional<double> collisions_per_disk;  ///< 2 · pair collisions / N
+  std::uint64_t seed = 1;
+};
+void describe(RunSettings& settings, SettingVisitor& visitor);
+
+/// Everything a run is made from, one member per table of the TOML file.
+struct Configuration {
+  BoxSettings box;
+  DisksSettings disks;
+  VelocitySettings velocities;
+  EngineSettings engine;
+  RunSettings run;
+  ObserveSettings observe;
+};
+void describe(Configuration& configuration, SettingVisitor& visitor);
+
+/// describe() of a configuration as the io layer takes it.
+Describe describing(Configuration& configuration);
+
+/// A run about to start: the state, and the configuration with every choice made, so that it gives the same bits again.
+struct Setup {
+  Configuration configuration;
+  State state;
+  std::filesystem::path start_file;  ///< the file the state was read from; empty for a lattice or random start
+};
+
+/// Reads the settings and sets up the run they describe.
+/// Errors: Error with the place in the file of everything that is wrong: keys, types, bounds, and set-ups that cannot
+/// exist or that the engine cannot treat rightly.
+Setup set_up(SettingsFile const& file);
+
+/// The same from a configuration made in code; relative file names are taken from the current directory.
+Setup set_up(Configuration const& configuration);
+
+/// Where the run ends.
+Horizon horizon_of(Setup const& setup);
+
+}  // namespace gridlock

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gridlock/io/settings_file.hpp"
+#include "gridlock/io/table.hpp"
+
+namespace gridlock {
+
+/// One run of a sweep: what it is called, and the values it has of the swept settings.
+struct SweepRun {
+  std::string name;                 ///< a directory name made of the values
+  std::vector<std::string> values;  ///< TOML, one for each key of the plan
+  SettingsFile settings;
+};
+
+/// Every combination of the listed values, the last list varying fastest.
+struct SweepPlan {
+  std::vector<std::string> keys;
+  std::vector<SweepRun> runs;
+};
+
+/// Expands the table `[sweep]` of a file.
+/// Errors: Error without such a table, or where a list cannot be used.
+SweepPlan plan_sweep(SettingsFile file);
+
+/// How far a sweep has come.
+struct SweepProgress {
+  std::size_t finished = 0;  ///< runs that ended, well or not
+  std::size_t all = 0;
+  double fraction = 0.0;  ///< of the whole work
+  double seconds = 0.0;
+};
+
+/// How a sweep is carried out.
+struct SweepSettings {
+  std::filesystem::path directory;
+  unsigned threads = 0;  ///< runs at a time; 0: one for each core
+  /// Called from any thread, one call at a time; returning false stops every run after its present chunk.
+  std::function<bool(SweepProgress const&)> on_progress;
+};
+
+/// What a sweep leaves behind, besides one run directory in runs/ for each run.
+struct SweepResult {
+  Table rows;   ///< sweep.csv: one row a run in the order of the plan: values, ending, state_hash, every observable
+  Table means;  ///< means.csv: averages over runs that differ in run.seed alone, errors from their scatter
+  std::size_t failures = 0;       ///< runs that failed or could not be set up
+  std::size_t interruptions = 0;  ///< runs stopped early or never begun
+  std::vector<std::string> messages;  ///< why, one for each failure
+};
+
+/// Runs a plan on all cores, the longest runs first, and writes sweep.csv and means.csv; draw_results() draws them.
+///
+/// The results do not depend on the number of threads. A run that fails is recorded with its message and the rest go on.
+/// Errors: Error where not one run can be set up; RunFailure where results cannot be written.
+SweepResult run_sweep(SweepPlan const& plan, SweepSettings const& settings);
+
+}  // namespace gridlock

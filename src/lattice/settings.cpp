@@ -1,0 +1,115 @@
+#include <array>
+
+#include "gridlock/lattice/start.hpp"
+
+namespace gridlock {
+
+void describe(BoxSettings& settings, SettingVisitor& visitor) {
+  static constexpr std::array<std::string_view, 2> edges{"wall", "periodic"};
+  visit_enum(visitor, {.key = "edge", .documentation = "What a disk meets at the border: a hard wall, or the other side."},
+             edges, settings.edge);
+  visitor.visit({.key = "side",
+                 .unit = "length",
+                 .documentation = "Side of a square box.",
+                 .least = 0.0,
+                 .least_is_allowed = false},
+                settings.side);
+  visitor.visit({.key = "width",
+                 .unit = "length",
+                 .documentation = "Width of a rectangular box.",
+                 .least = 0.0,
+                 .least_is_allowed = false,
+                 .default_note = "box.side"},
+                settings.width);
+  visitor.visit({.key = "height",
+                 .unit = "length",
+                 .documentation = "Height of a rectangular box.",
+                 .least = 0.0,
+                 .least_is_allowed = false,
+                 .default_note = "box.side"},
+                settings.height);
+}
+
+void describe(SpeciesSettings& settings, SettingVisitor& visitor) {
+  visitor.visit({.key = "fraction",
+                 .documentation = "Share of the disks that are of this kind; all shares add up to 1.",
+                 .least = 0.0,
+                 .most = 1.0},
+                settings.fraction);
+  visitor.visit({.key = "size_ratio",
+                 .unit = "disks.radius",
+                 .documentation = "Radius of this kind.",
+                 .least = 0.0,
+                 .least_is_allowed = false},
+                settings.size_ratio);
+  visitor.visit({.key = "mass",
+                 .unit = "mass",
+                 .documentation = "Mass of a disk of this kind.",
+                 .least = 0.0,
+                 .least_is_allowed = false},
+                settings.mass);
+}
+
+void describe(DisksSettings& settings, SettingVisitor& visitor) {
+  static constexpr std::array<std::string_view, 4> starts{"square", "triangular", "random", "file"};
+  visitor.visit({.key = "count",
+                 .documentation = "N, the number of disks.",
+                 .least = 1,
+                 .most = 2e9,
+                 .default_note = "841, or as many as the file holds"},
+                settings.count);
+  visitor.visit({.key = "packing_fraction",
+                 .documentation = "φ = Σ π R² / (width · height); give this or disks.radius.",
+                 .least = 0.0,
+                 .most = 1.0,
+                 .least_is_allowed = false,
+                 .most_is_allowed = false,
+                 .default_note = "from disks.radius, or 0.5 where neither is given"},
+                settings.packing_fraction);
+  visitor.visit({.key = "radius",
+                 .unit = "length",
+                 .documentation = "R, the radius of a disk with size_ratio 1; give this or disks.packing_fraction.",
+                 .least = 0.0,
+                 .least_is_allowed = false,
+                 .default_note = "from disks.packing_fraction"},
+                settings.radius);
+  visit_enum(visitor,
+             {.key = "start",
+              .documentation = "Where the disks stand at first: on a square or triangular lattice fitted to the box, at "
+                               "random without overlap, or as a file says."},
+             starts, settings.start);
+  visitor.visit({.key = "file",
+                 .documentation = "Extended XYZ file to start from, relative to the configuration; implies start = "
+                                  "\"file\", and box, radii and velocities come from it.",
+                 .default_note = "no file"},
+                settings.file);
+  visitor.visit_tables({.key = "species",
+                        .documentation = "The kinds of disk in a mixture, dealt out at random.",
+                        .default_note = "equal disks of mass 1"},
+                       settings.species.size(), [&](std::size_t count) { settings.species.resize(count); },
+                       [&](std::size_t k, SettingVisitor& inner) { describe(settings.species[k], inner); });
+}
+
+void describe(VelocitySettings& settings, SettingVisitor& visitor) {
+  static constexpr std::array<std::string_view, 3> kinds{"uniform", "maxwell", "file"};
+  static constexpr std::array<std::string_view, 3> drifts{"automatic", "keep", "remove"};
+  visit_enum(visitor,
+             {.key = "kind",
+              .documentation = "How velocities are drawn: uniform in a disk of radius max (the paper's), Maxwell's "
+                               "distribution, or as the file says."},
+             kinds, settings.kind);
+  visitor.visit({.key = "max",
+                 .unit = "length / time",
+                 .documentation = "v_max; \"maxwell\" has the temperature the uniform start relaxes to, kT = v_max²/4 for "
+                                  "mass 1.",
+                 .least = 0.0},
+                settings.max);
+  visit_enum(visitor,
+             {.key = "drift",
+              .documentation = "Whether the mean motion is taken out of drawn velocities; automatic: in a periodic box."},
+             drifts, settings.drift);
+  visitor.visit({.key = "redraw", .documentation = "Draw new velocities although the start file has some."},
+                settings.redraw);
+}
+
+}  // namespace gridlock

@@ -1,0 +1,303 @@
+#include "gridlock/lattice/start.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/core/random.hpp"
+#include "gridlock/grid/linked_grid.hpp"
+
+namespace gridlock {
+
+namespace {
+
+constexpr double closest_packing = 0.90689968211710892530;     // π/√12
+constexpr double random_insertion_saturation = 0.547069;       // Wang 1994, doi:10.1016/0927-7757(93)02711-Z
+constexpr double most_fitted_up = 1.0 + 1e-9;                  // how far above the largest fit still means the fit
+
+/// Radius in units of disks.radius and mass of every disk, in the order of the Ids.
+struct Kinds {
+  std::vector<double> size_ratio;
+  std::vector<double> mass;
+
+  [[nodiscard]] double largest_ratio() const { return *std::ranges::max_element(size_ratio); }
+  [[nodiscard]] double sum_of_squared_ratios() const {
+    return std::inner_product(size_ratio.begin(), size_ratio.end(), size_ratio.begin(), 0.0);
+  }
+};
+
+/// How many disks of each kind: fraction · count rounded so that the numbers add up, largest remainders first.
+std::vector<std::uint64_t> numbers_of_kinds(std::vector<SpeciesSettings> const& species, std::uint64_t count) {
+  std::vector<std::uint64_t> numbers;
+  std::vector<double> remainders;
+  std::uint64_t dealt = 0;
+  for (SpeciesSettings const& kind : species) {
+    double const share = kind.fraction * static_cast<double>(count);
+    numbers.push_back(static_cast<std::uint64_t>(share));
+    remainders.push_back(share - std::floor(share));
+    dealt += numbers.back();
+  }
+  while (dealt < count) {
+    auto const largest = std::ranges::max_element(remainders);
+    ++numbers[static_cast<std::size_t>(largest - remainders.begin())];
+    *largest = -1.0;
+    ++dealt;
+  }
+  return numbers;
+}
+
+void require_whole(std::vector<SpeciesSettings> const& species) {
+  double sum = 0.0;
+  for (SpeciesSettings const& kind : species) sum += kind.fraction;
+  if (std::abs(sum - 1.0) <= 1e-9) return;
+  throw Error({.what = fmt::format("the fractions of the {} species add up to {}, not 1", species.size(), sum),
+               .hint = "give every [[disks.species]] its share of the disks",
+               .key = "disks.species"});
+}
+
+Kinds deal_kinds(DisksSettings const& settings, std::uint64_t count, std::uint64_t seed) {
+  Kinds kinds{std::vector<double>(count, 1.0), std::vector<double>(count, 1.0)};
+  if (settings.species.empty()) return kinds;
+  require_whole(settings.species);
+  std::vector<std::uint64_t> const numbers = numbers_of_kinds(settings.species, count);
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    for (std::uint64_t n = 0; n < numbers[k] && next < count; ++n, ++next) {
+      kinds.size_ratio[next] = settings.species[k].size_ratio;
+      kinds.mass[next] = settings.species[k].mass;
+    }
+  }
+  // Fisher–Yates, so that every deal of the kinds over the sites is as likely as any other.
+  RandomStream random(seed, 0, 0, Purpose::species);
+  for (std::uint64_t last = count - 1; last > 0; --last) {
+    std::uint64_t const drawn = random.below(last + 1);
+    std::swap(kinds.size_ratio[last], kinds.size_ratio[drawn]);
+    std::swap(kinds.mass[last], kinds.mass[drawn]);
+  }
+  return kinds;
+}
+
+double radius_for(double packing_fraction, Box const& box, Kinds const& kinds) {
+  return std::sqrt(packing_fraction * box.area() / (std::numbers::pi * kinds.sum_of_squared_ratios()));
+}
+
+double packing_fraction_for(double radius, Box const& box, Kinds const& kinds) {
+  return std::numbers::pi * radius * radius * kinds.sum_of_squared_ratios() / box.area();
+}
+
+/// The setting that fixes the size of the disks, for the blame.
+char const* size_key(DisksSettings const& settings) {
+  return settings.radius ? "disks.radius" : "disks.packing_fraction";
+}
+
+double wanted_radius(DisksSettings const& settings, Box const& box, Kinds const& kinds) {
+  if (settings.radius && settings.packing_fraction) {
+    throw Error({.what = fmt::format("disks.radius = {} and disks.packing_fraction = {} are both given",
+                                     *settings.radius, *settings.packing_fraction),
+                 .hint = "give one of the two; the other follows from the box and the number of disks",
+                 .key = "disks.radius"});
+  }
+  double const radius = settings.radius.value_or(radius_for(settings.packing_fraction.value_or(0.5), box, kinds));
+  double const packing_fraction = packing_fraction_for(radius, box, kinds);
+  if (settings.species.empty() && packing_fraction > closest_packing) {
+    throw Error({.what = fmt::format("packing fraction {:.6g} is above the closest packing of equal disks, {:.4f}",
+                                     packing_fraction, closest_packing),
+                 .hint = fmt::format("use a value below {:.4f}", closest_packing),
+                 .key = size_key(settings)});
+  }
+  return radius;
+}
+
+State disks_on_sites(Box const& box, std::vector<Vector> const& sites, double radius, Kinds const& kinds,
+                     std::uint64_t seed) {
+  State state{.box = box, .seed = seed};
+  state.disks.reserve(sites.size());
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    state.disks.add(sites[i].x, sites[i].y, 0.0, 0.0, radius * kinds.size_ratio[i], kinds.mass[i], 0, 0);
+  }
+  return state;
+}
+
+State lattice_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed) {
+  bool const is_square = settings.start == StartKind::square;
+  std::uint64_t const count = kinds.mass.size();
+  LatticeFit const fit = is_square ? fit_square_lattice(box, count) : fit_triangular_lattice(box, count);
+  double const largest = fit.radius / kinds.largest_ratio();
+  double radius = wanted_radius(settings, box, kinds);
+  if (radius > largest * most_fitted_up) {
+    throw Error({.what = fmt::format("{} disks at packing fraction {:.6g} (radius {:.6g}) do not fit on a {} lattice in "
+                                     "this box: the largest is {:.6f} (radius {:.6g})",
+                                     count, packing_fraction_for(radius, box, kinds), radius,
+                                     is_square ? "square" : "triangular", packing_fraction_for(largest, box, kinds),
+                                     largest),
+                 .hint = is_square ? "use a smaller value, or disks.start = \"triangular\""
+                                   : "use a smaller value, or another number of disks",
+                 .key = size_key(settings)});
+  }
+  radius = std::min(radius, largest);
+  return disks_on_sites(box, fit.sites, radius, kinds, seed);
+}
+
+/// The range of allowed centres along one side.
+struct Span {
+  double first;
+  double length;
+};
+Span span_of_centres(Box const& box, double side, double radius) {
+  return box.is_periodic() ? Span{0.0, side} : Span{radius, side - 2.0 * radius};
+}
+
+/// Puts disks down one after the other, each where a uniform point is free; the largest go first, since they would find
+/// no room later.
+class RandomInsertion {
+ public:
+  RandomInsertion(Box const& box, Kinds const& kinds, double radius, std::uint64_t seed)
+      : box_(box),
+        seed_(seed),
+        sites_(kinds.mass.size()),
+        radii_(kinds.size_ratio),
+        grid_(layout_for_reach(box, 2.0 * radius * kinds.largest_ratio(), kinds.mass.size())),
+        attempts_left_(1'000'000 + 1000 * kinds.mass.size()) {
+    for (double& r : radii_) r *= radius;
+  }
+
+  /// Places every disk, or gives up; says how many stand.
+  std::size_t place_all() {
+    std::vector<std::size_t> order(sites_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::size_t i) { return radii_[i]; });
+    largest_ = radii_[order.front()];
+    std::size_t placed = 0;
+    for (std::size_t const i : order) {
+      if (!place(i)) break;
+      ++placed;
+    }
+    return placed;
+  }
+
+  [[nodiscard]] std::vector<Vector> const& sites() const { return sites_; }
+
+ private:
+  bool place(std::size_t i) {
+    RandomStream random(seed_, 0, i, Purpose::start_position);
+    Span const x = span_of_centres(box_, box_.width(), radii_[i]);
+    Span const y = span_of_centres(box_, box_.height(), radii_[i]);
+    if (x.length < 0.0 || y.length < 0.0) return false;
+    for (; attempts_left_ > 0; --attempts_left_) {
+      Vector const p{x.first + x.length * random.uniform(), y.first + y.length * random.uniform()};
+      if (!is_free(i, p)) continue;
+      sites_[i] = p;
+      grid_.insert(i, p);
+      return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] bool is_free(std::size_t i, Vector p) const {
+    double const reach = radii_[i] + largest_;
+    CellLayout const& layout = grid_.layout();
+    bool is_free = true;
+    grid_.for_each_in_block(layout.cell_of(p), layout.columns_within(reach), layout.rows_within(reach),
+                            [&](std::size_t j) {
+                              double const contact = radii_[i] + radii_[j];
+                              if (squared_length(box_.displacement(p, sites_[j])) < contact * contact) is_free = false;
+                            });
+    return is_free;
+  }
+
+  Box box_;
+  std::uint64_t seed_;
+  std::vector<Vector> sites_;
+  std::vector<double> radii_;
+  LinkedGrid grid_;
+  std::uint64_t attempts_left_;
+  double largest_ = 0.0;
+};
+
+State random_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed) {
+  double const radius = wanted_radius(settings, box, kinds);
+  double const packing_fraction = packing_fraction_for(radius, box, kinds);
+  std::size_t const count = kinds.mass.size();
+  auto const refuse = [&](std::string const& what) -> Error {
+    return Error({.what = what,
+                  .hint = "use a smaller value, or start on a lattice and let it relax",
+                  .key = size_key(settings)});
+  };
+  // A few disks in a small box can pass the saturation of the infinite plane: only a fluctuation, but it exists.
+  if (settings.species.empty() && count >= 1000 && packing_fraction > random_insertion_saturation * 1.05) {
+    throw refuse(fmt::format("random insertion stops at packing fraction {:.6f} for equal disks, below {:.6g}",
+                             random_insertion_saturation, packing_fraction));
+  }
+  RandomInsertion insertion(box, kinds, radius, seed);
+  std::size_t const placed = insertion.place_all();
+  if (placed < count) {
+    throw refuse(fmt::format("random insertion found room for {} of {} disks; it reached packing fraction {:.4f} of {:.6g}",
+                             placed, count,
+                             packing_fraction * static_cast<double>(placed) / static_cast<double>(count),
+                             packing_fraction));
+  }
+  return disks_on_sites(box, insertion.sites(), radius, kinds, seed);
+}
+
+void remove_drift(Disks& disks) {
+  double total_mass = 0.0;
+  for (double const m : disks.column<Mass>()) total_mass += m;
+  Vector const drift = (1.0 / total_mass) * momentum(disks);
+  for (double& vx : disks.column<VelocityX>()) vx -= drift.x;
+  for (double& vy : disks.column<VelocityY>()) vy -= drift.y;
+}
+
+}  // namespace
+
+Box make_box(BoxSettings const& settings) {
+  return {settings.width.value_or(settings.side), settings.height.value_or(settings.side), settings.edge};
+}
+
+State make_start(Box const& box, DisksSettings const& settings, std::uint64_t seed) {
+  std::uint64_t const count = settings.count.value_or(841);
+  if (count == 0) throw Error({.what = "there are 0 disks", .hint = "use at least 1", .key = "disks.count"});
+  Kinds const kinds = deal_kinds(settings, count, seed);
+  switch (settings.start) {
+    case StartKind::square:
+    case StartKind::triangular:
+      return lattice_start(box, settings, kinds, seed);
+    case StartKind::random:
+      return random_start(box, settings, kinds, seed);
+    case StartKind::file:
+      break;
+  }
+  throw Error({.what = "disks.start = \"file\" needs a file",
+               .hint = "give disks.file, an extended XYZ file",
+               .key = "disks.start"});
+}
+
+void draw_velocities(State& state, VelocitySettings const& settings) {
+  if (settings.kind == VelocityKind::file) {
+    throw Error({.what = "velocities.kind = \"file\", but there is no file with velocities",
+                 .hint = "give disks.file with a velocity column, or draw them: \"uniform\" or \"maxwell\"",
+                 .key = "velocities.kind"});
+  }
+  auto const vx = state.disks.column<VelocityX>();
+  auto const vy = state.disks.column<VelocityY>();
+  for (std::size_t i = 0; i < state.disks.size(); ++i) {
+    RandomStream random(state.seed, 0, state.disks.ids()[i], Purpose::start_velocity);
+    Vector v;
+    if (settings.kind == VelocityKind::uniform) {
+      v = settings.max * random.in_unit_disk();
+    } else {
+      double const thermal_speed = 0.5 * settings.max / std::sqrt(state.disks.column<Mass>()[i]);
+      v.x = thermal_speed * random.normal();
+      v.y = thermal_speed * random.normal();
+    }
+    vx[i] = v.x;
+    vy[i] = v.y;
+  }
+  bool const is_automatic = settings.drift == Drift::automatic && state.box.is_periodic() && state.disks.size() > 1;
+  if (settings.drift == Drift::remove || is_automatic) remove_drift(state.disks);
+}
+
+}  // namespace gridlock

@@ -1,0 +1,195 @@
+#include "gridlock/run/configuration.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/grid/validate.hpp"
+#include "gridlock/io/xyz.hpp"
+
+namespace gridlock {
+
+namespace {
+
+constexpr std::uint64_t default_steps = 10'000;
+
+using IsGiven = std::function<bool(std::string_view)>;
+
+Error contradiction(std::string key, std::string what) {
+  return Error({.what = std::move(what),
+                .hint = "leave the setting out, or give the value of the file",
+                .key = std::move(key)});
+}
+
+bool is_close(double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(b); }
+
+/// A file brings its box; a box that was asked for besides must be the same.
+void take_box(BoxSettings& settings, Box const& box, IsGiven const& is_given) {
+  bool const asks_for_size = is_given("box.side") || is_given("box.width") || is_given("box.height");
+  double const width = settings.width.value_or(settings.side);
+  double const height = settings.height.value_or(settings.side);
+  if (asks_for_size && !(is_close(width, box.width()) && is_close(height, box.height()))) {
+    throw contradiction("box", fmt::format("the box of the start file is {} × {}, not {} × {}", box.width(),
+                                           box.height(), width, height));
+  }
+  if (is_given("box.edge") && settings.edge != box.edge()) {
+    throw contradiction("box.edge", fmt::format("the start file has {} edges", box.is_periodic() ? "periodic" : "wall"));
+  }
+  settings = {.edge = box.edge(), .side = box.width()};
+  if (box.width() != box.height()) {
+    settings.width = box.width();
+    settings.height = box.height();
+  }
+}
+
+/// Gives the disks of a file without radii the size asked for; otherwise checks that the size asked for is the file's.
+void take_sizes(State& state, bool has_radii, DisksSettings& settings) {
+  auto const radii = state.disks.column<Radius>();
+  double const count = static_cast<double>(state.disks.size());
+  if (settings.count && *settings.count != state.disks.size()) {
+    throw contradiction("disks.count",
+                        fmt::format("the start file holds {} disks, not {}", state.disks.size(), *settings.count));
+  }
+  if (!has_radii) {
+    if (!settings.radius && !settings.packing_fraction) {
+      throw Error({.what = "the start file has no radii, and none are given",
+                   .hint = "give disks.radius or disks.packing_fraction, or add a column radius:R:1 to the file",
+                   .key = "disks.file"});
+    }
+    double const radius = settings.radius.value_or(
+        std::sqrt(settings.packing_fraction.value_or(0.0) * state.box.area() / (std::numbers::pi * count)));
+    for (double& r : radii) r = radius;
+  }
+  double const packing_fraction = covered_area(state.disks) / state.box.area();
+  if (settings.packing_fraction && !is_close(*settings.packing_fraction, packing_fraction)) {
+    throw contradiction("disks.packing_fraction", fmt::format("the start file has packing fraction {:.9g}, not {:.9g}",
+                                                              packing_fraction, *settings.packing_fraction));
+  }
+  settings.count = state.disks.size();
+}
+
+State start_from_file(Configuration& configuration, std::filesystem::path const& path, IsGiven const& is_given) {
+  XyzFrame frame = read_xyz(path);
+  take_box(configuration.box, frame.state.box, is_given);
+  take_sizes(frame.state, frame.has_radii, configuration.disks);
+  configuration.disks.start = StartKind::file;
+  frame.state.seed = configuration.run.seed;
+  if (!frame.has_velocities || configuration.velocities.redraw) {
+    draw_velocities(frame.state, configuration.velocities);
+  }
+  return std::move(frame.state);
+}
+
+/// Fills in what was left out, so that the configuration says what was run.
+void resolve(Configuration& configuration) {
+  if (!configuration.engine.speed) configuration.engine.speed = configuration.velocities.max;
+  RunSettings& run = configuration.run;
+  if (!run.steps && !run.time && !run.collisions_per_disk) run.steps = default_steps;
+  if (configuration.disks.start == StartKind::file) return;
+  if (!configuration.disks.count) configuration.disks.count = 841;
+  if (!configuration.disks.radius && !configuration.disks.packing_fraction) configuration.disks.packing_fraction = 0.5;
+}
+
+/// A run that only ends after some number of collisions has to have some.
+void require_end(Configuration const& configuration, State const& state) {
+  RunSettings const& run = configuration.run;
+  bool const has_end = run.steps || run.time;
+  if (has_end || (state.disks.size() > 1 && kinetic_energy(state.disks) > 0.0)) return;
+  throw Error({.what = "disks that never collide cannot reach run.collisions_per_disk",
+               .hint = "give run.steps or run.time as well",
+               .key = "run.collisions_per_disk"});
+}
+
+Setup set_up(Configuration configuration, std::filesystem::path const& directory, IsGiven const& is_given) {
+  Setup setup;
+  bool const is_from_file = configuration.disks.start == StartKind::file || !configuration.disks.file.empty();
+  if (is_from_file && !configuration.disks.file.empty()) {
+    setup.start_file = directory / configuration.disks.file;
+    setup.state = start_from_file(configuration, setup.start_file, is_given);
+  } else {
+    setup.state = make_start(make_box(configuration.box), configuration.disks, configuration.run.seed);
+    draw_velocities(setup.state, configuration.velocities);
+  }
+  resolve(configuration);
+  validate(setup.state);
+  require_end(configuration, setup.state);
+  // Made here only so that a set-up the engine refuses is refused now, by `check` too.
+  static_cast<void>(make_engine(configuration.engine, setup.state));
+  setup.configuration = std::move(configuration);
+  return setup;
+}
+
+}  // namespace
+
+void describe(RunSettings& settings, SettingVisitor& visitor) {
+  visitor.visit({.key = "steps",
+                 .documentation = "Length of the run in time steps.",
+                 .default_note = "10000, where run.time and run.collisions_per_disk are left out too"},
+                settings.steps);
+  visitor.visit({.key = "time",
+                 .unit = "time",
+                 .documentation = "Length of the run in physical time; the run ends at whichever length comes first.",
+                 .least = 0.0,
+                 .default_note = "no limit"},
+                settings.time);
+  visitor.visit({.key = "collisions_per_disk",
+                 .documentation = "Length of the run in collisions every disk has had on average.",
+                 .least = 0.0,
+                 .default_note = "no limit"},
+                settings.collisions_per_disk);
+  visitor.visit({.key = "seed", .documentation = "Every random number of the run follows from it."}, settings.seed);
+}
+
+void describe(Configuration& configuration, SettingVisitor& visitor) {
+  auto const table = [&](std::string_view name, std::string_view documentation, auto& settings) {
+    visitor.enter(name, documentation);
+    describe(settings, visitor);
+    visitor.leave();
+  };
+  table("box", "The rectangle the disks live in.", configuration.box);
+  table("disks", "How many disks, how large, and where they start.", configuration.disks);
+  table("velocities", "How fast the disks are at the start.", configuration.velocities);
+  table("engine", "How the disks move.", configuration.engine);
+  table("run", "How long the run lasts, and its seed.", configuration.run);
+  table("observe", "What is measured, and how often.", configuration.observe);
+}
+
+Describe describing(Configuration& configuration) {
+  return [&configuration](SettingVisitor& visitor) { describe(configuration, visitor); };
+}
+
+Setup set_up(SettingsFile const& file) {
+  Configuration configuration;
+  file.read_into(describing(configuration));
+  try {
+    // A file named on the command line is meant from where the user stands, one named in the TOML file from there.
+    auto const location = file.location("disks.file");
+    bool const is_from_command_line = location && location->line == 0;
+    return set_up(std::move(configuration), is_from_command_line ? "" : file.directory(),
+                  [&](std::string_view key) { return file.is_given(key); });
+  } catch (Error const& error) {
+    throw file.locate(error);
+  }
+}
+
+Setup set_up(Configuration const& configuration) {
+  return set_up(configuration, {}, [](std::string_view) { return false; });
+}
+
+Horizon horizon_of(Setup const& setup) {
+  RunSettings const& run = setup.configuration.run;
+  Clock const& clock = setup.state.clock;
+  Horizon horizon;
+  if (run.steps) horizon.step = clock.step + *run.steps;
+  if (run.time) horizon.time = clock.time + *run.time;
+  if (run.collisions_per_disk) {
+    double const pairs = *run.collisions_per_disk * static_cast<double>(setup.state.disks.size()) / 2.0;
+    horizon.pair_collisions = static_cast<std::uint64_t>(std::ceil(pairs));
+  }
+  return horizon;
+}
+
+}  // namespace gridlock

@@ -1,0 +1,225 @@
+#include "gridlock/run/pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/io/picture.hpp"
+#include "gridlock/io/plot.hpp"
+#include "gridlock/io/settings_file.hpp"
+#include "gridlock/io/table.hpp"
+#include "gridlock/io/xyz.hpp"
+#include "gridlock/run/configuration.hpp"
+
+namespace gridlock {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Draws what can be drawn; a failure becomes a note.
+class Artist {
+ public:
+  explicit Artist(fs::path directory) : directory_(std::move(directory)) {}
+
+  void disks(std::string const& name, State const& state, PictureSettings const& settings) {
+    for (char const* extension : {".svg", ".png"}) {
+      fs::path const file = directory_ / (name + extension);
+      attempt(name, [&] { draw_disks(state, settings, file); }, {file});
+    }
+  }
+
+  void plot(Plot const& plot) {
+    std::vector<fs::path> files;
+    for (char const* extension : {".gp", ".svg", ".png"}) files.push_back(directory_ / (plot.name + extension));
+    attempt(plot.name, [&] {
+      if (draw_plot(plot, directory_) == PlotOutcome::gnuplot_is_missing) {
+        pictures_.notes.push_back(plot.name + ": gnuplot is not installed; the script is there to be drawn later");
+      }
+    }, files);
+  }
+
+  [[nodiscard]] bool has(std::string const& file) const { return fs::exists(directory_ / file); }
+  [[nodiscard]] fs::path path_of(std::string const& file) const { return directory_ / file; }
+  [[nodiscard]] Pictures take() { return std::move(pictures_); }
+
+ private:
+  void attempt(std::string const& name, std::function<void()> const& draw, std::vector<fs::path> const& files) {
+    try {
+      draw();
+      for (fs::path const& file : files) {
+        if (fs::exists(file)) pictures_.files.push_back(file);
+      }
+    } catch (std::exception const& error) {
+      pictures_.notes.push_back(name + ": " + error.what());
+    }
+  }
+
+  fs::path directory_;
+  Pictures pictures_;
+};
+
+/// How far each disk of `state` has come from where it stood in `start`, in units of the side of the box.
+std::vector<double> displacements(State const& start, State const& state) {
+  std::vector<double> values(state.disks.size(), std::nan(""));
+  auto const image = [](Disks const& disks, std::size_t i) {
+    return Vector{static_cast<double>(disks.column<ImageX>()[i]), static_cast<double>(disks.column<ImageY>()[i])};
+  };
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    std::size_t const then = start.disks.index_of(state.disks.ids()[i]);
+    if (then == Disks::not_found) continue;
+    Vector const edges = image(state.disks, i) - image(start.disks, then);
+    Vector const u = position(state.disks, i) - position(start.disks, then) +
+                     Vector{edges.x * state.box.width(), edges.y * state.box.height()};
+    values[i] = std::sqrt(squared_length(u)) / state.box.side();
+  }
+  return values;
+}
+
+void draw_states(Artist& artist) {
+  Setup const setup = set_up(SettingsFile::from_path(artist.path_of("config.resolved.toml")));
+  std::uint64_t const cells = setup.configuration.engine.cells.value_or(0);
+  // A grid finer than the disks would hide them.
+  bool const shows_grid = cells > 0 && cells <= 40;
+  artist.disks("start", setup.state,
+               {.colouring = shows_grid ? Colouring::neighbourhood : Colouring::radius,
+                .columns = shows_grid ? cells : 0,
+                .rows = shows_grid ? cells : 0,
+                .title = fmt::format("start, φ = {:.4g}", covered_area(setup.state.disks) / setup.state.box.area())});
+  State const last = read_xyz(artist.path_of("final.xyz")).state;
+  std::vector<double> const values = displacements(setup.state, last);
+  artist.disks("final", last,
+               {.colouring = Colouring::values,
+                .values = values,
+                .least = 0.0,
+                .bar_label = "displacement / side",
+                .title = fmt::format("after {} steps", last.clock.step - setup.state.clock.step)});
+}
+
+void draw_run(Artist& artist) {
+  draw_states(artist);
+  artist.plot({.name = "displacement",
+               .title = "Mean displacement from the start",
+               .x = {.label = "time"},
+               .y = {.label = "mean displacement / side", .least = 0.0},
+               .curves = {{.file = "series.csv", .x = "time", .y = "mean_displacement"}},
+               .references = {{.at = 0.1, .label = "10 % of the box"}},
+               .key = PlotKey::none});
+  if (artist.has("pair_correlation.csv")) {
+    artist.plot({.name = "pair_correlation",
+                 .title = "Pair correlation",
+                 .x = {.label = "distance"},
+                 .y = {.label = "g(r)", .least = 0.0},
+                 .curves = {{.file = "pair_correlation.csv", .x = "distance", .y = "pair_correlation", .error = "error"}},
+                 .references = {{.at = 1.0}},
+                 .key = PlotKey::none});
+  }
+  if (artist.has("speed_distribution.csv")) {
+    artist.plot({.name = "speed_distribution",
+                 .title = "Distribution of speed",
+                 .x = {.label = "speed", .least = 0.0},
+                 .y = {.label = "density", .least = 0.0},
+                 .curves = {{.label = "measured", .file = "speed_distribution.csv", .x = "speed", .y = "density", .error = "error", .style = PlotStyle::points},
+                            {.label = "Maxwell", .file = "speed_distribution.csv", .x = "speed", .y = "maxwell"}},
+                 .key = PlotKey::top_right});
+  }
+}
+
+/// An entry of a table as a condition of a plot names it.
+std::string entry_of(Table const& table, std::string const& column, std::size_t row) {
+  return std::visit(
+      [&](auto const& values) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(values)>, std::vector<std::string>>) {
+          return values[row];
+        } else {
+          return fmt::format("{}", values[row]);
+        }
+      },
+      table.column(column));
+}
+
+/// The swept settings are the columns in front of "runs".
+std::vector<std::string> swept_keys(Table const& means) {
+  auto const end = std::ranges::find(means.names(), "runs");
+  return {means.names().begin(), end};
+}
+
+/// The swept number with the most different values; empty where none has two.
+std::string axis_of(Table const& means, std::vector<std::string> const& keys) {
+  std::string axis;
+  std::size_t most = 1;
+  for (std::string const& key : keys) {
+    std::vector<double> const numbers = means.numbers(key);
+    std::size_t const different = std::set<double>(numbers.begin(), numbers.end()).size();
+    if (different > most) {
+      most = different;
+      axis = key;
+    }
+  }
+  return axis;
+}
+
+std::vector<PlotCurve> curves_against(std::string const& axis, std::string const& observable, Table const& means,
+                                      std::vector<std::string> const& keys) {
+  std::vector<PlotCurve> curves;
+  std::set<std::string> labels;
+  for (std::size_t row = 0; row < means.row_count(); ++row) {
+    PlotCurve curve{.file = "means.csv",
+                    .x = axis,
+                    .y = observable,
+                    .error = observable + "_error",
+                    .style = PlotStyle::line_and_points};
+    for (std::string const& key : keys) {
+      if (key == axis) continue;
+      std::string const entry = entry_of(means, key, row);
+      curve.where.push_back({.column = key, .equals = entry});
+      curve.label += (curve.label.empty() ? "" : ", ") + key + " = " + entry;
+    }
+    if (labels.insert(curve.label).second) curves.push_back(std::move(curve));
+  }
+  return curves;
+}
+
+void draw_sweep(Artist& artist) {
+  constexpr std::size_t most_curves = 12;
+  Table const means = read_csv(artist.path_of("means.csv"));
+  std::vector<std::string> const keys = swept_keys(means);
+  std::string const axis = axis_of(means, keys);
+  if (axis.empty()) return;
+  for (char const* observable :
+       {"mean_displacement", "compressibility_factor", "wall_pressure", "collision_rate", "blocked_share"}) {
+    if (!means.contains(observable)) continue;
+    std::vector<PlotCurve> const curves = curves_against(axis, observable, means, keys);
+    if (curves.size() > most_curves) continue;
+    artist.plot({.name = observable,
+                 .x = {.label = axis},
+                 .y = {.label = observable},
+                 .curves = curves,
+                 .key = curves.size() > 1 ? PlotKey::outside : PlotKey::none});
+  }
+}
+
+}  // namespace
+
+Pictures draw_results(fs::path const& directory) {
+  Artist artist(directory);
+  if (artist.has("config.resolved.toml") && artist.has("final.xyz")) {
+    draw_run(artist);
+  } else if (artist.has("means.csv")) {
+    draw_sweep(artist);
+  } else {
+    throw Error({.what = fmt::format("{} holds neither a run nor a sweep", directory.string()),
+                 .hint = "name a directory that gridlock run or gridlock sweep has written",
+                 .key = "DIR"});
+  }
+  return artist.take();
+}
+
+}  // namespace gridlock

@@ -1,0 +1,366 @@
+#include "gridlock/run/sweep.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#include <tbb/task_group.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <numeric>
+#include <optional>
+#include <set>
+#include <thread>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/io/file.hpp"
+#include "gridlock/run/run_directory.hpp"
+#include "gridlock/run/simulate.hpp"
+
+namespace gridlock {
+
+namespace {
+
+constexpr char const* seed_key = "run.seed";
+constexpr std::size_t most_runs = 1'000'000;
+constexpr std::size_t longest_name = 120;
+
+std::string last_part(std::string const& key) { return key.substr(key.rfind('.') + 1); }
+
+/// "packing_fraction=0.7_start=square": safe as the name of a directory on every file system.
+std::string name_of(std::vector<std::string> const& keys, std::vector<std::string> const& values, std::size_t number) {
+  std::string name;
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    if (!name.empty()) name += '_';
+    name += last_part(keys[k]) + '=';
+    for (char const c : values[k]) {
+      bool const is_safe = std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' || c == '+';
+      if (is_safe) name += c;
+    }
+  }
+  return name.size() <= longest_name ? name : fmt::format("{}_{}", name.substr(0, longest_name - 8), number);
+}
+
+SettingLocation place_of(SettingList const& list, std::size_t value) {
+  return value < list.value_locations.size() ? list.value_locations[value] : list.location;
+}
+
+/// Values without the quotes of TOML strings, as a table shows them.
+std::string bare(std::string const& value) {
+  bool const is_quoted = value.size() >= 2 && (value.front() == '"' || value.front() == '\'') && value.back() == value.front();
+  return is_quoted ? value.substr(1, value.size() - 2) : value;
+}
+
+/// One finished run as the tables need it.
+struct Outcome {
+  bool has_begun = false;
+  Ending ending = Ending::interrupted;
+  std::string message;
+  std::uint64_t state_hash = 0;
+  double seconds = 0.0;
+  std::vector<NamedEstimate> results;
+
+  [[nodiscard]] std::optional<Estimate> find(std::string const& name) const {
+    auto const found = std::ranges::find(results, name, &NamedEstimate::name);
+    return found == results.end() ? std::nullopt : std::optional(found->estimate);
+  }
+};
+
+double const not_measured = std::numeric_limits<double>::quiet_NaN();
+
+/// The names of all observables any run has, in the order of their first appearance.
+std::vector<std::string> observable_names(std::vector<Outcome> const& outcomes) {
+  std::vector<std::string> names;
+  std::set<std::string> seen;
+  for (Outcome const& outcome : outcomes) {
+    for (NamedEstimate const& result : outcome.results) {
+      if (seen.insert(result.name).second) names.push_back(result.name);
+    }
+  }
+  return names;
+}
+
+/// A column of numbers where all values are numbers, else of words.
+CellColumn column_of(std::vector<std::string> const& values) {
+  std::vector<double> numbers;
+  for (std::string const& value : values) {
+    std::size_t read = 0;
+    try {
+      numbers.push_back(std::stod(value, &read));
+    } catch (std::exception const&) {
+      return values;
+    }
+    if (read != value.size()) return values;
+  }
+  return numbers;
+}
+
+void add_key_columns(Table& table, SweepPlan const& plan, std::vector<std::size_t> const& runs, bool with_seed) {
+  for (std::size_t k = 0; k < plan.keys.size(); ++k) {
+    if (!with_seed && plan.keys[k] == seed_key) continue;
+    std::vector<std::string> values;
+    for (std::size_t const run : runs) values.push_back(bare(plan.runs[run].values[k]));
+    table.add_column(plan.keys[k], column_of(values));
+  }
+}
+
+Table rows_of(SweepPlan const& plan, std::vector<Outcome> const& outcomes) {
+  std::vector<std::size_t> runs(plan.runs.size());
+  std::iota(runs.begin(), runs.end(), std::size_t{0});
+  Table table;
+  std::vector<std::string> names;
+  std::vector<std::string> endings;
+  std::vector<std::string> hashes;
+  std::vector<double> seconds;
+  for (std::size_t const run : runs) {
+    names.push_back(plan.runs[run].name);
+    endings.emplace_back(outcomes[run].has_begun ? to_text(outcomes[run].ending) : "not begun");
+    hashes.push_back(outcomes[run].has_begun ? fmt::format("{:016x}", outcomes[run].state_hash) : "");
+    seconds.push_back(outcomes[run].seconds);
+  }
+  table.add_column("run", names);
+  add_key_columns(table, plan, runs, true);
+  table.add_column("ending", endings);
+  table.add_column("state_hash", hashes);
+  table.add_column("seconds", seconds);
+  for (std::string const& name : observable_names(outcomes)) {
+    std::vector<double> values;
+    std::vector<double> errors;
+    for (Outcome const& outcome : outcomes) {
+      auto const estimate = outcome.find(name);
+      values.push_back(estimate ? estimate->value : not_measured);
+      errors.push_back(estimate ? estimate->error.value_or(not_measured) : not_measured);
+    }
+    table.add_column(name, values);
+    table.add_column(name + "_error", errors);
+  }
+  return table;
+}
+
+/// Mean over runs with its standard error from their scatter; a single run keeps its own error.
+Estimate mean_over(std::vector<Estimate> const& runs) {
+  if (runs.empty()) return {.value = not_measured};
+  if (runs.size() == 1) return runs.front();
+  double const count = static_cast<double>(runs.size());
+  double mean = 0.0;
+  for (Estimate const& run : runs) mean += run.value / count;
+  double squares = 0.0;
+  for (Estimate const& run : runs) squares += (run.value - mean) * (run.value - mean);
+  return {mean, std::sqrt(squares / (count * (count - 1.0)))};
+}
+
+Table means_of(SweepPlan const& plan, std::vector<Outcome> const& outcomes) {
+  // Runs that agree in everything but the seed, in the order of the plan.
+  std::vector<std::vector<std::size_t>> groups;
+  std::map<std::vector<std::string>, std::size_t> group_of;
+  for (std::size_t run = 0; run < plan.runs.size(); ++run) {
+    std::vector<std::string> values;
+    for (std::size_t k = 0; k < plan.keys.size(); ++k) {
+      if (plan.keys[k] != seed_key) values.push_back(plan.runs[run].values[k]);
+    }
+    auto const [place, is_new] = group_of.try_emplace(values, groups.size());
+    if (is_new) groups.emplace_back();
+    groups[place->second].push_back(run);
+  }
+  std::vector<std::size_t> first_runs;
+  std::vector<std::uint64_t> sizes;
+  for (auto& group : groups) {
+    first_runs.push_back(group.front());
+    std::erase_if(group, [&](std::size_t run) { return outcomes[run].ending != Ending::finished; });
+    sizes.push_back(group.size());
+  }
+  Table table;
+  add_key_columns(table, plan, first_runs, false);
+  table.add_column("runs", sizes);
+  for (std::string const& name : observable_names(outcomes)) {
+    std::vector<double> values;
+    std::vector<double> errors;
+    for (auto const& group : groups) {
+      std::vector<Estimate> estimates;
+      for (std::size_t const run : group) {
+        if (auto const estimate = outcomes[run].find(name)) estimates.push_back(*estimate);
+      }
+      Estimate const mean = mean_over(estimates);
+      values.push_back(mean.value);
+      errors.push_back(mean.error.value_or(not_measured));
+    }
+    table.add_column(name, values);
+    table.add_column(name + "_error", errors);
+  }
+  return table;
+}
+
+/// The work of a run in disk-steps, as far as its settings tell: only for the order and the progress.
+double cost_of(Setup const& setup) {
+  RunSettings const& run = setup.configuration.run;
+  double const disks = static_cast<double>(setup.state.disks.size());
+  double const duration = step_duration(setup.configuration.engine, setup.state);
+  double steps = std::numeric_limits<double>::infinity();
+  if (run.steps) steps = std::min(steps, static_cast<double>(*run.steps));
+  if (run.time) steps = std::min(steps, *run.time / duration);
+  // A disk of a dense fluid collides a few times while it travels ten of the default time steps.
+  if (run.collisions_per_disk) steps = std::min(steps, *run.collisions_per_disk * 3.0);
+  return disks * steps + 1.0;
+}
+
+/// A sweep being carried out by a team of threads that take the next longest run as soon as they are free.
+class SweepInProgress {
+ public:
+  SweepInProgress(SweepPlan const& plan, SweepSettings const& settings)
+      : plan_(plan), settings_(settings), outcomes_(plan.runs.size()), costs_(plan.runs.size(), 0.0),
+        shares_(plan.runs.size(), 0.0), errors_(plan.runs.size()) {}
+
+  void run() {
+    unsigned const threads = settings_.threads > 0 ? settings_.threads : std::max(1U, std::thread::hardware_concurrency());
+    tbb::task_arena arena(static_cast<int>(threads));
+    arena.execute([&] {
+      tbb::parallel_for(std::size_t{0}, plan_.runs.size(), [&](std::size_t run) { estimate_cost(run); });
+      require_one_good();
+      std::vector<std::size_t> const order = longest_first();
+      tbb::task_group team;
+      for (unsigned member = 0; member < threads; ++member) {
+        team.run([&] {
+          for (std::size_t next = next_++; next < order.size() && !is_stopped_; next = next_++) carry_out(order[next]);
+        });
+      }
+      team.wait();
+    });
+  }
+
+  [[nodiscard]] std::vector<Outcome> const& outcomes() const { return outcomes_; }
+
+ private:
+  void estimate_cost(std::size_t run) {
+    try {
+      costs_[run] = cost_of(set_up(plan_.runs[run].settings));
+    } catch (Error const& error) {
+      errors_[run] = error;
+      outcomes_[run] = {.has_begun = false, .ending = Ending::failed, .message = error.what()};
+    }
+  }
+
+  /// A mistake that spoils every run is the user's input, not a failure of some runs.
+  void require_one_good() const {
+    bool const is_one_good = std::ranges::any_of(errors_, [](auto const& error) { return !error; });
+    if (!is_one_good) throw *errors_.front();
+  }
+
+  [[nodiscard]] std::vector<std::size_t> longest_first() const {
+    std::vector<std::size_t> order;
+    for (std::size_t run = 0; run < plan_.runs.size(); ++run) {
+      if (!errors_[run]) order.push_back(run);
+    }
+    std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::size_t run) { return costs_[run]; });
+    return order;
+  }
+
+  void carry_out(std::size_t run) {
+    Outcome outcome{.has_begun = true};
+    try {
+      Setup const setup = set_up(plan_.runs[run].settings);
+      RunResult const result =
+          simulate(setup, [&](Progress const& progress) { return report(run, progress.fraction); });
+      auto const directory = settings_.directory / "runs" / plan_.runs[run].name;
+      make_output_directory(directory);
+      write_run(setup, result, directory);
+      outcome.ending = result.ending;
+      outcome.message = result.failure;
+      outcome.state_hash = hash(result.state);
+      outcome.seconds = result.seconds;
+      outcome.results = result.results;
+    } catch (std::exception const& error) {
+      outcome.ending = Ending::failed;
+      outcome.message = error.what();
+    }
+    outcomes_[run] = std::move(outcome);
+    ++finished_;
+    report(run, 1.0);
+  }
+
+  bool report(std::size_t run, double share) {
+    std::scoped_lock const lock(mutex_);
+    shares_[run] = share;
+    if (settings_.on_progress && !is_stopped_) {
+      double const all = std::accumulate(costs_.begin(), costs_.end(), 0.0);
+      double const done = std::inner_product(costs_.begin(), costs_.end(), shares_.begin(), 0.0);
+      double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+      bool const goes_on = settings_.on_progress(
+          {.finished = finished_, .all = plan_.runs.size(), .fraction = done / all, .seconds = seconds});
+      if (!goes_on) is_stopped_ = true;
+    }
+    return !is_stopped_;
+  }
+
+  SweepPlan const& plan_;
+  SweepSettings const& settings_;
+  std::vector<Outcome> outcomes_;
+  std::vector<double> costs_;
+  std::vector<double> shares_;
+  std::vector<std::optional<Error>> errors_;
+  std::atomic<std::size_t> next_ = 0;
+  std::atomic<std::size_t> finished_ = 0;
+  std::atomic<bool> is_stopped_ = false;
+  std::mutex mutex_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+SweepPlan plan_sweep(SettingsFile file) {
+  std::vector<SettingList> const lists = file.take_lists("sweep");
+  if (lists.empty()) {
+    throw Error({.what = "there is no table [sweep] with lists of values to try",
+                 .hint = "add [sweep] with lines such as \"disks.packing_fraction\" = [0.1, 0.2], or use gridlock run",
+                 .key = "sweep"});
+  }
+  SweepPlan plan;
+  std::size_t count = 1;
+  for (SettingList const& list : lists) {
+    plan.keys.push_back(list.key);
+    if (list.values.size() > most_runs / count) {
+      throw Error({.what = fmt::format("the sweep has more than {} runs", most_runs), .hint = "list fewer values", .key = "sweep"});
+    }
+    count *= list.values.size();
+  }
+  std::set<std::string> names;
+  for (std::size_t number = 0; number < count; ++number) {
+    SweepRun run{.settings = file};
+    std::size_t rest = number;
+    run.values.resize(lists.size());
+    for (std::size_t k = lists.size(); k-- > 0;) {
+      std::size_t const choice = rest % lists[k].values.size();
+      rest /= lists[k].values.size();
+      run.values[k] = lists[k].values[choice];
+      run.settings.set(lists[k].key, run.values[k], place_of(lists[k], choice));
+    }
+    run.name = name_of(plan.keys, run.values, number);
+    if (!names.insert(run.name).second) run.name += fmt::format("_{}", number);
+    plan.runs.push_back(std::move(run));
+  }
+  return plan;
+}
+
+SweepResult run_sweep(SweepPlan const& plan, SweepSettings const& settings) {
+  SweepInProgress sweep(plan, settings);
+  sweep.run();
+  SweepResult result{.rows = rows_of(plan, sweep.outcomes()), .means = means_of(plan, sweep.outcomes())};
+  for (std::size_t run = 0; run < plan.runs.size(); ++run) {
+    Outcome const& outcome = sweep.outcomes()[run];
+    if (outcome.ending == Ending::failed) {
+      ++result.failures;
+      result.messages.push_back(fmt::format("{}: {}", plan.runs[run].name, outcome.message));
+    }
+    if (outcome.ending == Ending::interrupted) ++result.interruptions;
+  }
+  write_csv(result.rows, settings.directory / "sweep.csv");
+  write_csv(result.means, settings.directory / "means.csv");
+  return result;
+}
+
+}  // namespace gridlock
