@@ -1,0 +1,146 @@
+#include "gridlock/core/box.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/core/random.hpp"
+
+namespace gridlock {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+std::uint64_t bits(double value) { return std::bit_cast<std::uint64_t>(value); }
+
+TEST(Box, RefusesASideThatIsNotPositiveAndFiniteNamingIt) {
+  for (double const side : {0.0, -1.0, infinity, std::nan("")}) {
+    EXPECT_THROW(Box(side, 1.0, Edge::wall), Error);
+    try {
+      Box const box(1.0, side, Edge::periodic);
+      ADD_FAILURE() << "a height of " << side << " was accepted";
+    } catch (Error const& error) {
+      EXPECT_EQ(error.problems().at(0).key, "box.height");
+      EXPECT_NE(error.problems().at(0).what.find("height"), std::string::npos);
+      EXPECT_FALSE(error.problems().at(0).hint.empty());
+    }
+  }
+}
+
+TEST(Box, SideIsTheSquareRootOfTheAreaAndExactForSquares) {
+  EXPECT_EQ(Box(0.1, 0.1, Edge::wall).side(), 0.1);
+  EXPECT_DOUBLE_EQ(Box(2.0, 8.0, Edge::wall).side(), 4.0);
+  EXPECT_DOUBLE_EQ(Box(2.0, 8.0, Edge::wall).area(), 16.0);
+}
+
+TEST(Box, DisplacementBetweenWallsIsThePlainDifference) {
+  Box const box(1.0, 1.0, Edge::wall);
+  EXPECT_EQ(box.displacement({0.125, 0.75}, {0.875, 0.25}), (Vector{0.75, -0.5}));
+}
+
+TEST(Box, PeriodicDisplacementIsTheNearestImage) {
+  Box const box(1.0, 2.0, Edge::periodic);
+  EXPECT_EQ(box.displacement({0.125, 0.125}, {0.875, 1.875}), (Vector{-0.25, -0.25}));
+  EXPECT_EQ(box.displacement({0.875, 1.875}, {0.125, 0.125}), (Vector{0.25, 0.25}));
+  EXPECT_EQ(box.displacement({0.25, 0.25}, {0.5, 1.0}), (Vector{0.25, 0.75})) << "half the height is 1, not 0.5";
+}
+
+TEST(Box, PeriodicDisplacementIsNeverLongerThanHalfTheSidesAndNoOtherImageIsNearer) {
+  RandomStream random(1, 0, 0, Purpose::start_position);
+  for (int n = 0; n < 20000; ++n) {
+    Box const box(0.1 + 3.0 * random.uniform(), 0.1 + 3.0 * random.uniform(), Edge::periodic);
+    Vector const a{random.uniform() * box.width(), random.uniform() * box.height()};
+    Vector const b{random.uniform() * box.width(), random.uniform() * box.height()};
+    Vector const d = box.displacement(a, b);
+    ASSERT_LE(std::abs(d.x), 0.5 * box.width());
+    ASSERT_LE(std::abs(d.y), 0.5 * box.height());
+    for (int const image : {-1, 0, 1}) {
+      ASSERT_LE(std::abs(d.x), std::abs(b.x - a.x + image * box.width()) + 1e-15);
+      ASSERT_LE(std::abs(d.y), std::abs(b.y - a.y + image * box.height()) + 1e-15);
+    }
+  }
+}
+
+TEST(Box, DisplacementIsAntisymmetricToTheLastBit) {
+  RandomStream random(2, 0, 0, Purpose::start_position);
+  for (Edge const edge : {Edge::wall, Edge::periodic}) {
+    for (int n = 0; n < 20000; ++n) {
+      Box const box(0.1 + random.uniform(), 0.1 + random.uniform(), edge);
+      // Every fourth pair is exactly half a side apart, or a last bit to either side of it: the edge of two images.
+      Vector const a{random.uniform() * box.width(), random.uniform() * box.height()};
+      Vector b{random.uniform() * box.width(), random.uniform() * box.height()};
+      if (n % 4 == 0) b.x = a.x + (a.x < 0.5 * box.width() ? 0.5 : -0.5) * box.width();
+      if (n % 8 == 0) b.x = std::nextafter(b.x, n % 16 == 0 ? 0.0 : infinity);
+      Vector const forth = box.displacement(a, b);
+      Vector const back = box.displacement(b, a);
+      // Zero is the one number with two signs; a − a is +0 both ways.
+      ASSERT_EQ(bits(forth.x), forth.x == 0.0 ? bits(back.x) : bits(-back.x));
+      ASSERT_EQ(bits(forth.y), forth.y == 0.0 ? bits(back.y) : bits(-back.y));
+      ASSERT_EQ(bits(squared_length(forth)), bits(squared_length(back))) << "two disks must agree whether they overlap";
+    }
+  }
+}
+
+struct WrapCase {
+  double from;
+  double to;
+  int crossed;
+};
+
+class BoxWrap : public testing::TestWithParam<WrapCase> {};
+
+TEST_P(BoxWrap, LandsInTheBoxAndCountsTheEdgesCrossed) {
+  auto const [from, to, crossed] = GetParam();
+  Box const box(1.0, 1.0, Edge::periodic);
+  int x = 0;
+  int y = 10;
+  Vector const p = box.wrap({from, from}, x, y);
+  EXPECT_EQ(p, (Vector{to, to}));
+  EXPECT_EQ(x, crossed);
+  EXPECT_EQ(y, 10 + crossed) << "the counts are added to";
+}
+
+INSTANTIATE_TEST_SUITE_P(Edges, BoxWrap,
+                         testing::Values(WrapCase{0.5, 0.5, 0}, WrapCase{0.0, 0.0, 0}, WrapCase{1.0, 0.0, 1},
+                                         WrapCase{1.25, 0.25, 1}, WrapCase{-0.25, 0.75, -1},
+                                         // −ε + 1 rounds to 1, which is 0 of the image it came from.
+                                         WrapCase{-1e-17, 0.0, 0},
+                                         WrapCase{-std::numeric_limits<double>::denorm_min(), 0.0, 0},
+                                         // One ulp below 1 and the smallest step that is not lost against it.
+                                         WrapCase{0x1.fffffffffffffp-1, 0x1.fffffffffffffp-1, 0},
+                                         WrapCase{-0x1.0p-53, 0x1.fffffffffffffp-1, -1}));
+
+TEST(Box, WrapLeavesAWalledBoxAlone) {
+  Box const box(1.0, 1.0, Edge::wall);
+  int x = 0;
+  int y = 0;
+  EXPECT_EQ(box.wrap({-0.25, 1.5}, x, y), (Vector{-0.25, 1.5}));
+  EXPECT_EQ(x, 0);
+  EXPECT_EQ(y, 0);
+}
+
+TEST(Box, WrapOfAnyPointLessThanASideOutsideIsInsideForAnySide) {
+  RandomStream random(3, 0, 0, Purpose::start_position);
+  for (int n = 0; n < 50000; ++n) {
+    Box const box(1e-3 + random.uniform(), 1e3 * (1e-3 + random.uniform()), Edge::periodic);
+    // Half of the points lie within a few ulps of an edge, where rounding decides.
+    double const x = n % 2 == 0 ? (3.0 * random.uniform() - 1.0) * box.width()
+                                : static_cast<double>(random.below(9)) * 1e-17 - 4e-17 +
+                                      static_cast<double>(random.below(2)) * box.width();
+    int crossed_x = 0;
+    int crossed_y = 0;
+    Vector const p = box.wrap({std::max(x, -box.width()), 0.0}, crossed_x, crossed_y);
+    ASSERT_GE(p.x, 0.0);
+    ASSERT_LT(p.x, box.width()) << "from " << x;
+    ASSERT_NEAR(p.x + crossed_x * box.width(), x, 4e-16 * box.width()) << "position and count name the same point";
+  }
+}
+
+}  // namespace
+}  // namespace gridlock
