@@ -9,8 +9,8 @@
 #include <functional>
 #include <utility>
 
-#include "gridlock/core/error.hpp"
 #include "exact.hpp"
+#include "gridlock/core/error.hpp"
 #include "stepped.hpp"
 
 namespace gridlock {
@@ -56,8 +56,10 @@ double step_duration(EngineSettings const& settings, State const& state) {
 
 void describe(EngineSettings& settings, SettingVisitor& visitor) {
   static constexpr std::array<std::string_view, 2> contacts{"always", "approaching"};
-  visitor.visit({.key = "kind", .documentation = "How the disks move: \"stepped\" is the paper's rule, \"exact\" goes from collision "
-                                   "to collision without a time step."}, settings.kind);
+  visitor.visit({.key = "kind",
+                 .documentation = "How the disks move: \"stepped\" is the paper's rule, \"exact\" goes from collision "
+                                  "to collision without a time step."},
+                settings.kind);
   visitor.visit({.key = "time_step",
                  .unit = "diameters of the smallest disk per speed",
                  .documentation = "Length of one time step.",

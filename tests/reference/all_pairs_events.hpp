@@ -96,8 +96,7 @@ class AllPairsEvents {
     for (std::size_t i = 0; i < state.disks.size(); ++i) {
       int crossed_x = 0;
       int crossed_y = 0;
-      Vector const p =
-          state.box.wrap(position(state.disks, i) + time * velocity(state.disks, i), crossed_x, crossed_y);
+      Vector const p = state.box.wrap(position(state.disks, i) + time * velocity(state.disks, i), crossed_x, crossed_y);
       state.disks.column<X>()[i] = p.x;
       state.disks.column<Y>()[i] = p.y;
       state.disks.column<ImageX>()[i] += crossed_x;
@@ -106,8 +105,7 @@ class AllPairsEvents {
   }
 
   void reflect(Event const& event) {
-    auto const component =
-        event.wall < 2 ? state.disks.column<VelocityX>() : state.disks.column<VelocityY>();
+    auto const component = event.wall < 2 ? state.disks.column<VelocityX>() : state.disks.column<VelocityY>();
     component[event.i] = -component[event.i];
     ++wall_hits[static_cast<std::size_t>(event.wall)];
   }

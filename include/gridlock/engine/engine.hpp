@@ -50,6 +50,7 @@ struct EngineSettings {
   std::uint64_t substeps = 5;
   std::optional<std::uint64_t> cells;   ///< k of the k × k grid; left out: chosen from the sizes
   Contact contact = Contact::always;
+  std::uint64_t audit_every = 0;        ///< pair collisions between two audits of the exact engine; 0: never
 };
 void describe(EngineSettings& settings, SettingVisitor& visitor);
 

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "gridlock/engine/engine.hpp"
+
+namespace gridlock {
+
+namespace exact {
+class Dynamics;
+}
+
+/// Hard disks without a time step: from collision to collision, the dynamics every stepped result is judged against.
+///
+/// The disks fly freely between events; docs/exact.md explains how the events are found. Between two calls of advance()
+/// the engine keeps its own state as long as the caller leaves the disks alone, so that the same run has the same bits
+/// however it is cut into calls; positions handed out are those at state.clock.time.
+/// Errors: Error for disks that overlap, and for a periodic box in which two disks could touch on both sides at once.
+/// Cost: O(1) per collision.
+class ExactEngine final : public Engine {
+ public:
+  ExactEngine(EngineSettings const& settings, State const& state);
+  ~ExactEngine() override;
+
+  void advance(State& state, Tally& tally, Horizon const& horizon) override;
+  [[nodiscard]] double time_step() const override { return duration_; }
+
+ private:
+  [[nodiscard]] bool is_as_left(State const& state) const;
+  void start_from(State const& state);
+
+  std::uint64_t audit_every_;
+  double duration_;
+  std::unique_ptr<exact::Dynamics> dynamics_;  // nullptr until the first advance()
+  std::uint64_t hash_ = 0;                     // of the state as left
+  std::uint64_t row_hash_ = 0;                 // of the order of its rows
+  double start_time_ = 0.0;
+  double next_step_time_ = 0.0;
+};
+
+}  // namespace gridlock

@@ -1,0 +1,96 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/exact/dynamics.hpp"
+#include "gridlock/core/error.hpp"
+
+namespace gridlock::exact {
+
+namespace {
+
+/// How far two disks may overlap, in diameters, before it is more than rounding.
+constexpr double tolerance = 1e-12;
+/// All pairs are looked at up to this many disks.
+constexpr std::size_t most_disks_for_all_pairs = 2000;
+
+/// The centre-to-centre vector of a pair at a time of the epoch, before periodic images.
+struct Flight {
+  Vector separation;
+  Vector velocity;
+
+  [[nodiscard]] Vector at(double time) const { return separation + time * velocity; }
+  /// When, from `now` to `end`, the two are nearest.
+  [[nodiscard]] double nearest(Vector image, double now, double end) const {
+    double const squared_speed = squared_length(velocity);
+    if (!(squared_speed > 0.0)) return now;
+    return std::clamp(-dot(separation + image, velocity) / squared_speed, now, end);
+  }
+};
+
+Flight flight(MovingDisk const& a, MovingDisk const& b) {
+  return {{b.x - a.x, b.y - a.y}, {b.velocity_x - a.velocity_x, b.velocity_y - a.velocity_y}};
+}
+
+}  // namespace
+
+void Dynamics::audit() const {
+  audit_overlaps();
+  if (size_ <= most_disks_for_all_pairs) audit_missed_events();
+}
+
+void Dynamics::audit_overlaps() const {
+  auto const require_gap = [&](Index i, Index j) {
+    Vector const d = flight(disks_[i], disks_[j]).at(now_);
+    double const x = box_.is_periodic() ? std::remainder(d.x, box_.width()) : d.x;
+    double const y = box_.is_periodic() ? std::remainder(d.y, box_.height()) : d.y;
+    double const contact = radius_of(i) + radius_of(j);
+    double const gap = std::sqrt(x * x + y * y) - contact;
+    if (gap >= -tolerance * contact) return;
+    throw RunFailure(fmt::format("time {}: disks {} and {} overlap by {:.3g}, {:.3g} of their distance at contact",
+                                 last_event(), id_of(i), id_of(j), -gap, -gap / contact));
+  };
+  for (Index i = 0; i < size_; ++i) {
+    MovingDisk const& disk = disks_[i];
+    for (std::int32_t row = disk.row - 1; row <= disk.row + 1; ++row) {
+      Index const* const slots = cells_.cell(disk.column - 1, row);
+      for (std::size_t k = 0; k < 3 * cells_.capacity(); ++k) {
+        if (slots[k] != no_disk && slots[k] < i) require_gap(slots[k], i);
+      }
+    }
+    if (box_.is_periodic()) continue;
+    double const x = disk.x + disk.velocity_x * now_;
+    double const y = disk.y + disk.velocity_y * now_;
+    double const r = radius_of(i);
+    double const gap = std::min({x - r, box_.width() - r - x, y - r, box_.height() - r - y});
+    if (gap >= -tolerance * 2.0 * r) continue;
+    throw RunFailure(fmt::format("time {}: disk {} is {:.3g} outside the box", last_event(), id_of(i), -gap));
+  }
+}
+
+/// Up to the earlier of the two disks' own events nobody looks at a pair again, so until then it must not overlap.
+void Dynamics::audit_missed_events() const {
+  double const last_image = box_.is_periodic() ? 1.0 : 0.0;
+  for (Index i = 0; i < size_; ++i) {
+    for (Index j = 0; j < i; ++j) {
+      double const end = std::max(now_, std::min(disks_[i].event_time, disks_[j].event_time));
+      Flight const pair = flight(disks_[i], disks_[j]);
+      double const contact = radius_of(i) + radius_of(j);
+      for (double n = -last_image; n <= last_image; n += 1.0) {
+        for (double m = -last_image; m <= last_image; m += 1.0) {
+          Vector const image{n * box_.width(), m * box_.height()};
+          double const time = pair.nearest(image, now_, end);
+          double const gap = std::sqrt(squared_length(pair.at(time) + image)) - contact;
+          if (gap >= -tolerance * contact) continue;
+          throw RunFailure(
+              fmt::format("time {}: a collision of disks {} and {} was missed; they would overlap by {:.3g} "
+                          "at time {}",
+                          last_event(), id_of(i), id_of(j), -gap, epoch_start_ + time));
+        }
+      }
+    }
+  }
+}
+
+}  // namespace gridlock::exact

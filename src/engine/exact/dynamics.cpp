@@ -1,0 +1,340 @@
+#include "engine/exact/dynamics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace gridlock::exact {
+
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+/// Epochs between two sorts of the disks in memory: a disk stays near its cell for many collisions.
+constexpr std::uint64_t epochs_per_sort = 8;
+
+bool are_all_equal(std::span<double const> values) {
+  return std::ranges::all_of(values, [&](double value) { return value == values.front(); });
+}
+
+/// Rows of the state in the order of their Ids.
+std::vector<std::uint32_t> rows_by_id(Disks const& disks) {
+  std::vector<std::uint32_t> rows(disks.size());
+  std::iota(rows.begin(), rows.end(), 0U);
+  std::ranges::sort(rows, {}, [ids = disks.ids()](std::uint32_t row) { return ids[row]; });
+  return rows;
+}
+
+/// The largest power of two not above a positive number.
+double power_of_two_below(double value) {
+  int exponent = 0;
+  static_cast<void>(std::frexp(value, &exponent));
+  return std::ldexp(1.0, exponent - 1);
+}
+
+double nearest_image(double d, double side) {
+  if (d > 0.5 * side) return d - side;
+  return d < -0.5 * side ? d + side : d;
+}
+
+/// Applies a permutation, element i going to place new_place[i], without a second array.
+template <class Array>
+void permute(Array& values, std::vector<Index> new_place) {
+  for (Index i = 0; i < new_place.size(); ++i) {
+    while (new_place[i] != i) {
+      Index const place = new_place[i];
+      std::swap(values[i], values[place]);
+      std::swap(new_place[i], new_place[place]);
+    }
+  }
+}
+
+}  // namespace
+
+Dynamics::Dynamics(State const& state) : box_(state.box), size_(state.disks.size()) {
+  read_disks(state);
+  refresh_surroundings();
+  choose_epoch();
+  sort_disks_by_cell();
+  for (Index i = 0; i < size_; ++i) disks_[i].event_time = never;
+  for (Index i = 0; i < size_; ++i) {
+    Prediction const first = predict_(surroundings_, i, 0.0, no_disk);
+    disks_[i].event_time = first.time;
+    disks_[i].partner = first.partner;
+    if (first.partner < vertical_border) disks_[i].partner_stamp = disks_[first.partner].stamp;
+  }
+  expected_appointments_ = 32 * size_;
+  start_epoch();
+}
+
+void Dynamics::read_disks(State const& state) {
+  Disks const& disks = state.disks;
+  std::vector<std::uint32_t> rows = rows_by_id(disks);
+  auto const radius = disks.column<Radius>();
+  auto const mass = disks.column<Mass>();
+  if (size_ > 0) {
+    equal_radius_ = radius.front();
+    equal_mass_ = mass.front();
+  }
+  bool const is_mixture = size_ > 0 && !(are_all_equal(radius) && are_all_equal(mass));
+  double const reach = 2.0 * radius_range(disks).largest;
+  cells_ = SlotCells(size_ > 0 ? layout_for_reach(box_, reach, size_) : CellLayout(box_, 1, 1), box_);
+  disks_.reserve(size_ + 1);
+  image_.reserve(size_);
+  for (std::uint32_t rank = 0; rank < size_; ++rank) {
+    std::uint32_t const row = rows[rank];
+    Vector const p = position(disks, row);
+    Vector const v = velocity(disks, row);
+    MovingDisk& disk = disks_.emplace_back();
+    disk = {.x = p.x,
+            .y = p.y,
+            .velocity_x = v.x,
+            .velocity_y = v.y,
+            .event_time = never,
+            .partner = vertical_border,
+            .partner_stamp = 0,
+            .stamp = 0,
+            .column = cells_.column_of(p.x),
+            .row = cells_.row_of(p.y),
+            .rank = rank};
+    cells_.insert(rank, disk.column, disk.row);
+    image_.push_back({disks.column<ImageX>()[row], disks.column<ImageY>()[row]});
+    if (is_mixture) {
+      radius_.push_back(radius[row]);
+      mass_.push_back(mass[row]);
+    }
+  }
+  disks_.push_back({.event_time = -never, .partner = vertical_border});
+  if (size_ > 0 && disks.ids()[rows.back()] != size_ - 1) {
+    for (std::uint32_t const row : rows) ids_.push_back(disks.ids()[row]);
+  }
+  if (!std::ranges::is_sorted(rows)) row_of_ = std::move(rows);
+}
+
+void Dynamics::refresh_surroundings() {
+  surroundings_ = {.disks = disks_.data(),
+                   .radius = radius_.empty() ? nullptr : radius_.data(),
+                   .equal_radius = equal_radius_,
+                   .slots = cells_.slots(),
+                   .row_stride = cells_.row_stride(),
+                   .capacity = cells_.capacity(),
+                   .column_edges = cells_.column_edges(),
+                   .row_edges = cells_.row_edges(),
+                   .columns = cells_.columns(),
+                   .rows = cells_.rows(),
+                   .width = box_.width(),
+                   .height = box_.height(),
+                   .is_periodic = box_.is_periodic()};
+  predict_ = fastest_prediction(surroundings_);
+}
+
+void Dynamics::choose_epoch() {
+  double squared_speeds = 0.0;
+  for (std::size_t i = 0; i < size_; ++i) {
+    squared_speeds += disks_[i].velocity_x * disks_[i].velocity_x + disks_[i].velocity_y * disks_[i].velocity_y;
+  }
+  if (!(squared_speeds > 0.0)) return;
+  double const cell = std::max(box_.width() / cells_.columns(), box_.height() / cells_.rows());
+  epoch_length_ = power_of_two_below(2.0 * cell / std::sqrt(squared_speeds / static_cast<double>(size_)));
+}
+
+void Dynamics::start_epoch() {
+  calendar_.open(epoch_length_, expected_appointments_);
+  for (Index i = 0; i < size_; ++i) calendar_.add(disks_[i].event_time, i, disks_.data());
+}
+
+/// Puts disks of neighbouring cells next to one another in memory, so that a prediction finds its candidates in few
+/// cache lines and pages. The trajectory does not depend on it.
+void Dynamics::sort_disks_by_cell() {
+  std::vector<Index> new_name(size_, no_disk);
+  Index next = 0;
+  for (std::int32_t row = 0; row < cells_.rows(); ++row) {
+    for (std::int32_t column = 0; column < cells_.columns(); ++column) {
+      Index const* const slots = cells_.cell(column, row);
+      for (std::size_t k = 0; k < cells_.capacity(); ++k) {
+        if (slots[k] != no_disk) new_name[slots[k]] = next++;
+      }
+    }
+  }
+  cells_.rename(new_name);
+  for (MovingDisk& disk : disks_) {
+    if (disk.partner < vertical_border) disk.partner = new_name[disk.partner];
+  }
+  if (!radius_.empty()) {
+    permute(radius_, new_name);
+    permute(mass_, new_name);
+  }
+  permute(image_, new_name);
+  permute(disks_, std::move(new_name));
+}
+
+bool Dynamics::run(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Tally& tally) {
+  if (epoch_length_ == 0.0) return true;  // nothing moves, nothing happens
+  while (tally.pair_collisions < pair_collisions) {
+    Appointment const* const next = next_event();
+    if (next->time > elapsed - epoch_start_) return true;
+    Appointment const due = *next;
+    calendar_.pop(next, disks_.data());
+    std::uint64_t const before = tally.pair_collisions;
+    now_ = due.time;
+    handle(due.disk, tally);
+    if (audit_every > 0 && tally.pair_collisions != before && tally.pair_collisions % audit_every == 0) audit();
+  }
+  return false;
+}
+
+/// The next appointment that is still kept, of a later epoch where this one has none left.
+Appointment const* Dynamics::next_event() {
+  for (;;) {
+    while (Appointment const* const next = calendar_.next(disks_.data())) {
+      if (disks_[next->disk].event_time == next->time) return next;
+      calendar_.pop(next, disks_.data());
+    }
+    for (std::size_t i = 0; i < size_; ++i) {
+      MovingDisk& disk = disks_[i];
+      disk.x += disk.velocity_x * epoch_length_;
+      disk.y += disk.velocity_y * epoch_length_;
+      disk.event_time -= epoch_length_;  // exact: the length is a power of two, the time not below it
+    }
+    ++epoch_;
+    epoch_start_ = static_cast<double>(epoch_) * epoch_length_;
+    now_ -= epoch_length_;
+    expected_appointments_ = calendar_.made();
+    if (epoch_ % epochs_per_sort == 0) sort_disks_by_cell();
+    start_epoch();
+  }
+}
+
+void Dynamics::handle(Index i, Tally& tally) {
+  ++tally.turns;
+  MovingDisk& disk = disks_[i];
+  if (disk.partner == vertical_border) {
+    hit_or_cross_vertical_border(disk, i, tally);
+  } else if (disk.partner == horizontal_border) {
+    hit_or_cross_horizontal_border(disk, i, tally);
+  } else if (disks_[disk.partner].stamp == disk.partner_stamp) {
+    Index const j = disk.partner;
+    collide(i, j, tally);
+    disk.event_time = never;
+    disks_[j].event_time = never;
+    schedule(i, j);
+    schedule(j, i);
+    return;
+  }
+  disk.event_time = never;
+  schedule(i, no_disk);
+}
+
+void Dynamics::schedule(Index i, Index apart) {
+  Prediction const next = predict_(surroundings_, i, now_, apart);
+  MovingDisk& disk = disks_[i];
+  disk.event_time = next.time;
+  disk.partner = next.partner;
+  if (next.partner < vertical_border) disk.partner_stamp = disks_[next.partner].stamp;
+  calendar_.add(next.time, i, disks_.data());
+}
+
+/// The elastic rule of turn.hpp, at the time of contact; the centre at the zero of time moves so that the path does not
+/// jump: x + v·now stays what it was.
+void Dynamics::collide(Index i, Index j, Tally& tally) {
+  MovingDisk& a = disks_[i];
+  MovingDisk& b = disks_[j];
+  double const w_x = b.velocity_x - a.velocity_x;
+  double const w_y = b.velocity_y - a.velocity_y;
+  double d_x = (b.x - a.x) + w_x * now_;
+  double d_y = (b.y - a.y) + w_y * now_;
+  if (box_.is_periodic()) {
+    d_x = nearest_image(d_x, box_.width());
+    d_y = nearest_image(d_y, box_.height());
+  }
+  double const mass_a = mass_of(i);
+  double const mass_b = mass_of(j);
+  double const squared_distance = d_x * d_x + d_y * d_y;
+  double const impulse = 2.0 * mass_a * mass_b * (w_x * d_x + w_y * d_y) / ((mass_a + mass_b) * squared_distance);
+  double const along_a = impulse / mass_a;
+  double const along_b = impulse / mass_b;
+  a.velocity_x += along_a * d_x;
+  a.velocity_y += along_a * d_y;
+  b.velocity_x -= along_b * d_x;
+  b.velocity_y -= along_b * d_y;
+  a.x -= along_a * d_x * now_;
+  a.y -= along_a * d_y * now_;
+  b.x += along_b * d_x * now_;
+  b.y += along_b * d_y * now_;
+  ++a.stamp;
+  ++b.stamp;
+  ++tally.pair_collisions;
+  tally.pair_virial -= impulse * squared_distance;
+}
+
+void Dynamics::hit_or_cross_vertical_border(MovingDisk& disk, Index i, Tally& tally) {
+  bool const is_rightwards = disk.velocity_x > 0.0;
+  bool const is_last = disk.column == (is_rightwards ? cells_.columns() - 1 : 0);
+  if (is_last && !box_.is_periodic()) {
+    Tally::Wall const wall = is_rightwards ? Tally::right : Tally::left;
+    ++tally.wall_hits[wall];
+    tally.wall_impulse[wall] += 2.0 * mass_of(i) * std::abs(disk.velocity_x);
+    disk.x += 2.0 * disk.velocity_x * now_;
+    disk.velocity_x = -disk.velocity_x;
+    ++disk.stamp;
+    return;
+  }
+  cells_.erase(i, disk.column, disk.row);
+  disk.column += is_rightwards ? 1 : -1;
+  if (is_last) {
+    disk.column = is_rightwards ? 0 : cells_.columns() - 1;
+    disk.x -= is_rightwards ? box_.width() : -box_.width();
+    image_[i].x += is_rightwards ? 1 : -1;
+  }
+  cells_.insert(i, disk.column, disk.row);
+  if (surroundings_.capacity != cells_.capacity()) refresh_surroundings();
+}
+
+void Dynamics::hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Tally& tally) {
+  bool const is_upwards = disk.velocity_y > 0.0;
+  bool const is_last = disk.row == (is_upwards ? cells_.rows() - 1 : 0);
+  if (is_last && !box_.is_periodic()) {
+    Tally::Wall const wall = is_upwards ? Tally::top : Tally::bottom;
+    ++tally.wall_hits[wall];
+    tally.wall_impulse[wall] += 2.0 * mass_of(i) * std::abs(disk.velocity_y);
+    disk.y += 2.0 * disk.velocity_y * now_;
+    disk.velocity_y = -disk.velocity_y;
+    ++disk.stamp;
+    return;
+  }
+  cells_.erase(i, disk.column, disk.row);
+  disk.row += is_upwards ? 1 : -1;
+  if (is_last) {
+    disk.row = is_upwards ? 0 : cells_.rows() - 1;
+    disk.y -= is_upwards ? box_.height() : -box_.height();
+    image_[i].y += is_upwards ? 1 : -1;
+  }
+  cells_.insert(i, disk.column, disk.row);
+  if (surroundings_.capacity != cells_.capacity()) refresh_surroundings();
+}
+
+void Dynamics::write(double elapsed, State& state) const {
+  double const t = elapsed - epoch_start_;
+  Disks& disks = state.disks;
+  auto const radius = disks.column<Radius>();
+  for (std::size_t i = 0; i < size_; ++i) {
+    MovingDisk const& disk = disks_[i];
+    std::size_t const row = row_of_.empty() ? disk.rank : row_of_[disk.rank];
+    int crossed_x = 0;
+    int crossed_y = 0;
+    Vector p = box_.wrap({disk.x + disk.velocity_x * t, disk.y + disk.velocity_y * t}, crossed_x, crossed_y);
+    if (!box_.is_periodic()) {
+      // A disk at a wall may be out of the box by a rounding error that its path never sees.
+      p.x = std::clamp(p.x, radius[row], box_.width() - radius[row]);
+      p.y = std::clamp(p.y, radius[row], box_.height() - radius[row]);
+    }
+    disks.column<X>()[row] = p.x;
+    disks.column<Y>()[row] = p.y;
+    disks.column<VelocityX>()[row] = disk.velocity_x;
+    disks.column<VelocityY>()[row] = disk.velocity_y;
+    disks.column<ImageX>()[row] = image_[i].x + crossed_x;
+    disks.column<ImageY>()[row] = image_[i].y + crossed_y;
+  }
+}
+
+}  // namespace gridlock::exact

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/exact/calendar.hpp"
+#include "engine/exact/large_array.hpp"
+#include "engine/exact/moving_disk.hpp"
+#include "engine/exact/prediction.hpp"
+#include "engine/exact/slot_cells.hpp"
+#include "gridlock/core/state.hpp"
+#include "gridlock/engine/engine.hpp"
+
+namespace gridlock::exact {
+
+/// Hard disks in free flight from event to event: the exact dynamics of a state, in a layout of its own.
+///
+/// Times are counted from the state it was made of. Inside, they are counted from the start of an epoch, a power of two
+/// long in which a disk crosses a few cells, so that positions and event times keep their digits however long the run is.
+/// At the end of an epoch every disk's centre moves on to the new zero of time.
+/// Contract: a valid state; a periodic box at least two largest diameters wide and high.
+class Dynamics {
+ public:
+  explicit Dynamics(State const& state);
+
+  /// Handles every event up to `elapsed`, or until the tally counts `pair_collisions`; says whether it got to `elapsed`.
+  /// Errors: RunFailure where an audit, due every `audit_every` pair collisions, finds what must not be.
+  bool run(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Tally& tally);
+
+  /// The time of the last event handled.
+  [[nodiscard]] double last_event() const { return epoch_start_ + now_; }
+
+  /// Whether waiting for a collision can make sense: at least two disks, and one of them moves.
+  [[nodiscard]] bool can_collide() const { return size_ > 1 && epoch_length_ > 0.0; }
+
+  /// Writes positions at time `elapsed`, velocities and images into the state it was made of.
+  void write(double elapsed, State& state) const;
+
+  /// Throws RunFailure where two disks, or a disk and a wall, overlap by more than 1e-12 diameters, or, for up to 2000
+  /// disks, where a collision would be missed: a pair that comes to overlap before either disk's own event.
+  void audit() const;
+
+  /// The disks as they are, for tests that damage them.
+  [[nodiscard]] LargeArray<MovingDisk>& disks() { return disks_; }
+  [[nodiscard]] std::size_t size() const { return size_; }
+
+ private:
+  void read_disks(State const& state);
+  void choose_epoch();
+  void start_epoch();
+  void sort_disks_by_cell();
+  void refresh_surroundings();
+
+  Appointment const* next_event();
+  void handle(Index i, Tally& tally);
+  void collide(Index i, Index j, Tally& tally);
+  void hit_or_cross_vertical_border(MovingDisk& disk, Index i, Tally& tally);
+  void hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Tally& tally);
+  void schedule(Index i, Index apart);
+
+  void audit_overlaps() const;
+  void audit_missed_events() const;
+  [[nodiscard]] Id id_of(Index i) const { return ids_.empty() ? disks_[i].rank : ids_[disks_[i].rank]; }
+  [[nodiscard]] double radius_of(Index i) const { return radius_.empty() ? equal_radius_ : radius_[i]; }
+  [[nodiscard]] double mass_of(Index i) const { return mass_.empty() ? equal_mass_ : mass_[i]; }
+
+  Box box_;
+  std::size_t size_ = 0;
+  LargeArray<MovingDisk> disks_;  // and one more behind them that no prediction ever chooses
+  SlotCells cells_;
+  Calendar calendar_;
+  Surroundings surroundings_{};
+  Predict predict_ = nullptr;
+
+  // Empty while all disks are equal.
+  std::vector<double> radius_;
+  std::vector<double> mass_;
+  double equal_radius_ = 0.0;
+  double equal_mass_ = 0.0;
+
+  struct Image {
+    std::int32_t x;
+    std::int32_t y;
+  };
+  LargeArray<Image> image_;
+  std::vector<Id> ids_;                // by rank; empty where the Ids are the ranks
+  std::vector<std::uint32_t> row_of_;  // row in the state, by rank; empty where the rows are in the order of the Ids
+
+  double now_ = 0.0;           // time of the last event, in this epoch
+  double epoch_length_ = 0.0;  // 0 when nothing moves
+  double epoch_start_ = 0.0;
+  std::uint64_t epoch_ = 0;
+  std::uint64_t expected_appointments_ = 0;
+};
+
+}  // namespace gridlock::exact

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+namespace gridlock::exact {
+
+/// The name of a disk inside the engine: its place in memory, which changes when the disks are put in cell order.
+using Index = std::uint32_t;
+
+/// What a disk meets next, where that is no other disk: the border of its cell, or the wall there.
+inline constexpr Index vertical_border = std::numeric_limits<Index>::max() - 1;
+inline constexpr Index horizontal_border = std::numeric_limits<Index>::max();
+
+/// An empty slot of a cell.
+inline constexpr Index no_disk = std::numeric_limits<Index>::max();
+
+/// One disk in free flight, with the one event it waits for.
+///
+/// The centre at time t of the present epoch is (x + velocity_x·t, y + velocity_y·t): all disks share one clock, so no
+/// disk is ever brought up to date, and a prediction reads this one cache line of each neighbour and nothing else.
+///
+///     byte  0        8        16           24           32          40       44             48     52      56   60
+///           x        y        velocity_x   velocity_y   event_time  partner  partner_stamp  stamp  column  row  rank
+struct alignas(64) MovingDisk {
+  double x;
+  double y;
+  double velocity_x;
+  double velocity_y;
+  double event_time;  ///< when the disk's event is due, in time of the epoch; never earlier than now
+  Index partner;      ///< the disk it is to meet, or a border
+  std::uint32_t
+      partner_stamp;    ///< the partner's stamp when the event was predicted; another one means it was hit since
+  std::uint32_t stamp;  ///< how often this disk's velocity has changed
+  std::int32_t column;
+  std::int32_t row;
+  std::uint32_t rank;  ///< place in the order of Ids; breaks ties
+};
+static_assert(sizeof(MovingDisk) == 64);
+
+}  // namespace gridlock::exact

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstddef>
+
+#include "engine/exact/moving_disk.hpp"
+
+namespace gridlock::exact {
+
+/// Everything a prediction reads; borrowed pointers and the numbers of the box.
+struct Surroundings {
+  MovingDisk const* disks;
+  double const* radius;  ///< of each disk; nullptr while all are equal
+  double equal_radius;
+  Index const* slots;  ///< of SlotCells
+  std::size_t row_stride;
+  std::size_t capacity;
+  double const* column_edges;
+  double const* row_edges;
+  std::int32_t columns;
+  std::int32_t rows;
+  double width;
+  double height;
+  bool is_periodic;
+
+  [[nodiscard]] double radius_of(Index i) const { return radius != nullptr ? radius[i] : equal_radius; }
+};
+
+/// When a disk's next event is due and what it will meet.
+struct Prediction {
+  double time;
+  Index partner;
+};
+
+/// The first event of disk i after `now` that no other disk will look after.
+///
+/// Two disks at distance d with relative velocity w, b = d·w < 0 and c = d² − σ², touch after
+///     Δt = c / (−b + √(b² − w²c)),
+/// the form that does not cancel. A collision with j counts only when it comes before j's own event: at its own event
+/// j looks at all its neighbours again and finds it. Disk `apart` has just been scattered off i and cannot meet it
+/// there again; no_disk where there is none.
+/// The 3×3 block of cells is enough, for leaving its cell is an event as well.
+/// Every implementation gives the same bits: the same operations on each candidate in the same order, no contraction,
+/// ties to the lower rank.
+using Predict = Prediction (*)(Surroundings const& surroundings, Index i, double now, Index apart);
+
+Prediction predict_plainly(Surroundings const& surroundings, Index i, double now, Index apart);
+
+/// Whether the processor can run predict_with_avx512().
+bool has_avx512();
+/// Eight candidates at a time. Contract: at least five cells a side in a periodic box.
+Prediction predict_with_avx512(Surroundings const& surroundings, Index i, double now, Index apart);
+
+/// The fastest implementation for this processor and these cells.
+Predict fastest_prediction(Surroundings const& surroundings);
+
+/// When disk i reaches the border of its cell, or the wall there.
+inline Prediction predict_border(Surroundings const& s, Index i, double now) {
+  MovingDisk const& disk = s.disks[i];
+  double x_edge = s.column_edges[disk.column + (disk.velocity_x > 0.0 ? 1 : 0)];
+  double y_edge = s.row_edges[disk.row + (disk.velocity_y > 0.0 ? 1 : 0)];
+  if (!s.is_periodic) {
+    double const r = s.radius_of(i);
+    x_edge = x_edge < r ? r : x_edge > s.width - r ? s.width - r : x_edge;
+    y_edge = y_edge < r ? r : y_edge > s.height - r ? s.height - r : y_edge;
+  }
+  constexpr double never = std::numeric_limits<double>::infinity();
+  double const x_time = disk.velocity_x != 0.0 ? (x_edge - disk.x) / disk.velocity_x : never;
+  double const y_time = disk.velocity_y != 0.0 ? (y_edge - disk.y) / disk.velocity_y : never;
+  Prediction const border =
+      y_time < x_time ? Prediction{y_time, horizontal_border} : Prediction{x_time, vertical_border};
+  return {border.time > now ? border.time : now, border.partner};
+}
+
+}  // namespace gridlock::exact

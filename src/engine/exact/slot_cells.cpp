@@ -1,0 +1,80 @@
+#include "engine/exact/slot_cells.hpp"
+
+#include <cassert>
+
+namespace gridlock::exact {
+
+namespace {
+
+/// Wide loads may read this far behind the last slot.
+constexpr std::size_t slack = 32;
+
+std::vector<double> edges(int count, double side) {
+  std::vector<double> edges;
+  for (int k = 0; k < count; ++k) edges.push_back(side * k / count);
+  edges.push_back(side);
+  return edges;
+}
+
+}  // namespace
+
+SlotCells::SlotCells(CellLayout const& layout, Box const& box)
+    : layout_(layout),
+      is_periodic_(box.is_periodic()),
+      columns_(layout.columns()),
+      rows_(layout.rows()),
+      stride_(static_cast<std::size_t>(columns_) + 2),
+      slots_(stride_ * (static_cast<std::size_t>(rows_) + 2) * capacity_ + slack, no_disk),
+      column_edges_(edges(columns_, box.width())),
+      row_edges_(edges(rows_, box.height())) {}
+
+void SlotCells::insert(Index disk, std::int32_t column, std::int32_t row) {
+  for (;;) {
+    Index* const first = slots_.data() + place_of(column, row);
+    Index* const empty = std::find(first, first + capacity_, no_disk);
+    if (empty != first + capacity_) {
+      *empty = disk;
+      break;
+    }
+    double_capacity();
+  }
+  if (is_periodic_ && is_at_edge(column, row)) copy_to_ghosts(column, row);
+}
+
+void SlotCells::erase(Index disk, std::int32_t column, std::int32_t row) {
+  Index* const first = slots_.data() + place_of(column, row);
+  Index* const found = std::find(first, first + capacity_, disk);
+  assert(found != first + capacity_);
+  *found = no_disk;
+  if (is_periodic_ && is_at_edge(column, row)) copy_to_ghosts(column, row);
+}
+
+void SlotCells::rename(std::vector<Index> const& new_name) {
+  for (Index& slot : slots_) {
+    if (slot != no_disk) slot = new_name[slot];
+  }
+}
+
+void SlotCells::copy_to_ghosts(std::int32_t column, std::int32_t row) {
+  // Each image of the cell that lies in the ring of ghosts; in a box one cell wide it has images on both sides.
+  Index const* const original = slots_.data() + place_of(column, row);
+  for (std::int32_t const r : {row - rows_, row, row + rows_}) {
+    for (std::int32_t const c : {column - columns_, column, column + columns_}) {
+      bool const is_ghost = (r != row || c != column) && r >= -1 && r <= rows_ && c >= -1 && c <= columns_;
+      if (is_ghost) std::copy_n(original, capacity_, slots_.data() + place_of(c, r));
+    }
+  }
+}
+
+void SlotCells::double_capacity() {
+  std::size_t const old_capacity = capacity_;
+  std::size_t const cells = (slots_.size() - slack) / old_capacity;
+  LargeArray<Index> wider(cells * old_capacity * 2 + slack, no_disk);
+  for (std::size_t cell = 0; cell < cells; ++cell) {
+    std::copy_n(slots_.data() + cell * old_capacity, old_capacity, wider.data() + cell * old_capacity * 2);
+  }
+  slots_ = std::move(wider);
+  capacity_ = old_capacity * 2;
+}
+
+}  // namespace gridlock::exact

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "engine/exact/large_array.hpp"
+#include "engine/exact/moving_disk.hpp"
+#include "gridlock/core/box.hpp"
+#include "gridlock/grid/cell_layout.hpp"
+
+namespace gridlock::exact {
+
+/// A uniform grid whose cells hold the names of their disks in a few fixed slots, so that the candidates of a
+/// prediction are three short runs of memory.
+///
+///     ┌────┬────┬────┬────┐   one row of slots: 3 cells × 4 slots = 48 bytes in a run
+///     │ ·· │ 07 │ 3· │ ·· │   dotted: empty. The outermost cells are ghosts: copies of the other side in a
+///     └────┴────┴────┴────┘   periodic box, empty behind a wall; no search has to look where the box ends.
+///
+/// Cells with a side in [σ, √2 σ) hold at most four centres of hard disks of diameter σ. Where disks are smaller or cells
+/// larger, a cell that runs full doubles the slots of all.
+/// Cost: insert, erase O(slots per cell).
+class SlotCells {
+ public:
+  SlotCells() = default;
+  SlotCells(CellLayout const& layout, Box const& box);
+
+  [[nodiscard]] std::int32_t columns() const { return columns_; }
+  [[nodiscard]] std::int32_t rows() const { return rows_; }
+  /// Lower edge of column c, or of row r; one more than there are columns, or rows.
+  [[nodiscard]] double const* column_edges() const { return column_edges_.data(); }
+  [[nodiscard]] double const* row_edges() const { return row_edges_.data(); }
+  [[nodiscard]] std::int32_t column_of(double x) const { return layout_.column_of(x); }
+  [[nodiscard]] std::int32_t row_of(double y) const { return layout_.row_of(y); }
+
+  [[nodiscard]] std::size_t capacity() const { return capacity_; }
+  /// Slots from one row of cells to the next.
+  [[nodiscard]] std::size_t row_stride() const { return stride_ * capacity_; }
+  [[nodiscard]] Index const* slots() const { return slots_.data(); }
+  /// The first slot of a cell; column −1 and `columns`, row −1 and `rows` are the ghosts. Behind the last slot there
+  /// are more than a vector register of empty ones, so that wide loads stay in bounds.
+  [[nodiscard]] Index const* cell(std::int32_t column, std::int32_t row) const {
+    return slots_.data() + place_of(column, row);
+  }
+
+  void insert(Index disk, std::int32_t column, std::int32_t row);
+  void erase(Index disk, std::int32_t column, std::int32_t row);
+  /// Replaces every name i by new_name[i].
+  void rename(std::vector<Index> const& new_name);
+
+ private:
+  [[nodiscard]] std::size_t place_of(std::int32_t column, std::int32_t row) const {
+    return (static_cast<std::size_t>(row + 1) * stride_ + static_cast<std::size_t>(column + 1)) * capacity_;
+  }
+  [[nodiscard]] bool is_at_edge(std::int32_t column, std::int32_t row) const {
+    return column == 0 || row == 0 || column == columns_ - 1 || row == rows_ - 1;
+  }
+  void copy_to_ghosts(std::int32_t column, std::int32_t row);
+  void double_capacity();
+
+  CellLayout layout_;
+  bool is_periodic_ = false;
+  std::int32_t columns_ = 0;
+  std::int32_t rows_ = 0;
+  std::size_t stride_ = 0;
+  std::size_t capacity_ = 4;
+  LargeArray<Index> slots_;
+  std::vector<double> column_edges_;
+  std::vector<double> row_edges_;
+};
+
+}  // namespace gridlock::exact

@@ -1,0 +1,266 @@
+// The exact engine against numbers with a source: exact small systems, virial coefficients, published pressures.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "gridlock/core/random.hpp"
+#include "gridlock/engine/engine.hpp"
+#include "reference/random_scene.hpp"
+
+namespace gridlock {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// Mean and standard error of the mean of independent blocks.
+struct Estimate {
+  double mean = 0.0;
+  double error = 0.0;
+};
+
+Estimate estimate(std::vector<double> const& blocks) {
+  auto const n = static_cast<double>(blocks.size());
+  Estimate e;
+  for (double const b : blocks) e.mean += b / n;
+  double squares = 0.0;
+  for (double const b : blocks) squares += (b - e.mean) * (b - e.mean);
+  e.error = std::sqrt(squares / (n * (n - 1.0)));
+  return e;
+}
+
+/// Equal disks of diameter 1 on a stretched triangular lattice of rows × columns sites in a periodic square, with
+/// Maxwell velocities of zero sum.
+State fluid(std::uint64_t columns, std::uint64_t rows, double packing_fraction, std::uint64_t seed) {
+  std::uint64_t const count = columns * rows;
+  double const side = std::sqrt(static_cast<double>(count) * pi / 4.0 / packing_fraction);
+  State state{.box = Box(side, side, Edge::periodic), .seed = seed};
+  Vector sum;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    std::uint64_t const row = i / columns;
+    double const x =
+        (static_cast<double>(i % columns) + (row % 2 == 0 ? 0.25 : 0.75)) * side / static_cast<double>(columns);
+    double const y = (static_cast<double>(row) + 0.5) * side / static_cast<double>(rows);
+    RandomStream random(seed, 0, i, Purpose::start_velocity);
+    Vector const v{random.normal(), random.normal()};
+    sum = sum + v;
+    state.disks.add(x, y, v.x, v.y, 0.5, 1.0, 0, 0);
+  }
+  for (std::uint64_t i = 0; i < count; ++i) {
+    state.disks.column<VelocityX>()[i] -= sum.x / static_cast<double>(count);
+    state.disks.column<VelocityY>()[i] -= sum.y / static_cast<double>(count);
+  }
+  return state;
+}
+
+/// kT of a periodic system at rest as a whole: K/(N − 1) in two dimensions with the momentum taken out.
+double temperature(State const& state) {
+  return kinetic_energy(state.disks) / static_cast<double>(state.disks.size() - 1);
+}
+
+struct Pressures {
+  Estimate from_impulses;  ///< Z = 1 + Σ σ m|v_n| / (2 N kT t)
+  Estimate from_rate;      ///< Z = 1 + (σ/4) √(π m/kT) Γ, Γ collisions per disk and time
+};
+
+Pressures measure(State& state, double equilibration, double block, int blocks) {
+  auto const engine = make_engine({.kind = "exact"}, state);
+  Tally tally;
+  engine->advance(state, tally, {.time = equilibration});
+  auto const n = static_cast<double>(state.disks.size());
+  double const kt = temperature(state);
+  std::vector<double> impulses;
+  std::vector<double> rates;
+  for (int b = 1; b <= blocks; ++b) {
+    Tally const before = tally;
+    engine->advance(state, tally, {.time = equilibration + b * block});
+    impulses.push_back(1.0 + (tally.pair_virial - before.pair_virial) / (2.0 * n * kt * block));
+    double const rate = 2.0 * static_cast<double>(tally.pair_collisions - before.pair_collisions) / (n * block);
+    // Of velocities with fixed energy and momentum the mean relative speed is that of Maxwell's to order 1/N².
+    rates.push_back(1.0 + 0.25 * std::sqrt(pi / kt) * rate);
+  }
+  return {estimate(impulses), estimate(rates)};
+}
+
+struct FluidCase {
+  double packing_fraction;
+  double compressibility;  // Kolafa & Rottner 2006, Mol. Phys. 104, 3435: good to 1e-5 here
+};
+
+class Fluid : public testing::TestWithParam<FluidCase> {};
+
+INSTANTIATE_TEST_SUITE_P(Densities, Fluid,
+                         testing::Values(FluidCase{0.05, 1.108388}, FluidCase{0.10, 1.236144},
+                                         FluidCase{0.20, 1.570366}, FluidCase{0.30, 2.063261},
+                                         FluidCase{0.40, 2.829331}, FluidCase{0.50, 4.106364},
+                                         FluidCase{0.60, 6.455337}, FluidCase{0.65, 8.408044}));
+
+TEST_P(Fluid, HasThePublishedPressureFromImpulsesAndFromTheCollisionRate) {
+  auto const [packing_fraction, expected] = GetParam();
+  State state = fluid(44, 46, packing_fraction, 7);
+  Pressures const z = measure(state, 20.0 + 1.0 / packing_fraction, 8.0, 25);
+  // A box of 2024 disks is not infinite: what is left is of the order Z/N, far below the error wanted here.
+  double const finite_size = 2.0 * expected / 2024.0;
+  EXPECT_LT(z.from_impulses.error, 2e-3 * expected);
+  EXPECT_NEAR(z.from_impulses.mean, expected, 3.5 * z.from_impulses.error + finite_size);
+  EXPECT_NEAR(z.from_rate.mean, expected, 3.5 * z.from_rate.error + finite_size);
+}
+
+// N = 72, periodic square box, Li et al. 2022: P* = βPσ² = Z · 4η/π. A longer run of the same is in the validation.
+TEST(ExactPhysics, SeventyTwoDisksHaveThePublishedPressure) {
+  struct Published {
+    double packing_fraction;
+    double pressure;
+  };
+  for (auto const& [packing_fraction, pressure] : {Published{0.65, 6.901074}, Published{0.68, 8.23631}}) {
+    State state = fluid(8, 9, packing_fraction, 3);
+    Pressures const z = measure(state, 200.0, 150.0, 40);
+    double const to_pressure = 4.0 * packing_fraction / pi;
+    EXPECT_LT(z.from_impulses.error * to_pressure, 3e-3 * pressure);
+    EXPECT_NEAR(z.from_impulses.mean * to_pressure, pressure, 3.0 * z.from_impulses.error * to_pressure);
+  }
+}
+
+// Two centres in a hard square box have the configuration integral, with a = L − 2R, d = 2R and R ≤ L/4,
+//   Q = a⁴ − π d² a² + (8/3) a d³ − d⁴/2,   and   P = (K/N) (∂Q/∂a)/(2 L Q),   ∂Q/∂a = 4a³ − 2πd²a + (8/3)d³.
+TEST(ExactPhysics, TwoDisksInAHardSquareBoxPressOnItsWallsAsTheirFreeAreaSays) {
+  for (double const r : {0.05, 0.10, 0.15, 0.20}) {
+    double const a = 1.0 - 2.0 * r;
+    double const d = 2.0 * r;
+    double const q = a * a * a * a - pi * d * d * a * a + 8.0 / 3.0 * a * d * d * d - d * d * d * d / 2.0;
+    double const expected = (4.0 * a * a * a - 2.0 * pi * d * d * a + 8.0 / 3.0 * d * d * d) / (2.0 * q);
+    State state{.box = Box(1.0, 1.0, Edge::wall)};
+    // K/N = 1: ½ Σ v² = 2.
+    state.disks.add(0.3, 0.31, 1.3, 0.4, r, 1.0, 0, 0);
+    double const rest = std::sqrt(4.0 - 1.3 * 1.3 - 0.4 * 0.4);
+    state.disks.add(0.72, 0.7, 0.6 * rest, -0.8 * rest, r, 1.0, 0, 0);
+    auto const engine = make_engine({.kind = "exact"}, state);
+    Tally tally;
+    std::vector<double> pressures;
+    double const block = 1000.0;
+    for (int b = 1; b <= 100; ++b) {
+      Tally const before = tally;
+      engine->advance(state, tally, {.time = b * block});
+      double impulse = 0.0;
+      for (std::size_t wall = 0; wall < 4; ++wall) impulse += tally.wall_impulse[wall] - before.wall_impulse[wall];
+      pressures.push_back(impulse / (4.0 * block));  // kT = K/N = 1
+    }
+    Estimate const pressure = estimate(pressures);
+    EXPECT_LT(pressure.error, 0.003 * expected);
+    EXPECT_NEAR(pressure.mean, expected, 3.5 * pressure.error) << "R = " << r;
+    if (r == 0.15) {
+      double const time = 100 * block;
+      EXPECT_NEAR(static_cast<double>(tally.all_wall_hits()) / time, 6.0154, 0.03);
+      EXPECT_NEAR(static_cast<double>(tally.pair_collisions) / time, 1.9220, 0.02);
+    }
+  }
+}
+
+// Clausius: the change of Σ m r·v over a run is 2K t plus the virial of all impulses. With r from the centre of the box a
+// wall gives −(side/2 − R) |Δp|, a pair +Σ σ m|v_n|, on one and the same trajectory and for any number of disks:
+//   Σ m r·v |end − start = 2 K t − Σ_walls (side/2 − R)|Δp| + Σ_pairs.
+TEST(ExactPhysics, WallsAndPairsBalanceTheKineticEnergyInTheVirial) {
+  for (std::uint64_t const seed : {1, 2, 3}) {
+    State state = reference::random_scene(
+        {.width = 1.5, .height = 0.8, .count = 60, .packing_fraction = 0.5, .heaviest_mass = 4.0, .seed = seed});
+    auto const virial = [&] {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < state.disks.size(); ++i) {
+        Vector const r = position(state.disks, i) - Vector{0.75, 0.4};
+        sum += state.disks.column<Mass>()[i] * dot(r, velocity(state.disks, i));
+      }
+      return sum;
+    };
+    double const start = virial();
+    double const radius = radius_range(state.disks).largest;  // all are equal
+    Tally tally;
+    make_engine({.kind = "exact"}, state)->advance(state, tally, {.time = 20.0});
+    double const flight = 2.0 * kinetic_energy(state.disks) * state.clock.time;
+    double const walls = (0.75 - radius) * (tally.wall_impulse[Tally::left] + tally.wall_impulse[Tally::right]) +
+                         (0.4 - radius) * (tally.wall_impulse[Tally::bottom] + tally.wall_impulse[Tally::top]);
+    EXPECT_NEAR((virial() - start + walls - tally.pair_virial) / flight, 1.0, 1e-10);
+    EXPECT_GT(tally.pair_virial, 0.1 * flight);
+    EXPECT_GT(walls, 0.1 * flight);
+  }
+}
+
+// The start of the paper, uniform in a disk of radius v₀: ⟨v²⟩ = v₀²/2 stays, and the rest becomes Maxwell's,
+// ⟨|v|⟩ = √(π kT/2m) with kT/m = v₀²/4, ⟨v⁴⟩/⟨v²⟩² = 2.
+TEST(ExactPhysics, TheStartOfThePaperRelaxesToMaxwellsMoments) {
+  State state = fluid(44, 46, 0.5, 5);
+  for (std::size_t i = 0; i < state.disks.size(); ++i) {
+    RandomStream random(5, 0, i, Purpose::start_velocity);
+    Vector const v = random.in_unit_disk();
+    state.disks.column<VelocityX>()[i] = v.x;
+    state.disks.column<VelocityY>()[i] = v.y;
+  }
+  auto const engine = make_engine({.kind = "exact"}, state);
+  Tally tally;
+  std::vector<double> speeds;
+  std::vector<double> fourths;
+  auto const n = static_cast<double>(state.disks.size());
+  double const mean_square = 2.0 * kinetic_energy(state.disks) / n;
+  for (int b = 1; b <= 60; ++b) {
+    engine->advance(state, tally, {.time = 20.0 + b});
+    double speed = 0.0;
+    double fourth = 0.0;
+    for (std::size_t i = 0; i < state.disks.size(); ++i) {
+      double const square = squared_length(velocity(state.disks, i));
+      speed += std::sqrt(square) / n;
+      fourth += square * square / n;
+    }
+    speeds.push_back(speed);
+    fourths.push_back(fourth / (mean_square * mean_square));
+  }
+  Estimate const speed = estimate(speeds);
+  Estimate const fourth = estimate(fourths);
+  EXPECT_NEAR(speed.mean, std::sqrt(pi / 4.0 * mean_square), 3.5 * speed.error);
+  // At a fixed sum of squares the ratio is 2 N/(N + 1).
+  EXPECT_NEAR(fourth.mean, 2.0 * n / (n + 1.0), 3.5 * fourth.error);
+  EXPECT_LT(fourth.error, 0.01);
+}
+
+// Dilute disks: D = 1.0274(8) kT/(m Γ) with Γ the collisions per disk and time. From the mean-squared displacement
+// between 10 and 20 mean free times, where the velocities have long forgotten their start.
+TEST(ExactPhysics, DiluteDisksDiffuseAsKineticTheorySays) {
+  State state = fluid(64, 64, 0.005, 9);
+  auto const engine = make_engine({.kind = "exact"}, state);
+  Tally tally;
+  double const free_time = 1.0 / (2.0 * 4.0 * 0.005 / pi * std::sqrt(pi) * 1.0079);  // 1/Γ, g(σ) to first order in η
+  engine->advance(state, tally, {.time = 20.0 * free_time});
+  auto const n = static_cast<double>(state.disks.size());
+  auto const unwrapped = [&] {
+    std::vector<Vector> places;
+    for (std::size_t i = 0; i < state.disks.size(); ++i) {
+      places.push_back(position(state.disks, i) + Vector{state.disks.column<ImageX>()[i] * state.box.width(),
+                                                         state.disks.column<ImageY>()[i] * state.box.height()});
+    }
+    return places;
+  };
+  auto const mean_square = [&](std::vector<Vector> const& from) {
+    std::vector<Vector> const to = unwrapped();
+    double sum = 0.0;
+    for (std::size_t i = 0; i < to.size(); ++i) sum += squared_length(to[i] - from[i]);
+    return sum / n;
+  };
+  std::vector<double> constants;
+  for (int b = 0; b < 20; ++b) {
+    double const begin = state.clock.time;
+    std::uint64_t const before = tally.pair_collisions;
+    std::vector<Vector> const origin = unwrapped();
+    engine->advance(state, tally, {.time = begin + 10.0 * free_time});
+    double const early = mean_square(origin);
+    engine->advance(state, tally, {.time = begin + 20.0 * free_time});
+    double const diffusion = (mean_square(origin) - early) / (4.0 * 10.0 * free_time);
+    double const rate = 2.0 * static_cast<double>(tally.pair_collisions - before) / (n * 20.0 * free_time);
+    constants.push_back(diffusion * rate / temperature(state));
+  }
+  Estimate const constant = estimate(constants);
+  EXPECT_LT(constant.error, 0.02);
+  EXPECT_NEAR(constant.mean, 1.0274, 3.0 * constant.error);
+}
+
+}  // namespace
+}  // namespace gridlock

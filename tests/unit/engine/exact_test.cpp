@@ -1,0 +1,285 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "engine/exact/dynamics.hpp"
+#include "gridlock/core/error.hpp"
+#include "gridlock/engine/engine.hpp"
+#include "reference/random_scene.hpp"
+
+namespace gridlock {
+namespace {
+
+constexpr double forever = 1e6;
+
+EngineSettings exact_settings() { return {.kind = "exact", .audit_every = 1}; }
+
+/// Disks of radius 0.1 and mass 1 in a box.
+class Scene {
+ public:
+  explicit Scene(Edge edge, double width = 1.0, double height = 1.0) { state.box = Box(width, height, edge); }
+  Scene& add(double x, double y, double vx, double vy, double radius = 0.1, double mass = 1.0) {
+    state.disks.add(x, y, vx, vy, radius, mass, 0, 0);
+    return *this;
+  }
+  Scene& run(Horizon const& horizon) {
+    if (!engine) engine = make_engine(exact_settings(), state);
+    engine->advance(state, tally, horizon);
+    return *this;
+  }
+  [[nodiscard]] Vector place(std::size_t i) const { return position(state.disks, i); }
+  [[nodiscard]] Vector speed(std::size_t i) const { return velocity(state.disks, i); }
+
+  State state;
+  Tally tally;
+  std::unique_ptr<Engine> engine;
+};
+
+std::string error_of(State const& state) {
+  try {
+    make_engine(exact_settings(), state);
+  } catch (Error const& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ExactEngine, OneDiskBetweenWallsRepeatsAfterTwiceItsFreeLength) {
+  Scene scene(Edge::wall);
+  scene.add(0.3, 0.6, 0.7, 0.0);
+  double const period = 2.0 * (1.0 - 0.2) / 0.7;
+  scene.run({.time = 5.0 * period});
+  EXPECT_NEAR(scene.place(0).x, 0.3, 1e-13);
+  EXPECT_EQ(scene.place(0).y, 0.6);
+  EXPECT_EQ(scene.speed(0), (Vector{0.7, 0.0}));
+  EXPECT_EQ(scene.tally.wall_hits, (std::array<std::uint64_t, 4>{5, 5, 0, 0}));
+  EXPECT_NEAR(scene.tally.wall_impulse[Tally::left], 5 * 2 * 0.7, 1e-13);
+  EXPECT_EQ(scene.tally.pair_collisions, 0U);
+}
+
+TEST(ExactEngine, OneDiskInAPeriodicBoxCountsItsImages) {
+  Scene scene(Edge::periodic);
+  scene.add(0.3, 0.6, 0.75, -0.25);
+  scene.run({.time = 10.0});
+  EXPECT_NEAR(scene.place(0).x, 0.8, 1e-13);
+  EXPECT_NEAR(scene.place(0).y, 0.1, 1e-13);
+  EXPECT_EQ(scene.state.disks.column<ImageX>()[0], 7);
+  EXPECT_EQ(scene.state.disks.column<ImageY>()[0], -2);
+}
+
+TEST(ExactEngine, EqualDisksHeadOnSwapTheirVelocitiesAcrossThePeriodicEdge) {
+  Scene scene(Edge::periodic);
+  scene.add(0.2, 0.5, -1.0, 0.25).add(0.8, 0.5, 0.5, 0.25);
+  scene.run({.pair_collisions = 1});
+  EXPECT_NEAR(scene.state.clock.time, 0.2 / 1.5, 1e-15);
+  EXPECT_NEAR(scene.speed(0).x, 0.5, 1e-15);
+  EXPECT_NEAR(scene.speed(1).x, -1.0, 1e-15);
+  EXPECT_EQ(scene.speed(0).y, 0.25);
+}
+
+TEST(ExactEngine, DisksApproachingThroughTheMiddleMeetThere) {
+  Scene scene(Edge::wall);
+  scene.add(0.2, 0.5, 1.0, 0.0).add(0.8, 0.5, -0.5, 0.0);
+  scene.run({.pair_collisions = 1});
+  EXPECT_NEAR(scene.state.clock.time, 0.4 / 1.5, 1e-15);
+  EXPECT_NEAR(scene.speed(0).x, -0.5, 1e-15);
+  EXPECT_NEAR(scene.speed(1).x, 1.0, 1e-15);
+  // Σ σ m |v_n| with σ = 0.2 and v_n = 1.5.
+  EXPECT_NEAR(scene.tally.pair_virial, 0.2 * 1.5, 1e-15);
+}
+
+// The target leaves along the line of centres with v cos α, the other at a right angle with v sin α, where the impact
+// parameter is σ sin α.
+TEST(ExactEngine, ObliqueCollisionsFollowTheImpactParameter) {
+  for (double const impact : {0.0, 0.05, 0.1, 0.15, 0.19}) {
+    double const sine = impact / 0.2;
+    double const cosine = std::sqrt(1.0 - sine * sine);
+    Scene scene(Edge::wall, 10.0, 10.0);
+    scene.add(2.0, 5.0, 1.0, 0.0).add(5.0, 5.0 + impact, 0.0, 0.0);
+    scene.run({.pair_collisions = 1});
+    EXPECT_NEAR(scene.state.clock.time, 3.0 - 0.2 * cosine, 1e-13);
+    EXPECT_NEAR(scene.speed(1).x, cosine * cosine, 1e-12);
+    EXPECT_NEAR(scene.speed(1).y, cosine * sine, 1e-12);
+    EXPECT_NEAR(scene.speed(0).x, sine * sine, 1e-12);
+    EXPECT_NEAR(scene.speed(0).y, -sine * cosine, 1e-12);
+  }
+}
+
+TEST(ExactEngine, UnequalMassesExchangeMomentumInTheFrameOfTheirCentre) {
+  Scene scene(Edge::wall, 10.0, 10.0);
+  scene.add(2.0, 5.0, 1.0, 0.0, 0.1, 3.0).add(5.0, 5.0, 0.0, 0.0, 0.3, 1.0);
+  scene.run({.pair_collisions = 1});
+  EXPECT_NEAR(scene.state.clock.time, 3.0 - 0.4, 1e-13);
+  EXPECT_NEAR(scene.speed(0).x, 0.5, 1e-13);  // (m₁ − m₂)/(m₁ + m₂)
+  EXPECT_NEAR(scene.speed(1).x, 1.5, 1e-13);  // 2 m₁/(m₁ + m₂)
+}
+
+// Centres of a row of disks of one height behave as sorted free points on a line shorter by all diameters.
+TEST(ExactEngine, ARowOfDisksWithOneMoverRepeatsAfterTwiceTheFreeLength) {
+  Scene scene(Edge::wall);
+  scene.add(0.15, 0.5, 0.0, 0.0).add(0.4, 0.5, 0.8, 0.0).add(0.7, 0.5, 0.0, 0.0);
+  scene.run({.time = 2.0 * (1.0 - 3 * 0.2) / 0.8});
+  EXPECT_NEAR(scene.place(0).x, 0.15, 1e-13);
+  EXPECT_NEAR(scene.place(1).x, 0.4, 1e-13);
+  EXPECT_NEAR(scene.place(2).x, 0.7, 1e-13);
+  EXPECT_NEAR(scene.speed(1).x, 0.8, 1e-13);
+  EXPECT_EQ(scene.tally.pair_collisions, 4U);
+}
+
+TEST(ExactEngine, ACradleInContactPassesItsMotionOnAtOnce) {
+  Scene scene(Edge::wall, 2.0, 1.0);
+  scene.add(0.25, 0.5, 1.0, 0.0, 0.125);
+  for (int n = 0; n < 4; ++n) scene.add(0.75 + 0.25 * n, 0.5, 0.0, 0.0, 0.125);  // touching, exactly
+  scene.run({.time = 0.5});
+  EXPECT_EQ(scene.tally.pair_collisions, 4U);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(scene.speed(i).x, 0.0);
+  EXPECT_EQ(scene.speed(4).x, 1.0);
+  EXPECT_NEAR(scene.place(4).x, 1.5 + 0.25, 1e-15);
+}
+
+TEST(ExactEngine, DisksTouchingWallsBounceAtOnce) {
+  Scene scene(Edge::wall);
+  scene.add(0.1, 0.1, -1.0, -0.5).add(0.9, 0.9, 1.0, 0.0);
+  scene.run({.time = 0.25});
+  EXPECT_EQ(scene.tally.wall_hits, (std::array<std::uint64_t, 4>{1, 1, 1, 0}));
+  EXPECT_EQ(scene.place(0), (Vector{0.35, 0.225}));
+  EXPECT_EQ(scene.speed(1), (Vector{-1.0, 0.0}));
+}
+
+TEST(ExactEngine, ADiskAsWideAsTheBoxStaysInTouchWithBothWalls) {
+  Scene scene(Edge::wall, 2.0, 0.2);
+  scene.add(0.5, 0.1, 1.0, 0.0);
+  scene.run({.time = 10.0});
+  EXPECT_EQ(scene.place(0).y, 0.1);
+  EXPECT_GT(scene.tally.wall_hits[Tally::right], 2U);
+}
+
+TEST(ExactEngine, AtRestNothingHappensButTimePasses) {
+  Scene scene(Edge::wall);
+  scene.add(0.3, 0.5, 0.0, 0.0).add(0.5, 0.5, 0.0, 0.0);
+  scene.run({.step = 10});
+  EXPECT_EQ(scene.state.clock.step, 10U);
+  EXPECT_EQ(scene.tally.turns, 0U);
+  EXPECT_EQ(scene.place(0), (Vector{0.3, 0.5}));
+  EXPECT_THROW(scene.run({.pair_collisions = 1}), RunFailure);
+}
+
+TEST(ExactEngine, OneMoverAmongDisksAtRestSetsThemMoving) {
+  Scene scene(Edge::periodic);
+  for (int n = 0; n < 4; ++n) {
+    for (int m = 0; m < 4; ++m) scene.add(0.125 + 0.25 * n, 0.125 + 0.25 * m, 0.0, 0.0);
+  }
+  scene.state.disks.column<VelocityX>()[5] = 1.0;
+  scene.state.disks.column<VelocityY>()[5] = 0.3;
+  scene.run({.time = 50.0});
+  EXPECT_GT(scene.tally.pair_collisions, 100U);
+  EXPECT_NEAR(kinetic_energy(scene.state.disks), 0.5 * 1.09, 1e-12);
+  EXPECT_NEAR(momentum(scene.state.disks).x, 1.0, 1e-12);
+}
+
+TEST(ExactEngine, StepsLineUpWithTheSteppedEngine) {
+  Scene scene(Edge::wall);
+  scene.add(0.3, 0.5, 0.1, 0.2).add(0.7, 0.5, -0.1, 0.3);
+  State stepped = scene.state;
+  Tally tally;
+  make_engine({.kind = "stepped"}, stepped)->advance(stepped, tally, {.step = 1000});
+  for (std::uint64_t n = 1; n <= 10; ++n) scene.run({.step = 100 * n});
+  EXPECT_EQ(scene.state.clock, stepped.clock);
+}
+
+TEST(ExactEngine, StopsAtATimeBetweenTwoSteps) {
+  Scene scene(Edge::wall);
+  scene.add(0.3, 0.5, 0.1, 0.2).add(0.7, 0.5, -0.1, 0.3);
+  double const step = make_engine(exact_settings(), scene.state)->time_step();
+  scene.run({.time = 2.5 * step});
+  EXPECT_EQ(scene.state.clock.time, 2.5 * step);
+  EXPECT_EQ(scene.state.clock.step, 2U);
+  scene.run({.step = 3});
+  EXPECT_EQ(scene.state.clock.time, step + step + step);
+}
+
+TEST(ExactEngine, StopsAtTheCollisionAskedFor) {
+  State state = reference::random_scene({.count = 50, .packing_fraction = 0.5});
+  auto const engine = make_engine(exact_settings(), state);
+  Tally tally;
+  for (std::uint64_t n = 1; n < 100; ++n) {
+    engine->advance(state, tally, {.pair_collisions = n});
+    EXPECT_EQ(tally.pair_collisions, n);
+  }
+}
+
+TEST(ExactEngine, TakesUpWhatTheCallerChanged) {
+  Scene scene(Edge::wall, 10.0, 1.0);
+  scene.add(1.0, 0.5, 1.0, 0.0).add(5.0, 0.5, 0.0, 0.0);
+  scene.run({.time = 1.0});
+  scene.state.disks.column<VelocityX>()[0] = 0.0;
+  scene.state.disks.column<VelocityX>()[1] = -1.0;
+  scene.run({.time = 2.0});
+  EXPECT_NEAR(scene.place(0).x, 2.0, 1e-15);
+  EXPECT_NEAR(scene.place(1).x, 4.0, 1e-15);
+}
+
+TEST(ExactEngine, AStartThatOverlapsIsRefusedNamingThePair) {
+  Scene scene(Edge::wall);
+  scene.add(0.2, 0.2, 0.0, 0.0).add(0.3, 0.7, 0.0, 0.0).add(0.45, 0.7, 0.0, 0.0);
+  EXPECT_NE(error_of(scene.state).find("disks 1 and 2 overlap by 0.05"), std::string::npos) << error_of(scene.state);
+}
+
+TEST(ExactEngine, ADiskOutsideTheWallsIsRefused) {
+  Scene scene(Edge::wall);
+  scene.add(0.05, 0.2, 0.0, 0.0);
+  EXPECT_NE(error_of(scene.state).find("disk 0"), std::string::npos);
+}
+
+TEST(ExactEngine, APeriodicBoxWhereTwoImagesCouldBeTouchedIsRefused) {
+  Scene scene(Edge::periodic, 0.4, 1.0);
+  scene.add(0.1, 0.2, 0.0, 0.0).add(0.1, 0.7, 0.0, 0.0);
+  EXPECT_NE(error_of(scene.state).find("two images"), std::string::npos);
+  scene.state.box = Box(0.41, 1.0, Edge::periodic);
+  EXPECT_EQ(error_of(scene.state), "");
+}
+
+TEST(ExactEngine, ADiskMeetsTwoSidesOfAnotherInANarrowPeriodicBox) {
+  Scene scene(Edge::periodic, 0.5, 1.0);
+  scene.add(0.1, 0.5, 0.0, 0.0).add(0.35, 0.5, 1.0, 0.0);
+  // Gaps of 0.05 on both sides: the motion is passed on at once, and comes back after the other gap.
+  scene.run({.time = 0.32});
+  EXPECT_EQ(scene.tally.pair_collisions, 3U);  // after 0.05, 0.15, 0.25 — the sum of the gaps is 0.1
+}
+
+class AuditTest : public testing::Test {
+ protected:
+  AuditTest() : state_(reference::random_scene({.count = 30, .packing_fraction = 0.4})), dynamics_(state_) {
+    dynamics_.run(0.1, std::numeric_limits<std::uint64_t>::max(), 0, tally_);
+  }
+  State state_;
+  Tally tally_;
+  exact::Dynamics dynamics_;
+};
+
+TEST_F(AuditTest, PassesAHealthyRun) { EXPECT_NO_THROW(dynamics_.audit()); }
+
+TEST_F(AuditTest, FindsTwoDisksOnTopOfEachOther) {
+  dynamics_.disks()[3].x = dynamics_.disks()[4].x;
+  dynamics_.disks()[3].y = dynamics_.disks()[4].y;
+  EXPECT_THROW(dynamics_.audit(), RunFailure);
+}
+
+TEST_F(AuditTest, FindsAnEventThatWasForgotten) {
+  // Without the events of the two disks of a pair that is bound to meet, the meeting is missed.
+  for (std::size_t i = 0; i < dynamics_.size(); ++i) dynamics_.disks()[i].event_time = forever;
+  EXPECT_THROW(dynamics_.audit(), RunFailure);
+}
+
+TEST_F(AuditTest, FindsADiskBeyondAWall) {
+  for (std::size_t i = 0; i < dynamics_.size(); ++i) {
+    exact::MovingDisk& disk = dynamics_.disks()[i];
+    if (disk.row == 0) disk.y -= 0.3;
+  }
+  EXPECT_THROW(dynamics_.audit(), RunFailure);
+}
+
+}  // namespace
+}  // namespace gridlock
