@@ -1,0 +1,128 @@
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "gridlock/core/random.hpp"
+#include "gridlock/grid/linked_grid.hpp"
+#include "gridlock/grid/pairs.hpp"
+#include "gridlock/grid/validate.hpp"
+
+namespace gridlock {
+namespace {
+
+double between(double low, double high) { return low + (high - low) * (*rc::gen::inRange(0, 10001) / 10000.0); }
+
+Box any_box() { return {between(0.2, 3.0), between(0.2, 3.0), *rc::gen::element(Edge::wall, Edge::periodic)}; }
+
+std::uint64_t any_cells() { return static_cast<std::uint64_t>(*rc::gen::inRange(1, 8)); }
+
+/// Points anywhere in the box, many of them on its edges and on the borders of cells.
+State any_points(Box const& box) {
+  State state{.box = box};
+  RandomStream random(*rc::gen::arbitrary<std::uint64_t>(), 0, 0, Purpose::start_position);
+  int const count = *rc::gen::inRange(0, 60);
+  auto const coordinate = [&](double side) {
+    double const twelfths = static_cast<double>(random.below(13)) / 12.0 * side;
+    double const p = random.below(3) == 0 ? twelfths : random.uniform() * side;
+    return box.is_periodic() && p >= side ? 0.0 : p;
+  };
+  for (int n = 0; n < count; ++n) {
+    double const x = coordinate(box.width());
+    double const y = coordinate(box.height());
+    state.disks.add(x, y, 0.0, 0.0, 0.02 + 0.1 * random.uniform(), 1.0, 0, 0);
+  }
+  return state;
+}
+
+using Pairs = std::set<std::pair<std::size_t, std::size_t>>;
+
+Pairs pairs_by_brute_force(State const& state, double reach) {
+  Pairs pairs;
+  for (std::size_t i = 0; i < state.disks.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      Vector const d = state.box.displacement(position(state.disks, i), position(state.disks, j));
+      if (squared_length(d) < reach * reach) pairs.emplace(i, j);
+    }
+  }
+  return pairs;
+}
+
+Pairs pairs_by_grid(State const& state, LinkedGrid const& grid, double reach) {
+  Pairs pairs;
+  for_each_pair(state, grid, reach, [&](std::size_t i, std::size_t j, Vector separation) {
+    RC_ASSERT(i > j);
+    RC_ASSERT(separation == state.box.displacement(position(state.disks, i), position(state.disks, j)));
+    RC_ASSERT(pairs.emplace(i, j).second);
+  });
+  return pairs;
+}
+
+RC_GTEST_PROP(GridProperty, ForEachPairFindsThePairsOfBruteForceOnTheGridMadeForTheReach, ()) {
+  State const state = any_points(any_box());
+  double const reach = between(0.001, 0.5) * std::min(state.box.width(), state.box.height());
+  LinkedGrid const grid = grid_for_reach(state, reach);
+  RC_CLASSIFY(grid.layout().count() == 1);
+  RC_CLASSIFY(grid.layout().columns() <= 3 || grid.layout().rows() <= 3);
+  RC_ASSERT(grid.is_consistent());
+  RC_ASSERT(pairs_by_grid(state, grid, reach) == pairs_by_brute_force(state, reach));
+}
+
+RC_GTEST_PROP(GridProperty, ForEachPairFindsThePairsOfBruteForceOnAnyGrid, ()) {
+  State const state = any_points(any_box());
+  double const reach = between(0.001, 0.5) * std::min(state.box.width(), state.box.height());
+  CellLayout const layout(state.box, any_cells(), any_cells());
+  LinkedGrid const grid(layout, state.disks.column<X>(), state.disks.column<Y>());
+  RC_ASSERT(pairs_by_grid(state, grid, reach) == pairs_by_brute_force(state, reach));
+}
+
+RC_GTEST_PROP(GridProperty, LargestOverlapIsThatOfBruteForce, ()) {
+  State const state = any_points(any_box());
+  double largest = 0.0;
+  for (auto const& [i, j] : pairs_by_brute_force(state, 10.0)) {
+    double const distance =
+        std::sqrt(squared_length(state.box.displacement(position(state.disks, i), position(state.disks, j))));
+    largest = std::max(largest, state.disks.column<Radius>()[i] + state.disks.column<Radius>()[j] - distance);
+  }
+  RC_ASSERT(std::abs(largest_overlap(state) - largest) < 1e-15);
+}
+
+RC_GTEST_PROP(GridProperty, TheListsStayConsistentUnderAnySequenceOfInsertsMovesAndErases, ()) {
+  Box const box = any_box();
+  LinkedGrid grid(CellLayout(box, any_cells(), any_cells()));
+  std::map<std::size_t, int> model;  // agent → cell
+  RandomStream random(*rc::gen::arbitrary<std::uint64_t>(), 0, 0, Purpose::start_position);
+  int const operations = *rc::gen::inRange(0, 200);
+  for (int n = 0; n < operations; ++n) {
+    auto const agent = static_cast<std::size_t>(random.below(20));
+    // Also points outside the box, which belong to the nearest cell.
+    Vector const p{(1.4 * random.uniform() - 0.2) * box.width(), (1.4 * random.uniform() - 0.2) * box.height()};
+    bool const is_in = model.contains(agent);
+    if (!is_in) {
+      grid.insert(agent, p);
+    } else if (random.below(3) > 0) {
+      grid.move(agent, p);
+    } else {
+      grid.erase(agent);
+      model.erase(agent);
+    }
+    if (grid.contains(agent)) model[agent] = grid.layout().cell_of(p);
+    RC_ASSERT(grid.is_consistent());
+    RC_ASSERT(grid.size() == model.size());
+  }
+  std::map<std::size_t, int> listed;
+  for (int cell = 0; cell < grid.layout().count(); ++cell) {
+    grid.for_each_in_cell(cell, [&](std::size_t agent) { RC_ASSERT(listed.emplace(agent, cell).second); });
+  }
+  RC_ASSERT(listed == model);
+  for (auto const& [agent, cell] : model) RC_ASSERT(grid.cell_of(agent) == cell);
+}
+
+}  // namespace
+}  // namespace gridlock

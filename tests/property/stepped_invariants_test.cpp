@@ -1,0 +1,180 @@
+// What the engine `stepped` promises for every system: no overlap, nobody outside, energy and momentum to rounding, and a
+// run that does not depend on how it is cut into pieces.
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <ostream>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/grid/validate.hpp"
+#include "reference/random_scene.hpp"
+
+namespace gridlock {
+namespace {
+
+using reference::random_scene;
+using reference::SceneSettings;
+
+struct System {
+  SceneSettings scene;
+  EngineSettings engine;
+
+  friend std::ostream& operator<<(std::ostream& out, System const& s) {
+    out << s.scene << ", time step " << s.engine.time_step << ", sub-steps " << s.engine.substeps
+        << (s.engine.contact == Contact::always ? ", always" : ", approaching") << ", cells ";
+    return s.engine.cells ? out << *s.engine.cells : out << "default";
+  }
+};
+
+double between(double low, double high) { return low + (high - low) * (*rc::gen::inRange(0, 1001) / 1000.0); }
+
+/// Drawn from the whole range at once: RapidCheck would start with nearly empty boxes, where nothing happens.
+rc::Gen<System> any_system() {
+  return rc::gen::resize(rc::kNominalSize, rc::gen::exec([] {
+                           System s;
+                           s.scene.edge = *rc::gen::element(Edge::wall, Edge::periodic);
+                           s.scene.width = between(0.5, 3.0);
+                           s.scene.height = between(0.5, 3.0);
+                           s.scene.count = static_cast<std::uint64_t>(*rc::gen::inRange(1, 41));
+                           s.scene.packing_fraction = between(0.01, 0.78);
+                           s.scene.smallest_ratio = *rc::gen::element(1.0, 1.0 / 1.4, 0.3);
+                           s.scene.heaviest_mass = *rc::gen::element(1.0, 10.0);
+                           s.scene.seed = *rc::gen::arbitrary<std::uint64_t>();
+                           s.engine.substeps = static_cast<std::uint64_t>(*rc::gen::inRange(1, 9));
+                           // Room for disks to gain four times the speed of the start before a sub-step is too long.
+                           s.engine.time_step =
+                               std::min(between(0.02, 1.0), 0.25 * static_cast<double>(s.engine.substeps));
+                           s.engine.contact = *rc::gen::element(Contact::always, Contact::approaching);
+                           auto const cells = static_cast<std::uint64_t>(*rc::gen::inRange(0, 16));
+                           if (cells > 0) s.engine.cells = cells;
+                           return s;
+                         }));
+}
+
+/// Rounding errors of a sum of `operations` terms of a size: each may be wrong by a few ulps.
+double rounding(std::uint64_t operations, double size) {
+  return 8.0 * std::numeric_limits<double>::epsilon() * (static_cast<double>(operations) + 10.0) * size;
+}
+
+RC_GTEST_PROP(SteppedInvariants, HoldForEverySystem, ()) {
+  System const system = *any_system();
+  State state = random_scene(system.scene);
+  RC_ASSERT(largest_overlap(state) == 0.0);
+  auto const engine = make_engine(system.engine, state);
+  double const energy = kinetic_energy(state.disks);
+  Vector const total = momentum(state.disks);
+  std::size_t const count = state.disks.size();
+  double const scale = system.scene.heaviest_mass * static_cast<double>(count);
+  Tally tally;
+  for (std::uint64_t const step : {1U, 2U, 10U, 60U, 150U}) {
+    try {
+      engine->advance(state, tally, {.step = step});
+    } catch (RunFailure const&) {
+      RC_DISCARD("a light disk became too fast for the time step");
+    }
+    RC_ASSERT(state.clock.step == step);
+    try {
+      validate(state);
+    } catch (Error const& error) {
+      RC_FAIL(error.what());
+    }
+    RC_ASSERT(std::abs(kinetic_energy(state.disks) - energy) <= rounding(tally.pair_collisions, scale));
+    if (state.box.is_periodic()) {
+      Vector const drift = momentum(state.disks) - total;
+      RC_ASSERT(std::abs(drift.x) <= rounding(tally.pair_collisions, scale));
+      RC_ASSERT(std::abs(drift.y) <= rounding(tally.pair_collisions, scale));
+      RC_ASSERT(tally.all_wall_hits() == 0U);
+    }
+    RC_ASSERT(tally.turns == step * count);
+    RC_ASSERT(tally.blocked_turns <= tally.turns);
+    RC_ASSERT(tally.pair_collisions <= tally.blocked_turns);
+    if (system.engine.contact == Contact::approaching) RC_ASSERT(tally.pair_virial >= 0.0);
+  }
+  RC_CLASSIFY(tally.pair_collisions > 0);
+  RC_CLASSIFY(state.box.is_periodic());
+}
+
+RC_GTEST_PROP(SteppedInvariants, MomentumChangesByWhatTheWallsGiveAndByNothingElse, ()) {
+  System system = *any_system();
+  system.scene.edge = Edge::wall;
+  State state = random_scene(system.scene);
+  auto const engine = make_engine(system.engine, state);
+  Vector const before = momentum(state.disks);
+  Tally tally;
+  try {
+    engine->advance(state, tally, {.step = 100});
+  } catch (RunFailure const&) {
+    RC_DISCARD("a light disk became too fast for the time step");
+  }
+  Vector const change = momentum(state.disks) - before;
+  double const scale = system.scene.heaviest_mass * static_cast<double>(state.disks.size());
+  double const allowed = rounding(tally.pair_collisions + tally.all_wall_hits(), scale);
+  RC_ASSERT(std::abs(change.x - (tally.wall_impulse[Tally::left] - tally.wall_impulse[Tally::right])) <= allowed);
+  RC_ASSERT(std::abs(change.y - (tally.wall_impulse[Tally::bottom] - tally.wall_impulse[Tally::top])) <= allowed);
+}
+
+bool same_tally(Tally const& a, Tally const& b) {
+  return a.turns == b.turns && a.blocked_turns == b.blocked_turns && a.pair_collisions == b.pair_collisions &&
+         a.distance_checks == b.distance_checks && a.wall_hits == b.wall_hits && a.wall_impulse == b.wall_impulse &&
+         a.pair_virial == b.pair_virial;
+}
+
+RC_GTEST_PROP(SteppedInvariants, ARunDoesNotDependOnHowItIsCutIntoPieces, ()) {
+  System const system = *any_system();
+  State const start = random_scene(system.scene);
+  State whole = start;
+  Tally whole_tally;
+  try {
+    make_engine(system.engine, whole)->advance(whole, whole_tally, {.step = 100});
+  } catch (RunFailure const&) {
+    RC_DISCARD("a light disk became too fast for the time step");
+  }
+  State pieces = start;
+  Tally tally;
+  auto const engine = make_engine(system.engine, pieces);
+  while (pieces.clock.step < 100) {
+    std::uint64_t const next =
+        std::min<std::uint64_t>(100, pieces.clock.step + static_cast<std::uint64_t>(*rc::gen::inRange(1, 40)));
+    switch (*rc::gen::inRange(0, 3)) {
+      case 0:
+        engine->advance(pieces, tally, {.step = next});
+        break;
+      case 1:
+        engine->advance(pieces, tally, {.step = 100, .time = pieces.clock.time + 3.5 * engine->time_step()});
+        break;
+      default:
+        engine->advance(pieces, tally, {.step = 100, .pair_collisions = tally.pair_collisions + 5});
+    }
+  }
+  RC_ASSERT(hash(pieces) == hash(whole));
+  RC_ASSERT(same_tally(tally, whole_tally));
+}
+
+RC_GTEST_PROP(SteppedInvariants, ANewEngineInTheMiddleOfARunChangesNoBit, ()) {
+  // What a checkpoint relies on: everything that matters is in the state and the settings.
+  System const system = *any_system();
+  State whole = random_scene(system.scene);
+  State resumed = whole;
+  Tally whole_tally;
+  Tally tally;
+  auto const stop = static_cast<std::uint64_t>(*rc::gen::inRange(1, 100));
+  try {
+    make_engine(system.engine, whole)->advance(whole, whole_tally, {.step = 100});
+    make_engine(system.engine, resumed)->advance(resumed, tally, {.step = stop});
+    make_engine(system.engine, resumed)->advance(resumed, tally, {.step = 100});
+  } catch (RunFailure const&) {
+    RC_DISCARD("a light disk became too fast for the time step");
+  }
+  RC_ASSERT(hash(resumed) == hash(whole));
+  RC_ASSERT(tally.pair_virial == whole_tally.pair_virial);
+}
+
+}  // namespace
+}  // namespace gridlock
