@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
@@ -30,7 +30,8 @@ void print_run(fs::path const& directory) {
   fmt::print("a run of gridlock in {}\n", directory.string());
   for (auto const& [key, entry] : summary.items()) {
     if (entry.is_object() && entry.contains("value")) {
-      std::string const error = entry["error"].is_number() ? fmt::format(" ± {:.2g}", entry["error"].get<double>()) : "";
+      std::string const error =
+          entry["error"].is_number() ? fmt::format(" ± {:.2g}", entry["error"].get<double>()) : "";
       fmt::print("  {:<32} {:.8g}{}  {}\n", key, entry["value"].get<double>(), error, entry.value("unit", ""));
     } else if (entry.is_object()) {
       for (auto const& [name, value] : entry.items()) fmt::print("  {:<32} {}\n", key + "." + name, value.dump());
@@ -42,7 +43,8 @@ void print_run(fs::path const& directory) {
 
 void print_table(fs::path const& path) {
   gridlock::Table const table = gridlock::read_csv(path);
-  fmt::print("a table of {} rows in {}\n  columns: {}\n", table.row_count(), path.string(), fmt::join(table.names(), ", "));
+  fmt::print("a table of {} rows in {}\n  columns: {}\n", table.row_count(), path.string(),
+             fmt::join(table.names(), ", "));
 }
 
 void print_sweep(fs::path const& directory) {
@@ -54,10 +56,11 @@ void print_sweep(fs::path const& directory) {
 void print_frame(fs::path const& path) {
   gridlock::XyzFrame const frame = gridlock::read_xyz(path);
   gridlock::State const& state = frame.state;
-  fmt::print("{} disks in {}\n  {} box {} × {}, packing fraction {:.8g}\n  step {}, time {}, seed {}\n  {} velocities\n",
-             state.disks.size(), path.string(), state.box.is_periodic() ? "periodic" : "walled", state.box.width(),
-             state.box.height(), gridlock::covered_area(state.disks) / state.box.area(), state.clock.step,
-             state.clock.time, state.seed, frame.has_velocities ? "with" : "without");
+  fmt::print(
+      "{} disks in {}\n  {} box {} × {}, packing fraction {:.8g}\n  step {}, time {}, seed {}\n  {} velocities\n",
+      state.disks.size(), path.string(), state.box.is_periodic() ? "periodic" : "walled", state.box.width(),
+      state.box.height(), gridlock::covered_area(state.disks) / state.box.area(), state.clock.step, state.clock.time,
+      state.seed, frame.has_velocities ? "with" : "without");
   fmt::print("  state_hash {:016x}\n", gridlock::hash(state));
 }
 

@@ -1,6 +1,6 @@
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -20,6 +20,7 @@ ExitCode run_command_line(int argc, char** argv) {
   add_run(app, exit_code);
   add_sweep(app, exit_code);
   //PAPER
+  add_paper(app, exit_code);
   add_check(app, exit_code);
   add_explain(app, exit_code);
   add_info(app, exit_code);

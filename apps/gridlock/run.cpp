@@ -19,8 +19,9 @@ struct RunOptions {
 };
 
 /// The observables a first look asks for; summary.json has all of them.
-constexpr char const* headlines[] = {"mean_displacement",      "mean_squared_displacement", "kinetic_energy",
-                                     "compressibility_factor", "wall_pressure",             "collision_rate",
+constexpr char const* headlines[] = {"mean_displacement", "mean_squared_displacement",
+                                     "kinetic_energy",    "compressibility_factor",
+                                     "wall_pressure",     "collision_rate",
                                      "blocked_share"};
 
 void print_result(gridlock::RunResult const& result) {
@@ -43,7 +44,8 @@ void draw(std::filesystem::path const& directory) {
 
 ExitCode run(RunOptions const& options) {
   gridlock::Setup const setup = gridlock::set_up(options.configuration.read());
-  auto const directory = options.output.directory_for(std::filesystem::path(options.configuration.file).stem().string());
+  auto const directory =
+      options.output.directory_for(std::filesystem::path(options.configuration.file).stem().string());
   gridlock::open_run_directory(directory, options.output.overwrites);
 
   StopSignals const signals;

@@ -21,23 +21,23 @@ struct SweepOptions {
 
 ExitCode sweep(SweepOptions const& options) {
   gridlock::SweepPlan const plan = gridlock::plan_sweep(options.configuration.read());
-  auto const directory = options.output.directory_for(std::filesystem::path(options.configuration.file).stem().string());
+  auto const directory =
+      options.output.directory_for(std::filesystem::path(options.configuration.file).stem().string());
   gridlock::open_run_directory(directory, options.output.overwrites);
 
   StopSignals const signals;
   gridlock::SweepResult result;
   {
     ProgressLine line;
-    result = gridlock::run_sweep(
-        plan, {.directory = directory,
-               .threads = options.threads,
-               .on_progress = [&](gridlock::SweepProgress const& progress) {
-                 if (!options.is_quiet) {
-                   line.show(progress.fraction, progress.seconds,
-                             fmt::format("{} of {} runs", progress.finished, progress.all));
-                 }
-                 return !StopSignals::is_stop_asked();
-               }});
+    result = gridlock::run_sweep(plan, {.directory = directory,
+                                        .threads = options.threads,
+                                        .on_progress = [&](gridlock::SweepProgress const& progress) {
+                                          if (!options.is_quiet) {
+                                            line.show(progress.fraction, progress.seconds,
+                                                      fmt::format("{} of {} runs", progress.finished, progress.all));
+                                          }
+                                          return !StopSignals::is_stop_asked();
+                                        }});
   }
   for (std::string const& note : gridlock::draw_results(directory).notes) fmt::print(stderr, "note: {}\n", note);
   for (std::string const& message : result.messages) fmt::print(stderr, "error: {}\n", message);

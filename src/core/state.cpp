@@ -32,8 +32,8 @@ std::uint64_t hash_rows(Population<Columns...> const& population) {
 }  // namespace
 
 std::uint64_t hash(State const& state) {
-  std::uint64_t const record[] = {word(state.box.width()),  word(state.box.height()),  word(state.box.edge()),
-                                  word(state.clock.step),   word(state.clock.time),    state.seed,
+  std::uint64_t const record[] = {word(state.box.width()),  word(state.box.height()), word(state.box.edge()),
+                                  word(state.clock.step),   word(state.clock.time),   state.seed,
                                   word(state.disks.size()), hash_rows(state.disks)};
   return XXH3_64bits(record, sizeof record);
 }

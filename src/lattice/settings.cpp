@@ -6,7 +6,8 @@ namespace gridlock {
 
 void describe(BoxSettings& settings, SettingVisitor& visitor) {
   static constexpr std::array<std::string_view, 2> edges{"wall", "periodic"};
-  visit_enum(visitor, {.key = "edge", .documentation = "What a disk meets at the border: a hard wall, or the other side."},
+  visit_enum(visitor,
+             {.key = "edge", .documentation = "What a disk meets at the border: a hard wall, or the other side."},
              edges, settings.edge);
   visitor.visit({.key = "side",
                  .unit = "length",
@@ -73,21 +74,23 @@ void describe(DisksSettings& settings, SettingVisitor& visitor) {
                  .least_is_allowed = false,
                  .default_note = "from disks.packing_fraction"},
                 settings.radius);
-  visit_enum(visitor,
-             {.key = "start",
-              .documentation = "Where the disks stand at first: on a square or triangular lattice fitted to the box, at "
-                               "random without overlap, or as a file says."},
-             starts, settings.start);
+  visit_enum(
+      visitor,
+      {.key = "start",
+       .documentation = "Where the disks stand at first: on a square or triangular lattice fitted to the box, at "
+                        "random without overlap, or as a file says."},
+      starts, settings.start);
   visitor.visit({.key = "file",
                  .documentation = "Extended XYZ file to start from, relative to the configuration; implies start = "
                                   "\"file\", and box, radii and velocities come from it.",
                  .default_note = "no file"},
                 settings.file);
-  visitor.visit_tables({.key = "species",
-                        .documentation = "The kinds of disk in a mixture, dealt out at random.",
-                        .default_note = "equal disks of mass 1"},
-                       settings.species.size(), [&](std::size_t count) { settings.species.resize(count); },
-                       [&](std::size_t k, SettingVisitor& inner) { describe(settings.species[k], inner); });
+  visitor.visit_tables(
+      {.key = "species",
+       .documentation = "The kinds of disk in a mixture, dealt out at random.",
+       .default_note = "equal disks of mass 1"},
+      settings.species.size(), [&](std::size_t count) { settings.species.resize(count); },
+      [&](std::size_t k, SettingVisitor& inner) { describe(settings.species[k], inner); });
 }
 
 void describe(VelocitySettings& settings, SettingVisitor& visitor) {
@@ -98,16 +101,18 @@ void describe(VelocitySettings& settings, SettingVisitor& visitor) {
               .documentation = "How velocities are drawn: uniform in a disk of radius max (the paper's), Maxwell's "
                                "distribution, or as the file says."},
              kinds, settings.kind);
-  visitor.visit({.key = "max",
-                 .unit = "length / time",
-                 .documentation = "v_max; \"maxwell\" has the temperature the uniform start relaxes to, kT = v_max²/4 for "
-                                  "mass 1.",
-                 .least = 0.0},
-                settings.max);
-  visit_enum(visitor,
-             {.key = "drift",
-              .documentation = "Whether the mean motion is taken out of drawn velocities; automatic: in a periodic box."},
-             drifts, settings.drift);
+  visitor.visit(
+      {.key = "max",
+       .unit = "length / time",
+       .documentation = "v_max; \"maxwell\" has the temperature the uniform start relaxes to, kT = v_max²/4 for "
+                        "mass 1.",
+       .least = 0.0},
+      settings.max);
+  visit_enum(
+      visitor,
+      {.key = "drift",
+       .documentation = "Whether the mean motion is taken out of drawn velocities; automatic: in a periodic box."},
+      drifts, settings.drift);
   visitor.visit({.key = "redraw", .documentation = "Draw new velocities although the start file has some."},
                 settings.redraw);
 }

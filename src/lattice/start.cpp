@@ -15,9 +15,9 @@ namespace gridlock {
 
 namespace {
 
-constexpr double closest_packing = 0.90689968211710892530;     // π/√12
-constexpr double random_insertion_saturation = 0.547069;       // Wang 1994, doi:10.1016/0927-7757(93)02711-Z
-constexpr double most_fitted_up = 1.0 + 1e-9;                  // how far above the largest fit still means the fit
+constexpr double closest_packing = 0.90689968211710892530;  // π/√12
+constexpr double random_insertion_saturation = 0.547069;    // Wang 1994, doi:10.1016/0927-7757(93)02711-Z
+constexpr double most_fitted_up = 1.0 + 1e-9;               // how far above the largest fit still means the fit
 
 /// Radius in units of disks.radius and mass of every disk, in the order of the Ids.
 struct Kinds {
@@ -129,14 +129,14 @@ State lattice_start(Box const& box, DisksSettings const& settings, Kinds const& 
   double const largest = fit.radius / kinds.largest_ratio();
   double radius = wanted_radius(settings, box, kinds);
   if (radius > largest * most_fitted_up) {
-    throw Error({.what = fmt::format("{} disks at packing fraction {:.6g} (radius {:.6g}) do not fit on a {} lattice in "
-                                     "this box: the largest is {:.6f} (radius {:.6g})",
-                                     count, packing_fraction_for(radius, box, kinds), radius,
-                                     is_square ? "square" : "triangular", packing_fraction_for(largest, box, kinds),
-                                     largest),
-                 .hint = is_square ? "use a smaller value, or disks.start = \"triangular\""
-                                   : "use a smaller value, or another number of disks",
-                 .key = size_key(settings)});
+    throw Error(
+        {.what = fmt::format("{} disks at packing fraction {:.6g} (radius {:.6g}) do not fit on a {} lattice in "
+                             "this box: the largest is {:.6f} (radius {:.6g})",
+                             count, packing_fraction_for(radius, box, kinds), radius,
+                             is_square ? "square" : "triangular", packing_fraction_for(largest, box, kinds), largest),
+         .hint = is_square ? "use a smaller value, or disks.start = \"triangular\""
+                           : "use a smaller value, or another number of disks",
+         .key = size_key(settings)});
   }
   radius = std::min(radius, largest);
   return disks_on_sites(box, fit.sites, radius, kinds, seed);
@@ -235,10 +235,9 @@ State random_start(Box const& box, DisksSettings const& settings, Kinds const& k
   RandomInsertion insertion(box, kinds, radius, seed);
   std::size_t const placed = insertion.place_all();
   if (placed < count) {
-    throw refuse(fmt::format("random insertion found room for {} of {} disks; it reached packing fraction {:.4f} of {:.6g}",
-                             placed, count,
-                             packing_fraction * static_cast<double>(placed) / static_cast<double>(count),
-                             packing_fraction));
+    throw refuse(fmt::format(
+        "random insertion found room for {} of {} disks; it reached packing fraction {:.4f} of {:.6g}", placed, count,
+        packing_fraction * static_cast<double>(placed) / static_cast<double>(count), packing_fraction));
   }
   return disks_on_sites(box, insertion.sites(), radius, kinds, seed);
 }

@@ -19,9 +19,8 @@ constexpr std::uint64_t default_steps = 10'000;
 using IsGiven = std::function<bool(std::string_view)>;
 
 Error contradiction(std::string key, std::string what) {
-  return Error({.what = std::move(what),
-                .hint = "leave the setting out, or give the value of the file",
-                .key = std::move(key)});
+  return Error(
+      {.what = std::move(what), .hint = "leave the setting out, or give the value of the file", .key = std::move(key)});
 }
 
 bool is_close(double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(b); }
@@ -36,7 +35,8 @@ void take_box(BoxSettings& settings, Box const& box, IsGiven const& is_given) {
                                            box.height(), width, height));
   }
   if (is_given("box.edge") && settings.edge != box.edge()) {
-    throw contradiction("box.edge", fmt::format("the start file has {} edges", box.is_periodic() ? "periodic" : "wall"));
+    throw contradiction("box.edge",
+                        fmt::format("the start file has {} edges", box.is_periodic() ? "periodic" : "wall"));
   }
   settings = {.edge = box.edge(), .side = box.width()};
   if (box.width() != box.height()) {

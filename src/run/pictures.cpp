@@ -39,11 +39,14 @@ class Artist {
   void plot(Plot const& plot) {
     std::vector<fs::path> files;
     for (char const* extension : {".gp", ".svg", ".png"}) files.push_back(directory_ / (plot.name + extension));
-    attempt(plot.name, [&] {
-      if (draw_plot(plot, directory_) == PlotOutcome::gnuplot_is_missing) {
-        pictures_.notes.push_back(plot.name + ": gnuplot is not installed; the script is there to be drawn later");
-      }
-    }, files);
+    attempt(
+        plot.name,
+        [&] {
+          if (draw_plot(plot, directory_) == PlotOutcome::gnuplot_is_missing) {
+            pictures_.notes.push_back(plot.name + ": gnuplot is not installed; the script is there to be drawn later");
+          }
+        },
+        files);
   }
 
   [[nodiscard]] bool has(std::string const& file) const { return fs::exists(directory_ / file); }
@@ -113,20 +116,26 @@ void draw_run(Artist& artist) {
                .references = {{.at = 0.1, .label = "10 % of the box"}},
                .key = PlotKey::none});
   if (artist.has("pair_correlation.csv")) {
-    artist.plot({.name = "pair_correlation",
-                 .title = "Pair correlation",
-                 .x = {.label = "distance"},
-                 .y = {.label = "g(r)", .least = 0.0},
-                 .curves = {{.file = "pair_correlation.csv", .x = "distance", .y = "pair_correlation", .error = "error"}},
-                 .references = {{.at = 1.0}},
-                 .key = PlotKey::none});
+    artist.plot(
+        {.name = "pair_correlation",
+         .title = "Pair correlation",
+         .x = {.label = "distance"},
+         .y = {.label = "g(r)", .least = 0.0},
+         .curves = {{.file = "pair_correlation.csv", .x = "distance", .y = "pair_correlation", .error = "error"}},
+         .references = {{.at = 1.0}},
+         .key = PlotKey::none});
   }
   if (artist.has("speed_distribution.csv")) {
     artist.plot({.name = "speed_distribution",
                  .title = "Distribution of speed",
                  .x = {.label = "speed", .least = 0.0},
                  .y = {.label = "density", .least = 0.0},
-                 .curves = {{.label = "measured", .file = "speed_distribution.csv", .x = "speed", .y = "density", .error = "error", .style = PlotStyle::points},
+                 .curves = {{.label = "measured",
+                             .file = "speed_distribution.csv",
+                             .x = "speed",
+                             .y = "density",
+                             .error = "error",
+                             .style = PlotStyle::points},
                             {.label = "Maxwell", .file = "speed_distribution.csv", .x = "speed", .y = "maxwell"}},
                  .key = PlotKey::top_right});
   }

@@ -1,9 +1,9 @@
 #include "gridlock/run/run_directory.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "gridlock/core/error.hpp"
@@ -47,7 +47,8 @@ char const* version() { return GRIDLOCK_VERSION; }
 void open_run_directory(std::filesystem::path const& directory, bool overwrites) {
   std::error_code ignored;
   bool const is_used = std::filesystem::exists(directory / "summary.json", ignored) ||
-                       std::filesystem::exists(directory / "sweep.csv", ignored);
+                       std::filesystem::exists(directory / "sweep.csv", ignored) ||
+                       std::filesystem::exists(directory / "report.html", ignored);
   if (is_used && !overwrites) {
     throw Error({.what = fmt::format("{} holds results already", directory.string()),
                  .hint = "name another directory with -o, or add --overwrite",

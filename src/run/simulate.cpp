@@ -71,7 +71,8 @@ class Simulation {
     auto const share = [](double done, double all) { return all > 0.0 ? done / all : 1.0; };
     double fraction = share(clock.time - first_.time, horizon_.time - first_.time);
     if (settings_.run.steps) {
-      fraction = std::max(fraction, share(static_cast<double>(steps_done()), static_cast<double>(*settings_.run.steps)));
+      fraction =
+          std::max(fraction, share(static_cast<double>(steps_done()), static_cast<double>(*settings_.run.steps)));
     }
     if (settings_.run.collisions_per_disk) {
       fraction = std::max(fraction, share(static_cast<double>(result_.tally.pair_collisions),
@@ -122,7 +123,8 @@ class Simulation {
 void Simulation::open_series() {
   result_.series_columns = {{"step", "", "Whole time steps since the clock was started."},
                             {"time", "time", "Physical time."}};
-  for (auto const& observable : observables_) std::ranges::move(observable->columns(), std::back_inserter(result_.series_columns));
+  for (auto const& observable : observables_)
+    std::ranges::move(observable->columns(), std::back_inserter(result_.series_columns));
   for (ColumnInfo const& column : result_.series_columns) {
     bool const is_step = &column == &result_.series_columns.front();
     result_.series.add_column(column.name, is_step ? CellColumn(std::vector<std::uint64_t>{}) : std::vector<double>{});

@@ -53,7 +53,8 @@ SettingLocation place_of(SettingList const& list, std::size_t value) {
 
 /// Values without the quotes of TOML strings, as a table shows them.
 std::string bare(std::string const& value) {
-  bool const is_quoted = value.size() >= 2 && (value.front() == '"' || value.front() == '\'') && value.back() == value.front();
+  bool const is_quoted =
+      value.size() >= 2 && (value.front() == '"' || value.front() == '\'') && value.back() == value.front();
   return is_quoted ? value.substr(1, value.size() - 2) : value;
 }
 
@@ -213,11 +214,16 @@ double cost_of(Setup const& setup) {
 class SweepInProgress {
  public:
   SweepInProgress(SweepPlan const& plan, SweepSettings const& settings)
-      : plan_(plan), settings_(settings), outcomes_(plan.runs.size()), costs_(plan.runs.size(), 0.0),
-        shares_(plan.runs.size(), 0.0), errors_(plan.runs.size()) {}
+      : plan_(plan),
+        settings_(settings),
+        outcomes_(plan.runs.size()),
+        costs_(plan.runs.size(), 0.0),
+        shares_(plan.runs.size(), 0.0),
+        errors_(plan.runs.size()) {}
 
   void run() {
-    unsigned const threads = settings_.threads > 0 ? settings_.threads : std::max(1U, std::thread::hardware_concurrency());
+    unsigned const threads =
+        settings_.threads > 0 ? settings_.threads : std::max(1U, std::thread::hardware_concurrency());
     tbb::task_arena arena(static_cast<int>(threads));
     arena.execute([&] {
       tbb::parallel_for(std::size_t{0}, plan_.runs.size(), [&](std::size_t run) { estimate_cost(run); });
@@ -324,7 +330,9 @@ SweepPlan plan_sweep(SettingsFile file) {
   for (SettingList const& list : lists) {
     plan.keys.push_back(list.key);
     if (list.values.size() > most_runs / count) {
-      throw Error({.what = fmt::format("the sweep has more than {} runs", most_runs), .hint = "list fewer values", .key = "sweep"});
+      throw Error({.what = fmt::format("the sweep has more than {} runs", most_runs),
+                   .hint = "list fewer values",
+                   .key = "sweep"});
     }
     count *= list.values.size();
   }

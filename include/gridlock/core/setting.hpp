@@ -20,7 +20,7 @@ struct SettingInfo {
   std::string_view documentation;  ///< one sentence
   double least = -std::numeric_limits<double>::infinity();
   double most = std::numeric_limits<double>::infinity();
-  bool least_is_allowed = true;    ///< whether `least` itself is a value
+  bool least_is_allowed = true;  ///< whether `least` itself is a value
   bool most_is_allowed = true;
   std::string_view default_note = {};  ///< what leaving it out means, where that is no fixed value
 };
@@ -53,7 +53,7 @@ class SettingVisitor {
 
 /// Visits an enumeration whose values are 0, 1, 2 … in the order of `choices`.
 template <class Choice>
-  requires std::is_enum_v<Choice>
+requires std::is_enum_v<Choice>
 void visit_enum(SettingVisitor& visitor, SettingInfo const& info, std::span<std::string_view const> choices,
                 Choice& value) {
   auto place = static_cast<std::size_t>(value);

@@ -37,8 +37,8 @@ struct DisksSettings {
   std::optional<double> packing_fraction;  ///< exactly one of packing_fraction and radius, none for a file
   std::optional<double> radius;            ///< of a disk with size_ratio 1
   StartKind start = StartKind::square;
-  std::string file;                        ///< extended XYZ; giving it implies start = "file"
-  std::vector<SpeciesSettings> species;    ///< empty: equal disks of mass 1
+  std::string file;                      ///< extended XYZ; giving it implies start = "file"
+  std::vector<SpeciesSettings> species;  ///< empty: equal disks of mass 1
 };
 void describe(DisksSettings& settings, SettingVisitor& visitor);
 
@@ -83,7 +83,8 @@ void draw_velocities(State& state, VelocitySettings const& settings);
 struct LatticeFit {
   double radius = 0.0;
   double packing_fraction = 0.0;
-  std::vector<Vector> sites;  ///< exactly `count`, row after row from the lower left; they do not depend on the radius used
+  std::vector<Vector>
+      sites;  ///< exactly `count`, row after row from the lower left; they do not depend on the radius used
 };
 LatticeFit fit_square_lattice(Box const& box, std::uint64_t count);
 LatticeFit fit_triangular_lattice(Box const& box, std::uint64_t count);

@@ -19,7 +19,7 @@ namespace gridlock {
 
 /// The settings `[run]`: the run ends at whichever of its three lengths comes first.
 struct RunSettings {
-  std::optional<std::uint64_t> steps;         ///< left out: 10,000 where no other length is given
+  std::optional<std::uint64_t> steps;  ///< left out: 10,000 where no other length is given
   std::optional<double> time;
   std::optional<double> collisions_per_disk;  ///< 2 · pair collisions / N
   std::uint64_t seed = 1;

@@ -14,9 +14,9 @@ namespace gridlock {
 
 /// How far a run has come; handed out after every chunk of work.
 struct Progress {
-  double fraction = 0.0;         ///< of the run that is done, from 0 to 1
-  std::uint64_t steps = 0;       ///< steps done in this run
-  double seconds = 0.0;          ///< of real time so far
+  double fraction = 0.0;    ///< of the run that is done, from 0 to 1
+  std::uint64_t steps = 0;  ///< steps done in this run
+  double seconds = 0.0;     ///< of real time so far
   double disk_steps_per_second = 0.0;
   [[nodiscard]] double seconds_left() const { return fraction > 0.0 ? seconds * (1.0 - fraction) / fraction : 0.0; }
 };

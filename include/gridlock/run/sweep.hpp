@@ -50,8 +50,8 @@ struct SweepSettings {
 struct SweepResult {
   Table rows;   ///< sweep.csv: one row a run in the order of the plan: values, ending, state_hash, every observable
   Table means;  ///< means.csv: averages over runs that differ in run.seed alone, errors from their scatter
-  std::size_t failures = 0;       ///< runs that failed or could not be set up
-  std::size_t interruptions = 0;  ///< runs stopped early or never begun
+  std::size_t failures = 0;           ///< runs that failed or could not be set up
+  std::size_t interruptions = 0;      ///< runs stopped early or never begun
   std::vector<std::string> messages;  ///< why, one for each failure
 };
 
