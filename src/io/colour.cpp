@@ -35,10 +35,13 @@ std::span<Colour const> categorical_colours() {
 }
 
 Colour viridis(double t) {
-  static constexpr std::array anchors{from_hex(0x440154), from_hex(0x482878), from_hex(0x3E4A89), from_hex(0x31688E),
-                                      from_hex(0x26828E), from_hex(0x1F9E89), from_hex(0x35B779), from_hex(0x6DCD59),
-                                      from_hex(0xB4DE2C), from_hex(0xFDE725)};
-  double const place = std::clamp(t, 0.0, 1.0) * static_cast<double>(anchors.size() - 1);
+  static constexpr std::array anchors{from_hex(0x440154), from_hex(0x481769), from_hex(0x472A7A), from_hex(0x433D84),
+                                      from_hex(0x3D4E8A), from_hex(0x355E8D), from_hex(0x2E6D8E), from_hex(0x297B8E),
+                                      from_hex(0x23898E), from_hex(0x1F978B), from_hex(0x21A585), from_hex(0x2EB37C),
+                                      from_hex(0x46C06F), from_hex(0x65CB5E), from_hex(0x89D548), from_hex(0xB0DD2F),
+                                      from_hex(0xD8E219), from_hex(0xFDE725)};
+  double const share = t > 0.0 ? std::min(t, 1.0) : 0.0;  // and 0 for nan
+  double const place = share * static_cast<double>(anchors.size() - 1);
   std::size_t const below = std::min(static_cast<std::size_t>(place), anchors.size() - 2);
   return mixed(anchors[below], anchors[below + 1], place - static_cast<double>(below));
 }

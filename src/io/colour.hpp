@@ -25,7 +25,7 @@ std::span<Colour const> categorical_colours();
 
 /// The perceptually uniform map from dark blue (t = 0) over green to yellow (t = 1); t outside [0, 1] is clamped.
 ///
-/// Ten anchors of viridis with straight lines between, within 0.02 of the original table in each part.
+/// Every fifteenth colour of the original table with straight lines between, which stay within 0.02 of the others.
 /// Source: S. van der Walt & N. Smith, A better default colormap for Matplotlib, SciPy 2015; why uniform maps:
 /// J. R. Nuñez et al. 2018, doi:10.1371/journal.pone.0199239.
 Colour viridis(double t);

@@ -121,8 +121,8 @@ bool reads_as_number(PageCell const& cell) {
   if (cell.verdict || cell.text.size() > longest) return false;
   std::string_view text = cell.text;
   if (text == "–" || text == "—" || text == "-" || text == "nan") return true;
-  for (std::string_view const sign : {"-", "+", "−", "±", "<", ">", "≈", "~", " "}) {
-    while (text.starts_with(sign)) text.remove_prefix(sign.size());
+  for (std::string_view const sign : {"≈", "~", "<", ">", " ", "±", "+", "-", "−"}) {
+    if (text.starts_with(sign)) text.remove_prefix(sign.size());
   }
   return !text.empty() && text.front() >= '0' && text.front() <= '9';
 }
@@ -191,6 +191,10 @@ std::string svg_element(std::string_view document, std::string_view prefix, std:
   document.remove_prefix(std::min(document.find("<svg"), document.size()));
   std::string element;
   element.reserve(document.size() + document.size() / 16);
+  // gnuplot calls every plot "Gnuplot" and every curve "gnuplot_plot_1", which would pop up where the pointer rests.
+  constexpr std::string_view plot_name = "<title>Gnuplot";
+  constexpr std::string_view curve_name = "<title>gnuplot_plot_";
+  constexpr std::string_view name_end = "</title>";
   IdPrefixer prefixed(prefix);
   bool is_root = true;
   while (!document.empty()) {
@@ -199,20 +203,21 @@ std::string svg_element(std::string_view document, std::string_view prefix, std:
     document.remove_prefix(open);
     std::size_t const close = std::min(document.find('>'), document.size() - 1);
     if (document.empty()) break;
+    if (document.starts_with(plot_name) || document.starts_with(curve_name)) {
+      document.remove_prefix(std::min(document.find(name_end), document.size() - name_end.size()) + name_end.size());
+      continue;
+    }
     std::string tag = prefixed(document.substr(0, close + 1));
     if (is_root) tag.insert(4, fmt::format(" role=\"img\" aria-label=\"{}\"", name));
     is_root = false;
     element += tag;
     document.remove_prefix(close + 1);
   }
-  // gnuplot calls every plot "Gnuplot", which would pop up wherever the pointer rests.
-  constexpr std::string_view pop_up = "<title>Gnuplot</title>";
-  if (std::size_t const at = element.find(pop_up); at != std::string::npos) element.erase(at, pop_up.size());
   return element;
 }
 
 std::string image_element(std::string_view type, std::string_view bytes, std::string_view name) {
-  return fmt::format("<img src=\"data:image/{};base64,{}\" alt=\"{}\">", type, to_base64(bytes), name);
+  return fmt::format("<img src=\"data:image/{};base64,{}\" alt=\"{}\"/>", type, to_base64(bytes), name);
 }
 
 }  // namespace
@@ -316,8 +321,8 @@ std::string Page::html() const {
   std::string const summary =
       summary_.empty() ? std::string() : fmt::format("<p class=\"summary\">{}</p>\n", inline_markup(summary_));
   return fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n"
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{}</title>\n"
       "<style>{}</style>\n</head>\n<body>\n<h1>{}</h1>\n{}{}{}</body>\n</html>\n",
       escape_markup(one_line(title_)), style, inline_markup(title_), summary, contents, body_);
 }

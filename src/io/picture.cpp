@@ -38,7 +38,8 @@ struct Scale {
   double least = 0.0;
   double most = 1.0;
 
-  [[nodiscard]] double place_of(double value) const { return (value - least) / (most - least); }
+  /// 0 at the least, 1 at the most; in halves, so that no difference overflows.
+  [[nodiscard]] double place_of(double value) const { return (0.5 * value - 0.5 * least) / (0.5 * most - 0.5 * least); }
 };
 
 /// Where everything stands, in pixels.
@@ -142,8 +143,10 @@ class DiskColours {
     scale_ = widened({settings_.least.value_or(range.least), settings_.most.value_or(range.most)});
   }
 
+  /// A range wide enough to be told apart from a single number.
   static Scale widened(Scale scale) {
-    if (!(scale.most > scale.least)) scale.most = scale.least + std::max(1.0, std::abs(scale.least));
+    double const size = std::max(std::abs(scale.least), std::abs(scale.most));
+    if (!(scale.most - scale.least > 1e-6 * size)) scale.most = scale.least + std::max(1.0, std::abs(scale.least));
     return scale;
   }
 
@@ -318,7 +321,7 @@ class Picture {
 
   /// 1, 2 or 5 times a power of ten, for about five ticks.
   static double tick_step(Scale const& scale) {
-    double const rough = (scale.most - scale.least) / 5.0;
+    double const rough = scale.most / 5.0 - scale.least / 5.0;
     double const power = std::pow(10.0, std::floor(std::log10(rough)));
     double const share = rough / power;
     return power * (share < 1.5 ? 1.0 : share < 3.5 ? 2.0 : share < 7.5 ? 5.0 : 10.0);

@@ -38,18 +38,16 @@ Margins margins_of(Plot const& plot) {
   return {.right = plot.key == PlotKey::outside ? 0.76 : 0.97, .top = plot.title.empty() ? 0.97 : 0.92};
 }
 
-/// A text as a gnuplot expression. Single quotes, because inside double ones gnuplot runs what stands in backquotes;
-/// a line break, which they cannot hold, is joined on.
+/// A text as a gnuplot expression. Single quotes, because inside double ones gnuplot runs what stands in backquotes.
+/// Line breaks and single quotes are joined on: such a string cannot hold the first, and gnuplot 5.4 misreads several
+/// of the second in a row, even doubled as its manual says.
 std::string text_literal(std::string_view text) {
   std::string expression = "'";
   while (true) {
-    std::size_t const end = text.find('\n');
-    for (char const c : one_line(text.substr(0, end))) {
-      expression += c;
-      if (c == '\'') expression += c;
-    }
+    std::size_t const end = text.find_first_of("\n'");
+    expression += one_line(text.substr(0, end));
     if (end == std::string_view::npos) return expression + "'";
-    expression += "'.\"\\n\".'";
+    expression += text[end] == '\n' ? "'.\"\\n\".'" : "'.\"'\".'";
     text.remove_prefix(end + 1);
   }
 }
@@ -70,7 +68,7 @@ std::string column(std::string const& name) { return fmt::format("column({})", t
 std::string condition(PlotCondition const& where) {
   return is_number(where.equals)
              ? fmt::format("{} == {}", column(where.column), where.equals)
-             : fmt::format("stringcolumn({}) eq {}", text_literal(where.column), text_literal(where.equals));
+             : fmt::format("stringcolumn({}) eq ({})", text_literal(where.column), text_literal(where.equals));
 }
 
 std::string scaled(double factor, std::string const& name) {
@@ -123,8 +121,8 @@ void append_curve(std::vector<std::string>& entries, Plot const& plot, std::size
                     file, x, y, error, colour));
   } else if (!curve.error.empty()) {
     entries.push_back(
-        fmt::format("{} using {}:({}):({}) with yerrorbars linecolor rgb '{}' linewidth 1.3 pointtype 7 "
-                    "pointsize 0 notitle",
+        fmt::format("{} using {}:({}):({}) with yerrorbars linecolor rgb '{}' linewidth 1.3 pointtype -1 "
+                    "notitle",
                     file, x, y, scaled(curve.y_factor, curve.error), colour));
   }
   static constexpr std::array<std::string_view, 4> words{"lines", "points", "linespoints", "histeps"};
@@ -273,6 +271,7 @@ void append_preamble(std::string& script, Plot const& plot) {
                  "set border linewidth 1 linecolor rgb '{}'\n"
                  "set grid back linetype 1 linecolor rgb '{}' linewidth 0.8\n"
                  "set tics front scale 0.7\n"
+                 "set pointintervalbox 1e-6  # no white spots below points; 0 would mean 1\n"
                  "set samples 500\n",
                  ink, faint);
 }
