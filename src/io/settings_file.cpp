@@ -30,10 +30,12 @@ std::vector<KeyPart> parts_of(std::string_view key) {
   while (true) {
     std::size_t const dot = key.find('.');
     std::string_view const word = key.substr(0, dot);
+    KeyPart part{.name = std::string(word)};
     std::size_t const bracket = word.find('[');
-    KeyPart part{.name = std::string(word.substr(0, bracket))};
     if (bracket != std::string_view::npos && word.back() == ']') {
       part.place = parse_number<std::size_t>(word.substr(bracket + 1, word.size() - bracket - 2));
+      // What is no place in a list stays part of the name, which no setting has.
+      if (part.place) part.name = word.substr(0, bracket);
     }
     parts.push_back(std::move(part));
     if (dot == std::string_view::npos) return parts;
@@ -205,6 +207,8 @@ std::vector<SettingList> SettingsFile::take_lists(std::string_view table) {
                                   fmt::format("{} is {}, but must be a table of lists", table, in_words(taken)),
                                   fmt::format("write [{}] and below it lists, as in run.seed = [1, 2, 3]", table)));
   }
+  std::ranges::stable_sort(problems, {},
+                           [](Problem const& problem) { return std::pair(problem.line, problem.column); });
   if (!problems.empty()) throw Error(std::move(problems));
   // TOML tables have no order; the order of the lines is what the user sees.
   std::ranges::stable_sort(lists, {}, [](SettingList const& list) {

@@ -18,6 +18,10 @@ namespace {
 
 constexpr std::size_t most_problems = 10;
 
+bool is_usable_name(std::string_view name) {
+  return !name.empty() && name.find_first_of(",\"\r\n#") == std::string_view::npos;
+}
+
 std::size_t size_of(CellColumn const& column) {
   return std::visit([](auto const& values) { return values.size(); }, column);
 }
@@ -81,12 +85,12 @@ class CsvReader {
     }
     if (names_.empty() && problems_.empty())
       report("the file holds no table", "its first line has to name the columns", 0);
-    Table table;
-    for (std::size_t c = 0; c < names_.size() && problems_.empty(); ++c) {
-      CellColumn values = column(c);
-      if (problems_.empty()) table.add_column(names_[c], std::move(values));
-    }
+    std::vector<CellColumn> columns;
+    for (std::size_t c = 0; c < names_.size(); ++c) columns.push_back(column(c));
+    std::ranges::stable_sort(problems_, {}, &Problem::line);
     if (!problems_.empty()) throw Error(problems_);
+    Table table;
+    for (std::size_t c = 0; c < names_.size(); ++c) table.add_column(names_[c], std::move(columns[c]));
     return table;
   }
 
@@ -137,6 +141,9 @@ class CsvReader {
     for (Entry const& entry : entries) {
       if (entry.text.empty()) {
         report("a column has no name", "the first line has to name every column", entry.column);
+      } else if (!is_usable_name(entry.text)) {
+        report(fmt::format("{} cannot name a column", in_quotes(entry.text)), "names hold no comma, quote or #",
+               entry.column);
       } else if (std::ranges::find(names_, entry.text) != names_.end()) {
         report(fmt::format("two columns are named {}", in_quotes(entry.text)), "rename one of them", entry.column);
       }
@@ -146,7 +153,8 @@ class CsvReader {
 
   void take_row(std::vector<Entry> entries) {
     if (entries.size() != names_.size()) {
-      report(fmt::format("the line has {} entries, but there are {} columns", entries.size(), names_.size()),
+      report(fmt::format("the line has {} {} for {} columns", entries.size(), entries.size() == 1 ? "entry" : "entries",
+                         names_.size()),
              "is the line cut off?", 0);
       return;
     }
@@ -198,7 +206,7 @@ class CsvReader {
 }  // namespace
 
 void Table::add_column(std::string name, CellColumn values) {
-  assert(!contains(name) && !name.empty() && name.find_first_of(",\"\r\n#") == std::string::npos);
+  assert(!contains(name) && is_usable_name(name));
   assert(columns_.empty() || size_of(values) == row_count());
   names_.push_back(std::move(name));
   columns_.push_back(std::move(values));

@@ -131,6 +131,9 @@ std::string hint_for(std::string_view description) {
   if (description.find("could not determine value type") != std::string_view::npos) {
     return "a word has to stand in quotes, as in start = \"square\"";
   }
+  if (description.find("not representable in 64 bits") != std::string_view::npos) {
+    return "a seed above 9223372036854775807 has to stand in quotes";
+  }
   if (description.find("parsing floating-point") != std::string_view::npos) {
     return "numbers have a digit on both sides of the point: 0.5, 1.0, 5e-3";
   }

@@ -1,0 +1,145 @@
+#include "gridlock/io/file.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "gridlock/core/error.hpp"
+#include "unit/io/temporary_directory.hpp"
+
+namespace gridlock {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::size_t entries_in(fs::path const& directory) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(directory), fs::directory_iterator()));
+}
+
+std::string failure_of(auto const& action) {
+  try {
+    action();
+  } catch (RunFailure const& failure) {
+    return failure.what();
+  }
+  return "";
+}
+
+Problem problem_of(auto const& action) {
+  try {
+    action();
+  } catch (Error const& error) {
+    return error.problems().at(0);
+  }
+  return {};
+}
+
+TEST(File, ReadsBackEveryByteThatWasWritten) {
+  TemporaryDirectory const directory;
+  std::string content;
+  for (unsigned i = 0; i < 1'000'000; ++i) content += static_cast<char>(i * 7919U >> 3U);
+  write_file(directory / "bytes", content);
+  EXPECT_TRUE(read_file(directory / "bytes") == content);
+  write_file(directory / "bytes", "");
+  EXPECT_EQ(read_file(directory / "bytes"), "");
+  EXPECT_EQ(entries_in(directory.path()), 1U);
+}
+
+TEST(File, PiecesOfAnySizeComeOutInTheirOrder) {
+  TemporaryDirectory const directory;
+  std::string expected;
+  AtomicFile file(directory / "pieces");
+  for (std::size_t size : {1UL, 0UL, 100'000UL, 262'144UL, 1UL, 262'143UL, 300'000UL, 5UL}) {
+    std::string const piece(size, static_cast<char>('a' + expected.size() % 26));
+    file.append(piece);
+    expected += piece;
+  }
+  file.commit();
+  EXPECT_TRUE(read_file(directory / "pieces") == expected);
+}
+
+TEST(File, WithoutACommitTheOldFileStaysAndNothingIsLeftBehind) {
+  TemporaryDirectory const directory;
+  write_file(directory / "kept", "old");
+  {
+    AtomicFile file(directory / "kept");
+    file.append(std::string(1'000'000, 'x'));
+  }
+  EXPECT_EQ(read_file(directory / "kept"), "old");
+  EXPECT_EQ(entries_in(directory.path()), 1U);
+}
+
+TEST(File, TheNameShowsTheOldContentUntilTheCommit) {
+  TemporaryDirectory const directory;
+  write_file(directory / "kept", "old");
+  AtomicFile file(directory / "kept");
+  file.append("new");
+  EXPECT_EQ(read_file(directory / "kept"), "old");
+  file.commit();
+  EXPECT_EQ(read_file(directory / "kept"), "new");
+}
+
+TEST(File, WritingThroughALinkKeepsTheLink) {
+  TemporaryDirectory const directory;
+  write_file(directory / "target", "old");
+  fs::create_symlink("target", directory / "link");
+  write_file(directory / "link", "new");
+  EXPECT_TRUE(fs::is_symlink(directory / "link"));
+  EXPECT_EQ(read_file(directory / "target"), "new");
+}
+
+TEST(File, AFullDiskIsARunFailureWithTheReason) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full on this system";
+  EXPECT_EQ(failure_of([] { write_file("/dev/full", "text"); }), "cannot write /dev/full: No space left on device");
+}
+
+TEST(File, AFileThatCannotBeMadeIsARunFailureWithTheReason) {
+  TemporaryDirectory const directory;
+  EXPECT_NE(failure_of([&] { write_file(directory / "no" / "file", ""); }).find("No such file or directory"),
+            std::string::npos);
+  EXPECT_NE(failure_of([&] { write_file(directory.path(), ""); }).find("Is a directory"), std::string::npos);
+}
+
+TEST(File, AMissingFileADirectoryAndATooLargeFileAreRefusedByName) {
+  TemporaryDirectory const directory;
+  Problem const missing = problem_of([&] { read_file(directory / "missing.toml"); });
+  EXPECT_EQ(missing.what, "cannot read " + (directory / "missing.toml").string() + ": No such file or directory");
+  EXPECT_EQ(missing.file, (directory / "missing.toml").string());
+  EXPECT_FALSE(missing.hint.empty());
+  EXPECT_NE(problem_of([&] { read_file(directory.path()); }).what.find("it is a directory"), std::string::npos);
+  write_file(directory / "large", "12345");
+  EXPECT_EQ(read_file(directory / "large", 5), "12345");
+  EXPECT_NE(problem_of([&] { read_file(directory / "large", 4); }).what.find("larger than 4 bytes"), std::string::npos);
+}
+
+TEST(File, ADeviceWithoutEndIsRefusedAtTheLimit) {
+  EXPECT_NE(problem_of([] { read_file("/dev/zero", 1 << 20); }).what.find("larger than"), std::string::npos);
+}
+
+TEST(File, AnOutputDirectoryIsMadeWithItsParentsAndLeftEmpty) {
+  TemporaryDirectory const directory;
+  make_output_directory(directory / "a" / "b");
+  make_output_directory(directory / "a" / "b");
+  EXPECT_TRUE(fs::is_directory(directory / "a" / "b"));
+  EXPECT_EQ(entries_in(directory / "a" / "b"), 0U);
+}
+
+TEST(File, AnOutputDirectoryThatCannotBeWrittenIsRefusedUnderItsOption) {
+  TemporaryDirectory const directory;
+  write_file(directory / "file", "");
+  for (fs::path const& path :
+       {directory / "file", directory / "file" / "below", fs::path("/proc/nowhere"), fs::path("/proc"), fs::path("")}) {
+    Problem const problem = problem_of([&] { make_output_directory(path); });
+    EXPECT_EQ(problem.key, "-o") << path;
+    EXPECT_NE(problem.what.find("cannot write into the directory " + path.string() + ": "), std::string::npos)
+        << problem.what;
+    EXPECT_FALSE(problem.hint.empty());
+  }
+  EXPECT_TRUE(fs::is_regular_file(directory / "file"));
+}
+
+}  // namespace
+}  // namespace gridlock

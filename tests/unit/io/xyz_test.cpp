@@ -1,0 +1,296 @@
+#include "gridlock/io/xyz.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <ostream>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/core/random.hpp"
+#include "gridlock/io/file.hpp"
+#include "unit/io/damage.hpp"
+#include "unit/io/temporary_directory.hpp"
+
+namespace gridlock {
+namespace {
+
+/// A state of `count` disks with every column in use; numbers with all 53 bits.
+State state_of(std::size_t count, std::uint64_t seed, Edge edge) {
+  RandomStream random(seed, 0, 0, Purpose::start_position);
+  State state;
+  state.box = Box(0.1 + random.uniform(), 10.0 * random.uniform() + 1e-3, edge);
+  state.clock = {.step = random.bits(), .time = random.normal()};
+  state.seed = random.bits();
+  for (std::size_t i = 0; i < count; ++i) {
+    state.disks.add(random.uniform() * state.box.width(), random.uniform() * state.box.height(), random.normal(),
+                    1e-200 * random.normal(), 1e-3 * (1.0 + static_cast<double>(random.below(3))),
+                    1.0 + random.uniform(), static_cast<std::int32_t>(random.bits()),
+                    static_cast<std::int32_t>(random.bits()));
+  }
+  return state;
+}
+
+State written_and_read(State const& state) {
+  TemporaryDirectory const directory;
+  write_xyz(state, directory / "state.xyz");
+  return read_xyz(directory / "state.xyz").state;
+}
+
+constexpr std::string_view good_header =
+    "Lattice=\"2 0 0 0 1 0 0 0 1\" pbc=\"F F F\" Properties=species:S:1:pos:R:3:id:I:1:velo:R:3:radius:R:1 Time=0.5\n";
+
+std::string two_disks(std::string_view header = good_header) {
+  return fmt::format("2\n{}Ar 0.5 0.5 0 0 1 -1 0 0.1\nAr 1.5 0.5 0 1 0 0.25 0 0.2\n", header);
+}
+
+Problem problem_of(std::string const& text) {
+  try {
+    parse_xyz(text, "disks.xyz");
+  } catch (Error const& error) {
+    return error.problems().at(0);
+  }
+  return {.what = "it was read"};
+}
+
+std::string replaced(std::string text, std::string_view old, std::string_view fresh) {
+  std::size_t const at = text.find(old);
+  EXPECT_NE(at, std::string::npos) << old;
+  return text.replace(at, old.size(), fresh);
+}
+
+TEST(Xyz, ReadsBackEveryBitOfAnyState) {
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    SCOPED_TRACE(seed);
+    State const state = state_of(seed * seed, seed, seed % 2 == 0 ? Edge::wall : Edge::periodic);
+    State const read = written_and_read(state);
+    EXPECT_EQ(hash(read), hash(state));
+    EXPECT_EQ(read.disks.size(), state.disks.size());
+    EXPECT_EQ(read.box, state.box);
+    EXPECT_EQ(read.clock, state.clock);
+    EXPECT_EQ(read.seed, state.seed);
+  }
+}
+
+TEST(Xyz, ReadsBackZerosWithASignAndNumbersAtTheEndsOfTheRange) {
+  State state;
+  double const largest = std::numeric_limits<double>::max();
+  state.disks.add(-0.0, 5e-324, largest, -largest, std::numeric_limits<double>::min(), largest,
+                  std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max());
+  EXPECT_EQ(hash(written_and_read(state)), hash(state));
+}
+
+TEST(Xyz, IdsOfAPopulationWithDeathsComeBackInTheirOrder) {
+  State state = state_of(40, 5, Edge::wall);
+  for (Id const dead : {3U, 17U, 39U, 0U}) state.disks.remove(dead);
+  Id const reborn = state.disks.add(0.1, 0.2, 0.0, 0.0, 0.01, 1.0, 0, 0);
+  ASSERT_GT(reborn, 0xFFFFFFFFU);
+  State const read = written_and_read(state);
+  EXPECT_EQ(hash(read), hash(state));
+  EXPECT_TRUE(read.disks.contains(reborn));
+  EXPECT_FALSE(read.disks.contains(17));
+  for (std::size_t i = 1; i < read.disks.size(); ++i) {
+    EXPECT_LT(read.disks.ids()[i - 1] & 0xFFFFFFFFU, read.disks.ids()[i] & 0xFFFFFFFFU);
+  }
+}
+
+TEST(Xyz, TheSymbolStandsForTheRadius) {
+  TemporaryDirectory const directory;
+  State state;
+  for (double const radius : {0.2, 0.1, 0.3}) state.disks.add(0.5, 0.5, 0, 0, radius, 1, 0, 0);
+  write_xyz(state, directory / "a.xyz");
+  std::string const text = read_file(directory / "a.xyz");
+  EXPECT_NE(text.find("\nKr 0.5"), std::string::npos);
+  EXPECT_LT(text.find("\nKr"), text.find("\nAr"));
+  EXPECT_LT(text.find("\nAr"), text.find("\nXe"));
+  for (int k = 0; k < 4; ++k) state.disks.add(0.5, 0.5, 0, 0, 0.01 * (k + 1), 1, 0, 0);
+  write_xyz(state, directory / "a.xyz");
+  EXPECT_EQ(read_file(directory / "a.xyz").find("\nAr"), std::string::npos);
+}
+
+TEST(Xyz, ReadsAFileByHand) {
+  XyzFrame const frame = parse_xyz(two_disks(), "disks.xyz");
+  EXPECT_TRUE(frame.has_velocities);
+  EXPECT_TRUE(frame.has_radii);
+  State const& state = frame.state;
+  EXPECT_EQ(state.box, Box(2, 1, Edge::wall));
+  EXPECT_EQ(state.clock, (Clock{.step = 0, .time = 0.5}));
+  EXPECT_EQ(state.seed, 0U);
+  ASSERT_EQ(state.disks.size(), 2U);
+  EXPECT_EQ(position(state.disks, 1), (Vector{1.5, 0.5}));
+  EXPECT_EQ(velocity(state.disks, 1), (Vector{0.0, 0.25}));
+  EXPECT_EQ(state.disks.column<Radius>()[1], 0.2);
+  EXPECT_EQ(state.disks.column<Mass>()[1], 1.0);
+}
+
+TEST(Xyz, ColumnsMayStandInAnyOrderAndOthersAreSkipped) {
+  XyzFrame const frame = parse_xyz(
+      "2\r\n"
+      "note='a = \"b\" c' Properties=forces:R:3:id:I:1:masses:R:1:pos:R:2:tag:S:1 pbc=[T T F] Lattice=\"2 0 0 0 1 0 0 "
+      "0 9\"\r\n"
+      "nan x 1\t7 2.5 0.5 0.25 hello\r\n"
+      "  1 2 3 4 3.5 1.5 +0.75 world  \r\n"
+      "\r\n",
+      "disks.xyz");
+  EXPECT_FALSE(frame.has_velocities);
+  EXPECT_FALSE(frame.has_radii);
+  EXPECT_EQ(frame.state.box, Box(2, 1, Edge::periodic));
+  ASSERT_EQ(frame.state.disks.size(), 2U);
+  std::size_t const seven = frame.state.disks.index_of(7);
+  ASSERT_EQ(seven, 1U) << "rows come in the order of their ids";
+  EXPECT_EQ(position(frame.state.disks, seven), (Vector{0.5, 0.25}));
+  EXPECT_EQ(position(frame.state.disks, 0), (Vector{1.5, 0.75}));
+  EXPECT_EQ(frame.state.disks.column<Mass>()[seven], 2.5);
+  EXPECT_EQ(velocity(frame.state.disks, seven), (Vector{0.0, 0.0}));
+}
+
+TEST(Xyz, WithoutAnIdColumnRowsAreNumberedFromZero) {
+  XyzFrame const frame =
+      parse_xyz("2\nLattice=\"1 0 0 0 1 0 0 0 1\" Properties=pos:R:2\n0.5 0.5\n0.1 0.1\n", "disks.xyz");
+  EXPECT_TRUE(frame.state.disks.contains(0));
+  EXPECT_TRUE(frame.state.disks.contains(1));
+  EXPECT_TRUE(frame.state.box.is_periodic()) << "as extended XYZ has it where pbc is left out";
+}
+
+struct Damage {
+  char const* name;
+  std::string text;
+  int line;
+  int column;
+  char const* says;
+
+  friend void PrintTo(Damage const& damage, std::ostream* out) { *out << damage.text; }
+};
+
+class DamagedXyz : public testing::TestWithParam<Damage> {};
+
+TEST_P(DamagedXyz, IsRefusedWithItsPlace) {
+  Damage const& damage = GetParam();
+  Problem const problem = problem_of(damage.text);
+  EXPECT_NE(problem.what.find(damage.says), std::string::npos) << problem.what;
+  EXPECT_EQ(problem.file, "disks.xyz");
+  EXPECT_EQ(problem.line, damage.line) << problem.what;
+  EXPECT_EQ(problem.column, damage.column) << problem.what;
+}
+
+std::vector<Damage> damages() {
+  std::string const good = two_disks();
+  auto const with_header = [&](std::string_view old, std::string_view fresh) {
+    return replaced(two_disks(), old, fresh);
+  };
+  return {
+      {"Empty", "", 0, 0, "the file is empty"},
+      {"NotXyz", "[box]\nside = 1\n", 1, 1, "not the number of disks"},
+      {"NegativeCount", "-3\n\n", 1, 1, "not the number of disks"},
+      {"CountBeyond64Bits", "100000000000000000000000\n\n", 1, 1, "not the number of disks"},
+      {"OnlyACount", "3\n", 2, 0, "ends before the line of the box"},
+      {"AbsurdCount", replaced(good, "2\n", "1000000000000000000\n"), 4, 0, "ends after 2 of 1000000000000000000"},
+      {"CountTooLarge", replaced(good, "2\n", "3\n"), 4, 0, "ends after 2 of 3 disks"},
+      {"CountTooSmall", replaced(good, "2\n", "1\n"), 4, 1, "goes on after its 1 disks"},
+      {"TwoFrames", good + good, 5, 1, "goes on after its 2 disks"},
+      {"NoLattice", with_header("Lattice", "lattice"), 2, 0, "no Lattice"},
+      {"EightNumbers", with_header("0 0 1\"", "0 1\""), 2, 1, "nine numbers"},
+      {"LatticeOfWords", with_header("\"2 0", "\"two 0"), 2, 1, "nine finite numbers"},
+      {"LatticeOfNan", with_header("\"2 0", "\"nan 0"), 2, 1, "nine finite numbers"},
+      {"SkewBox", with_header("\"2 0", "\"2 0.5"), 2, 1, "not orthogonal"},
+      {"FlatBox", with_header("\"2 0", "\"0 0"), 2, 1, "no area"},
+      {"NegativeBox", with_header("\"2 0", "\"-2 0"), 2, 1, "no area"},
+      {"OpenQuote", with_header("0 1\" pbc=\"F F F\"", "0 1 pbc=F"), 2, 9, "does not end"},
+      {"OneEdgePeriodic", with_header("F F F", "T F F"), 2, 29, "two sides only"},
+      {"WordsForEdges", with_header("F F F", "yes no no"), 2, 29, "pbc is \"yes no no\""},
+      {"ShiftedOrigin", with_header("Time=0.5", "Origin=\"-1 0 0\""), 2, 99, "not at the origin"},
+      {"NoProperties", with_header("Properties", "properties"), 2, 0, "no Properties"},
+      {"NoPositions", with_header(":pos:", ":point:"), 2, 41, "no positions"},
+      {"HalfAProperty", with_header("radius:R:1", "radius:R"), 2, 41, "name:type:columns"},
+      {"NoColumns", with_header("radius:R:1", "radius:R:0"), 2, 41, "not a number from 1"},
+      {"AbsurdColumns", with_header("species:S:1", "species:S:1000000000000"), 2, 41, "not a number from 1"},
+      {"PositionsOnALine", with_header("pos:R:3", "pos:R:1"), 2, 41, "must have 2 or 3"},
+      {"TwoRadii", with_header("species:S:1", "radius:R:1"), 2, 41, "every radius twice"},
+      {"TimeOfWords", with_header("Time=0.5", "Time=noon"), 2, 99, "Time is \"noon\""},
+      {"TimeOfNan", with_header("Time=0.5", "Time=nan"), 2, 99, "a finite number"},
+      {"NegativeStep", with_header("Time=0.5", "step=-1"), 2, 99, "step is \"-1\""},
+      {"SeedBeyond64Bits", with_header("Time=0.5", "seed=18446744073709551616"), 2, 99, "whole number"},
+      {"ColumnMissing", replaced(good, " 0.1\n", "\n"), 3, 21, "has 8 columns, but the Properties name 9"},
+      {"ColumnTooMany", replaced(good, " 0.1\n", " 0.1 7\n"), 3, 27, "has 10 columns"},
+      {"WordForANumber", replaced(good, "Ar 1.5", "Ar 1,5"), 4, 4, "x position is \"1,5\""},
+      {"NanPosition", replaced(good, "Ar 1.5", "Ar nan"), 4, 4, "a finite number"},
+      {"InfiniteVelocity", replaced(good, "0.25", "-inf"), 4, 18, "y velocity is \"-inf\""},
+      {"NumberTooLarge", replaced(good, "Ar 1.5", "Ar 1e999"), 4, 4, "a finite number"},
+      {"HalfANumber", replaced(good, "Ar 1.5", "Ar 1.5e"), 4, 4, "a finite number"},
+      {"TwoSigns", replaced(good, "Ar 1.5", "Ar +-1.5"), 4, 4, "a finite number"},
+      {"NegativeRadius", replaced(good, "0.2\n", "-0.2\n"), 4, 25, "must be above 0"},
+      {"NoRadius", replaced(good, "0.2\n", "0\n"), 4, 25, "must be above 0"},
+      {"ThreeDimensions", replaced(good, "1.5 0.5 0 ", "1.5 0.5 3 "), 4, 12, "plane z = 0"},
+      {"NegativeId", replaced(good, "0.5 0 1 0", "0.5 0 -1 0"), 4, 14, "id is \"-1\""},
+      {"FractionalId", replaced(good, "0.5 0 1 0", "0.5 0 1.0 0"), 4, 14, "id is \"1.0\""},
+      {"IdTwice", replaced(good, "0.5 0 1 0", "0.5 0 0 0"), 4, 0, "id 0 is given twice, first on line 3"},
+      {"AbsurdId", replaced(good, "0.5 0 1 0", "0.5 0 4294967295 0"), 4, 0, "out of proportion to 2 disks"},
+  };
+}
+
+INSTANTIATE_TEST_SUITE_P(Xyz, DamagedXyz, testing::ValuesIn(damages()),
+                         [](auto const& given) { return std::string(given.param.name); });
+
+TEST(Xyz, AnyDamageIsEitherReadOrRefused) {
+  std::string whole = two_disks(
+      "Lattice=\"2 0 0 0 1 0 0 0 1\" pbc=\"T T F\" "
+      "Properties=species:S:1:pos:R:3:id:I:1:velo:R:3:radius:R:1 Time=0.5 step=3 seed=9\n");
+  int refused = 0;
+  for (std::uint64_t seed = 0; seed < 5000; ++seed) {
+    SCOPED_TRACE(seed);
+    try {
+      State const state = parse_xyz(damaged(whole, seed), "damaged.xyz").state;
+      for (std::size_t i = 0; i < state.disks.size(); ++i) {
+        EXPECT_TRUE(std::isfinite(position(state.disks, i).x) && std::isfinite(position(state.disks, i).y));
+        EXPECT_TRUE(state.disks.column<Radius>()[i] >= 0.0);
+      }
+    } catch (Error const& error) {
+      ++refused;
+      EXPECT_EQ(error.problems().at(0).file, "damaged.xyz");
+    }
+  }
+  EXPECT_GT(refused, 1000);
+}
+
+TEST(Xyz, AMissingFileIsRefusedByName) { EXPECT_THROW(read_xyz("/nowhere/disks.xyz"), Error); }
+
+TEST(Xyz, AseReadsPositionsCellEdgesAndColumns) {
+  if (std::system("/usr/bin/python3 -c 'import ase.io' 2>/dev/null") != 0) GTEST_SKIP() << "ASE is not installed";
+  TemporaryDirectory const directory;
+  State state;
+  state.box = Box(2.0, 1.0, Edge::periodic);
+  state.seed = 7;
+  state.clock = {.step = 12, .time = 0.1};
+  state.disks.add(0.1, 0.7, 1.0 / 3.0, -0.5, 0.01, 1.0, -1, 2);
+  state.disks.add(1.9, 0.3, 0.0, 0.25, 0.02, 4.0, 0, 0);
+  write_xyz(state, directory / "state.xyz");
+  write_file(
+      directory / "check.py",
+      "import ase.io, sys\n"
+      "a = ase.io.read(sys.argv[1])\n"
+      "assert a.positions.tolist() == [[0.1, 0.7, 0], [1.9, 0.3, 0]]\n"
+      "assert a.cell.tolist() == [[2, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
+      "assert a.pbc.tolist() == [True, True, False]\n"
+      "assert a.get_chemical_symbols() == ['Ar', 'Kr']\n"
+      "assert a.arrays['velo'].tolist() == [[1 / 3, -0.5, 0], [0, 0.25, 0]]\n"
+      "assert a.arrays['radius'].tolist() == [0.01, 0.02]\n"
+      "assert a.get_masses().tolist() == [1, 4]\n"
+      "assert a.arrays['id'].tolist() == [0, 1]\n"
+      "assert a.arrays['image'].tolist() == [[-1, 2], [0, 0]]\n"
+      "assert a.info['Time'] == 0.1 and a.info['step'] == 12\n"
+      "ase.io.write(sys.argv[2], a, format='extxyz', columns=['symbols', 'positions', 'velo', 'radius', 'id'])\n");
+  std::string const command = fmt::format("/usr/bin/python3 {} {} {}", (directory / "check.py").string(),
+                                          (directory / "state.xyz").string(), (directory / "ase.xyz").string());
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  // ASE writes eight digits, and no more than the columns it was asked for.
+  XyzFrame const frame = read_xyz(directory / "ase.xyz");
+  EXPECT_EQ(frame.state.box, state.box);
+  EXPECT_TRUE(frame.has_velocities && frame.has_radii);
+  EXPECT_NEAR(velocity(frame.state.disks, 0).x, 1.0 / 3.0, 1e-8);
+}
+
+}  // namespace
+}  // namespace gridlock
