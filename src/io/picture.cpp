@@ -207,10 +207,9 @@ class Picture {
     double const outline = outline_width();
     canvas.begin_circles({.colour = ink, .width = outline});
     for (std::size_t i = 0; i < state_.disks.size(); ++i) {
-      Colour const colour = colours_.of(i);
       // The outline lies inside the disk, so that two disks in contact touch and do not overlap.
       double const radius = state_.disks.column<Radius>()[i] * at_.pixels - 0.5 * outline;
-      for_each_image(i, [&](Vector centre) { canvas.circle(to_pixels(centre), radius, colour); });
+      for_each_image(i, [&](Vector centre) { canvas.circle(to_pixels(centre), radius, colours_.of(i)); });
     }
     canvas.end_circles();
     if (settings_.shows_velocities && state_.disks.size() <= most_arrows) draw_arrows(canvas);
