@@ -1,0 +1,171 @@
+// Who may include whom, as ARCHITECTURE.md says:
+//
+//     core ← grid ← { lattice, engine, observe } ← run ← study ← apps
+//     core ← io ← run
+//
+// The siblings in braces do not include one another, save for engine/engine.hpp.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::map<std::string, std::set<std::string>> const allowed{
+    {"core", {"core"}},
+    {"grid", {"core", "grid"}},
+    {"io", {"core", "io"}},
+    {"lattice", {"core", "grid", "lattice"}},
+    {"engine", {"core", "grid", "engine"}},
+    {"observe", {"core", "grid", "observe"}},
+    {"model", {"core", "grid", "model"}},
+    {"protocol", {"core", "grid", "lattice", "engine", "observe", "model", "protocol"}},
+    {"run", {"core", "grid", "io", "lattice", "engine", "observe", "model", "protocol", "run"}},
+    {"study", {"core", "grid", "io", "lattice", "engine", "observe", "model", "protocol", "run", "study"}},
+    {"apps", {"core", "grid", "io", "lattice", "engine", "observe", "model", "protocol", "run", "study", "apps"}},
+};
+
+struct Include {
+  int line;
+  std::string text;  ///< what stands between the quotes or brackets
+  bool is_quoted;
+};
+
+std::vector<Include> includes_of(fs::path const& path) {
+  static std::regex const pattern(R"re(^\s*#\s*include\s*(["<])([^">]+)[">])re");
+  std::vector<Include> includes;
+  std::ifstream file(path);
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    std::smatch match;
+    if (std::regex_search(line, match, pattern)) includes.push_back({number, match[2], match[1] == "\""});
+  }
+  return includes;
+}
+
+struct Source {
+  fs::path path;      ///< as it can be opened
+  std::string name;   ///< from the root of the repository, for messages
+  std::string layer;  ///< its folder in include/gridlock or src, or "apps"
+};
+
+bool is_source(fs::path const& path) { return path.extension() == ".hpp" || path.extension() == ".cpp"; }
+
+std::vector<Source> sources_under(std::string const& folder, bool is_layered) {
+  fs::path const root(GRIDLOCK_SOURCE_DIR);
+  std::vector<Source> sources;
+  for (auto const& entry : fs::recursive_directory_iterator(root / folder)) {
+    if (!entry.is_regular_file() || !is_source(entry.path())) continue;
+    std::string const layer =
+        is_layered ? entry.path().lexically_relative(root / folder).begin()->string() : std::string("apps");
+    sources.push_back({entry.path(), entry.path().lexically_relative(root).string(), layer});
+  }
+  return sources;
+}
+
+std::vector<Source> all_sources() {
+  std::vector<Source> all = sources_under("include/gridlock", true);
+  for (Source const& source : sources_under("src", true)) all.push_back(source);
+  for (Source const& source : sources_under("apps", false)) all.push_back(source);
+  return all;
+}
+
+/// The layer a quoted include belongs to: "gridlock/<layer>/…", "<layer>/…", or a file beside the including one.
+std::string layer_of(std::string const& include, Source const& from) {
+  fs::path path(include);
+  auto part = path.begin();
+  if (*part == "gridlock") ++part;
+  bool const is_beside = std::next(part) == path.end();
+  return is_beside ? from.layer : part->string();
+}
+
+/// What is wrong with an include, or nothing.
+std::string complaint(Source const& from, Include const& include) {
+  if (!include.is_quoted) return "";
+  if (include.text.find("..") != std::string::npos) return "climbs out of its folder";
+  std::string const to = layer_of(include.text, from);
+  if (!allowed.contains(to)) return "names no layer: " + to;
+  if (include.text == "gridlock/engine/engine.hpp" && allowed.at(from.layer).contains("grid")) return "";
+  return allowed.at(from.layer).contains(to) ? "" : from.layer + " may not include " + to;
+}
+
+TEST(Layers, NoFileIncludesAHigherLayerOrASibling) {
+  std::vector<Source> const sources = all_sources();
+  ASSERT_GT(sources.size(), 30U) << "the sources were not found";
+  for (Source const& source : sources) {
+    ASSERT_TRUE(allowed.contains(source.layer)) << source.name << ": a layer the test does not know";
+    for (Include const& include : includes_of(source.path)) {
+      EXPECT_EQ(complaint(source, include), "") << source.name << ":" << include.line << "  " << include.text;
+    }
+  }
+}
+
+TEST(Layers, TheRuleItselfTellsGoodFromBad) {
+  auto const is_allowed = [](std::string const& layer, std::string const& include) {
+    return complaint({"", "", layer}, {1, include, true}).empty();
+  };
+  EXPECT_TRUE(is_allowed("grid", "gridlock/core/box.hpp"));
+  EXPECT_FALSE(is_allowed("core", "gridlock/grid/pairs.hpp"));
+  EXPECT_FALSE(is_allowed("core", "gridlock/engine/engine.hpp"));
+  EXPECT_FALSE(is_allowed("io", "gridlock/engine/engine.hpp"));
+  EXPECT_FALSE(is_allowed("io", "gridlock/grid/pairs.hpp"));
+  EXPECT_TRUE(is_allowed("observe", "gridlock/engine/engine.hpp"));
+  EXPECT_FALSE(is_allowed("observe", "engine/turn.hpp"));
+  EXPECT_FALSE(is_allowed("engine", "gridlock/lattice/start.hpp"));
+  EXPECT_FALSE(is_allowed("lattice", "gridlock/observe/speed.hpp"));
+  EXPECT_TRUE(is_allowed("engine", "turn.hpp"));
+  EXPECT_TRUE(is_allowed("engine", "engine/exact/calendar.hpp"));
+  EXPECT_TRUE(is_allowed("run", "gridlock/io/table.hpp"));
+  EXPECT_FALSE(is_allowed("run", "gridlock/study/paper.hpp"));
+  EXPECT_TRUE(is_allowed("apps", "gridlock/study/paper.hpp"));
+  EXPECT_FALSE(is_allowed("engine", "../grid/pairs.hpp"));
+}
+
+TEST(PublicHeaders, IncludeNothingButThePublicHeadersAndTheStandardLibrary) {
+  // The standard library's own headers have neither a folder nor an ending; vector instructions come with the compiler.
+  std::regex const standard("[a-z_0-9]+|[a-z]mmintrin\\.h|arm_neon\\.h");
+  for (Source const& source : sources_under("include/gridlock", true)) {
+    for (Include const& include : includes_of(source.path)) {
+      if (include.is_quoted) {
+        EXPECT_EQ(include.text.rfind("gridlock/", 0), 0U) << source.name << ":" << include.line << "  " << include.text;
+      } else {
+        EXPECT_TRUE(std::regex_match(include.text, standard))
+            << source.name << ":" << include.line << "  " << include.text;
+      }
+    }
+  }
+}
+
+TEST(PublicHeaders, AreGuardedAndNameTheirNamespace) {
+  for (Source const& source : sources_under("include/gridlock", true)) {
+    std::ifstream file(source.path);
+    std::string const text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    EXPECT_EQ(text.rfind("#pragma once", 0), 0U) << source.name;
+    EXPECT_NE(text.find("namespace gridlock {"), std::string::npos) << source.name;
+    EXPECT_EQ(text.find("using namespace"), std::string::npos) << source.name;
+  }
+}
+
+TEST(Library, NeverPrints) {
+  // Only apps/ touch the terminal; files and processes are io's.
+  std::regex const terminal(R"re(std::(cout|cerr|clog)\b|\bfmt::print\(("|stdout|stderr)|\b(printf|puts)\()re");
+  for (std::string const folder : {"include/gridlock", "src"}) {
+    for (Source const& source : sources_under(folder, true)) {
+      std::ifstream file(source.path);
+      std::string line;
+      for (int number = 1; std::getline(file, line); ++number) {
+        EXPECT_FALSE(std::regex_search(line, terminal)) << source.name << ":" << number << "  " << line;
+      }
+    }
+  }
+}
+
+}  // namespace

@@ -1,0 +1,175 @@
+// The bits of a few runs, for ever: the same on every compiler, in debug and release. A difference is either a mistake or
+// a change of the physics that belongs in the change log. To accept the bits of this build, run
+//
+//     GRIDLOCK_WRITE_GOLDEN=1 build/tests/gridlock_golden_tests
+//
+// and commit tests/golden/hashes.csv with the reason.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <ostream>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/grid/validate.hpp"
+#include "gridlock/lattice/start.hpp"
+
+namespace gridlock {
+namespace {
+
+struct Scene {
+  std::string name;
+  Box box;
+  DisksSettings disks;
+  VelocitySettings velocities;
+  EngineSettings engine;
+  double time = 1.0;
+};
+
+std::vector<Scene> scenes() {
+  Box const walls(1.0, 1.0, Edge::wall);
+  Box const periodic(1.0, 1.0, Edge::periodic);
+  return {
+      {.name = "paper",
+       .box = walls,
+       .disks = {.count = 841, .packing_fraction = 0.7},
+       .engine = {.cells = 10},
+       .time = 0.5},
+      {.name = "triangular",
+       .box = walls,
+       .disks = {.count = 400, .packing_fraction = 0.8, .start = StartKind::triangular},
+       .engine = {.contact = Contact::approaching}},
+      {.name = "mixture",
+       .box = periodic,
+       .disks = {.count = 200,
+                 .packing_fraction = 0.4,
+                 .start = StartKind::random,
+                 .species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = 1.4, .mass = 1.96}}},
+       .velocities = {.kind = VelocityKind::maxwell}},
+      {.name = "rectangle",
+       .box = Box(3.0, 0.7, Edge::periodic),
+       .disks = {.count = 150, .packing_fraction = 0.6, .start = StartKind::triangular},
+       .engine = {.time_step = 0.3, .substeps = 2}},
+      {.name = "gas", .box = walls, .disks = {.count = 100, .packing_fraction = 0.02}, .time = 10.0},
+      {.name = "few", .box = periodic, .disks = {.count = 4, .packing_fraction = 0.4}, .time = 20.0},
+  };
+}
+
+constexpr std::uint64_t seed = 20;
+
+/// The hashes of a scene before the first and after the last step.
+struct Hashes {
+  std::string start;
+  std::string end;
+};
+
+Hashes run(Scene const& scene, std::string const& engine) {
+  State state = make_start(scene.box, scene.disks, seed);
+  draw_velocities(state, scene.velocities);
+  std::string const start = fmt::format("{:016x}", hash(state));
+  EngineSettings settings = scene.engine;
+  settings.kind = engine;
+  Tally tally;
+  make_engine(settings, state)->advance(state, tally, {.time = scene.time});
+  EXPECT_NO_THROW(validate(state));
+  EXPECT_GT(tally.pair_collisions, 0U) << "a scene in which nothing happens proves nothing";
+  return {start, fmt::format("{:016x}", hash(state))};
+}
+
+/// The committed table: scene and engine → hashes.
+class Table {
+ public:
+  static Table read() {
+    Table table;
+    std::ifstream file(path());
+    std::string line;
+    std::getline(file, line);  // the names of the columns
+    while (std::getline(file, line)) {
+      std::stringstream fields(line);
+      std::string scene;
+      std::string engine;
+      Hashes hashes;
+      std::getline(fields, scene, ',');
+      std::getline(fields, engine, ',');
+      std::getline(fields, hashes.start, ',');
+      std::getline(fields, hashes.end, ',');
+      table.rows[{scene, engine}] = hashes;
+    }
+    return table;
+  }
+
+  void write() const {
+    std::ofstream file(path());
+    file << "scene,engine,start,end\n";
+    for (auto const& [name, hashes] : rows) {
+      file << name.first << ',' << name.second << ',' << hashes.start << ',' << hashes.end << '\n';
+    }
+  }
+
+  std::map<std::pair<std::string, std::string>, Hashes> rows;
+
+ private:
+  static std::string path() { return std::string(GRIDLOCK_SOURCE_DIR) + "/tests/golden/hashes.csv"; }
+};
+
+bool is_writing() { return std::getenv("GRIDLOCK_WRITE_GOLDEN") != nullptr; }
+
+struct Row {
+  Scene scene;
+  std::string engine;
+
+  friend std::ostream& operator<<(std::ostream& out, Row const& row) {
+    return out << row.scene.name << " " << row.engine;
+  }
+};
+
+std::vector<Row> rows() {
+  std::vector<Row> all;
+  for (Scene const& scene : scenes()) {
+    for (std::string const& engine : engine_kinds()) all.push_back({scene, engine});
+  }
+  return all;
+}
+
+class Golden : public testing::TestWithParam<Row> {};
+
+TEST_P(Golden, GivesTheBitsOfTheTable) {
+  Row const row = GetParam();
+  Hashes const now = run(row.scene, row.engine);
+  Table table = Table::read();
+  if (is_writing()) {
+    table.rows[{row.scene.name, row.engine}] = now;
+    table.write();
+    return;
+  }
+  auto const found = table.rows.find({row.scene.name, row.engine});
+  ASSERT_NE(found, table.rows.end()) << "no row for " << row << " yet; see the top of this file";
+  EXPECT_EQ(now.start, found->second.start) << "already the start differs";
+  EXPECT_EQ(now.end, found->second.end);
+}
+
+std::string row_name(testing::TestParamInfo<Row> const& row) { return row.param.scene.name + "_" + row.param.engine; }
+INSTANTIATE_TEST_SUITE_P(Scenes, Golden, testing::ValuesIn(rows()), row_name);
+
+TEST(GoldenTable, HasNoRowsOfScenesOrEnginesThatAreGone) {
+  std::map<std::pair<std::string, std::string>, int> known;
+  for (Row const& row : rows()) known[{row.scene.name, row.engine}] = 1;
+  Table table = Table::read();
+  if (is_writing()) {
+    std::erase_if(table.rows, [&](auto const& entry) { return !known.contains(entry.first); });
+    table.write();
+    return;
+  }
+  for (auto const& [name, hashes] : table.rows) EXPECT_TRUE(known.contains(name)) << name.first << " " << name.second;
+}
+
+}  // namespace
+}  // namespace gridlock
