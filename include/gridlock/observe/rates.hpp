@@ -14,6 +14,7 @@ namespace gridlock {
 /// Averages are ratios of sums: all collisions over all time that counts. A mean free time without collisions and a
 /// share of no turns are left out. Collisions are the scatterings the engine did; under the paper's rule with
 /// contact = "always" that includes pairs that recede.
+/// An engine that moves disks from event to event halts none: its blocked_share is 0.
 /// Cost: O(1).
 /// Source: S. Chapman & T. G. Cowling, The Mathematical Theory of Non-uniform Gases (1970), chapter 5: in equilibrium
 /// Γ = 2 σ ρ g(σ) √(πkT/m) for equal disks of diameter σ and density ρ.
