@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
@@ -155,19 +157,21 @@ TEST(Plot, DrawsOnlyTheRowsThatHoldNumbersAndFulfilAllConditions) {
 TEST(Plot, CarriesALineAcrossRowsWithoutNumbersAndRowsOfOthers) {
   TemporaryDirectory const directory;
   write_series(directory);
+  // A line that breaks off starts again with another "move to" of its path.
   auto const strokes = [&](std::vector<PlotCondition> where) {
     Plot plot = simple_plot();
     plot.key = PlotKey::none;
     plot.curves.at(0).where = std::move(where);
-    std::size_t blue = 0;
+    std::ptrdiff_t blue = 0;
     for (auto const& path : drawn(plot, directory).named("path")) {
       auto const stroke = path.attributes.find("stroke");
-      blue += stroke != path.attributes.end() && stroke->second == "rgb(  0, 114, 178)";
+      if (stroke == path.attributes.end() || stroke->second != "rgb(  0, 114, 178)") continue;
+      blue += std::ranges::count(path.attributes.at("d"), 'M');
     }
     return blue;
   };
-  EXPECT_EQ(strokes({}), 1U);
-  EXPECT_EQ(strokes({{"lattice", "square"}}), 1U);
+  EXPECT_EQ(strokes({}), 1);
+  EXPECT_EQ(strokes({{"lattice", "square"}}), 1);
 }
 
 TEST(Plot, ShowsAPointWhoseErrorIsMissing) {
@@ -350,13 +354,15 @@ TEST(Plot, WithoutGnuplotLeavesTheScriptAndSaysSo) {
 TEST(Plot, EndsAGnuplotThatHangsAtTheTimeLimit) {
   TemporaryDirectory const directory;
   write_series(directory);
-  // The child of a child keeps the pipe open: the whole group has to go.
-  GnuplotSettings settings = stand_in(directory, "sleep 60 & sleep 60\n");
+  // A child of the child keeps the pipe open and lives on: the whole group has to go.
+  GnuplotSettings settings = stand_in(directory, "(sleep 0.5; touch late) & sleep 60\n");
   settings.time_limit = std::chrono::milliseconds(200);
   auto const start = std::chrono::steady_clock::now();
   std::string const failure = failure_of([&] { draw_plot(simple_plot(), directory.path(), settings); });
   EXPECT_NE(failure.find("within 0.2 s"), std::string::npos) << failure;
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  EXPECT_FALSE(fs::exists(directory / "late"));
 }
 
 TEST(Plot, ReportsAProgramThatFailsHoweverMuchItSays) {
