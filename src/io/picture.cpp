@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <string_view>
 #include <vector>
@@ -381,17 +380,6 @@ PictureKind draw_disks(State const& state, PictureSettings const& settings, std:
   }
   write_file(file, picture_png(state, settings));
   return PictureKind::raster;
-}
-
-std::string picture_table(State const& state) {
-  std::string table = "x,y,radius\n";
-  double const width = state.box.width();
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    Vector const p = position(state.disks, i);
-    fmt::format_to(std::back_inserter(table), "{:.7g},{:.7g},{:.7g}\n", p.x / width, p.y / width,
-                   state.disks.column<Radius>()[i] / width);
-  }
-  return table;
 }
 
 }  // namespace gridlock
