@@ -1,0 +1,65 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gridlock/observe/estimate.hpp"
+#include "study/study.hpp"
+
+namespace gridlock {
+
+/// Runs that differ in the seed alone.
+struct Ensemble {
+  PaperEngine engine;
+  StartKind start = StartKind::square;
+  double packing_fraction = 0.0;
+  Sites sites = Sites::fitted;
+  double time_step = 0.1;  ///< diameters per v_max
+  Contact contact = Contact::always;
+  std::uint64_t steps = 0;
+  std::uint64_t sample_every = 0;
+  std::uint64_t seeds = 0;
+};
+
+/// The ensemble behind one point of Figure 7.
+Ensemble paper_ensemble(PaperExtent const& extent, PaperEngine const& engine, StartKind start, double packing_fraction);
+/// All of them, engine after engine, square before triangular, density rising.
+std::vector<Ensemble> paper_ensembles(PaperExtent const& extent);
+
+char const* name_of(StartKind start);
+
+void plan(Study& study, Ensemble const& ensemble);
+
+/// What an ensemble has measured, over those of its runs that are finished.
+class EnsembleResult {
+ public:
+  EnsembleResult(Study const& study, Ensemble const& ensemble);
+
+  [[nodiscard]] std::size_t seeds() const { return outcomes_.size(); }
+  /// Samples every run has; the first is the start.
+  [[nodiscard]] std::size_t samples() const { return outcomes_.empty() ? 0 : outcomes_.front()->steps.size(); }
+  [[nodiscard]] double step(std::size_t sample) const { return outcomes_.front()->steps[sample]; }
+  [[nodiscard]] double time(std::size_t sample) const { return outcomes_.front()->times[sample]; }
+
+  /// Mean displacement over the side of the box, mean and standard error over seeds.
+  [[nodiscard]] Estimate displacement(std::size_t sample) const;
+  [[nodiscard]] Estimate last_displacement() const { return displacement(samples() - 1); }
+  /// The same, each run averaged over the last `share` of its samples first.
+  [[nodiscard]] Estimate tail_displacement(double share) const;
+  [[nodiscard]] Estimate tail_blocked_share(double share) const;
+  [[nodiscard]] Estimate tail_collision_rate(double share) const;
+
+  /// Runs in which, over the last fifth, more than 98 % of all turns were blocked: the system has come to a standstill.
+  /// None where the engine knows no turns.
+  [[nodiscard]] std::size_t arrested() const;
+
+ private:
+  template <class Value>
+  [[nodiscard]] Estimate over_seeds(Value value) const;
+
+  bool has_turns_;  ///< whether a blocked share means anything
+  std::vector<StudyOutcome const*> outcomes_;
+};
+
+}  // namespace gridlock

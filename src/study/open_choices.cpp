@@ -1,0 +1,282 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "study/figures.hpp"
+#include "study/seed_statistics.hpp"
+
+namespace gridlock {
+
+namespace {
+
+char const* name_of(Contact contact) { return contact == Contact::always ? "always" : "approaching"; }
+
+char const* name_of(Sites sites) {
+  switch (sites) {
+    case Sites::fitted:
+      return "fitted";
+    case Sites::to_walls:
+      return "square, stretched to the walls";
+    case Sites::perfect:
+      break;
+  }
+  return "triangular, unstretched";
+}
+
+Ensemble choice_ensemble(PaperExtent const& extent, StartKind start, double density, double time_step) {
+  // A hundred samples a run, each after a whole number of steps, so that all runs end at the same physical time.
+  constexpr double samples = 100.0;
+  auto const every = std::max<std::uint64_t>(
+      1, static_cast<std::uint64_t>(std::llround(extent.choice_diameters / time_step / samples)));
+  return {.engine = extent.engines.front(),
+          .start = start,
+          .packing_fraction = density,
+          .time_step = time_step,
+          .steps = every * static_cast<std::uint64_t>(samples),
+          .sample_every = every,
+          .seeds = extent.choice_seeds};
+}
+
+/// Densities and starts, square before triangular.
+std::vector<std::pair<StartKind, double>> starts_of(PaperExtent const& extent) {
+  std::vector<std::pair<StartKind, double>> starts;
+  for (double const density : extent.choice_square_densities) starts.emplace_back(StartKind::square, density);
+  for (double const density : extent.choice_triangular_densities) starts.emplace_back(StartKind::triangular, density);
+  return starts;
+}
+
+/// Every time step under both contact rules.
+std::vector<Ensemble> rule_ensembles(PaperExtent const& extent) {
+  std::vector<Ensemble> ensembles;
+  for (auto const& [start, density] : starts_of(extent)) {
+    for (Contact const contact : {Contact::always, Contact::approaching}) {
+      for (double const time_step : extent.choice_time_steps) {
+        Ensemble ensemble = choice_ensemble(extent, start, density, time_step);
+        ensemble.contact = contact;
+        ensembles.push_back(ensemble);
+      }
+    }
+  }
+  return ensembles;
+}
+
+constexpr double usual_time_step = 0.1;
+
+/// The starts on other sites, with the fitted ones beside them.
+std::vector<Ensemble> site_ensembles(PaperExtent const& extent) {
+  std::vector<Ensemble> ensembles;
+  for (auto const& [start, density] : starts_of(extent)) {
+    for (Sites const sites : {Sites::fitted, start == StartKind::square ? Sites::to_walls : Sites::perfect}) {
+      Ensemble ensemble = choice_ensemble(extent, start, density, usual_time_step);
+      ensemble.sites = sites;
+      ensembles.push_back(ensemble);
+    }
+  }
+  return ensembles;
+}
+
+Table table_of(Study const& study) {
+  Table table;
+  for (char const* name : {"start", "sites", "contact"}) table.add_column(name, std::vector<std::string>{});
+  for (char const* name : {"packing_fraction", "time_step", "time", "mean_displacement", "mean_displacement_error",
+                           "blocked_share", "collision_rate"}) {
+    table.add_column(name, std::vector<double>{});
+  }
+  for (char const* name : {"seeds", "arrested"}) table.add_column(name, std::vector<std::uint64_t>{});
+  std::vector<Ensemble> ensembles = rule_ensembles(study.extent());
+  for (Ensemble const& ensemble : site_ensembles(study.extent())) {
+    if (ensemble.sites != Sites::fitted) ensembles.push_back(ensemble);
+  }
+  for (Ensemble const& ensemble : ensembles) {
+    EnsembleResult const result(study, ensemble);
+    if (result.seeds() == 0) continue;
+    Estimate const displacement = result.last_displacement();
+    table.add_row(std::vector<Cell>{gridlock::name_of(ensemble.start), name_of(ensemble.sites),
+                                    name_of(ensemble.contact), ensemble.packing_fraction, ensemble.time_step,
+                                    result.time(result.samples() - 1), displacement.value,
+                                    displacement.error.value_or(std::nan("")), result.tail_blocked_share(0.2).value,
+                                    result.tail_collision_rate(0.2).value, static_cast<std::uint64_t>(result.seeds()),
+                                    static_cast<std::uint64_t>(result.arrested())});
+  }
+  return table;
+}
+
+std::string arrest_text(EnsembleResult const& result) {
+  if (result.arrested() == 0) return "none";
+  return fmt::format("{} of {}", result.arrested(), result.seeds());
+}
+
+PageTable rule_table(Study const& study) {
+  PageTable table{.header = {"start", "φ", "contact", "time step", "mean displacement", "blocked turns",
+                             "collisions per disk and time", "standstill"},
+                  .caption = fmt::format(
+                      "After {} diameters per v_max of physical time, {} seeds. Blocked turns and collisions over the "
+                      "last fifth of the run; a smaller step is blocked less often for the same physics, so compare "
+                      "the collision rate.",
+                      study.extent().choice_diameters, study.extent().choice_seeds)};
+  for (Ensemble const& ensemble : rule_ensembles(study.extent())) {
+    EnsembleResult const result(study, ensemble);
+    if (result.seeds() == 0) continue;
+    table.rows.push_back({gridlock::name_of(ensemble.start), fmt::format("{}", ensemble.packing_fraction),
+                          name_of(ensemble.contact), fmt::format("{}", ensemble.time_step),
+                          to_text(result.last_displacement()),
+                          fmt::format("{:.1f} %", 100.0 * result.tail_blocked_share(0.2).value),
+                          fmt::format("{:.3g}", result.tail_collision_rate(0.2).value), arrest_text(result)});
+  }
+  return table;
+}
+
+PageTable site_table(Study const& study) {
+  PageTable table{
+      .header = {"start", "φ", "sites", "mean displacement", "standstill"},
+      .caption = fmt::format("The same physical time, time step {}, contact = \"always\". Fitted: the square "
+                             "lattice centred in its cells; the triangular one stretched to fill the box.",
+                             usual_time_step)};
+  for (Ensemble const& ensemble : site_ensembles(study.extent())) {
+    EnsembleResult const result(study, ensemble);
+    if (result.seeds() == 0) continue;
+    table.rows.push_back({gridlock::name_of(ensemble.start), fmt::format("{}", ensemble.packing_fraction),
+                          name_of(ensemble.sites), to_text(result.last_displacement()), arrest_text(result)});
+  }
+  return table;
+}
+
+void draw_rules(Study& study) {
+  Plot plot{.name = "open_choices",
+            .title = "Time step and contact rule",
+            .x = {.label = "time step / (diameters per v_max)", .least = 0.0},
+            .y = {.label = "mean displacement / side of the box", .is_logarithmic = true},
+            .key = PlotKey::outside};
+  std::size_t colour = 0;
+  for (auto const& [start, density] : starts_of(study.extent())) {
+    for (Contact const contact : {Contact::always, Contact::approaching}) {
+      plot.curves.push_back({.label = fmt::format("{} {}, {}", gridlock::name_of(start), density, name_of(contact)),
+                             .file = "open_choices.csv",
+                             .x = "time_step",
+                             .y = "mean_displacement",
+                             .error = "mean_displacement_error",
+                             .where = {{.column = "start", .equals = gridlock::name_of(start)},
+                                       {.column = "packing_fraction", .equals = fmt::format("{}", density)},
+                                       {.column = "contact", .equals = name_of(contact)},
+                                       {.column = "sites", .equals = name_of(Sites::fitted)}},
+                             .style = PlotStyle::line_and_points,
+                             .is_dashed = contact == Contact::approaching,
+                             .colour = colour});
+    }
+    ++colour;
+  }
+  study.draw(plot);
+}
+
+/// How far apart two displacements are, in standard errors; absent where the errors are not known.
+std::optional<double> distance_in_errors(Estimate const& a, Estimate const& b) {
+  double const error = std::hypot(a.error.value_or(0.0), b.error.value_or(0.0));
+  if (!(error > 0.0)) return std::nullopt;
+  return std::abs(a.value - b.value) / error;
+}
+
+/// The largest difference among pairs of ensembles that differ in one choice.
+class LargestDifference {
+ public:
+  void compare(Study const& study, Ensemble const& a, Ensemble const& b) {
+    EnsembleResult const first(study, a);
+    EnsembleResult const second(study, b);
+    if (first.seeds() < 2 || second.seeds() < 2) return;
+    Estimate const here = first.last_displacement();
+    Estimate const there = second.last_displacement();
+    auto const distance = distance_in_errors(here, there);
+    if (!distance) return;
+    ++pairs_;
+    double const ratio = std::max(here.value, there.value) / std::min(here.value, there.value);
+    if (*distance > three_sigma(first.seeds() + second.seeds() - 2)) ++significant_;
+    if (ratio <= ratio_) return;
+    ratio_ = ratio;
+    text_ = fmt::format("{} against {} ({} start, φ = {}; a factor {:.2g}, {:.1f} standard errors)", to_text(here),
+                        to_text(there), gridlock::name_of(a.start), a.packing_fraction, ratio, *distance);
+  }
+
+  [[nodiscard]] std::string text() const {
+    if (pairs_ == 0) return "too few runs to tell";
+    return fmt::format(
+        "{} of {} comparisons differ by more than chance explains in 0.3 % of all cases; the largest ratio is {}",
+        significant_, pairs_, text_);
+  }
+
+ private:
+  std::size_t pairs_ = 0;
+  std::size_t significant_ = 0;
+  double ratio_ = 0.0;
+  std::string text_;
+};
+
+std::string time_step_conclusion(Study const& study) {
+  LargestDifference difference;
+  for (auto const& [start, density] : starts_of(study.extent())) {
+    double const finest = std::ranges::min(study.extent().choice_time_steps);
+    for (double const time_step : study.extent().choice_time_steps) {
+      if (time_step == finest) continue;
+      difference.compare(study, choice_ensemble(study.extent(), start, density, finest),
+                         choice_ensemble(study.extent(), start, density, time_step));
+    }
+  }
+  return fmt::format("Time step, against the finest one: {}.", difference.text());
+}
+
+std::string contact_conclusion(Study const& study) {
+  LargestDifference difference;
+  std::size_t arrested_always = 0;
+  std::size_t arrested_approaching = 0;
+  std::size_t runs = 0;
+  for (Ensemble const& ensemble : rule_ensembles(study.extent())) {
+    EnsembleResult const result(study, ensemble);
+    if (ensemble.contact == Contact::always) {
+      arrested_always += result.arrested();
+      runs += result.seeds();
+      Ensemble other = ensemble;
+      other.contact = Contact::approaching;
+      difference.compare(study, ensemble, other);
+    } else {
+      arrested_approaching += result.arrested();
+    }
+  }
+  return fmt::format(
+      "Contact rule, \"always\" against \"approaching\": {}. Of {} runs each, {} came to a standstill with "
+      "\"always\" and {} with \"approaching\": there halted disks that do not approach keep their velocities, "
+      "try the same blocked way again, and whole systems freeze although nothing is jammed.",
+      difference.text(), runs, arrested_always, arrested_approaching);
+}
+
+std::string site_conclusion(Study const& study) {
+  LargestDifference difference;
+  std::vector<Ensemble> const ensembles = site_ensembles(study.extent());
+  for (std::size_t i = 0; i + 1 < ensembles.size(); i += 2) difference.compare(study, ensembles[i], ensembles[i + 1]);
+  return fmt::format("Sites of the lattice in the box: {}.", difference.text());
+}
+
+}  // namespace
+
+void plan_open_choices(Study& study) {
+  for (Ensemble const& ensemble : rule_ensembles(study.extent())) plan(study, ensemble);
+  for (Ensemble const& ensemble : site_ensembles(study.extent())) plan(study, ensemble);
+}
+
+Chapter open_choices(Study& study) {
+  study.write(table_of(study), "open_choices.csv");
+  draw_rules(study);
+  Chapter chapter{.title = "What the paper leaves open, and how much it matters"};
+  chapter.introduction.push_back(
+      "The rule does not fix the length of the time step, whether a halted pair scatters when it is already receding, "
+      "or how a "
+      "lattice is fitted to the box. Each is varied here with everything else as in the figures.");
+  chapter.drawings.push_back({"open_choices.svg",
+                              "Mean displacement after the same physical time against the time step, for "
+                              "both contact rules (dashed: \"approaching\")."});
+  chapter.tables.push_back(rule_table(study));
+  chapter.tables.push_back(site_table(study));
+  chapter.conclusions = {time_step_conclusion(study), contact_conclusion(study), site_conclusion(study)};
+  return chapter;
+}
+
+}  // namespace gridlock

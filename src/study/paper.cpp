@@ -1,0 +1,283 @@
+#include "gridlock/study/paper.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/io/file.hpp"
+#include "gridlock/run/run_directory.hpp"
+#include "study/figure_5.hpp"
+#include "study/figures.hpp"
+
+namespace gridlock {
+
+namespace {
+
+constexpr int first_figure = 4;
+constexpr int last_figure = 7;
+
+Error impossible(std::string what, std::string hint) {
+  return Error({.what = std::move(what), .hint = std::move(hint), .key = "paper"});
+}
+
+void require_possible(PaperSettings const& settings) {
+  PaperExtent const& extent = settings.extent;
+  if (settings.figure && (*settings.figure < first_figure || *settings.figure > last_figure)) {
+    throw impossible(fmt::format("the study has no Figure {}", *settings.figure), "use 4, 5, 6 or 7");
+  }
+  bool const has_counts = extent.steps > 0 && extent.sample_every > 0 && extent.seeds > 0 &&
+                          extent.timing_repeats > 0 && extent.plateau_seeds > 0 && extent.choice_seeds > 0;
+  bool const has_values = !extent.engines.empty() && !extent.square_densities.empty() &&
+                          !extent.triangular_densities.empty() && !extent.fan_densities.empty() &&
+                          !extent.timing_counts.empty() && !extent.choice_time_steps.empty();
+  if (!has_counts || !has_values) {
+    throw impossible("the extent of the study is empty in part", "start from quick_paper() or full_paper()");
+  }
+  auto const is_sorted = [](std::vector<double> const& densities) { return std::ranges::is_sorted(densities); };
+  if (!is_sorted(extent.square_densities) || !is_sorted(extent.triangular_densities)) {
+    throw impossible("the packing fractions of the study do not rise", "sort them");
+  }
+  if (!fits_neighbourhoods(extent)) {
+    throw impossible(
+        "the disks of Figure 5 are too large for its finest neighbourhoods, so blocks would be wider than 3×3",
+        "let timing_counts reach 700 disks or more");
+  }
+}
+
+/// Shares the progress among the parts of the study by the seconds each is expected to take.
+class Progression {
+ public:
+  Progression(OnPaperProgress const& on_progress, std::vector<double> parts)
+      : on_progress_(on_progress), parts_(std::move(parts)) {}
+
+  /// Reports how far the present part is; says whether to go on.
+  bool report(double share_of_part, std::string const& what) {
+    if (is_stopped_ || !on_progress_) return !is_stopped_;
+    double all = 0.0;
+    double done = 0.0;
+    for (std::size_t part = 0; part < parts_.size(); ++part) {
+      all += parts_[part];
+      if (part < present_) done += parts_[part];
+    }
+    if (present_ < parts_.size()) done += parts_[present_] * share_of_part;
+    is_stopped_ = !on_progress_({.fraction = all > 0.0 ? done / all : 1.0, .seconds = seconds(), .what = what});
+    return !is_stopped_;
+  }
+  void next_part() { ++present_; }
+
+  [[nodiscard]] bool is_stopped() const { return is_stopped_; }
+  [[nodiscard]] double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  OnPaperProgress const& on_progress_;
+  std::vector<double> parts_;
+  std::size_t present_ = 0;
+  bool is_stopped_ = false;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Which claims hold, at one look; what was measured stands in the chapters.
+PageTable overview_of(std::vector<PaperClaim> const& claims) {
+  PageTable table{.header = {"where", "the paper says", "verdict"}};
+  for (PaperClaim const& claim : claims) table.rows.push_back({claim.where, claim.statement, claim.verdict});
+  return table;
+}
+
+PageTable table_of(std::vector<PaperClaim> const& claims) {
+  PageTable table{.header = {"the paper says", "measured here", "verdict"}};
+  for (PaperClaim const& claim : claims) table.rows.push_back({claim.statement, claim.measured, claim.verdict});
+  return table;
+}
+
+void add_to(Page& page, Chapter const& chapter, Study& study) {
+  page.heading(chapter.title);
+  for (std::string const& text : chapter.introduction) page.paragraph(text);
+  for (Drawing const& drawing : chapter.drawings) {
+    // A plot that could not be drawn has left a note, which stands at the end of the report.
+    if (std::filesystem::exists(study.path_of(drawing.file))) page.figure(study.path_of(drawing.file), drawing.caption);
+  }
+  if (!chapter.claims.empty()) page.table(table_of(chapter.claims));
+  for (PageTable const& table : chapter.tables) page.table(table);
+  for (std::string const& text : chapter.conclusions) page.paragraph(text);
+}
+
+std::string summary_of(std::vector<PaperClaim> const& claims) {
+  auto const count = [&](Verdict verdict) { return std::ranges::count(claims, verdict, &PaperClaim::verdict); };
+  return fmt::format("Of {} claims {} agree, {} differ and {} are not decided.", claims.size(), count(Verdict::agrees),
+                     count(Verdict::differs), count(Verdict::undecided));
+}
+
+/// The part of the study that makes one section of the report.
+struct Part {
+  std::optional<int> figure;  ///< none: made only with all figures
+  void (*plan)(Study&) = nullptr;
+  Chapter (*make)(Study&) = nullptr;
+};
+
+constexpr Part parts[] = {
+    {4, nullptr, figure_4},       {5, nullptr, nullptr},  // measured on its own, before anything runs beside it
+    {6, plan_figure_6, figure_6}, {7, plan_figure_7, figure_7}, {std::nullopt, plan_open_choices, open_choices},
+};
+
+/// The study in progress.
+class PaperStudy {
+ public:
+  PaperStudy(PaperSettings const& settings, OnPaperProgress const& on_progress)
+      : settings_(settings), study_(settings), progression_(on_progress, expected_seconds()) {}
+
+  PaperResult run() {
+    measure_times();
+    simulate_all();
+    for (Part const& part : parts) {
+      if (is_wanted(part)) make(part);
+    }
+    return finish();
+  }
+
+ private:
+  [[nodiscard]] bool is_wanted(Part const& part) const { return !settings_.figure || part.figure == settings_.figure; }
+  [[nodiscard]] bool is_wanted(int figure) const { return !settings_.figure || *settings_.figure == figure; }
+
+  std::vector<double> expected_seconds() {
+    for (Part const& part : parts) {
+      if (part.plan && is_wanted(part)) part.plan(study_);
+    }
+    constexpr double seconds_per_disk_step = 2e-7;
+    constexpr double seconds_for_pictures = 4.0;
+    unsigned const cores = std::max(1U, std::thread::hardware_concurrency());
+    unsigned const threads = settings_.threads > 0 ? std::min(settings_.threads, cores) : cores;
+    return {is_wanted(5) ? seconds_to_measure(settings_.extent) : 0.0,
+            study_.runs.work() * seconds_per_disk_step / threads, seconds_for_pictures};
+  }
+
+  void measure_times() {
+    if (is_wanted(5)) {
+      costs_ = measure_step_costs(study_,
+                                  [&](double share) { return progression_.report(share, "Figure 5: timing steps"); });
+    }
+    progression_.next_part();
+  }
+
+  void simulate_all() {
+    if (study_.runs.size() > 0 && !progression_.is_stopped()) {
+      study_.runs.run_all(settings_.threads, [&](double share, std::size_t finished) {
+        return progression_.report(share, fmt::format("{} of {} simulations", finished, study_.runs.size()));
+      });
+      study_.write(study_.runs.rows(), "runs.csv");
+    }
+    progression_.next_part();
+  }
+
+  void make(Part const& part) {
+    if (part.figure == 5) {
+      if (!costs_.empty()) chapters_.push_back(figure_5(study_, costs_));
+    } else {
+      chapters_.push_back(part.make(study_));
+    }
+    double const made = static_cast<double>(chapters_.size()) / static_cast<double>(std::size(parts));
+    progression_.report(std::min(made, 1.0), "drawing");
+  }
+
+  PaperResult finish() {
+    for (std::string const& failure : study_.runs.failures()) study_.note(failure);
+    PaperResult result{.ending = progression_.is_stopped() ? Ending::interrupted : Ending::finished};
+    for (Chapter const& chapter : chapters_) std::ranges::copy(chapter.claims, std::back_inserter(result.claims));
+    result.seconds = progression_.seconds();
+    write_report(result);
+    result.files = study_.files();
+    result.notes = study_.notes();
+    return result;
+  }
+
+  void write_report(PaperResult const& result) {
+    Page page("The paper's figures, made afresh",
+              fmt::format(
+                  "Agent based simulations and optimization with uniform grid applied to colloidal jamming transitions "
+                  "(J.-X. Shen). {}",
+                  summary_of(result.claims)));
+    page.paragraph(
+        fmt::format("Extent: {}. Gridlock {}, seed {}, {} simulations, {:.0f} s. Every simulation with its settings "
+                    "and state hash stands in runs.csv; every plot has its data (.csv) and script (.gp) beside it.",
+                    settings_.extent.name, version(), settings_.seed, study_.runs.size(), result.seconds));
+    if (result.ending == Ending::interrupted) {
+      page.paragraph("**The study was stopped before its end**: what stands here rests on the runs that had finished.");
+    }
+    page.heading("Claim by claim");
+    page.table(overview_of(result.claims));
+    for (Chapter const& chapter : chapters_) {
+      add_to(page, chapter, study_);
+    }
+    if (!study_.notes().empty()) {
+      page.heading("What went wrong");
+      page.list(study_.notes());
+    }
+    write_file(study_.path_of("report.html"), page.html());
+    study_.add_file("report.html");
+  }
+
+  PaperSettings const& settings_;
+  Study study_;
+  Progression progression_;
+  std::vector<StepCost> costs_;
+  std::vector<Chapter> chapters_;
+};
+
+}  // namespace
+
+PaperExtent quick_paper() {
+  return {.name = "quick",
+          .steps = 10'000,
+          .sample_every = 20,
+          .seeds = 3,
+          .square_densities = {0.1, 0.3, 0.5, 0.6, 0.66, 0.69, 0.72, 0.75, 0.78},
+          .triangular_densities = {0.1, 0.3, 0.5, 0.6, 0.66, 0.69, 0.72, 0.76, 0.8, 0.84},
+          .fan_densities = {0.1, 0.3, 0.5, 0.6, 0.66, 0.69, 0.72, 0.75, 0.8, 0.84},
+          .timing_counts = {225, 400, 625, 900, 1000, 1225, 1600, 2000, 2209, 2304, 2401, 2500},
+          .timing_repeats = 3,
+          .plateau_densities = {0.1},
+          .plateau_seeds = 4,
+          .choice_time_steps = {0.05, 0.1, 0.2},
+          .choice_diameters = 200.0,
+          .choice_seeds = 3,
+          .choice_square_densities = {0.66, 0.74},
+          .choice_triangular_densities = {0.8}};
+}
+
+PaperExtent full_paper() {
+  return {.name = "full",
+          .steps = 100'000,
+          .sample_every = 100,
+          .seeds = 4,
+          .square_densities = {0.05, 0.1,  0.2, 0.3,  0.4,  0.5,  0.55, 0.6,  0.62, 0.64, 0.66,
+                               0.68, 0.69, 0.7, 0.71, 0.72, 0.73, 0.74, 0.75, 0.76, 0.77, 0.78},
+          .triangular_densities = {0.05, 0.1, 0.2,  0.3,  0.4,  0.5,  0.55, 0.6,  0.62, 0.64, 0.66, 0.68,
+                                   0.69, 0.7, 0.71, 0.72, 0.73, 0.74, 0.76, 0.78, 0.8,  0.82, 0.84, 0.86},
+          .fan_densities = {0.1, 0.3, 0.5, 0.6, 0.66, 0.69, 0.71, 0.73, 0.76, 0.8, 0.84},
+          .timing_counts = {225, 400, 625, 900, 1000, 1225, 1600, 2000, 2209, 2304, 2401, 2500},
+          .timing_repeats = 9,
+          .plateau_densities = {0.1, 0.3, 0.5},
+          .plateau_seeds = 8,
+          .plateau_relaxations = 20,
+          .choice_time_steps = {0.025, 0.05, 0.1, 0.2},
+          .choice_diameters = 1000.0,
+          .choice_seeds = 4,
+          .choice_square_densities = {0.5, 0.66, 0.7, 0.74, 0.77},
+          .choice_triangular_densities = {0.7, 0.74, 0.8, 0.84}};
+}
+
+PaperResult run_paper(PaperSettings const& settings, OnPaperProgress const& on_progress) {
+  require_possible(settings);
+  make_output_directory(settings.output);
+  return PaperStudy(settings, on_progress).run();
+}
+
+}  // namespace gridlock

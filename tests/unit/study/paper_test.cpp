@@ -1,0 +1,180 @@
+#include "gridlock/study/paper.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/io/file.hpp"
+#include "gridlock/io/plot.hpp"
+#include "gridlock/io/table.hpp"
+#include "unit/io/markup_document.hpp"
+#include "unit/io/temporary_directory.hpp"
+
+namespace gridlock {
+namespace {
+
+/// The whole study on a toy: a few disks, a few steps.
+PaperExtent tiny_paper() {
+  PaperExtent extent = quick_paper();
+  extent.disks = 49;
+  extent.steps = 40;
+  extent.sample_every = 4;
+  extent.seeds = 2;
+  extent.square_densities = {0.2, 0.6, 0.7};
+  extent.triangular_densities = {0.2, 0.6, 0.75};
+  extent.fan_densities = {0.2, 0.7};
+  extent.timing_counts = {225, 400, 625, 900};
+  extent.timing_repeats = 1;
+  extent.plateau_densities = {0.2};
+  extent.plateau_seeds = 2;
+  extent.plateau_relaxations = 0.5;
+  extent.choice_time_steps = {0.1, 0.2};
+  extent.choice_diameters = 40.0;
+  extent.choice_seeds = 2;
+  extent.choice_square_densities = {0.6};
+  extent.choice_triangular_densities = {0.7};
+  return extent;
+}
+
+std::set<std::string> names_in(std::filesystem::path const& directory) {
+  std::set<std::string> names;
+  for (auto const& entry : std::filesystem::directory_iterator(directory))
+    names.insert(entry.path().filename().string());
+  return names;
+}
+
+TEST(Paper, MakesEveryFigureWithItsDataAndAReportThatStandsAlone) {
+  TemporaryDirectory const directory;
+  double last = 0.0;
+  PaperResult const result =
+      run_paper({.extent = tiny_paper(), .output = directory / "paper"}, [&](PaperProgress const& p) {
+        EXPECT_GE(p.fraction, last - 1e-12);
+        EXPECT_FALSE(p.what.empty());
+        last = p.fraction;
+        return true;
+      });
+  EXPECT_EQ(result.ending, Ending::finished);
+  EXPECT_NEAR(last, 1.0, 1e-9);
+
+  std::set<std::string> expected{"report.html",     "runs.csv",     "figure_4.csv",        "figure_5.csv",
+                                 "figure_6.csv",    "figure_7.csv", "figure_7_theory.csv", "figure_7_plateau.csv",
+                                 "open_choices.csv"};
+  for (std::string const picture : {"figure_4_start", "figure_4_after", "figure_7_square", "figure_7_triangular"}) {
+    expected.insert({picture + ".svg", picture + ".png"});
+  }
+  bool const draws = is_gnuplot_available();
+  for (std::string const plot :
+       {"figure_5", "figure_5_checks", "figure_6", "figure_6_logarithmic", "figure_7", "open_choices"}) {
+    expected.insert(plot + ".gp");
+    if (draws) expected.insert({plot + ".svg", plot + ".png"});
+  }
+  EXPECT_EQ(names_in(directory / "paper"), expected);
+  std::set<std::string> named;
+  for (auto const& file : result.files) named.insert(file.filename().string());
+  EXPECT_EQ(named, expected);
+  EXPECT_EQ(result.files.back().filename(), "report.html");
+  if (draws) {
+    EXPECT_TRUE(result.notes.empty()) << result.notes.front();
+  }
+
+  MarkupDocument const report(read_file(directory / "paper" / "report.html"));
+  EXPECT_EQ(report.problem, "");
+  for (std::string const& target : report.values_of("src")) EXPECT_TRUE(target.starts_with("data:")) << target;
+  ASSERT_GE(result.claims.size(), 7U);
+  std::string const text = read_file(directory / "paper" / "report.html");
+  for (PaperClaim const& claim : result.claims) {
+    EXPECT_FALSE(claim.statement.empty());
+    EXPECT_FALSE(claim.measured.empty());
+    EXPECT_NE(text.find(claim.statement), std::string::npos) << claim.statement;
+    // Quotation marks become entities in HTML.
+    std::string const measured = claim.measured.substr(0, claim.measured.find_first_of("\"'&<>"));
+    EXPECT_NE(text.find(measured), std::string::npos) << measured;
+  }
+}
+
+TEST(Paper, MakesTheSameNumbersAgainOnAnyNumberOfThreads) {
+  auto const hashes = [](unsigned threads) {
+    TemporaryDirectory const directory;
+    run_paper({.extent = tiny_paper(), .figure = 6, .output = directory.path(), .threads = threads, .seed = 9});
+    Table const runs = read_csv(directory / "runs.csv");
+    return std::get<std::vector<std::string>>(runs.column("state_hash"));
+  };
+  auto const once = hashes(1);
+  EXPECT_EQ(once.size(), 4U);  // two densities, two seeds
+  EXPECT_EQ(once, hashes(2));
+}
+
+TEST(Paper, MakesOneFigureAlone) {
+  TemporaryDirectory const directory;
+  PaperResult const result = run_paper({.extent = tiny_paper(), .figure = 5, .output = directory.path()});
+  for (std::string const& name : names_in(directory.path())) {
+    EXPECT_TRUE(name.starts_with("figure_5") || name == "report.html") << name;
+  }
+  for (PaperClaim const& claim : result.claims) EXPECT_EQ(claim.where, "Figure 5");
+}
+
+TEST(Paper, CountsTheSameDistancesOnEveryMachine) {
+  TemporaryDirectory const directory;
+  run_paper({.extent = tiny_paper(), .figure = 5, .output = directory.path()});
+  Table const table = read_csv(directory / "figure_5.csv");
+  std::vector<double> const made = table.numbers("distance_checks");
+  std::vector<double> const free = table.numbers("free_distance_checks");
+  std::vector<double> const blocked = table.numbers("blocked_share");
+  ASSERT_EQ(made.size(), 12U);
+  for (std::size_t row = 0; row < made.size(); ++row) {
+    // Whatever halts a disk only takes checks away; the counts without halting are of the disks at the start of each step.
+    EXPECT_LT(made[row], 1.01 * free[row]);
+    EXPECT_GT(made[row], 0.0);
+    EXPECT_GE(blocked[row], 0.0);
+    EXPECT_LE(blocked[row], 1.0);
+  }
+}
+
+TEST(Paper, StoppedEarlyStillLeavesAReportThatSaysSo) {
+  TemporaryDirectory const directory;
+  PaperResult const result =
+      run_paper({.extent = tiny_paper(), .output = directory.path(), .threads = 1},
+                [](PaperProgress const& progress) { return progress.what.find(" simulations") == std::string::npos; });
+  EXPECT_EQ(result.ending, Ending::interrupted);
+  std::string const report = read_file(directory / "report.html");
+  EXPECT_NE(report.find("was stopped before its end"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::exists(directory / "figure_5.csv"));
+}
+
+TEST(Paper, RefusesWhatItCannotMake) {
+  TemporaryDirectory const directory;
+  EXPECT_THROW(run_paper({.extent = tiny_paper(), .figure = 3, .output = directory.path()}), Error);
+  PaperExtent empty = tiny_paper();
+  empty.engines.clear();
+  EXPECT_THROW(run_paper({.extent = empty, .output = directory.path()}), Error);
+  PaperExtent unsorted = tiny_paper();
+  unsorted.square_densities = {0.5, 0.3};
+  EXPECT_THROW(run_paper({.extent = unsorted, .output = directory.path()}), Error);
+  write_file(directory / "file", "");
+  EXPECT_THROW(run_paper({.extent = tiny_paper(), .output = directory / "file" / "below"}), Error);
+}
+
+TEST(PaperExtent, OfTheFullStudyIsThePapersLength) {
+  PaperExtent const full = full_paper();
+  EXPECT_EQ(full.disks, 841U);
+  EXPECT_EQ(full.steps, 100'000U);
+  EXPECT_GE(full.seeds, 4U);
+  EXPECT_GE(full.square_densities.size(), 20U);
+  EXPECT_GE(full.triangular_densities.size(), 20U);
+  EXPECT_EQ(quick_paper().steps, 10'000U);
+}
+
+TEST(PaperExtent, SharesTheRunsOfTheFanWithFigure7) {
+  for (PaperExtent const& extent : {quick_paper(), full_paper()}) {
+    for (double const density : extent.fan_densities) {
+      auto const& densities = density < 0.785 ? extent.square_densities : extent.triangular_densities;
+      EXPECT_NE(std::ranges::find(densities, density), densities.end()) << density;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gridlock
