@@ -17,11 +17,9 @@ namespace {
 
 struct Weight {
   using type = double;
-  static constexpr char const* name = "weight";
 };
 struct Colour {
   using type = int;
-  static constexpr char const* name = "colour";
 };
 using Marbles = Population<Weight, Colour>;
 
