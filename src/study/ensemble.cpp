@@ -66,8 +66,7 @@ void plan(Study& study, Ensemble const& ensemble) {
   for (std::uint64_t number = 0; number < ensemble.seeds; ++number) study.runs.add(run_of(study, ensemble, number));
 }
 
-EnsembleResult::EnsembleResult(Study const& study, Ensemble const& ensemble)
-    : has_turns_(ensemble.engine.kind != "exact") {
+EnsembleResult::EnsembleResult(Study const& study, Ensemble const& ensemble) {
   for (std::uint64_t number = 0; number < ensemble.seeds; ++number) {
     StudyOutcome const& outcome = study.runs.outcome_of(run_of(study, ensemble, number));
     if (outcome.is_finished) outcomes_.push_back(&outcome);
@@ -98,7 +97,6 @@ Estimate EnsembleResult::tail_collision_rate(double share) const {
 }
 
 std::size_t EnsembleResult::arrested() const {
-  if (!has_turns_) return 0;
   return static_cast<std::size_t>(std::ranges::count_if(outcomes_, [](StudyOutcome const* outcome) {
     return tail_mean(outcome->blocked_shares, share_that_shows_arrest) > blocked_share_of_arrest;
   }));

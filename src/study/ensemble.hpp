@@ -51,14 +51,13 @@ class EnsembleResult {
   [[nodiscard]] Estimate tail_collision_rate(double share) const;
 
   /// Runs in which, over the last fifth, more than 98 % of all turns were blocked: the system has come to a standstill.
-  /// None where the engine knows no turns.
+  /// None where the engine halts no disks.
   [[nodiscard]] std::size_t arrested() const;
 
  private:
   template <class Value>
   [[nodiscard]] Estimate over_seeds(Value value) const;
 
-  bool has_turns_;  ///< whether a blocked share means anything
   std::vector<StudyOutcome const*> outcomes_;
 };
 

@@ -123,8 +123,8 @@ std::string exponent_text(std::optional<PowerLaw> const& law, std::size_t which)
 PageTable law_table(Laws const& free, Laws const& made, Laws const& time) {
   PageTable table{
       .header = {"", "a", "a, dilute", "a, dense", "b"},
-      .caption = fmt::format("Exponents of cost ∝ N^a k^b by least squares in the logarithms up to φ = {}; dilute: "
-                             "φ ≤ {}, dense: above. The errors measure how far the points are from a power law.",
+      .caption = fmt::format("Exponents of cost ∝ N^a k^b by least squares in the logarithms up to φ = {}; dilute: φ ≤ "
+                             "{}, dense: above. The errors measure how far the points are from a power law.",
                              liquid_packing_fraction, dilute_packing_fraction)};
   auto const add = [&](char const* what, Laws const& laws) {
     table.rows.push_back({what, exponent_text(laws.all, 0), exponent_text(laws.dilute, 0), exponent_text(laws.dense, 0),
@@ -140,8 +140,8 @@ PageTable law_table(Laws const& free, Laws const& made, Laws const& time) {
 PaperClaim cost_claim(std::vector<StepCost> const& costs, Laws const& free) {
   PaperClaim claim{.where = "Figure 5",
                    .statement =
-                       "The cost of a step is proportional to 9N²/k²: N disks, nine neighbourhoods each, N/k² disks "
-                       "in a neighbourhood."};
+                       "The cost of a step is proportional to 9N²/k²: N disks, nine neighbourhoods each, N/k² disks in "
+                       "a neighbourhood."};
   std::vector<double> ratios;
   std::vector<double> misfits;
   for (StepCost const& cost : costs) {
@@ -150,14 +150,10 @@ PaperClaim cost_claim(std::vector<StepCost> const& costs, Laws const& free) {
   }
   claim.measured = fmt::format(
       "The distances that would be checked if no disk halted are {:.2f} to {:.2f} of 9N²/k² and grow as N^({}) k^({}). "
-      "The "
-      "shortfall is the walls': a 3×3 block there is cut, which leaves (3k−2)²/k² cells on average, {:.2f} for k = 10 "
-      "and "
-      "{:.2f} for k = 20. For disks anywhere with equal chance that makes N(N−1)(3k−2)²/k⁴, exactly; the counts differ "
-      "from it "
-      "by {:.1f} % (median) to {:.1f} % (few disks, which the start keeps apart). What is actually checked is less, "
-      "see "
-      "the next claim. Agreement means exponents within 0.1 of 2 and of −2.",
+      "The shortfall is the walls': a 3×3 block there is cut, which leaves (3k−2)²/k² cells on average, {:.2f} for k = "
+      "10 and {:.2f} for k = 20. For disks anywhere with equal chance that makes N(N−1)(3k−2)²/k⁴, exactly; the counts "
+      "differ from it by {:.1f} % (median) to {:.1f} % (few disks, which the start keeps apart). What is actually "
+      "checked is less, see the next claim. Agreement means exponents within 0.1 of 2 and of −2.",
       std::ranges::min(ratios), std::ranges::max(ratios), exponent_text(free.all, 0), exponent_text(free.all, 1),
       mean_block_size(10), mean_block_size(20), 100.0 * median(misfits), 100.0 * std::ranges::max(misfits));
   if (!free.all) return claim;
@@ -170,18 +166,15 @@ PaperClaim cost_claim(std::vector<StepCost> const& costs, Laws const& free) {
 PaperClaim growth_claim(std::vector<StepCost> const& costs, Laws const& free, Laws const& made, Laws const& time) {
   PaperClaim claim{.where = "Figure 5",
                    .statement =
-                       "With disks of constant size the time grows more slowly than N², because disks in dense "
-                       "systems halt early."};
+                       "With disks of constant size the time grows more slowly than N², because disks in dense systems "
+                       "halt early."};
   auto const by_density = [](StepCost const& a, StepCost const& b) { return a.packing_fraction < b.packing_fraction; };
   auto const [first, last] = std::ranges::minmax_element(costs, by_density);
   claim.measured = fmt::format(
       "Above φ = {} the CPU time grows as N^({}) and the distances checked as N^({}); without halting they would grow "
-      "as "
-      "N^({}). Below, where few halt, the distances grow as N^({}); the time as N^({}), since handling a disk costs "
-      "too, "
-      "however few neighbours it has. From φ = {:.2f} to {:.2f} the share of the checks that is made falls from {:.3f} "
-      "to "
-      "{:.3f}, while the share of blocked turns rises from {:.3f} to {:.3f}.",
+      "as N^({}). Below, where few halt, the distances grow as N^({}); the time as N^({}), since handling a disk costs "
+      "too, however few neighbours it has. From φ = {:.2f} to {:.2f} the share of the checks that is made falls from "
+      "{:.3f} to {:.3f}, while the share of blocked turns rises from {:.3f} to {:.3f}.",
       dilute_packing_fraction, exponent_text(time.dense, 0), exponent_text(made.dense, 0), exponent_text(free.dense, 0),
       exponent_text(made.dilute, 0), exponent_text(time.dilute, 0), first->packing_fraction, last->packing_fraction,
       first->checks / first->free_checks, last->checks / last->free_checks, first->blocked_share, last->blocked_share);
@@ -206,16 +199,13 @@ std::vector<PaperClaim> equal_cost_claims(std::vector<StepCost> const& costs) {
   double const seconds = large->seconds / small->seconds;
   std::string const measured_checks = fmt::format(
       "Distance checks in 100 steps: {:.0f} and {:.0f}, a ratio of {:.3f}. Without halting it would be {:.3f}, since "
-      "the finer "
-      "grid loses less at the walls ({:.3f} for disks anywhere with equal chance); halting takes away {:.0f} % of it, "
-      "since "
-      "the 2000 disks fill φ = {:.2f} instead of {:.2f}. Agreement means within 10 %.",
+      "the finer grid loses less at the walls ({:.3f} for disks anywhere with equal chance); halting takes away {:.0f} "
+      "% of it, since the 2000 disks fill φ = {:.2f} instead of {:.2f}. Agreement means within 10 %.",
       small->checks, large->checks, checks, free, uniform_checks(2000, 20) / uniform_checks(1000, 10),
       100.0 * (1.0 - checks / free), large->packing_fraction, small->packing_fraction);
   std::string const measured_time = fmt::format(
       "CPU time of 100 steps: {:.1f} ms and {:.1f} ms, a ratio of {:.2f}. A disk costs something besides its "
-      "distances, and "
-      "there are twice as many. Agreement means within 10 %.",
+      "distances, and there are twice as many. Agreement means within 10 %.",
       1e3 * small->seconds, 1e3 * large->seconds, seconds);
   auto const verdict_on = [](double ratio) {
     return std::abs(ratio - 1.0) < allowed ? Verdict::agrees : Verdict::differs;
@@ -377,18 +367,19 @@ Chapter figure_5(Study& study, std::vector<StepCost> const& costs) {
   Chapter chapter{.title = "Figure 5: what the grid saves"};
   chapter.introduction.push_back(fmt::format(
       "Disks of constant size, so large that {} of them just fit the square lattice (φ = {}); fewer disks are a "
-      "thinner gas. "
-      "Times are the CPU time of the process with nothing else running in it, the median of {} repeats on this "
-      "machine; "
-      "distance checks are counted exactly and are the same on every machine.",
+      "thinner gas. Times are the CPU time of the process with nothing else running in it, the median of {} repeats on "
+      "this machine; distance checks are counted exactly and are the same on every machine.",
       std::ranges::max(study.extent().timing_counts), largest_packing_fraction, study.extent().timing_repeats));
-  chapter.drawings.push_back({"figure_5.svg",
-                              "CPU time of 100 steps against the number of disks. Dashed: the paper's "
-                              "9N²/k² with one common factor, taken from the dilute sizes."});
+  LookCost const look = fit_look_cost(costs);
+  chapter.drawings.push_back(
+      {"figure_5.svg",
+       fmt::format(
+           "CPU time of 100 steps against the number of disks. Dashed: {:.0f} ns for each disk and {:.2f} ns for each "
+           "of 9N²/k² distances in every sub-step, two numbers taken from the dilute sizes of all k together.",
+           1e9 * look.per_disk, 1e9 * look.per_check)});
   chapter.drawings.push_back({"figure_5_checks.svg",
-                              "The distances checked in 100 steps over 500 · 9N²/k² (five sub-steps "
-                              "a step). Dashed: if no disk halted, from counting the disks of every "
-                              "block at every step."});
+                              "The distances checked in 100 steps over 500 · 9N²/k² (five sub-steps a step). Dashed: "
+                              "if no disk halted, from counting the disks of every block at every step."});
   chapter.claims.push_back(cost_claim(costs, free));
   chapter.claims.push_back(growth_claim(costs, free, made, time));
   std::ranges::copy(equal_cost_claims(costs), std::back_inserter(chapter.claims));

@@ -61,7 +61,7 @@ void draw_fan(Study& study, std::vector<Ensemble> const& ensembles, bool is_loga
   // Room at the right for the name of the 10 % line.
   double const steps = static_cast<double>(study.extent().steps);
   plot.x.least = is_logarithmic ? static_cast<double>(study.extent().sample_every) : 0.0;
-  plot.x.most = is_logarithmic ? 2.5 * steps : 1.1e-3 * steps;
+  plot.x.most = is_logarithmic ? 2.5 * steps : 1.15e-3 * steps;
   if (!is_logarithmic) plot.y.least = 0.0;
   std::vector<double> const& densities = study.extent().fan_densities;
   for (Ensemble const& ensemble : ensembles) {
@@ -91,8 +91,8 @@ void draw_fan(Study& study, std::vector<Ensemble> const& ensembles, bool is_loga
 PaperClaim order_claim(Study const& study, std::vector<Ensemble> const& ensembles) {
   PaperClaim claim{.where = "Figure 6",
                    .statement =
-                       "The denser the system, the less the disks move away from where they started; dense "
-                       "systems stay near their start for the whole run."};
+                       "The denser the system, the less the disks move away from where they started; dense systems "
+                       "stay near their start for the whole run."};
   std::string values;
   bool is_ordered = true;
   std::optional<Estimate> last;
@@ -110,8 +110,8 @@ PaperClaim order_claim(Study const& study, std::vector<Ensemble> const& ensemble
     last = now;
   }
   claim.measured = fmt::format(
-      "After {} steps, in sides of the box: {}. Disorder would be a rise that chance explains in less "
-      "than 0.3 % of all cases; staying near means less than 10 % of the side.",
+      "After {} steps, in sides of the box: {}. Disorder would be a rise that chance explains in less than 0.3 % of "
+      "all cases; staying near means less than 10 % of the side.",
       study.extent().steps, values);
   if (last) claim.verdict = is_ordered && last->value < 0.1 ? Verdict::agrees : Verdict::differs;
   return claim;
@@ -132,15 +132,13 @@ Chapter figure_6(Study& study) {
   Chapter chapter{.title = "Figure 6: how far the disks have come"};
   chapter.introduction.push_back(
       fmt::format("The mean distance of {} disks from where they started, over the side of the box, against time, for "
-                  "{} steps of 0.1 "
-                  "diameters per v_max. Starts on the square lattice up to its closest packing π/4 = 0.785, above on "
-                  "the triangular one. "
-                  "Bands are one standard error over {} seeds.",
+                  "{} steps of 0.1 diameters per v_max. Starts on the square lattice up to its closest packing π/4 = "
+                  "0.785, above on the triangular one. Bands are one standard error over {} seeds.",
                   study.extent().disks, study.extent().steps, study.extent().seeds));
   chapter.drawings.push_back({"figure_6.svg", "Mean displacement against time."});
   chapter.drawings.push_back({"figure_6_logarithmic.svg",
-                              "The same on logarithmic axes, which show what the dense systems "
-                              "do: they rattle in their cages, and most still creep on."});
+                              "The same on logarithmic axes, which show what the dense systems do: they rattle in "
+                              "their cages, and most still creep on."});
   chapter.claims.push_back(order_claim(study, ensembles));
   return chapter;
 }

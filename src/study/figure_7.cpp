@@ -180,7 +180,7 @@ void draw_points(Study& study) {
   Plot plot{.name = "figure_7",
             .title = fmt::format("Figure 7: mean displacement after {} steps", extent.steps),
             .x = {.label = "packing fraction φ", .least = 0.0, .most = 0.9},
-            .y = {.label = "mean displacement / side of the box", .least = 0.0, .most = 0.75},
+            .y = {.label = "mean displacement / side of the box", .least = 0.0},
             .references = {{.at = jamming_level, .label = "10 %"}},
             .key = PlotKey::top_right,
             .width = 900};
@@ -216,15 +216,17 @@ void draw_points(Study& study) {
                          .error = "mean_displacement_error",
                          .style = PlotStyle::points,
                          .colour = colour++});
-  constexpr double inset_width = 0.2;
+  // The key stands above the plateau, a line for each curve.
+  plot.y.most = std::ceil(20.0 * 0.54 / (0.97 - 0.045 * static_cast<double>(plot.curves.size()))) / 20.0;
+  constexpr double inset_width = 0.165;
   constexpr double inset_density = 0.7;
   double left = 0.05;
   for (StartKind const start : both_starts) {
     std::string const name = fmt::format("figure_7_{}", name_of(start));
     study.draw(start_state(extent, start, inset_density, study.seed(0)), {.width = inset_pixels(plot, inset_width)},
                name);
-    plot.insets.push_back({.file = name + ".png", .x = left, .y = 0.2, .width = inset_width, .label = name_of(start)});
-    left += inset_width + 0.04;
+    plot.insets.push_back({.file = name + ".png", .x = left, .y = 0.16, .width = inset_width, .label = name_of(start)});
+    left += inset_width + 0.03;
   }
   study.draw(plot);
 }
@@ -265,8 +267,8 @@ PageTable crossing_table(Study const& study) {
   PageTable table{
       .header = {"start", "engine"},
       .caption =
-          "Packing fraction at which the mean displacement falls through 10 % of the side, after part of "
-          "the run and at its end. Errors: standard error over seeds and uncertainty of the interpolation."};
+          "Packing fraction at which the mean displacement falls through 10 % of the side, after part of the run and "
+          "at its end. Errors: standard error over seeds and uncertainty of the interpolation."};
   for (double const share : shares_of_run) {
     table.header.push_back(fmt::format("after {:.0f} steps", share * static_cast<double>(study.extent().steps)));
   }
@@ -287,8 +289,8 @@ PaperClaim crossing_claim(Study const& study) {
   Crossing const triangular = crossing_at(study, engine, StartKind::triangular, 1.0);
   PaperClaim claim{.where = "Figure 7",
                    .statement =
-                       "With rising packing fraction the mean displacement falls through 10 % of the side of the "
-                       "box: the system jams."};
+                       "With rising packing fraction the mean displacement falls through 10 % of the side of the box: "
+                       "the system jams."};
   claim.measured = fmt::format("After {} steps the square start crosses at φ = {}, the triangular start at φ = {}.",
                                study.extent().steps, crossing_text(square), crossing_text(triangular));
   if (square.kind == CrossingKind::no_points || triangular.kind == CrossingKind::no_points) return claim;
@@ -321,8 +323,8 @@ PaperClaim duration_claim(Study const& study) {
   }
   claim.measured =
       text + fmt::format("{} {}",
-                         is_moving ? "The longer one waits, the denser a system still passes 10 %: the line "
-                                     "measures slow diffusion and the length of the run, not only a density."
+                         is_moving ? "The longer one waits, the denser a system still passes 10 %: the line measures "
+                                     "slow diffusion and the length of the run, not only a density."
                                    : "No shift beyond three standard errors.",
                          "Closest packing in this box lies higher, at φ = 0.785 for the square lattice and 0.865 for "
                          "the triangular one.");
@@ -332,14 +334,15 @@ PaperClaim duration_claim(Study const& study) {
 
 std::string deviation_text(Estimate const& measured, double exact) {
   if (!measured.error || !(*measured.error > 0.0)) return "–";
-  return fmt::format("{:+.1f}", (measured.value - exact) / *measured.error);
+  double const deviation = (measured.value - exact) / *measured.error;
+  return fmt::format("{}{:.1f}", deviation < 0.0 ? "−" : "+", std::abs(deviation));
 }
 
 PageTable plateau_comparison(Study const& study, Predictions const& predictions) {
   PageTable table{.header = {"start", "φ", "runs", "measured", "exact plateau", "deviation / standard error"},
                   .caption = fmt::format(
-                      "Runs of {} relaxation times of the slowest mode of the box, of which the last {:.0f} % "
-                      "count; time step {} diameters per v_max, since the plateau does not depend on it.",
+                      "Runs of {} relaxation times of the slowest mode of the box, of which the last {:.0f} % count; "
+                      "time step {} diameters per v_max, since the plateau does not depend on it.",
                       study.extent().plateau_relaxations, 100.0 * share_of_plateau, study.extent().plateau_time_step)};
   for (Ensemble const& ensemble : plateau_ensembles(study.extent())) {
     EnsembleResult const result(study, ensemble);
@@ -356,8 +359,8 @@ PageTable plateau_comparison(Study const& study, Predictions const& predictions)
 PageTable approach_comparison(Study const& study, Predictions const& predictions) {
   PageTable table{
       .header = {"start", "φ", "measured", "Enskog diffusion", "exact plateau", "from the plateau / standard error"},
-      .caption = fmt::format("The points of Figure 7 at low density, after {} steps: how near to the plateau they "
-                             "can be after that time, by Enskog's diffusion between walls.",
+      .caption = fmt::format("The points of Figure 7 at low density, after {} steps: how near to the plateau they can "
+                             "be after that time, by Enskog's diffusion between walls.",
                              study.extent().steps)};
   for (Ensemble const& ensemble : paper_ensembles(study.extent())) {
     if (ensemble.packing_fraction > diffusive_up_to) continue;
@@ -394,10 +397,9 @@ PaperClaim plateau_claim(Study const& study, Predictions const& predictions) {
     return claim;
   }
   claim.measured = fmt::format(
-      "Once the start is forgotten: {}. Nothing is fitted: the plateau is the mean distance from a start "
-      "site to a point uniform in the room of the centres; for two random points of the whole box it "
-      "would be {:.4f}. Disagreement would be a deviation that chance explains in less than 0.3 % of all cases "
-      "(Student's t).",
+      "Once the start is forgotten: {}. Nothing is fitted: the plateau is the mean distance from a start site to a "
+      "point uniform in the room of the centres; for two random points of the whole box it would be {:.4f}. "
+      "Disagreement would be a deviation that chance explains in less than 0.3 % of all cases (Student's t).",
       text, mean_distance_in_square(1.0));
   claim.verdict = is_within ? Verdict::agrees : Verdict::differs;
   return claim;
@@ -415,8 +417,8 @@ std::string standstill_text(Study const& study) {
   }
   if (parts.empty()) return "No run came to a standstill: nowhere were more than 98 % of the turns blocked.";
   return fmt::format(
-      "Runs that came to a standstill, with more than 98 % of all turns blocked over the last fifth: {}. Real "
-      "hard disks do not stop; at these densities the points of the figure show the finite step, not physics.",
+      "Runs that came to a standstill, with more than 98 % of all turns blocked over the last fifth: {}. Real hard "
+      "disks do not stop; at these densities the points of the figure show the finite step, not physics.",
       fmt::join(parts, "; "));
 }
 
@@ -438,15 +440,14 @@ Chapter figure_7(Study& study) {
   Chapter chapter{.title = "Figure 7: displacement against packing fraction"};
   chapter.introduction.push_back(
       fmt::format("The mean displacement of {} disks after {} steps, for square and triangular starts; error bars are "
-                  "standard errors "
-                  "over {} seeds. Insets: the two starts at φ = 0.7.",
+                  "standard errors over {} seeds. Insets: the two starts at φ = 0.7.",
                   extent.disks, extent.steps, extent.seeds));
   chapter.drawings.push_back(
       {"figure_7.svg",
-       "Mean displacement at the end of the run. The plateau is no fit: it is the mean distance from a "
-       "site of the start to a random point, exactly. The triangular start has a few sites too many, which stay empty. "
-       "Points below the plateau at low density have had too little "
-       "time: Enskog's diffusion between walls for the same time gives the dashed curve."});
+       "Mean displacement at the end of the run. The plateau is no fit: it is the mean distance from a site of the "
+       "start to a random point, exactly. The triangular start has a few sites too many, which stay empty. Points "
+       "below the plateau at low density have had too little time: Enskog's diffusion between walls for the same time "
+       "gives the dashed curve."});
   chapter.claims.push_back(plateau_claim(study, predictions));
   chapter.claims.push_back(crossing_claim(study));
   chapter.claims.push_back(duration_claim(study));
@@ -456,10 +457,8 @@ Chapter figure_7(Study& study) {
   chapter.conclusions.push_back(standstill_text(study));
   chapter.conclusions.push_back(
       "For comparison: an infinite system of hard disks freezes between φ = 0.700 (liquid) and 0.720 (hexatic and "
-      "solid), Engel "
-      "et al. 2013, doi:10.1103/PhysRevE.87.042134. That the 10 % line is crossed hereabouts is what one expects of a "
-      "crystal "
-      "whose disks keep their neighbours, long before anything is jammed.");
+      "solid), Engel et al. 2013, doi:10.1103/PhysRevE.87.042134. That the 10 % line is crossed hereabouts is what one "
+      "expects of a crystal whose disks keep their neighbours, long before anything is jammed.");
   return chapter;
 }
 

@@ -131,8 +131,8 @@ PageTable rule_table(Study const& study) {
 PageTable site_table(Study const& study) {
   PageTable table{
       .header = {"start", "φ", "sites", "mean displacement", "standstill"},
-      .caption = fmt::format("The same physical time, time step {}, contact = \"always\". Fitted: the square "
-                             "lattice centred in its cells; the triangular one stretched to fill the box.",
+      .caption = fmt::format("The same physical time, time step {}, contact = \"always\". Fitted: the square lattice "
+                             "centred in its cells; the triangular one stretched to fill the box.",
                              usual_time_step)};
   for (Ensemble const& ensemble : site_ensembles(study.extent())) {
     EnsembleResult const result(study, ensemble);
@@ -166,6 +166,20 @@ void draw_rules(Study& study) {
                              .colour = colour});
     }
     ++colour;
+  }
+  double least = 1.0;
+  double most = 0.0;
+  for (Ensemble const& ensemble : rule_ensembles(study.extent())) {
+    EnsembleResult const result(study, ensemble);
+    if (result.seeds() == 0) continue;
+    least = std::min(least, result.last_displacement().value);
+    most = std::max(most, result.last_displacement().value);
+  }
+  plot.x.most = 1.1 * std::ranges::max(study.extent().choice_time_steps);
+  // Whole decades would leave most of the plot empty.
+  if (least > 0.0 && most > least) {
+    plot.y.least = 0.5 * least;
+    plot.y.most = 1.6 * most;
   }
   study.draw(plot);
 }
@@ -242,9 +256,9 @@ std::string contact_conclusion(Study const& study) {
     }
   }
   return fmt::format(
-      "Contact rule, \"always\" against \"approaching\": {}. Of {} runs each, {} came to a standstill with "
-      "\"always\" and {} with \"approaching\": there halted disks that do not approach keep their velocities, "
-      "try the same blocked way again, and whole systems freeze although nothing is jammed.",
+      "Contact rule, \"always\" against \"approaching\": {}. Of {} runs each, {} came to a standstill with \"always\" "
+      "and {} with \"approaching\": there halted disks that do not approach keep their velocities, try the same "
+      "blocked way again, and whole systems freeze although nothing is jammed.",
       difference.text(), runs, arrested_always, arrested_approaching);
 }
 
@@ -268,11 +282,10 @@ Chapter open_choices(Study& study) {
   Chapter chapter{.title = "What the paper leaves open, and how much it matters"};
   chapter.introduction.push_back(
       "The rule does not fix the length of the time step, whether a halted pair scatters when it is already receding, "
-      "or how a "
-      "lattice is fitted to the box. Each is varied here with everything else as in the figures.");
+      "or how a lattice is fitted to the box. Each is varied here with everything else as in the figures.");
   chapter.drawings.push_back({"open_choices.svg",
-                              "Mean displacement after the same physical time against the time step, for "
-                              "both contact rules (dashed: \"approaching\")."});
+                              "Mean displacement after the same physical time against the time step, for both contact "
+                              "rules (dashed: \"approaching\")."});
   chapter.tables.push_back(rule_table(study));
   chapter.tables.push_back(site_table(study));
   chapter.conclusions = {time_step_conclusion(study), contact_conclusion(study), site_conclusion(study)};

@@ -246,8 +246,8 @@ PaperExtent quick_paper() {
           .plateau_densities = {0.1},
           .plateau_seeds = 4,
           .choice_time_steps = {0.05, 0.1, 0.2},
-          .choice_diameters = 200.0,
-          .choice_seeds = 3,
+          .choice_diameters = 150.0,
+          .choice_seeds = 5,
           .choice_square_densities = {0.66, 0.74},
           .choice_triangular_densities = {0.8}};
 }
