@@ -93,9 +93,9 @@ void collect_lists(TomlValue const& table, std::string const& prefix, std::strin
                    std::vector<SettingList>& lists, std::vector<Problem>& problems) {
   for (std::size_t i = 0; i < table.items.size(); ++i) {
     TomlValue const& member = table.items[i];
-    std::string const key = prefix.empty() ? table.names[i] : prefix + "." + table.names[i];
+    std::string const key = prefix.empty() ? table.names[i] : fmt::format("{}.{}", prefix, table.names[i]);
     auto const report = [&](SettingLocation const& where, std::string what, std::string hint) {
-      problems.push_back(problem_at(where, outer + "." + key, std::move(what), std::move(hint)));
+      problems.push_back(problem_at(where, fmt::format("{}.{}", outer, key), std::move(what), std::move(hint)));
     };
     if (member.is_table()) {
       collect_lists(member, key, outer, lists, problems);
@@ -169,7 +169,8 @@ void SettingsFile::set(std::string_view key, std::string_view value, SettingLoca
   TomlValue* table = &content_->root;
   std::string path;
   for (KeyPart const& part : parts_of(key)) {
-    path += (path.empty() ? "" : ".") + part.name;
+    if (!path.empty()) path += '.';
+    path += part.name;
     if (path.size() == key.size()) {
       TomlValue given = parse_toml_value(value, where);
       table->put(part.name, std::move(given));

@@ -299,7 +299,7 @@ Problem SettingsReader::unknown(TomlValue const& member, std::string const& name
   std::string const nearest = nearest_name(name, names);
   std::vector<std::string> homes;
   for (auto const& [table, known] : names_) {
-    if (!table.empty() && std::ranges::find(known, name) != known.end()) homes.push_back("[" + table + "]");
+    if (!table.empty() && std::ranges::find(known, name) != known.end()) homes.push_back(fmt::format("[{}]", table));
   }
   if (is_table && name == "sweep") {
     what = "a table [sweep] lists values for many runs";

@@ -26,7 +26,10 @@ std::string count_text(std::uint64_t count) {
 
 std::string list_text(std::vector<double> const& numbers) {
   std::string text = "[";
-  for (double const number : numbers) text += (text.size() > 1 ? ", " : "") + double_text(number);
+  for (double const number : numbers) {
+    if (text.size() > 1) text += ", ";
+    text += double_text(number);
+  }
   return text + "]";
 }
 
@@ -59,7 +62,7 @@ class ValueVisitor : public SettingVisitor {
 /// Writes the settings of one entry of a list of tables as an inline table.
 class InlineWriter final : public ValueVisitor {
  public:
-  [[nodiscard]] std::string text() const { return text_.empty() ? "{}" : "{ " + text_ + " }"; }
+  [[nodiscard]] std::string text() const { return text_.empty() ? "{}" : fmt::format("{{ {} }}", text_); }
 
   void enter(std::string_view name, std::string_view) override {
     text_ += fmt::format("{}{} = {{ ", separator(), toml_key(name));
@@ -79,7 +82,8 @@ class InlineWriter final : public ValueVisitor {
     for (std::size_t k = 0; k < size; ++k) {
       InlineWriter entry;
       describe_one(k, entry);
-      text += (k > 0 ? ", " : "") + entry.text();
+      if (k > 0) text += ", ";
+      text += entry.text();
     }
     return text + "]";
   }
@@ -286,7 +290,9 @@ std::string explain(Describe const& describe, std::string_view key) {
   auto const explain_all = [&](auto const& is_wanted) {
     std::string text;
     for (Entry const& entry : entries) {
-      if (is_wanted(entry)) text += (text.empty() ? "" : "\n") + explained(entry);
+      if (!is_wanted(entry)) continue;
+      if (!text.empty()) text += '\n';
+      text += explained(entry);
     }
     return text;
   };

@@ -240,8 +240,8 @@ std::string to_toml(TomlValue const& value) {
     if (value.is_table()) inside += toml_key(value.names[i]) + " = ";
     inside += to_toml(value.items[i]);
   }
-  if (!value.is_table()) return "[" + inside + "]";
-  return inside.empty() ? "{}" : "{ " + inside + " }";
+  if (!value.is_table()) return fmt::format("[{}]", inside);
+  return inside.empty() ? "{}" : fmt::format("{{ {} }}", inside);
 }
 
 std::string in_words(TomlValue const& value) {
@@ -251,9 +251,9 @@ std::string in_words(TomlValue const& value) {
     case Kind::number:
       return to_toml(value);
     case Kind::text:
-      return "the text " + in_quotes(value.text);
+      return fmt::format("the text {}", in_quotes(value.text));
     case Kind::date:
-      return "the date " + value.text;
+      return fmt::format("the date {}", value.text);
     case Kind::array:
       return value.items.empty() ? "an empty list" : "a list";
     case Kind::table:

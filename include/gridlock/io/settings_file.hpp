@@ -13,7 +13,7 @@
 
 namespace gridlock {
 
-/// Shows every setting of a configuration to a visitor: `describe(configuration, visitor)` with the configuration bound.
+/// Shows every setting of a configuration to a visitor: `describe(configuration, visitor)`, the configuration bound.
 using Describe = std::function<void(SettingVisitor&)>;
 
 /// Where a setting was given.
@@ -58,7 +58,7 @@ class SettingsFile {
 
   /// Takes a top-level table of lists, such as `[sweep]`, out of the file: what is left is for read_into(). Keys may be
   /// dotted or quoted (`disks.count = [1]`, `"disks.count" = [1]`); the lists come in the order of the file.
-  /// Empty where there is no such table. Errors: Error for anything but lists, for empty lists and for keys given twice.
+  /// Empty where there is no such table. Errors: Error for anything but lists, for empty lists, for keys given twice.
   std::vector<SettingList> take_lists(std::string_view table);
 
   /// Gives every setting that stands in the file its value; the others keep theirs.

@@ -11,9 +11,10 @@ namespace gridlock {
 /// Writes a state as extended XYZ, which ASE and OVITO read, with every bit that hash() covers.
 ///
 ///     841
-///     Lattice="1.0 0 0 0 1.0 0 0 0 1" pbc="F F F" Properties=species:S:1:pos:R:3:id:I:1:velo:R:3:radius:R:1:masses:R:1:image:I:2 Time=0.5 step=100 seed=1
+///     Lattice="1.0 0 0 0 1.0 0 0 0 1" pbc="F F F" Properties=<columns> Time=0.5 step=100 seed=1
 ///     Ar 0.017 0.017 0 0 0.31 -0.2 0 0.017 1 0 0
 ///
+/// where <columns> is species:S:1:pos:R:3:id:I:1:velo:R:3:radius:R:1:masses:R:1:image:I:2.
 /// The disks lie at z = 0 in a box of height 1. pbc is "T T F" for a periodic box. The symbol stands for the radius, so
 /// that viewers colour a mixture: Ar, Kr, Xe, Rn, Ne, He from the smallest to the largest; X for all disks where there
 /// are more than six radii. Numbers are the shortest that read back the same.
