@@ -63,8 +63,8 @@ Chapter figure_4(Study& study) {
       fmt::format("{} disks on the square lattice at φ = {}, and the same disks after {} steps of the paper's rule, on "
                   "{} × {} neighbourhoods. Disks of adjacent neighbourhoods have different colours.",
                   state.disks.size(), packing_fraction, steps, k, k));
-  chapter.drawings.push_back({"figure_4_start.svg", "The start."});
-  chapter.drawings.push_back({"figure_4_after.svg", fmt::format("After {} steps.", steps)});
+  chapter.drawings.push_back(
+      {{"figure_4_start.svg", "figure_4_after.svg"}, fmt::format("The start, and after {} steps.", steps)});
   chapter.claims.push_back(
       {.where = "Figure 4",
        .statement = "Every disk belongs to exactly one of the k × k neighbourhoods, and the rule keeps the disks from "

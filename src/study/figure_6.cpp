@@ -135,8 +135,8 @@ Chapter figure_6(Study& study) {
                   "{} steps of 0.1 diameters per v_max. Starts on the square lattice up to its closest packing π/4 = "
                   "0.785, above on the triangular one. Bands are one standard error over {} seeds.",
                   study.extent().disks, study.extent().steps, study.extent().seeds));
-  chapter.drawings.push_back({"figure_6.svg", "Mean displacement against time."});
-  chapter.drawings.push_back({"figure_6_logarithmic.svg",
+  chapter.drawings.push_back({{"figure_6.svg"}, "Mean displacement against time."});
+  chapter.drawings.push_back({{"figure_6_logarithmic.svg"},
                               "The same on logarithmic axes, which show what the dense systems do: they rattle in "
                               "their cages, and most still creep on."});
   chapter.claims.push_back(order_claim(study, ensembles));

@@ -443,7 +443,7 @@ Chapter figure_7(Study& study) {
                   "standard errors over {} seeds. Insets: the two starts at φ = 0.7.",
                   extent.disks, extent.steps, extent.seeds));
   chapter.drawings.push_back(
-      {"figure_7.svg",
+      {{"figure_7.svg"},
        "Mean displacement at the end of the run. The plateau is no fit: it is the mean distance from a site of the "
        "start to a random point, exactly. The triangular start has a few sites too many, which stay empty. Points "
        "below the plateau at low density have had too little time: Enskog's diffusion between walls for the same time "

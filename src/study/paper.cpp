@@ -88,7 +88,12 @@ class Progression {
 /// Which claims hold, at one look; what was measured stands in the chapters.
 PageTable overview_of(std::vector<PaperClaim> const& claims) {
   PageTable table{.header = {"where", "the paper says", "verdict"}};
-  for (PaperClaim const& claim : claims) table.rows.push_back({claim.where, claim.statement, claim.verdict});
+  for (PaperClaim const& claim : claims) {
+    std::string where = claim.where;
+    // "Figure 5" stays on one line, however narrow its column.
+    if (std::size_t const space = where.find(' '); space != std::string::npos) where.replace(space, 1, "\u00a0");
+    table.rows.push_back({where, claim.statement, claim.verdict});
+  }
   return table;
 }
 
@@ -102,8 +107,11 @@ void add_to(Page& page, Chapter const& chapter, Study& study) {
   page.heading(chapter.title);
   for (std::string const& text : chapter.introduction) page.paragraph(text);
   for (Drawing const& drawing : chapter.drawings) {
+    std::vector<std::filesystem::path> files;
+    for (std::string const& file : drawing.files) files.push_back(study.path_of(file));
     // A plot that could not be drawn has left a note, which stands at the end of the report.
-    if (std::filesystem::exists(study.path_of(drawing.file))) page.figure(study.path_of(drawing.file), drawing.caption);
+    std::erase_if(files, [](std::filesystem::path const& file) { return !std::filesystem::exists(file); });
+    if (!files.empty()) page.figure(files, drawing.caption);
   }
   if (!chapter.claims.empty()) page.table(table_of(chapter.claims));
   for (PageTable const& table : chapter.tables) page.table(table);

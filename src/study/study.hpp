@@ -15,9 +15,9 @@
 
 namespace gridlock {
 
-/// A picture of the report.
+/// Pictures of the report that stand side by side.
 struct Drawing {
-  std::string file;  ///< SVG, relative to the directory of the study
+  std::vector<std::string> files;  ///< SVG, relative to the directory of the study
   std::string caption;
 };
 
