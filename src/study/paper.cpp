@@ -120,8 +120,8 @@ void add_to(Page& page, Chapter const& chapter, Study& study) {
 
 std::string summary_of(std::vector<PaperClaim> const& claims) {
   auto const count = [&](Verdict verdict) { return std::ranges::count(claims, verdict, &PaperClaim::verdict); };
-  return fmt::format("Of {} claims {} agree, {} differ and {} are not decided.", claims.size(), count(Verdict::agrees),
-                     count(Verdict::differs), count(Verdict::undecided));
+  return fmt::format("Verdicts: {} agree, {} differ, {} undecided.", count(Verdict::agrees), count(Verdict::differs),
+                     count(Verdict::undecided));
 }
 
 /// The part of the study that makes one section of the report.
@@ -206,6 +206,12 @@ class PaperStudy {
     return result;
   }
 
+  [[nodiscard]] std::string runs_text() const {
+    if (study_.runs.size() == 0) return "";
+    return fmt::format(" Each of the {} simulations stands in runs.csv with its settings and state hash.",
+                       study_.runs.size());
+  }
+
   void write_report(PaperResult const& result) {
     Page page("The paper's figures, made afresh",
               fmt::format(
@@ -213,9 +219,9 @@ class PaperStudy {
                   "(J.-X. Shen). {}",
                   summary_of(result.claims)));
     page.paragraph(
-        fmt::format("Extent: {}. Gridlock {}, seed {}, {} simulations, {:.0f} s. Every simulation with its settings "
-                    "and state hash stands in runs.csv; every plot has its data (.csv) and script (.gp) beside it.",
-                    settings_.extent.name, version(), settings_.seed, study_.runs.size(), result.seconds));
+        fmt::format("Extent: {}. Gridlock {}, seed {}, {:.0f} s. Every plot has its data (.csv) and script "
+                    "(.gp) beside it.{}",
+                    settings_.extent.name, version(), settings_.seed, result.seconds, runs_text()));
     if (result.ending == Ending::interrupted) {
       page.paragraph("**The study was stopped before its end**: what stands here rests on the runs that had finished.");
     }
