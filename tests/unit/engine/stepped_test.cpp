@@ -410,7 +410,7 @@ TEST(SteppedGridReach, ABoxChangedBetweenCallsGetsANewGrid) {
   State state = make_state(Edge::periodic, {{.position = {0.3, 0.5}, .velocity = {0.0, 1.0}, .radius = 0.02},
                                             {.position = {0.48, 0.2}, .velocity = {1.0, 0.0}, .radius = 0.02},
                                             {.position = {0.03, 0.2}, .radius = 0.02}});
-  auto const engine = make_engine({}, state);
+  auto const engine = make_engine({.cells = 10}, state);
   Tally tally;
   engine->advance(state, tally, {.step = 1});
   ASSERT_EQ(tally.pair_collisions, 0U);

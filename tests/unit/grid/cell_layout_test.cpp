@@ -117,18 +117,32 @@ TEST(CellLayout, CountsTheCellsWithinADistance) {
   EXPECT_EQ(layout.rows_within(0.51), 2);
 }
 
+/// The smallest number that lies in a column or beyond.
+double lower_border(CellLayout const& layout, int column) {
+  double x = column * layout.cell_width();
+  while (layout.column_of(x) < column) x = std::nextafter(x, 10.0);
+  while (x > 0.0 && layout.column_of(std::nextafter(x, -1.0)) >= column) x = std::nextafter(x, -1.0);
+  return x;
+}
+
 TEST(CellLayout, PointsNearerThanADistanceLieWithinItsCells) {
   RandomStream random(2, 0, 0, Purpose::start_position);
-  for (int n = 0; n < 100000; ++n) {
+  for (int n = 0; n < 20000; ++n) {
     Box const box(0.1 + random.uniform(), 1.0, Edge::wall);
-    CellLayout const layout(box, 1 + random.below(5000), 1);
-    double const a = random.uniform() * box.width();
-    // Whole numbers of cells, give or take a few ulps, are where rounding could lose a cell.
-    double const cells = n % 2 == 0 ? 5.0 * random.uniform() : static_cast<double>(random.below(6));
-    double const b = std::min(a + cells * layout.cell_width(), box.width());
-    double const distance = b - a;
-    ASSERT_LE(layout.column_of(b) - layout.column_of(a), layout.columns_within(distance))
-        << "a " << a << " b " << b << " columns " << layout.columns() << " width " << box.width();
+    CellLayout const layout(box, 10 + random.below(2000), 1);
+    // From the last point of a column to the first point of another: the nearest two points so many columns apart,
+    // whose distance is a whole number of cells but for rounding.
+    int const from = static_cast<int>(random.below(static_cast<std::uint64_t>(layout.columns() - 8)));
+    int const to = from + 1 + static_cast<int>(random.below(6));
+    double const a = std::nextafter(lower_border(layout, from + 1), 0.0);
+    double const b = lower_border(layout, to);
+    ASSERT_EQ(layout.column_of(a), from);
+    ASSERT_EQ(layout.column_of(b), to);
+    ASSERT_LE(to - from, layout.columns_within(b - a)) << "a " << a << " b " << b << " columns " << layout.columns();
+    double const anywhere = random.uniform() * box.width();
+    double const other = random.uniform() * box.width();
+    ASSERT_LE(std::abs(layout.column_of(anywhere) - layout.column_of(other)),
+              layout.columns_within(std::abs(anywhere - other)));
   }
 }
 
