@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <utility>
+#include <vector>
 
+#include "gridlock/core/error.hpp"
 #include "gridlock/run/run_directory.hpp"
 #include "gridlock/run/sweep.hpp"
 #include "terminal.hpp"
@@ -19,17 +22,31 @@ void print_setup(gridlock::Setup const& setup) {
              setup.configuration.engine.kind, gridlock::step_duration(setup.configuration.engine, state));
 }
 
+/// Sets up every run of a sweep; what is wrong with any of them comes at the end.
+void check_all(gridlock::SweepPlan const& plan) {
+  std::vector<gridlock::Problem> problems;
+  for (gridlock::SweepRun const& run : plan.runs) {
+    try {
+      gridlock::Setup const setup = gridlock::set_up(run.settings);
+      fmt::print("{}: ", run.name);
+      print_setup(setup);
+    } catch (gridlock::Error const& error) {
+      for (gridlock::Problem problem : error.problems()) {
+        problem.what = fmt::format("{}: {}", run.name, problem.what);
+        problems.push_back(std::move(problem));
+      }
+    }
+  }
+  if (!problems.empty()) throw gridlock::Error(std::move(problems));
+  fmt::print("{} runs\n", plan.runs.size());
+}
+
 ExitCode check(ConfigurationOptions const& options) {
   gridlock::SettingsFile const settings = options.read();
   if (!settings.is_given("sweep")) {
     print_setup(gridlock::set_up(settings));
   } else {
-    gridlock::SweepPlan const plan = gridlock::plan_sweep(settings);
-    for (gridlock::SweepRun const& run : plan.runs) {
-      fmt::print("{}: ", run.name);
-      print_setup(gridlock::set_up(run.settings));
-    }
-    fmt::print("{} runs\n", plan.runs.size());
+    check_all(gridlock::plan_sweep(settings));
   }
   fmt::print("{} is good\n", options.file);
   return ExitCode::good;

@@ -16,23 +16,30 @@ namespace {
 namespace fs = std::filesystem;
 
 nlohmann::ordered_json read_summary(fs::path const& path) {
-  try {
-    return nlohmann::ordered_json::parse(gridlock::read_file(path));
-  } catch (nlohmann::json::exception const& error) {
-    throw gridlock::Error({.what = fmt::format("this is no summary of a run: {}", error.what()),
+  auto const summary = nlohmann::ordered_json::parse(gridlock::read_file(path), nullptr, false);
+  if (!summary.is_object() || !summary.contains("state_hash")) {
+    throw gridlock::Error({.what = summary.is_discarded() ? "this is no JSON" : "this is no summary of a run",
                            .hint = "the file was changed or cut off; run again",
                            .file = path.string()});
   }
+  return summary;
 }
 
-void print_run(fs::path const& directory) {
-  auto const summary = read_summary(directory / "summary.json");
-  fmt::print("a run of gridlock in {}\n", directory.string());
+bool is_there(fs::path const& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+void print_run(fs::path const& file) {
+  auto const summary = read_summary(file);
+  fmt::print("a run of gridlock in {}\n", file.has_parent_path() ? file.parent_path().string() : ".");
   for (auto const& [key, entry] : summary.items()) {
-    if (entry.is_object() && entry.contains("value")) {
-      std::string const error =
-          entry["error"].is_number() ? fmt::format(" ± {:.2g}", entry["error"].get<double>()) : "";
-      fmt::print("  {:<32} {:.8g}{}  {}\n", key, entry["value"].get<double>(), error, entry.value("unit", ""));
+    if (entry.is_object() && entry.contains("value") && entry["value"].is_number()) {
+      auto const error = entry.value("error", nlohmann::ordered_json());
+      std::string const unit = entry.value("unit", "");
+      fmt::print("  {:<32} {:.8g}{}{}\n", key, entry["value"].get<double>(),
+                 error.is_number() ? fmt::format(" ± {:.2g}", error.get<double>()) : "",
+                 unit.empty() ? "" : "  " + unit);
     } else if (entry.is_object()) {
       for (auto const& [name, value] : entry.items()) fmt::print("  {:<32} {}\n", key + "." + name, value.dump());
     } else {
@@ -65,20 +72,19 @@ void print_frame(fs::path const& path) {
 }
 
 ExitCode info(fs::path const& path) {
-  if (fs::exists(path / "summary.json")) {
-    print_run(path);
-  } else if (fs::exists(path / "sweep.csv")) {
+  if (is_there(path / "summary.json")) {
+    print_run(path / "summary.json");
+  } else if (is_there(path / "sweep.csv")) {
     print_sweep(path);
   } else if (path.filename() == "summary.json") {
-    print_run(path.parent_path());
+    print_run(path);
   } else if (path.extension() == ".csv") {
     print_table(path);
   } else if (path.extension() == ".xyz") {
     print_frame(path);
   } else {
-    bool const exists = fs::exists(path);
-    throw gridlock::Error({.what = exists ? fmt::format("{} is nothing that gridlock writes", path.string())
-                                          : fmt::format("there is no {}", path.string()),
+    throw gridlock::Error({.what = is_there(path) ? fmt::format("{} is nothing that gridlock writes", path.string())
+                                                  : fmt::format("there is no {}", path.string()),
                            .hint = "name the directory of a run or sweep, an .xyz or a .csv file"});
   }
   return ExitCode::good;

@@ -1,15 +1,34 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/run/run_directory.hpp"
 #include "verbs.hpp"
 
 namespace {
+
+/// What CLI11 found wrong, in our words where the verb is missing or unknown.
+void print_usage_error(CLI::App const& app, CLI::ParseError const& error, std::string const& first_word) {
+  if (!app.get_subcommands().empty()) {
+    fmt::print(stderr, "error: {}\n  hint: gridlock {} --help shows what there is\n", error.what(),
+               app.get_subcommands().front()->get_name());
+    return;
+  }
+  std::vector<std::string> verbs;
+  for (CLI::App const* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
+  std::string const what = first_word.empty()            ? "gridlock needs a verb"
+                           : first_word.starts_with("-") ? std::string(error.what())
+                                                         : fmt::format("there is no verb \"{}\"", first_word);
+  fmt::print(stderr, "error: {}\n  hint: the verbs are {}; gridlock --help explains them\n", what,
+             fmt::join(verbs, ", "));
+}
 
 ExitCode run_command_line(int argc, char** argv) {
   CLI::App app{"gridlock: many moving disks that only feel their neighbours", "gridlock"};
@@ -33,8 +52,7 @@ ExitCode run_command_line(int argc, char** argv) {
       app.exit(error);
       return ExitCode::good;
     }
-    fmt::print(stderr, "error: {}\n  hint: gridlock {}--help shows what there is\n", error.what(),
-               app.get_subcommands().empty() ? "" : app.get_subcommands().front()->get_name() + " ");
+    print_usage_error(app, error, argc > 1 ? argv[1] : "");
     return ExitCode::bad_input;
   }
   return exit_code;

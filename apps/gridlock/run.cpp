@@ -33,7 +33,8 @@ void print_result(gridlock::RunResult const& result) {
     auto const found = std::ranges::find(result.results, name, &gridlock::NamedEstimate::name);
     if (found == result.results.end()) continue;
     auto const& [value, error] = found->estimate;
-    fmt::print("  {:<26} {:.6g}{}  {}\n", name, value, error ? fmt::format(" ± {:.2g}", *error) : "", found->unit);
+    fmt::print("  {:<26} {:.6g}{}{}\n", name, value, error ? fmt::format(" ± {:.2g}", *error) : "",
+               found->unit.empty() ? "" : "  " + found->unit);
   }
   fmt::print("  {:<26} {:016x}\n", "state_hash", gridlock::hash(result.state));
 }

@@ -23,13 +23,13 @@ ExitCode sweep(SweepOptions const& options) {
   gridlock::SweepPlan const plan = gridlock::plan_sweep(options.configuration.read());
   auto const directory =
       options.output.directory_for(std::filesystem::path(options.configuration.file).stem().string());
-  gridlock::open_run_directory(directory, options.output.overwrites);
 
   StopSignals const signals;
   gridlock::SweepResult result;
   {
     ProgressLine line;
     result = gridlock::run_sweep(plan, {.directory = directory,
+                                        .overwrites = options.output.overwrites,
                                         .threads = options.threads,
                                         .on_progress = [&](gridlock::SweepProgress const& progress) {
                                           if (!options.is_quiet) {

@@ -122,24 +122,48 @@ State disks_on_sites(Box const& box, std::vector<Vector> const& sites, double ra
   return state;
 }
 
-State lattice_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed) {
+/// Six digits that never say more than `value`, so that the largest value that fits still fits when it is typed in.
+std::string rounded_down(double value) {
+  double const unit = std::pow(10.0, std::floor(std::log10(value)) - 5.0);
+  double rounded = std::floor(value / unit) * unit;
+  while (std::stod(fmt::format("{:.6g}", rounded)) > value) rounded -= unit;
+  return fmt::format("{:.6g}", rounded);
+}
+
+LatticeFit fit_lattice(StartKind kind, Box const& box, std::uint64_t count) {
+  return kind == StartKind::square ? fit_square_lattice(box, count) : fit_triangular_lattice(box, count);
+}
+
+Error too_large_for_lattice(DisksSettings const& settings, Box const& box, Kinds const& kinds, double radius,
+                            double largest) {
   bool const is_square = settings.start == StartKind::square;
   std::uint64_t const count = kinds.mass.size();
-  LatticeFit const fit = is_square ? fit_square_lattice(box, count) : fit_triangular_lattice(box, count);
-  double const largest = fit.radius / kinds.largest_ratio();
-  double radius = wanted_radius(settings, box, kinds);
-  if (radius > largest * most_fitted_up) {
-    throw Error(
-        {.what = fmt::format("{} disks at packing fraction {:.6g} (radius {:.6g}) do not fit on a {} lattice in "
-                             "this box: the largest is {:.6f} (radius {:.6g})",
-                             count, packing_fraction_for(radius, box, kinds), radius,
-                             is_square ? "square" : "triangular", packing_fraction_for(largest, box, kinds), largest),
-         .hint = is_square ? "use a smaller value, or disks.start = \"triangular\""
-                           : "use a smaller value, or another number of disks",
-         .key = size_key(settings)});
+  StartKind const other = is_square ? StartKind::triangular : StartKind::square;
+  double const largest_on_other = fit_lattice(other, box, count).radius / kinds.largest_ratio();
+  auto const reached = [&](double r) {
+    return settings.radius ? "radius " + rounded_down(r)
+                           : "packing fraction " + rounded_down(packing_fraction_for(r, box, kinds));
+  };
+  std::string hint = "use " + reached(largest) + " or less";
+  if (largest_on_other > largest) {
+    hint += fmt::format(", or disks.start = \"{}\", which reaches {}", is_square ? "triangular" : "square",
+                        reached(largest_on_other));
   }
-  radius = std::min(radius, largest);
-  return disks_on_sites(box, fit.sites, radius, kinds, seed);
+  return Error({.what = fmt::format("{} {} of packing fraction {:.6g} (radius {:.6g}) cannot stand on a {} lattice in "
+                                    "this box: the largest is {} (radius {})",
+                                    count, count == 1 ? "disk" : "disks", packing_fraction_for(radius, box, kinds),
+                                    radius, is_square ? "square" : "triangular",
+                                    rounded_down(packing_fraction_for(largest, box, kinds)), rounded_down(largest)),
+                .hint = hint,
+                .key = size_key(settings)});
+}
+
+State lattice_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed) {
+  LatticeFit const fit = fit_lattice(settings.start, box, kinds.mass.size());
+  double const largest = fit.radius / kinds.largest_ratio();
+  double const radius = wanted_radius(settings, box, kinds);
+  if (radius > largest * most_fitted_up) throw too_large_for_lattice(settings, box, kinds, radius, largest);
+  return disks_on_sites(box, fit.sites, std::min(radius, largest), kinds, seed);
 }
 
 /// The range of allowed centres along one side.

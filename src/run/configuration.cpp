@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/grid/validate.hpp"
 #include "gridlock/io/xyz.hpp"
+#include "run/memory.hpp"
 
 namespace gridlock {
 
@@ -45,6 +46,15 @@ void take_box(BoxSettings& settings, Box const& box, IsGiven const& is_given) {
   }
 }
 
+/// Whether every disk of a file has the radius asked for, as one of the kinds asked for.
+bool are_radii_as_asked(Disks const& disks, double radius, std::vector<SpeciesSettings> const& species) {
+  return std::ranges::all_of(disks.column<Radius>(), [&](double r) {
+    if (species.empty()) return is_close(radius, r);
+    return std::ranges::any_of(species,
+                               [&](SpeciesSettings const& kind) { return is_close(radius * kind.size_ratio, r); });
+  });
+}
+
 /// Gives the disks of a file without radii the size asked for; otherwise checks that the size asked for is the file's.
 void take_sizes(State& state, bool has_radii, DisksSettings& settings) {
   auto const radii = state.disks.column<Radius>();
@@ -59,9 +69,19 @@ void take_sizes(State& state, bool has_radii, DisksSettings& settings) {
                    .hint = "give disks.radius or disks.packing_fraction, or add a column radius:R:1 to the file",
                    .key = "disks.file"});
     }
+    if (!settings.species.empty()) {
+      throw Error({.what = "the start file has no radii, and species are dealt to lattice and random starts only",
+                   .hint = "add columns radius:R:1 and masses:R:1 to the file, or leave disks.species out",
+                   .key = "disks.species"});
+    }
     double const radius = settings.radius.value_or(
         std::sqrt(settings.packing_fraction.value_or(0.0) * state.box.area() / (std::numbers::pi * count)));
     for (double& r : radii) r = radius;
+  }
+  if (settings.radius && !are_radii_as_asked(state.disks, *settings.radius, settings.species)) {
+    auto const [smallest, largest] = radius_range(state.disks);
+    throw contradiction("disks.radius", fmt::format("the start file has radii from {:.9g} to {:.9g}, not {:.9g}",
+                                                    smallest, largest, *settings.radius));
   }
   double const packing_fraction = covered_area(state.disks) / state.box.area();
   if (settings.packing_fraction && !is_close(*settings.packing_fraction, packing_fraction)) {
@@ -93,6 +113,23 @@ void resolve(Configuration& configuration) {
   if (!configuration.disks.radius && !configuration.disks.packing_fraction) configuration.disks.packing_fraction = 0.5;
 }
 
+/// Makes the engine only to see whether it takes the state, so that `check` too refuses what it refuses. What counts
+/// as valid is the engine's to say: the exact one allows for the rounding of disks it left in contact.
+void require_engine(Setup const& setup, EngineSettings const& settings) {
+  try {
+    static_cast<void>(make_engine(settings, setup.state));
+  } catch (Error const& error) {
+    if (setup.start_file.empty()) throw;
+    std::vector<Problem> problems = error.problems();
+    for (Problem& problem : problems) {
+      if (problem.key != "disks") continue;  // the key of what is wrong with the state itself
+      problem.what = fmt::format("{}: {}", setup.start_file.string(), problem.what);
+      problem.key = "disks.file";
+    }
+    throw Error(std::move(problems));
+  }
+}
+
 /// A run that only ends after some number of collisions has to have some.
 void require_end(Configuration const& configuration, State const& state) {
   RunSettings const& run = configuration.run;
@@ -104,6 +141,7 @@ void require_end(Configuration const& configuration, State const& state) {
 }
 
 Setup set_up(Configuration configuration, std::filesystem::path const& directory, IsGiven const& is_given) {
+  require_memory(configuration);
   Setup setup;
   bool const is_from_file = configuration.disks.start == StartKind::file || !configuration.disks.file.empty();
   if (is_from_file && !configuration.disks.file.empty()) {
@@ -114,10 +152,8 @@ Setup set_up(Configuration configuration, std::filesystem::path const& directory
     draw_velocities(setup.state, configuration.velocities);
   }
   resolve(configuration);
-  validate(setup.state);
   require_end(configuration, setup.state);
-  // Made here only so that a set-up the engine refuses is refused now, by `check` too.
-  static_cast<void>(make_engine(configuration.engine, setup.state));
+  require_engine(setup, configuration.engine);
   setup.configuration = std::move(configuration);
   return setup;
 }
@@ -183,11 +219,12 @@ Horizon horizon_of(Setup const& setup) {
   RunSettings const& run = setup.configuration.run;
   Clock const& clock = setup.state.clock;
   Horizon horizon;
-  if (run.steps) horizon.step = clock.step + *run.steps;
+  if (run.steps) horizon.step = clock.step + std::min(*run.steps, horizon.step - clock.step);
   if (run.time) horizon.time = clock.time + *run.time;
   if (run.collisions_per_disk) {
     double const pairs = *run.collisions_per_disk * static_cast<double>(setup.state.disks.size()) / 2.0;
-    horizon.pair_collisions = static_cast<std::uint64_t>(std::ceil(pairs));
+    // Beyond 2⁶³ the end is never reached anyway, and the conversion would have no meaning.
+    if (pairs < 9e18) horizon.pair_collisions = static_cast<std::uint64_t>(std::ceil(pairs));
   }
   return horizon;
 }

@@ -49,7 +49,12 @@ class Artist {
         files);
   }
 
-  [[nodiscard]] bool has(std::string const& file) const { return fs::exists(directory_ / file); }
+  void note(std::string text) { pictures_.notes.push_back(std::move(text)); }
+
+  [[nodiscard]] bool has(std::string const& file) const {
+    std::error_code ignored;
+    return fs::exists(directory_ / file, ignored);
+  }
   [[nodiscard]] fs::path path_of(std::string const& file) const { return directory_ / file; }
   [[nodiscard]] Pictures take() { return std::move(pictures_); }
 
@@ -206,7 +211,11 @@ void draw_sweep(Artist& artist) {
        {"mean_displacement", "compressibility_factor", "wall_pressure", "collision_rate", "blocked_share"}) {
     if (!means.contains(observable)) continue;
     std::vector<PlotCurve> const curves = curves_against(axis, observable, means, keys);
-    if (curves.size() > most_curves) continue;
+    if (curves.size() > most_curves) {
+      artist.note(
+          fmt::format("{}: {} curves are too many for one picture; means.csv has them", observable, curves.size()));
+      continue;
+    }
     artist.plot({.name = observable,
                  .x = {.label = axis},
                  .y = {.label = observable},

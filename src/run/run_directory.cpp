@@ -87,6 +87,9 @@ std::string summary_json(Setup const& setup, RunResult const& result) {
 
 void write_run(Setup const& setup, RunResult const& result, std::filesystem::path const& directory) {
   Configuration configuration = rerunnable(setup);
+  // Last to come and first to go, so that a directory with a summary is a complete one.
+  std::error_code ignored;
+  std::filesystem::remove(directory / "summary.json", ignored);
   write_file(directory / "config.resolved.toml", to_toml(describing(configuration)));
   if (!setup.start_file.empty()) write_xyz(setup.state, directory / "start.xyz");
   write_csv(result.series, directory / "series.csv");
@@ -94,7 +97,6 @@ void write_run(Setup const& setup, RunResult const& result, std::filesystem::pat
     write_csv(to_table(distribution), directory / (distribution.name + ".csv"));
   }
   write_xyz(result.state, directory / "final.xyz");
-  // Last, so that a directory with a summary is a complete one.
   write_file(directory / "summary.json", summary_json(setup, result));
 }
 

@@ -12,8 +12,25 @@ namespace gridlock {
 
 namespace {
 
-/// Turns between two looks at the clock and at Ctrl-C: a few tenths of a second.
-constexpr std::uint64_t turns_per_chunk = 1'000'000;
+/// Cells and disks looked at between two looks at the clock and at Ctrl-C: a few tenths of a second.
+constexpr double looks_per_chunk = 1e8;
+
+/// Steps between two looks at the clock, from the set-up alone: nothing that is timed may reach the dynamics.
+std::uint64_t steps_per_chunk(EngineSettings const& settings, State const& state) {
+  double const disks = std::max(1.0, static_cast<double>(state.disks.size()));
+  // A grid chosen from the sizes has a block of 3×3 cells with about one disk in each.
+  double cells = 9.0;
+  double candidates = 9.0;
+  if (settings.cells) {
+    double const k = static_cast<double>(*settings.cells);
+    double const reach = 2.0 * radius_range(state.disks).largest / std::min(state.box.width(), state.box.height());
+    double const block = std::min(k, 3.0 + 2.0 * k * reach);
+    cells = block * block;
+    candidates = disks * cells / (k * k);
+  }
+  double const looks = disks * static_cast<double>(settings.substeps) * (10.0 + cells + candidates);
+  return static_cast<std::uint64_t>(std::max(1.0, looks_per_chunk / looks));
+}
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -85,14 +102,14 @@ class Simulation {
     std::uint64_t const every = settings_.observe.every;
     // Multiples of `every` counted from the start, so that the times of the samples do not depend on interruptions.
     std::uint64_t const next = first_.step + (steps_done() / every + 1) * every;
-    std::uint64_t const disks = std::max<std::uint64_t>(1, result_.state.disks.size());
-    std::uint64_t const chunk = std::max<std::uint64_t>(1, turns_per_chunk / disks);
+    std::uint64_t const chunk = steps_per_chunk(settings_.engine, result_.state);
     Horizon stop = horizon_;
     std::uint64_t const sample_step = std::min(next, horizon_.step);
     while (result_.state.clock.step < sample_step && !is_at_horizon()) {
       stop.step = std::min(sample_step, result_.state.clock.step + chunk);
       engine_->advance(result_.state, result_.tally, stop);
-      if (!report(seconds_since(start))) {
+      // A wish to stop that comes with the last step comes too late to interrupt anything.
+      if (!report(seconds_since(start)) && !is_at_horizon()) {
         result_.ending = Ending::interrupted;
         return;
       }

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -28,7 +29,7 @@ namespace gridlock {
 namespace {
 
 constexpr char const* seed_key = "run.seed";
-constexpr std::size_t most_runs = 1'000'000;
+constexpr std::size_t most_runs = 100'000;
 constexpr std::size_t longest_name = 120;
 
 std::string last_part(std::string const& key) { return key.substr(key.rfind('.') + 1); }
@@ -87,19 +88,25 @@ std::vector<std::string> observable_names(std::vector<Outcome> const& outcomes) 
   return names;
 }
 
-/// A column of numbers where all values are numbers, else of words.
-CellColumn column_of(std::vector<std::string> const& values) {
-  std::vector<double> numbers;
+/// All values as numbers of one type; nothing where one of them is none.
+template <class Number>
+std::optional<std::vector<Number>> numbers_of(std::vector<std::string> const& values) {
+  std::vector<Number> numbers;
   for (std::string const& value : values) {
-    std::size_t read = 0;
-    try {
-      numbers.push_back(std::stod(value, &read));
-    } catch (std::exception const&) {
-      return values;
-    }
-    if (read != value.size()) return values;
+    Number number{};
+    char const* const end = value.data() + value.size();
+    auto const [stop, error] = std::from_chars(value.data(), end, number);
+    if (error != std::errc{} || stop != end) return std::nullopt;
+    numbers.push_back(number);
   }
   return numbers;
+}
+
+/// A column of counts, else of numbers, else of words. Counts come first: a seed has 64 bits, a double 53.
+CellColumn column_of(std::vector<std::string> const& values) {
+  if (auto counts = numbers_of<std::uint64_t>(values)) return *std::move(counts);
+  if (auto numbers = numbers_of<double>(values)) return *std::move(numbers);
+  return values;
 }
 
 void add_key_columns(Table& table, SweepPlan const& plan, std::vector<std::size_t> const& runs, bool with_seed) {
@@ -121,7 +128,8 @@ Table rows_of(SweepPlan const& plan, std::vector<Outcome> const& outcomes) {
   std::vector<double> seconds;
   for (std::size_t const run : runs) {
     names.push_back(plan.runs[run].name);
-    endings.emplace_back(outcomes[run].has_begun ? to_text(outcomes[run].ending) : "not begun");
+    bool const is_known = outcomes[run].has_begun || outcomes[run].ending == Ending::failed;
+    endings.emplace_back(is_known ? to_text(outcomes[run].ending) : "not begun");
     hashes.push_back(outcomes[run].has_begun ? fmt::format("{:016x}", outcomes[run].state_hash) : "");
     seconds.push_back(outcomes[run].seconds);
   }
@@ -228,6 +236,7 @@ class SweepInProgress {
     arena.execute([&] {
       tbb::parallel_for(std::size_t{0}, plan_.runs.size(), [&](std::size_t run) { estimate_cost(run); });
       require_one_good();
+      open_run_directory(settings_.directory, settings_.overwrites);
       std::vector<std::size_t> const order = longest_first();
       tbb::task_group team;
       for (unsigned member = 0; member < threads; ++member) {
@@ -316,6 +325,29 @@ class SweepInProgress {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+/// Reads every listed value once, so that a slip in the last one does not show after hours.
+void require_readable(SettingsFile const& file, std::vector<SettingList> const& lists) {
+  std::vector<Problem> problems;
+  auto const is_known = [&](Problem const& problem) {
+    // An unknown key is wrong once, not once for each of its values.
+    return std::ranges::any_of(problems,
+                               [&](Problem const& p) { return p.what == problem.what && p.line == problem.line; });
+  };
+  for (SettingList const& list : lists) {
+    for (std::size_t choice = 0; choice < list.values.size(); ++choice) {
+      SettingsFile settings = file;
+      settings.set(list.key, list.values[choice], place_of(list, choice));
+      Configuration configuration;
+      try {
+        settings.read_into(describing(configuration));
+      } catch (Error const& error) {
+        std::ranges::copy_if(error.problems(), std::back_inserter(problems), std::not_fn(is_known));
+      }
+    }
+  }
+  if (!problems.empty()) throw Error(std::move(problems));
+}
+
 }  // namespace
 
 SweepPlan plan_sweep(SettingsFile file) {
@@ -325,6 +357,7 @@ SweepPlan plan_sweep(SettingsFile file) {
                  .hint = "add [sweep] with lines such as \"disks.packing_fraction\" = [0.1, 0.2], or use gridlock run",
                  .key = "sweep"});
   }
+  require_readable(file, lists);
   SweepPlan plan;
   std::size_t count = 1;
   for (SettingList const& list : lists) {

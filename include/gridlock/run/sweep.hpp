@@ -27,7 +27,8 @@ struct SweepPlan {
 };
 
 /// Expands the table `[sweep]` of a file.
-/// Errors: Error without such a table, or where a list cannot be used.
+/// Errors: Error without such a table, where a list cannot be used, and for every value that is none of its setting's
+/// (unknown key, wrong type, out of bounds); whether the set-ups can exist is seen when they are made.
 SweepPlan plan_sweep(SettingsFile file);
 
 /// How far a sweep has come.
@@ -41,7 +42,8 @@ struct SweepProgress {
 /// How a sweep is carried out.
 struct SweepSettings {
   std::filesystem::path directory;
-  unsigned threads = 0;  ///< runs at a time; 0: one for each core
+  bool overwrites = false;  ///< whether results that are there already may be replaced
+  unsigned threads = 0;     ///< runs at a time; 0: one for each core
   /// Called from any thread, one call at a time; returning false stops every run after its present chunk.
   std::function<bool(SweepProgress const&)> on_progress;
 };
@@ -58,7 +60,8 @@ struct SweepResult {
 /// Runs a plan on all cores, the longest runs first, and writes sweep.csv and means.csv; draw_results() draws them.
 ///
 /// The results do not depend on the number of threads. A run that fails is recorded with its message and the rest go on.
-/// Errors: Error where not one run can be set up; RunFailure where results cannot be written.
+/// Errors: Error where not one run can be set up or the directory cannot be used (open_run_directory()), before anything
+/// is written; RunFailure where results cannot be written.
 SweepResult run_sweep(SweepPlan const& plan, SweepSettings const& settings);
 
 }  // namespace gridlock
