@@ -13,6 +13,9 @@ constexpr double never = std::numeric_limits<double>::infinity();
 /// Epochs between two sorts of the disks in memory: a disk stays near its cell for many collisions.
 constexpr std::uint64_t epochs_per_sort = 8;
 
+/// Disks of this many bytes stay in the second cache by themselves.
+constexpr std::size_t largest_cached = std::size_t{1} << 19;
+
 bool are_all_equal(std::span<double const> values) {
   return std::ranges::all_of(values, [&](double value) { return value == values.front(); });
 }
@@ -64,6 +67,7 @@ Dynamics::Dynamics(State const& state) : box_(state.box), size_(state.disks.size
     if (first.partner < vertical_border) disks_[i].partner_stamp = disks_[first.partner].stamp;
   }
   expected_appointments_ = 32 * size_;
+  fetches_ahead_ = size_ * sizeof(MovingDisk) > largest_cached;
   start_epoch();
 }
 
@@ -187,6 +191,7 @@ bool Dynamics::run(double elapsed, std::uint64_t pair_collisions, std::uint64_t 
 Appointment const* Dynamics::next_event() {
   for (;;) {
     while (Appointment const* const next = calendar_.next(disks_.data())) {
+      if (fetches_ahead_ && calendar_.open_slice() != seen_slice_) fetch_ahead();
       if (disks_[next->disk].event_time == next->time) return next;
       calendar_.pop(next, disks_.data());
     }
@@ -202,6 +207,38 @@ Appointment const* Dynamics::next_event() {
     expected_appointments_ = calendar_.made();
     if (epoch_ % epochs_per_sort == 0) sort_disks_by_cell();
     start_epoch();
+  }
+}
+
+/// Asks for the memory of the events to come, each slice one step further than the slice before it: first the disk,
+/// then its cells and its partner, then the disks around it and the partner's cells, then those around the partner.
+void Dynamics::fetch_ahead() {
+  seen_slice_ = calendar_.open_slice();
+  calendar_.for_each_ahead(4, [this](Index i) { __builtin_prefetch(&disks_[i], 1); });
+  calendar_.for_each_ahead(3, [this](Index i) {
+    fetch_cells_of(i);
+    if (disks_[i].partner < vertical_border) __builtin_prefetch(&disks_[disks_[i].partner], 1);
+  });
+  calendar_.for_each_ahead(2, [this](Index i) {
+    fetch_neighbours_of(i);
+    if (disks_[i].partner < vertical_border) fetch_cells_of(disks_[i].partner);
+  });
+  calendar_.for_each_ahead(1, [this](Index i) {
+    if (disks_[i].partner < vertical_border) fetch_neighbours_of(disks_[i].partner);
+  });
+}
+
+void Dynamics::fetch_cells_of(Index i) const {
+  Index const* run = cells_.cell(disks_[i].column - 1, disks_[i].row - 1);
+  for (int row = 0; row < 3; ++row, run += cells_.row_stride()) __builtin_prefetch(run);
+}
+
+void Dynamics::fetch_neighbours_of(Index i) const {
+  Index const* run = cells_.cell(disks_[i].column - 1, disks_[i].row - 1);
+  for (int row = 0; row < 3; ++row, run += cells_.row_stride()) {
+    for (std::size_t k = 0; k < 3 * cells_.capacity(); ++k) {
+      __builtin_prefetch(&disks_[std::min<std::size_t>(run[k], size_)]);
+    }
   }
 }
 

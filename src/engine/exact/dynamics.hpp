@@ -27,6 +27,8 @@ class Dynamics {
   /// Errors: RunFailure where an audit, due every `audit_every` pair collisions, finds what must not be.
   bool run(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Tally& tally);
 
+  /// The time of the last event handled, in this epoch.
+  [[nodiscard]] double now() const { return now_; }
   /// The time of the last event handled.
   [[nodiscard]] double last_event() const { return epoch_start_ + now_; }
 
@@ -43,6 +45,8 @@ class Dynamics {
   /// The disks as they are, for tests that damage them.
   [[nodiscard]] LargeArray<MovingDisk>& disks() { return disks_; }
   [[nodiscard]] std::size_t size() const { return size_; }
+  /// What predictions read, for tests that compare implementations.
+  [[nodiscard]] Surroundings const& surroundings() const { return surroundings_; }
 
  private:
   void read_disks(State const& state);
@@ -52,6 +56,9 @@ class Dynamics {
   void refresh_surroundings();
 
   Appointment const* next_event();
+  void fetch_ahead();
+  void fetch_cells_of(Index i) const;
+  void fetch_neighbours_of(Index i) const;
   void handle(Index i, Tally& tally);
   void collide(Index i, Index j, Tally& tally);
   void hit_or_cross_vertical_border(MovingDisk& disk, Index i, Tally& tally);
@@ -86,6 +93,8 @@ class Dynamics {
   std::vector<Id> ids_;                // by rank; empty where the Ids are the ranks
   std::vector<std::uint32_t> row_of_;  // row in the state, by rank; empty where the rows are in the order of the Ids
 
+  bool fetches_ahead_ = false;  // the disks are too many for the cache
+  std::uint32_t seen_slice_ = 0;
   double now_ = 0.0;           // time of the last event, in this epoch
   double epoch_length_ = 0.0;  // 0 when nothing moves
   double epoch_start_ = 0.0;

@@ -68,6 +68,6 @@ Prediction predict_plainly(Surroundings const& s, Index i, double now, Index apa
   return earliest.best();
 }
 
-Predict fastest_prediction(Surroundings const&) { return predict_plainly; }
+Predict fastest_prediction(Surroundings const& s) { return can_use_avx512(s) ? predict_with_avx512 : predict_plainly; }
 
 }  // namespace gridlock::exact

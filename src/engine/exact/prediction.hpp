@@ -45,9 +45,10 @@ using Predict = Prediction (*)(Surroundings const& surroundings, Index i, double
 
 Prediction predict_plainly(Surroundings const& surroundings, Index i, double now, Index apart);
 
-/// Whether the processor can run predict_with_avx512().
-bool has_avx512();
-/// Eight candidates at a time. Contract: at least five cells a side in a periodic box.
+/// Whether the processor has the instructions, and the box the five cells a side and the cells the few slots, that
+/// predict_with_avx512() needs.
+bool can_use_avx512(Surroundings const& surroundings);
+/// Eight candidates at a time.
 Prediction predict_with_avx512(Surroundings const& surroundings, Index i, double now, Index apart);
 
 /// The fastest implementation for this processor and these cells.
