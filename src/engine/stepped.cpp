@@ -11,6 +11,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/linked_grid.hpp"
+#include "gridlock/grid/validate.hpp"
 #include "turn.hpp"
 
 namespace gridlock {
@@ -108,6 +109,7 @@ CellLayout stepped_layout(EngineSettings const& settings, State const& state) {
 SteppedEngine::SteppedEngine(EngineSettings const& settings, State const& state)
     : settings_(settings), duration_(step_duration(settings, state)), box_(state.box) {
   require_bounds(settings, state);
+  validate(state);
   double const substep = duration_ / static_cast<double>(settings.substeps);
   require_no_jumps(state, substep);
   require_room_for_images(state, substep);

@@ -1,6 +1,10 @@
 #include "gridlock/grid/linked_grid.hpp"
 
+#include "gridlock/grid/neighbour_grid.hpp"
+
 namespace gridlock {
+
+static_assert(NeighbourGrid<LinkedGrid>);
 
 LinkedGrid::LinkedGrid(CellLayout const& layout)
     : layout_(layout), heads_(static_cast<std::size_t>(layout.count()), none) {}

@@ -164,6 +164,33 @@ TEST_P(ExactProperty, KeepsEnergyAndNeverOverlaps) {
   EXPECT_NEAR(kinetic_energy(state.disks), energy, 1e-11 * energy);
 }
 
+TEST_P(ExactProperty, PredictsTheSameBitsWithAndWithoutWideRegisters) {
+  State const state = start(2);
+  exact::Dynamics dynamics(state);
+  exact::Surroundings const& surroundings = dynamics.surroundings();
+  if (!exact::can_use_avx512(surroundings)) GTEST_SKIP() << "not on this processor, or not in so small a box";
+  Tally tally;
+  for (std::uint64_t n = 1; n <= 20; ++n) {
+    dynamics.run(1e6, n * disks() / 4, 0, tally);
+    double const now = dynamics.now();
+    for (exact::Index i = 0; i < dynamics.size(); ++i) {
+      // Any neighbour may be the one it just met; the one it waits for is the one whose absence shows.
+      exact::Index const partner = dynamics.disks()[i].partner;
+      for (exact::Index const apart : {exact::no_disk, partner < exact::vertical_border ? partner : exact::no_disk}) {
+        exact::Prediction const plain = exact::predict_plainly(surroundings, i, now, apart);
+        exact::Prediction const wide = exact::predict_with_avx512(surroundings, i, now, apart);
+        if (apart == exact::no_disk) {
+          EXPECT_EQ(plain.time, wide.time);
+          EXPECT_EQ(plain.partner, wide.partner);
+        } else {
+          // Without having touched, the plain one may still choose `apart`; the wide one never does.
+          EXPECT_TRUE(plain.partner == apart || (plain.time == wide.time && plain.partner == wide.partner));
+        }
+      }
+    }
+  }
+}
+
 TEST_P(ExactProperty, DependsOnlyOnIdsNotOnRows) {
   State const ordered = start(5);
   State shuffled{.box = ordered.box, .seed = ordered.seed};

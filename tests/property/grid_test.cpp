@@ -67,7 +67,7 @@ Pairs pairs_by_grid(State const& state, LinkedGrid const& grid, double reach) {
 RC_GTEST_PROP(GridProperty, ForEachPairFindsThePairsOfBruteForceOnTheGridMadeForTheReach, ()) {
   State const state = any_points(any_box());
   double const reach = between(0.001, 0.5) * std::min(state.box.width(), state.box.height());
-  LinkedGrid const grid = grid_for_reach(state, reach);
+  LinkedGrid const grid = grid_for_reach<LinkedGrid>(state, reach);
   RC_CLASSIFY(grid.layout().count() == 1);
   RC_CLASSIFY(grid.layout().columns() <= 3 || grid.layout().rows() <= 3);
   RC_ASSERT(grid.is_consistent());

@@ -35,7 +35,9 @@ struct Tally {
   /// Σ over scattered pairs of −(r_j − r_i)·Δp_i: σ m |v_n| for two equal disks in contact.
   double pair_virial = 0.0;
 
-  [[nodiscard]] std::uint64_t all_wall_hits() const { return wall_hits[0] + wall_hits[1] + wall_hits[2] + wall_hits[3]; }
+  [[nodiscard]] std::uint64_t all_wall_hits() const {
+    return wall_hits[0] + wall_hits[1] + wall_hits[2] + wall_hits[3];
+  }
 };
 
 /// Whether a disk that halts scatters off its partner whatever their motion (the paper's rule) or only when the two
@@ -45,12 +47,12 @@ enum class Contact { always, approaching };
 /// The settings `[engine]`.
 struct EngineSettings {
   std::string kind = "stepped";
-  double time_step = 0.1;               ///< in diameters of the smallest disk per `speed`
-  std::optional<double> speed;          ///< the speed time_step refers to; left out: velocities.max
+  double time_step = 0.1;       ///< in diameters of the smallest disk per `speed`
+  std::optional<double> speed;  ///< the speed time_step refers to; left out: velocities.max
   std::uint64_t substeps = 5;
-  std::optional<std::uint64_t> cells;   ///< k of the k × k grid; left out: chosen from the sizes
+  std::optional<std::uint64_t> cells;  ///< k of the k × k grid; left out: chosen from the sizes
   Contact contact = Contact::always;
-  std::uint64_t audit_every = 0;        ///< pair collisions between two audits of the exact engine; 0: never
+  std::uint64_t audit_every = 0;  ///< pair collisions between two audits of the exact engine; 0: never
 };
 void describe(EngineSettings& settings, SettingVisitor& visitor);
 

@@ -53,6 +53,14 @@ class LinkedGrid {
     link(agent, cell);
   }
 
+  /// Agent i of all that are held is at (x[i], y[i]).
+  void move_all(std::span<double const> x, std::span<double const> y) {
+    assert(x.size() == y.size());
+    for (std::size_t i = 0; i < cell_.size(); ++i) {
+      if (cell_[i] != outside) move(i, {x[i], y[i]});
+    }
+  }
+
   /// Calls visit(agent) for every agent of one cell.
   template <class Visit>
   void for_each_in_cell(int cell, Visit visit) const {
@@ -65,6 +73,25 @@ class LinkedGrid {
   template <class Visit>
   void for_each_in_block(int cell, int reach_columns, int reach_rows, Visit visit) const {
     layout_.for_each_cell_in_block(cell, reach_columns, reach_rows, [&](int c) { for_each_in_cell(c, visit); });
+  }
+
+  /// Calls visit(j) for every agent nearer to p than `reach`, and for some that are farther.
+  template <class Visit>
+  void for_each_candidate(Vector p, double reach, Visit visit) const {
+    for_each_in_block(layout_.cell_of(p), layout_.columns_within(reach), layout_.rows_within(reach), visit);
+  }
+
+  /// Calls visit(i, j), i > j, once for every pair nearer than `reach`, and for some that are farther.
+  template <class Visit>
+  void for_each_candidate_pair(double reach, Visit visit) const {
+    int const reach_columns = layout_.columns_within(reach);
+    int const reach_rows = layout_.rows_within(reach);
+    for (std::size_t i = 0; i < cell_.size(); ++i) {
+      if (cell_[i] == outside) continue;
+      for_each_in_block(cell_[i], reach_columns, reach_rows, [&](std::size_t j) {
+        if (j < i) visit(i, j);
+      });
+    }
   }
 
   /// Whether every list is linked both ways, holds only agents of its cell, and all agents are in a list.

@@ -1,33 +1,74 @@
 #pragma once
 
+#include <algorithm>
+#include <cassert>
 #include <cstddef>
+#include <utility>
 
 #include "gridlock/core/state.hpp"
 #include "gridlock/grid/linked_grid.hpp"
+#include "gridlock/grid/neighbour_grid.hpp"
+#include "gridlock/grid/packed_grid.hpp"
 
 namespace gridlock {
 
-/// The lists of all disks of a state, cut so that a 3×3 block holds every neighbour nearer than `reach`.
-LinkedGrid grid_for_reach(State const& state, double reach);
+/// A grid of all disks of a state, cut so that a 3×3 block holds every neighbour nearer than `reach`.
+template <NeighbourGrid Grid = PackedGrid>
+Grid grid_for_reach(State const& state, double reach) {
+  return {layout_for_reach(state.box, reach, state.disks.size()), state.disks.column<X>(), state.disks.column<Y>()};
+}
 
 /// Calls visit(i, j, separation) once for every pair of disks with |separation| < reach, where separation is the
 /// minimum-image vector r_j − r_i and i > j are rows of the population.
 ///
-/// Contract: in a periodic box reach ≤ half the shorter side, or a second image of a disk would be missed.
+/// Every grid finds the same pairs, each in an order of its own.
+/// Contract: the grid holds the disks where they are, and in a periodic box reach ≤ half the shorter side, or a second
+/// image of a disk would be missed.
 /// Cost: O(N · disks per 3×3 block).
-template <class Visit>
-void for_each_pair(State const& state, LinkedGrid const& grid, double reach, Visit visit) {
-  CellLayout const& layout = grid.layout();
-  int const reach_columns = layout.columns_within(reach);
-  int const reach_rows = layout.rows_within(reach);
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    Vector const here = position(state.disks, i);
-    grid.for_each_in_block(grid.cell_of(i), reach_columns, reach_rows, [&](std::size_t j) {
-      if (j >= i) return;
-      Vector const separation = state.box.displacement(here, position(state.disks, j));
-      if (squared_length(separation) < reach * reach) visit(i, j, separation);
-    });
-  }
+template <NeighbourGrid Grid, class Visit>
+void for_each_pair(State const& state, Grid const& grid, double reach, Visit visit) {
+  auto const x = state.disks.column<X>();
+  auto const y = state.disks.column<Y>();
+  double const squared_reach = reach * reach;
+  grid.for_each_candidate_pair(reach, [&](std::size_t a, std::size_t b) {
+    std::size_t const i = std::max(a, b);
+    std::size_t const j = std::min(a, b);
+    Vector const separation = state.box.displacement({x[i], y[i]}, {x[j], y[j]});
+    if (squared_length(separation) < squared_reach) visit(i, j, separation);
+  });
+}
+
+/// What visit(sum, i, j, separation) makes of `sum` over all pairs of disks with |separation| < reach.
+///
+///     Energy const energy = fold_pairs(state, grid, reach, Energy{}, [](Energy& sum, auto i, auto j, Vector r) { … });
+///
+/// The type of the sum is whatever the caller adds to: a number, a histogram, a list.
+/// Contract and cost: those of for_each_pair().
+template <NeighbourGrid Grid, class Sum, class Visit>
+[[nodiscard]] Sum fold_pairs(State const& state, Grid const& grid, double reach, Sum sum, Visit visit) {
+  for_each_pair(state, grid, reach,
+                [&](std::size_t i, std::size_t j, Vector separation) { visit(sum, i, j, separation); });
+  return sum;
+}
+
+/// Calls visit(j, separation) once for every disk with |separation| < reach, where separation is the minimum-image
+/// vector from p, a point of the box, to the disk; also for a disk at p itself.
+/// Contract: that of for_each_pair(). Cost: O(disks per 3×3 block).
+template <NeighbourGrid Grid, class Visit>
+void for_each_neighbour(State const& state, Grid const& grid, double reach, Vector p, Visit visit) {
+  double const squared_reach = reach * reach;
+  grid.for_each_candidate(p, reach, [&](std::size_t j) {
+    Vector const separation = state.box.displacement(p, position(state.disks, j));
+    if (squared_length(separation) < squared_reach) visit(j, separation);
+  });
+}
+
+/// The same for the neighbours of disk i, which is none of them.
+template <NeighbourGrid Grid, class Visit>
+void for_each_neighbour(State const& state, Grid const& grid, double reach, std::size_t i, Visit visit) {
+  for_each_neighbour(state, grid, reach, position(state.disks, i), [&](std::size_t j, Vector separation) {
+    if (j != i) visit(j, separation);
+  });
 }
 
 }  // namespace gridlock

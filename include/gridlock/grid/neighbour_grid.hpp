@@ -1,0 +1,44 @@
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <span>
+
+#include "gridlock/core/vector.hpp"
+#include "gridlock/grid/cell_layout.hpp"
+
+namespace gridlock {
+
+/// What a grid must know of the agents it holds, named by their row in the population, so that every search works on
+/// any grid: LinkedGrid keeps the paper's lists, PackedGrid keeps the agents of a cell side by side in memory.
+///
+/// - insert, erase, move: O(1), one agent appears, disappears, is somewhere else. A grid may copy the point, so move()
+///   follows every motion, also one within a cell.
+/// - move_all(x, y): agent i of all that are held is at (x[i], y[i]).
+/// - for_each_in_cell, for_each_in_block: the agents of one cell, or of a block of cells around it.
+/// - for_each_candidate(p, reach, visit): calls visit(j) once for every agent nearer to p than `reach`, p lying in the
+///   box, and for some that are farther: the caller measures the distance that counts.
+/// - for_each_candidate_pair(reach, visit): calls visit(i, j) once for every pair nearer than `reach`, either one first,
+///   and for some that are farther.
+template <class Grid>
+concept NeighbourGrid = requires(Grid grid, Grid const same, std::size_t agent, Vector p, int cell, double reach,
+                                 std::span<double const> x, void (*visit)(std::size_t),
+                                 void (*visit_pair)(std::size_t, std::size_t)) {
+  requires std::constructible_from<Grid, CellLayout const&>;
+  requires std::constructible_from<Grid, CellLayout const&, std::span<double const>, std::span<double const>>;
+  { same.layout() } -> std::same_as<CellLayout const&>;
+  { same.size() } -> std::same_as<std::size_t>;
+  { same.contains(agent) } -> std::same_as<bool>;
+  { same.cell_of(agent) } -> std::same_as<int>;
+  { same.is_consistent() } -> std::same_as<bool>;
+  grid.insert(agent, p);
+  grid.erase(agent);
+  grid.move(agent, p);
+  grid.move_all(x, x);
+  same.for_each_in_cell(cell, visit);
+  same.for_each_in_block(cell, cell, cell, visit);
+  same.for_each_candidate(p, reach, visit);
+  same.for_each_candidate_pair(reach, visit_pair);
+};
+
+}  // namespace gridlock

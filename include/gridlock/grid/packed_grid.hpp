@@ -1,0 +1,389 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "gridlock/grid/cell_layout.hpp"
+#include "gridlock/grid/float4.hpp"
+
+namespace gridlock {
+
+/// The same neighbourhoods as LinkedGrid, kept as the processor likes them: the agents of a cell side by side in one
+/// cache line, with where they are inside the cell, so that four distances cost one instruction each and most
+/// neighbours are dismissed without a look at the population.
+///
+///     cell ─► ┌ x x x x │ y y y y │ agent ×4 │ next, count, column, row ┐   64 bytes
+///             └──────────────────────────────────────────────│──────────┘
+///                            next ─► another block, where a cell holds more than four agents
+///
+///     the blocks of the cells lie in the order of the cells; ∅ is one empty column and one empty row, the
+///     neighbours a cell at a wall does not have:
+///
+///     rows    │ ∅ │ ∅ │ ∅ │ ∅ │
+///          1  │   │   │   │ ∅ │
+///          0  │ 0 │ 1 │ 2 │ ∅ │
+///               0   1   2  columns
+///
+/// Places inside a cell are single precision, in units of the longer side of a cell: 1e-7 of a cell. They only say who
+/// may be near; whoever visits the candidates measures the distance that counts in double precision. A distance
+/// between cells knows nothing of the edges of the box, so a periodic box costs nothing.
+///
+/// Insert, erase and move cost O(1) whatever the size of the cell. Memory: 64 bytes for each cell and each further four
+/// agents, 4 bytes for each agent.
+/// Contract: an agent is inserted once before it is moved or erased (asserted), and moved whenever its place changes.
+class PackedGrid {
+ public:
+  static constexpr std::size_t slots = 4;
+
+  struct alignas(64) Block {
+    std::array<float, slots> x;  ///< inside the cell; `nowhere` in an empty slot
+    std::array<float, slots> y;
+    std::array<std::uint32_t, slots> agent;
+    std::uint32_t next;   ///< the next block of this cell, or none
+    std::uint32_t count;  ///< the first `count` slots are taken
+    std::int32_t column;
+    std::int32_t row;
+  };
+  static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+  /// A point as seen from a cell, in units of the longer side of a cell.
+  struct LocalPoint {
+    float x;
+    float y;
+  };
+
+  PackedGrid() = default;
+  explicit PackedGrid(CellLayout const& layout);
+  /// Holds every point given, agent i at (x[i], y[i]).
+  PackedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y);
+
+  [[nodiscard]] CellLayout const& layout() const { return layout_; }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] bool contains(std::size_t agent) const { return agent < place_.size() && place_[agent] != none; }
+  [[nodiscard]] int cell_of(std::size_t agent) const {
+    Block const& block = block_of(agent);
+    return block.row * layout_.columns() + block.column;
+  }
+
+  void insert(std::size_t agent, Vector p) {
+    if (agent >= place_.size()) grow(agent + 1);
+    assert(place_[agent] == none);
+    put(agent, p, layout_.column_of(p.x), layout_.row_of(p.y));
+    ++size_;
+  }
+
+  void erase(std::size_t agent) {
+    assert(contains(agent));
+    take_out(agent);
+    place_[agent] = none;
+    --size_;
+  }
+
+  /// Agents of cells more than two cells apart may be moved by different threads at once.
+  void move(std::size_t agent, Vector p) {
+    assert(contains(agent));
+    int const column = layout_.column_of(p.x);
+    int const row = layout_.row_of(p.y);
+    Block& block = block_of(agent);
+    if (column == block.column && row == block.row) {
+      write_place(block, place_[agent] % slots, local(p, column, row));
+    } else {
+      take_out(agent);
+      put(agent, p, column, row);
+    }
+  }
+
+  /// Agent i of all that are held is at (x[i], y[i]).
+  void move_all(std::span<double const> x, std::span<double const> y);
+
+  template <class Visit>
+  void for_each_in_cell(int cell, Visit visit) const {
+    for_each_block(base_of(cell), [&](Block const& block) {
+      for (std::uint32_t s = 0; s < block.count; ++s) visit(static_cast<std::size_t>(block.agent[s]));
+    });
+  }
+
+  /// Calls visit(agent) for every agent of the block of cells around `cell`, the 3×3 block for reach 1, 1.
+  template <class Visit>
+  void for_each_in_block(int cell, int reach_columns, int reach_rows, Visit visit) const {
+    layout_.for_each_cell_in_block(cell, reach_columns, reach_rows, [&](int c) { for_each_in_cell(c, visit); });
+  }
+
+  /// Calls visit(j) for every agent nearer to p than `reach`, and for some that are farther.
+  template <class Visit>
+  void for_each_candidate(Vector p, double reach, Visit visit) const {
+    for_each_in_block(layout_.cell_of(p), layout_.columns_within(reach), layout_.rows_within(reach), visit);
+  }
+
+  /// Calls visit(i, j) once for every pair nearer than `reach`, and for some that are farther.
+  template <class Visit>
+  void for_each_candidate_pair(double reach, Visit visit) const;
+
+  /// Whether every block holds only agents of its cell, at their places, and all agents are in one.
+  /// Cost: O(agents + cells); for tests and audits.
+  [[nodiscard]] bool is_consistent() const;
+
+  // What a search that knows more than a reach is made of; see for_each_candidate_pair() for how it is used.
+
+  [[nodiscard]] Block const& block_of(std::size_t agent) const { return blocks_[place_[agent] / slots]; }
+  [[nodiscard]] Block const& block_at(int column, int row) const {
+    return blocks_[static_cast<std::size_t>(row) * stride_ + static_cast<std::size_t>(column)];
+  }
+  [[nodiscard]] Block const& next_of(Block const& block) const { return blocks_[block.next]; }
+  /// The column and the row on either side, those of an empty cell beyond a wall.
+  [[nodiscard]] int column_left_of(int column) const { return column == 0 ? left_of_first_ : column - 1; }
+  [[nodiscard]] int column_right_of(int column) const {
+    return column + 1 == layout_.columns() ? right_of_last_ : column + 1;
+  }
+  [[nodiscard]] int row_below(int row) const { return row == 0 ? below_first_ : row - 1; }
+  [[nodiscard]] int row_above(int row) const { return row + 1 == layout_.rows() ? above_last_ : row + 1; }
+
+  /// The height and the width of a cell, the longer one being 1.
+  [[nodiscard]] float local_width() const { return local_width_; }
+  [[nodiscard]] float local_height() const { return local_height_; }
+
+  [[nodiscard]] LocalPoint local(Vector p, int column, int row) const {
+    return {place((p.x - column * layout_.cell_width()) * locals_per_length_),
+            place((p.y - row * layout_.cell_height()) * locals_per_length_)};
+  }
+
+  /// The squared local distance that no pair nearer than √squared_reach exceeds, whatever has rounded, for cells up to
+  /// `cells` apart.
+  [[nodiscard]] float local_limit(double squared_reach, int cells = 1) const {
+    // Local coordinates are wrong by some 1e-7 of the cells they span: (a + b)² ≤ 1.001 a² + 1001 b².
+    double const error = 1e-6 * (cells + 1.0);
+    return static_cast<float>(1.001 * squared_reach * locals_per_length_ * locals_per_length_ + 1001.0 * error * error);
+  }
+
+  /// Bit s is set where slot s may be within the limit of a point seen from the block's cell.
+  static unsigned near_slots(Block const& block, LocalPoint p, float limit) {
+    Float4 const dx = load(block.x) - p.x;
+    Float4 const dy = load(block.y) - p.y;
+    return bits_of(dx * dx + dy * dy <= limit);
+  }
+
+ private:
+  /// Far from everything, and its square still finite.
+  static constexpr float nowhere = 1e18F;
+  /// Points farther than this outside their cell, which only points outside the box are, are kept at this distance:
+  /// nobody comes to seem farther away by that.
+  static constexpr double farthest_outside = 2.0;
+
+  /// A lock of which every copy of the grid has its own.
+  class Lock {
+   public:
+    Lock() = default;
+    Lock(Lock const&) {}
+    Lock& operator=(Lock const&) { return *this; }
+    void lock() {
+      while (flag_.test_and_set(std::memory_order_acquire)) {
+      }
+    }
+    void unlock() { flag_.clear(std::memory_order_release); }
+
+   private:
+    std::atomic_flag flag_;
+  };
+
+  template <class Visit>
+  class PairBuffer;
+
+  [[nodiscard]] std::size_t base_of(int cell) const {
+    int const row = cell / layout_.columns();
+    return static_cast<std::size_t>(row) * stride_ + static_cast<std::size_t>(cell - row * layout_.columns());
+  }
+  [[nodiscard]] Block& block_of(std::size_t agent) { return blocks_[place_[agent] / slots]; }
+
+  template <class Visit>
+  void for_each_block(std::size_t base, Visit visit) const {
+    Block const* block = &blocks_[base];
+    while (true) {
+      visit(*block);
+      if (block->next == none) return;
+      block = &blocks_[block->next];
+    }
+  }
+
+  static float place(double p) {
+    return static_cast<float>(std::min(std::max(p, -farthest_outside), 1.0 + farthest_outside));
+  }
+  static void write_place(Block& block, std::uint32_t slot, LocalPoint p) {
+    store(block.x, with_lane(load(block.x), slot, p.x));
+    store(block.y, with_lane(load(block.y), slot, p.y));
+  }
+
+  void grow(std::size_t agents);
+  void put(std::size_t agent, Vector p, int column, int row);
+  void take_out(std::size_t agent);
+  /// Links an empty block behind the first block of a cell.
+  std::uint32_t add_block(Block& base);
+  void drop_second_block(Block& base);
+
+  template <class Visit>
+  void for_each_pair_of_whole_blocks(int reach_columns, int reach_rows, Visit& visit) const;
+  template <class Visit>
+  void add_pairs_of_cell(int column, int row, int reach_columns, int reach_rows, float limit,
+                         PairBuffer<Visit>& buffer) const;
+
+  CellLayout layout_;
+  std::size_t stride_ = 0;
+  int left_of_first_ = 0, right_of_last_ = 0, below_first_ = 0, above_last_ = 0;
+  double locals_per_length_ = 1.0;
+  float local_width_ = 1.0F;
+  float local_height_ = 1.0F;
+  std::vector<Block> blocks_;         ///< of the cells, then the further ones
+  std::vector<std::uint32_t> place_;  ///< of an agent: block · slots + slot
+  std::uint32_t first_free_ = none;   ///< of a list, by `next`, of further blocks not in use
+  Lock further_blocks_;               ///< guards the growth of blocks_ and the list
+  std::size_t size_ = 0;
+};
+
+/// Pairs found but not yet visited. Whether a candidate is a pair is as good as random, so asking would stall the
+/// processor at every other pair; instead every candidate is written and only the count depends on the answer.
+template <class Visit>
+class PackedGrid::PairBuffer {
+ public:
+  explicit PairBuffer(Visit& visit) : visit_(visit) {}
+
+  /// Pairs of one agent with the slots of a block whose bits are set.
+  void add(std::uint32_t agent, Block const& block, unsigned slots_set) {
+    for (std::size_t s = 0; s < slots; ++s) {
+      pairs_[size_] = {agent, block.agent[s]};
+      size_ += (slots_set >> s) & 1U;
+    }
+  }
+  /// Makes room for `blocks` more calls of add().
+  void make_room(std::size_t blocks) {
+    if (size_ + blocks * slots > capacity) flush();
+  }
+  void flush() {
+    for (std::size_t n = 0; n < size_; ++n) visit_(std::size_t{pairs_[n].first}, std::size_t{pairs_[n].second});
+    size_ = 0;
+  }
+
+ private:
+  struct Pair {
+    std::uint32_t first;
+    std::uint32_t second;
+  };
+  static constexpr std::size_t capacity = 1024;
+  std::array<Pair, capacity + slots> pairs_;
+  std::size_t size_ = 0;
+  Visit& visit_;
+};
+
+template <class Visit>
+void PackedGrid::for_each_candidate_pair(double reach, Visit visit) const {
+  int const reach_columns = layout_.columns_within(reach);
+  int const reach_rows = layout_.rows_within(reach);
+  // Half of the block, to the right and above, meets every pair once; unless the block goes around the box.
+  if (layout_.is_periodic() &&
+      (2.0 * reach_columns + 1.0 > layout_.columns() || 2.0 * reach_rows + 1.0 > layout_.rows())) {
+    for_each_pair_of_whole_blocks(reach_columns, reach_rows, visit);
+    return;
+  }
+  float const limit = local_limit(reach * reach, std::max(reach_columns, reach_rows));
+  PairBuffer<Visit> buffer(visit);
+  if (reach_columns > 1 || reach_rows > 1) {
+    for (int row = 0; row < layout_.rows(); ++row) {
+      for (int column = 0; column < layout_.columns(); ++column) {
+        add_pairs_of_cell(column, row, reach_columns, reach_rows, limit, buffer);
+      }
+    }
+    buffer.flush();
+    return;
+  }
+  constexpr std::array<unsigned, slots> later_slots{14U, 12U, 8U, 0U};
+  for (int row = 0; row < layout_.rows(); ++row) {
+    Block const* const here = &block_at(0, row);
+    Block const* const above = &block_at(0, row_above(row));
+    for (int column = 0; column < layout_.columns(); ++column) {
+      int const left = column_left_of(column);
+      int const right = column_right_of(column);
+      Block const& home = here[column];
+      Block const& east = here[right];
+      Block const& north_west = above[left];
+      Block const& north = above[column];
+      Block const& north_east = above[right];
+      if ((home.next & east.next & north_west.next & north.next & north_east.next) != none) {
+        add_pairs_of_cell(column, row, 1, 1, limit, buffer);
+        continue;
+      }
+      buffer.make_room(5 * slots);
+      for (std::uint32_t s = 0; s < home.count; ++s) {
+        LocalPoint const p{home.x[s], home.y[s]};
+        std::uint32_t const agent = home.agent[s];
+        float const x_east = p.x - local_width_;
+        float const x_west = p.x + local_width_;
+        float const y_north = p.y - local_height_;
+        buffer.add(agent, home, near_slots(home, p, limit) & later_slots[s]);
+        buffer.add(agent, east, near_slots(east, {x_east, p.y}, limit));
+        buffer.add(agent, north_west, near_slots(north_west, {x_west, y_north}, limit));
+        buffer.add(agent, north, near_slots(north, {p.x, y_north}, limit));
+        buffer.add(agent, north_east, near_slots(north_east, {x_east, y_north}, limit));
+      }
+    }
+  }
+  buffer.flush();
+}
+
+template <class Visit>
+void PackedGrid::add_pairs_of_cell(int column, int row, int reach_columns, int reach_rows, float limit,
+                                   PairBuffer<Visit>& buffer) const {
+  auto const wrapped = [](int index, int count) {
+    return index < 0 ? index + count : index >= count ? index - count : index;
+  };
+  auto const add_cell = [&](Block const& from, std::uint32_t s, int dc, int dr) {
+    int c = column + dc;
+    int r = row + dr;
+    if (layout_.is_periodic()) {
+      c = wrapped(c, layout_.columns());
+      r = wrapped(r, layout_.rows());
+    } else if (c < 0 || c >= layout_.columns() || r >= layout_.rows()) {
+      return;
+    }
+    LocalPoint const p{from.x[s] - static_cast<float>(dc) * local_width_,
+                       from.y[s] - static_cast<float>(dr) * local_height_};
+    for (Block const* block = &block_at(c, r);; block = &next_of(*block)) {
+      buffer.make_room(1);
+      buffer.add(from.agent[s], *block, near_slots(*block, p, limit));
+      if (block->next == none) return;
+    }
+  };
+  for (Block const* from = &block_at(column, row);; from = &next_of(*from)) {
+    for (std::uint32_t s = 0; s < from->count; ++s) {
+      LocalPoint const p{from->x[s], from->y[s]};
+      buffer.make_room(1);
+      buffer.add(from->agent[s], *from, near_slots(*from, p, limit) & (14U << s));
+      for (Block const* block = from; block->next != none;) {
+        block = &next_of(*block);
+        buffer.make_room(1);
+        buffer.add(from->agent[s], *block, near_slots(*block, p, limit));
+      }
+      for (int dc = 1; dc <= reach_columns; ++dc) add_cell(*from, s, dc, 0);
+      for (int dr = 1; dr <= reach_rows; ++dr) {
+        for (int dc = -reach_columns; dc <= reach_columns; ++dc) add_cell(*from, s, dc, dr);
+      }
+    }
+    if (from->next == none) return;
+  }
+}
+
+template <class Visit>
+void PackedGrid::for_each_pair_of_whole_blocks(int reach_columns, int reach_rows, Visit& visit) const {
+  for (std::size_t i = 0; i < place_.size(); ++i) {
+    if (place_[i] == none) continue;
+    for_each_in_block(cell_of(i), reach_columns, reach_rows, [&](std::size_t j) {
+      if (j < i) visit(i, j);
+    });
+  }
+}
+
+}  // namespace gridlock

@@ -1,0 +1,165 @@
+#include "gridlock/grid/packed_grid.hpp"
+
+#include <fmt/format.h>
+
+#include <mutex>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/grid/neighbour_grid.hpp"
+
+namespace gridlock {
+
+static_assert(NeighbourGrid<PackedGrid>);
+static_assert(sizeof(PackedGrid::Block) == 64);
+
+namespace {
+
+constexpr std::size_t most_blocks = std::size_t{1} << 30;
+
+}  // namespace
+
+PackedGrid::PackedGrid(CellLayout const& layout)
+    : layout_(layout), stride_(static_cast<std::size_t>(layout.columns()) + 1) {
+  std::size_t const blocks = stride_ * (static_cast<std::size_t>(layout.rows()) + 1);
+  if (blocks > most_blocks) {
+    throw Error({.what = fmt::format("a packed grid of {} × {} cells cannot be made", layout.columns(), layout.rows()),
+                 .hint = fmt::format("use at most {} cells", most_blocks),
+                 .key = "engine.cells"});
+  }
+  int const columns = layout.columns();
+  int const rows = layout.rows();
+  left_of_first_ = layout.is_periodic() ? columns - 1 : columns;
+  right_of_last_ = layout.is_periodic() ? 0 : columns;
+  below_first_ = layout.is_periodic() ? rows - 1 : rows;
+  above_last_ = layout.is_periodic() ? 0 : rows;
+  double const longer = std::max(layout.cell_width(), layout.cell_height());
+  locals_per_length_ = 1.0 / longer;
+  local_width_ = static_cast<float>(layout.cell_width() / longer);
+  local_height_ = static_cast<float>(layout.cell_height() / longer);
+  Block empty{.x = {}, .y = {}, .agent = {}, .next = none, .count = 0, .column = 0, .row = 0};
+  empty.x.fill(nowhere);
+  empty.y.fill(nowhere);
+  blocks_.reserve(blocks);
+  for (int row = 0; row <= rows; ++row) {
+    for (int column = 0; column <= columns; ++column) {
+      empty.column = column;
+      empty.row = row;
+      blocks_.push_back(empty);
+    }
+  }
+}
+
+PackedGrid::PackedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y)
+    : PackedGrid(layout) {
+  assert(x.size() == y.size());
+  grow(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) insert(i, {x[i], y[i]});
+}
+
+void PackedGrid::grow(std::size_t agents) {
+  place_.resize(agents, none);
+  // A cell of n > 4 agents has at most n/4 further blocks, so the blocks never move while threads move agents.
+  std::size_t const cells = stride_ * (static_cast<std::size_t>(layout_.rows()) + 1);
+  std::size_t const most = cells + place_.capacity() / slots + 1;
+  if (blocks_.capacity() < most) blocks_.reserve(most);
+}
+
+void PackedGrid::put(std::size_t agent, Vector p, int column, int row) {
+  std::size_t const base_index = static_cast<std::size_t>(row) * stride_ + static_cast<std::size_t>(column);
+  std::size_t index = base_index;
+  if (blocks_[base_index].count == slots) {
+    // Behind a full first block only the second may have room: all further ones are full.
+    index = blocks_[base_index].next;
+    if (index == none || blocks_[index].count == slots) index = add_block(blocks_[base_index]);
+  }
+  Block& block = blocks_[index];
+  std::uint32_t const slot = block.count++;
+  block.agent[slot] = static_cast<std::uint32_t>(agent);
+  write_place(block, slot, local(p, column, row));
+  place_[agent] = static_cast<std::uint32_t>(index * slots + slot);
+}
+
+void PackedGrid::take_out(std::size_t agent) {
+  std::uint32_t const place = place_[agent];
+  Block& hole = blocks_[place / slots];
+  Block& base = blocks_[static_cast<std::size_t>(hole.row) * stride_ + static_cast<std::size_t>(hole.column)];
+  Block& top = base.next == none ? base : blocks_[base.next];
+  // The last agent of the only block that may have room fills the hole.
+  std::uint32_t const last = --top.count;
+  std::uint32_t const slot = place % slots;
+  std::uint32_t const filler = top.agent[last];
+  store(hole.x, with_lane(load(hole.x), slot, top.x[last]));
+  store(hole.y, with_lane(load(hole.y), slot, top.y[last]));
+  hole.agent[slot] = filler;
+  place_[filler] = place;
+  store(top.x, with_lane(load(top.x), last, nowhere));
+  store(top.y, with_lane(load(top.y), last, nowhere));
+  if (last == 0 && base.next != none) drop_second_block(base);
+}
+
+std::uint32_t PackedGrid::add_block(Block& base) {
+  std::scoped_lock const guard(further_blocks_);
+  std::uint32_t index = first_free_;
+  if (index != none) {
+    first_free_ = blocks_[index].next;
+  } else {
+    assert(blocks_.size() < blocks_.capacity() && blocks_.size() < most_blocks);
+    index = static_cast<std::uint32_t>(blocks_.size());
+    blocks_.emplace_back();
+  }
+  Block& block = blocks_[index];
+  block.x.fill(nowhere);
+  block.y.fill(nowhere);
+  block.count = 0;
+  block.column = base.column;
+  block.row = base.row;
+  block.next = base.next;
+  base.next = index;
+  return index;
+}
+
+void PackedGrid::drop_second_block(Block& base) {
+  std::scoped_lock const guard(further_blocks_);
+  std::uint32_t const index = base.next;
+  base.next = blocks_[index].next;
+  blocks_[index].next = first_free_;
+  first_free_ = index;
+}
+
+void PackedGrid::move_all(std::span<double const> x, std::span<double const> y) {
+  assert(x.size() == y.size());
+  // Agents in no order: the line of one is on its way while others are moved.
+  constexpr std::size_t ahead = 16;
+  for (std::size_t i = 0; i < place_.size(); ++i) {
+    if (i + ahead < place_.size() && place_[i + ahead] != none) __builtin_prefetch(&block_of(i + ahead), 1);
+    if (place_[i] != none) move(i, {x[i], y[i]});
+  }
+}
+
+bool PackedGrid::is_consistent() const {
+  std::size_t found = 0;
+  for (std::size_t base = 0; base < stride_ * (static_cast<std::size_t>(layout_.rows()) + 1); ++base) {
+    std::size_t position = 0;
+    for (std::size_t index = base; index != none; index = blocks_[index].next, ++position) {
+      Block const& block = blocks_[index];
+      bool const is_outside = block.column == layout_.columns() || block.row == layout_.rows();
+      if (is_outside && (block.count != 0 || block.next != none)) return false;
+      if (block.column != blocks_[base].column || block.row != blocks_[base].row) return false;
+      // Only the last block of a chain of one, or the second of a longer one, may have room.
+      bool const may_have_room = position == 1 || (position == 0 && block.next == none);
+      if (block.count > slots || (block.count < slots && !may_have_room)) return false;
+      if (position > 0 && block.count == 0) return false;
+      for (std::uint32_t s = 0; s < slots; ++s) {
+        bool const is_empty = block.x[s] == nowhere && block.y[s] == nowhere;
+        if (is_empty != (s >= block.count)) return false;
+        if (!is_empty && place_[block.agent[s]] != index * slots + s) return false;
+      }
+      // A loop in a chain would go on for ever: more agents than there are proves it.
+      found += block.count;
+      if (found > size_) return false;
+    }
+  }
+  return found == size_;
+}
+
+}  // namespace gridlock

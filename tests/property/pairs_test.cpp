@@ -1,0 +1,221 @@
+// Every grid finds what brute force finds: pairs and neighbours, in any box, for any points, at any time of a life of
+// inserts, moves and erases.
+
+#include "gridlock/grid/pairs.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "gridlock/core/random.hpp"
+#include "gridlock/grid/linked_grid.hpp"
+#include "gridlock/grid/packed_grid.hpp"
+
+namespace gridlock {
+namespace {
+
+using Pairs = std::map<std::pair<std::size_t, std::size_t>, std::pair<double, double>>;
+
+Pairs pairs_by_brute_force(State const& state, double reach) {
+  Pairs pairs;
+  for (std::size_t i = 0; i < state.disks.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      Vector const d = state.box.displacement(position(state.disks, i), position(state.disks, j));
+      if (squared_length(d) < reach * reach) pairs[{i, j}] = {d.x, d.y};
+    }
+  }
+  return pairs;
+}
+
+template <class Grid>
+Pairs pairs_by_grid(State const& state, Grid const& grid, double reach) {
+  Pairs pairs;
+  for_each_pair(state, grid, reach, [&](std::size_t i, std::size_t j, Vector d) {
+    EXPECT_GT(i, j);
+    EXPECT_TRUE(pairs.emplace(std::pair{i, j}, std::pair{d.x, d.y}).second) << "the pair came twice";
+  });
+  return pairs;
+}
+
+template <class Grid>
+Pairs pairs_by_neighbours(State const& state, Grid const& grid, double reach) {
+  Pairs pairs;
+  for (std::size_t i = 0; i < state.disks.size(); ++i) {
+    for_each_neighbour(state, grid, reach, i, [&](std::size_t j, Vector d) {
+      EXPECT_NE(i, j);
+      if (j < i) {
+        EXPECT_TRUE(pairs.emplace(std::pair{i, j}, std::pair{d.x, d.y}).second) << "the neighbour came twice";
+      }
+    });
+  }
+  return pairs;
+}
+
+class Scene {
+ public:
+  explicit Scene(std::uint64_t seed) : random_(seed, 0, 0, Purpose::start_position) {
+    Edge const edge = random_.below(2) == 0 ? Edge::wall : Edge::periodic;
+    // From a square to a strip; units from tiny to huge.
+    double const unit = std::array{1e-12, 1.0, 1e9}[random_.below(3)];
+    double const flat = random_.below(4) == 0 ? 0.01 : 1.0;
+    state_.box = Box(unit * (0.2 + random_.uniform()), flat * unit * (0.2 + random_.uniform()), edge);
+    cluster_ = random_.below(3) == 0 ? 0.1 : 1.0;
+    std::uint64_t const count = random_.below(80);
+    for (std::uint64_t n = 0; n < count; ++n) add();
+  }
+
+  State& state() { return state_; }
+  RandomStream& random() { return random_; }
+
+  [[nodiscard]] double any_reach() {
+    double const shorter = std::min(state_.box.width(), state_.box.height());
+    return (0.001 + 0.499 * random_.uniform()) * shorter;
+  }
+  CellLayout any_layout(double reach) {
+    if (random_.below(2) == 0) return layout_for_reach(state_.box, reach, state_.disks.size());
+    return {state_.box, 1 + random_.below(9), 1 + random_.below(9)};
+  }
+  /// A point of the box, often on borders of cells and of the box; between walls sometimes outside; often one that
+  /// there is already.
+  Vector any_point() {
+    if (!state_.disks.empty() && random_.below(8) == 0) {
+      return position(state_.disks, static_cast<std::size_t>(random_.below(state_.disks.size())));
+    }
+    return {coordinate(state_.box.width()), coordinate(state_.box.height())};
+  }
+  void add() {
+    Vector const p = any_point();
+    state_.disks.add(p.x, p.y, 0, 0, 1, 1, 0, 0);
+  }
+
+ private:
+  double coordinate(double side) {
+    double p = cluster_ * random_.uniform() * side;
+    if (random_.below(4) == 0) p = static_cast<double>(random_.below(13)) / 12.0 * side;
+    if (!state_.box.is_periodic()) return random_.below(16) == 0 ? p + side * (8.0 * random_.uniform() - 4.0) : p;
+    return p >= side ? 0.0 : p;
+  }
+
+  State state_;
+  RandomStream random_;
+  double cluster_ = 1.0;
+};
+
+template <class Grid>
+class PairsOnGrid : public testing::Test {};
+using Grids = testing::Types<LinkedGrid, PackedGrid>;
+TYPED_TEST_SUITE(PairsOnGrid, Grids);
+
+TYPED_TEST(PairsOnGrid, AreThoseOfBruteForce) {
+  for (std::uint64_t seed = 0; seed < 3000; ++seed) {
+    Scene scene(seed);
+    State const& state = scene.state();
+    double const reach = scene.any_reach();
+    TypeParam const grid(scene.any_layout(reach), state.disks.column<X>(), state.disks.column<Y>());
+    Pairs const expected = pairs_by_brute_force(state, reach);
+    ASSERT_TRUE(grid.is_consistent()) << "seed " << seed;
+    ASSERT_EQ(pairs_by_grid(state, grid, reach), expected) << "seed " << seed;
+    ASSERT_EQ(pairs_by_neighbours(state, grid, reach), expected) << "seed " << seed;
+  }
+}
+
+TYPED_TEST(PairsOnGrid, StayThoseOfBruteForceThroughBirthsMovesAndDeaths) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    Scene scene(seed);
+    State& state = scene.state();
+    RandomStream& random = scene.random();
+    double const reach = scene.any_reach();
+    TypeParam grid(scene.any_layout(reach), state.disks.column<X>(), state.disks.column<Y>());
+    for (int n = 0; n < 60; ++n) {
+      std::uint64_t const what = random.below(4);
+      if (what == 0 || state.disks.empty()) {
+        scene.add();
+        grid.insert(state.disks.size() - 1, position(state.disks, state.disks.size() - 1));
+      } else if (what == 1) {
+        // The last row takes the place of the dead.
+        auto const row = static_cast<std::size_t>(random.below(state.disks.size()));
+        std::size_t const last = state.disks.size() - 1;
+        grid.erase(row);
+        if (row != last) {
+          grid.erase(last);
+          grid.insert(row, position(state.disks, last));
+        }
+        state.disks.remove(state.disks.ids()[row]);
+      } else {
+        auto const row = static_cast<std::size_t>(random.below(state.disks.size()));
+        Vector const p = scene.any_point();
+        state.disks.column<X>()[row] = p.x;
+        state.disks.column<Y>()[row] = p.y;
+        what == 2 ? grid.move(row, p) : grid.move_all(state.disks.column<X>(), state.disks.column<Y>());
+      }
+      ASSERT_EQ(grid.size(), state.disks.size());
+      ASSERT_TRUE(grid.is_consistent()) << "seed " << seed << ", operation " << n;
+      for (std::size_t i = 0; i < state.disks.size(); ++i) {
+        ASSERT_EQ(grid.cell_of(i), grid.layout().cell_of(position(state.disks, i))) << "seed " << seed;
+      }
+    }
+    ASSERT_EQ(pairs_by_grid(state, grid, reach), pairs_by_brute_force(state, reach)) << "seed " << seed;
+  }
+}
+
+TYPED_TEST(PairsOnGrid, FoldIntoAnySum) {
+  struct Moments {
+    std::size_t pairs = 0;
+    double farthest = 0.0;
+  };
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    Scene scene(seed);
+    double const reach = scene.any_reach();
+    TypeParam const grid = grid_for_reach<TypeParam>(scene.state(), reach);
+    Moments const sum = fold_pairs(scene.state(), grid, reach, Moments{},
+                                   [](Moments& moments, std::size_t, std::size_t, Vector separation) {
+                                     ++moments.pairs;
+                                     moments.farthest = std::max(moments.farthest, squared_length(separation));
+                                   });
+    double farthest = 0.0;
+    Pairs const expected = pairs_by_brute_force(scene.state(), reach);
+    for (auto const& [pair, d] : expected) farthest = std::max(farthest, squared_length({d.first, d.second}));
+    ASSERT_EQ(sum.pairs, expected.size()) << "seed " << seed;
+    ASSERT_EQ(sum.farthest, farthest) << "seed " << seed;
+  }
+}
+
+TYPED_TEST(PairsOnGrid, NeighboursOfAPointAreTheDisksWithinReachOfIt) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    Scene scene(seed);
+    State const& state = scene.state();
+    double const reach = scene.any_reach();
+    TypeParam const grid(scene.any_layout(reach), state.disks.column<X>(), state.disks.column<Y>());
+    Vector const p = scene.any_point();
+    std::set<std::size_t> found;
+    for_each_neighbour(state, grid, reach, p, [&](std::size_t j, Vector d) {
+      EXPECT_EQ(d, state.box.displacement(p, position(state.disks, j)));
+      EXPECT_TRUE(found.insert(j).second);
+    });
+    std::set<std::size_t> expected;
+    for (std::size_t j = 0; j < state.disks.size(); ++j) {
+      if (squared_length(state.box.displacement(p, position(state.disks, j))) < reach * reach) expected.insert(j);
+    }
+    ASSERT_EQ(found, expected) << "seed " << seed;
+  }
+}
+
+TEST(PairsBetweenGrids, AreTheSameForThousandsOfAgents) {
+  for (Edge const edge : {Edge::wall, Edge::periodic}) {
+    State state{.box = Box(3.0, 2.0, edge)};
+    RandomStream random(7, 0, 0, Purpose::start_position);
+    for (int n = 0; n < 20000; ++n) state.disks.add(3.0 * random.uniform(), 2.0 * random.uniform(), 0, 0, 1, 1, 0, 0);
+    for (double const reach : {0.003, 0.02, 0.05}) {
+      Pairs const linked = pairs_by_grid(state, grid_for_reach<LinkedGrid>(state, reach), reach);
+      EXPECT_EQ(pairs_by_grid(state, grid_for_reach<PackedGrid>(state, reach), reach), linked);
+      EXPECT_GT(linked.size(), 500U);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gridlock

@@ -1,0 +1,134 @@
+#include "gridlock/grid/packed_grid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <vector>
+
+#include "gridlock/core/error.hpp"
+
+namespace gridlock {
+namespace {
+
+std::vector<std::size_t> in_cell(PackedGrid const& grid, int cell) {
+  std::vector<std::size_t> agents;
+  grid.for_each_in_cell(cell, [&](std::size_t agent) { agents.push_back(agent); });
+  std::ranges::sort(agents);
+  return agents;
+}
+
+using Agents = std::vector<std::size_t>;
+
+PackedGrid four_cells() { return PackedGrid(CellLayout(Box(1.0, 1.0, Edge::wall), 2, 2)); }
+
+TEST(PackedGrid, StartsEmptyAndConsistent) {
+  PackedGrid const grid = four_cells();
+  EXPECT_EQ(grid.size(), 0U);
+  EXPECT_FALSE(grid.contains(0));
+  EXPECT_TRUE(grid.is_consistent());
+}
+
+TEST(PackedGrid, HoldsEveryPointItIsMadeOfInItsCell) {
+  std::vector<double> const x{0.1, 0.9, 0.1, 0.9, 0.2};
+  std::vector<double> const y{0.1, 0.1, 0.9, 0.9, 0.2};
+  PackedGrid const grid(CellLayout(Box(1.0, 1.0, Edge::wall), 2, 2), x, y);
+  EXPECT_EQ(in_cell(grid, 0), (Agents{0, 4}));
+  EXPECT_EQ(in_cell(grid, 1), (Agents{1}));
+  EXPECT_EQ(in_cell(grid, 2), (Agents{2}));
+  EXPECT_EQ(in_cell(grid, 3), (Agents{3}));
+  EXPECT_EQ(grid.cell_of(3), 3);
+  EXPECT_TRUE(grid.is_consistent());
+}
+
+TEST(PackedGrid, HoldsAnyNumberOfAgentsInOneCellAndLosesThemInAnyOrder) {
+  for (std::size_t const stride : {1U, 3U, 7U, 19U}) {
+    constexpr std::size_t count = 20;
+    PackedGrid grid = four_cells();
+    std::set<std::size_t> left;
+    for (std::size_t agent = 0; agent < count; ++agent) {
+      grid.insert(agent, {0.25, 0.25});
+      left.insert(agent);
+      ASSERT_TRUE(grid.is_consistent());
+    }
+    for (std::size_t n = 0; n < count; ++n) {
+      std::size_t const agent = (n * stride + 5) % count;
+      grid.erase(agent);
+      left.erase(agent);
+      ASSERT_TRUE(grid.is_consistent()) << "stride " << stride << ", after " << n;
+      ASSERT_EQ(in_cell(grid, 0), Agents(left.begin(), left.end()));
+      ASSERT_FALSE(grid.contains(agent));
+    }
+  }
+}
+
+TEST(PackedGrid, MovesAnAgentIntoAFullCellAndBack) {
+  PackedGrid grid = four_cells();
+  for (std::size_t agent = 0; agent < 4; ++agent) grid.insert(agent, {0.25, 0.25});
+  grid.insert(4, {0.75, 0.75});
+  grid.move(4, {0.25, 0.25});
+  EXPECT_EQ(in_cell(grid, 0), (Agents{0, 1, 2, 3, 4}));
+  EXPECT_EQ(in_cell(grid, 3), Agents{});
+  grid.move(0, {0.75, 0.75});
+  EXPECT_EQ(in_cell(grid, 0), (Agents{1, 2, 3, 4}));
+  EXPECT_EQ(in_cell(grid, 3), (Agents{0}));
+  EXPECT_TRUE(grid.is_consistent());
+}
+
+TEST(PackedGrid, TakesAgentsInAnyOrderWithGaps) {
+  PackedGrid grid = four_cells();
+  grid.insert(40, {0.25, 0.25});
+  grid.insert(7, {0.25, 0.25});
+  EXPECT_TRUE(grid.contains(40));
+  EXPECT_FALSE(grid.contains(8));
+  EXPECT_EQ(grid.size(), 2U);
+  EXPECT_EQ(in_cell(grid, 0), (Agents{7, 40}));
+}
+
+TEST(PackedGrid, ReusesTheBlocksOfCellsThatEmptied) {
+  PackedGrid grid = four_cells();
+  for (int round = 0; round < 100; ++round) {
+    Vector const p = round % 2 == 0 ? Vector{0.25, 0.25} : Vector{0.75, 0.75};
+    for (std::size_t agent = 0; agent < 50; ++agent) grid.contains(agent) ? grid.move(agent, p) : grid.insert(agent, p);
+    ASSERT_TRUE(grid.is_consistent());
+    ASSERT_EQ(in_cell(grid, round % 2 == 0 ? 0 : 3).size(), 50U);
+  }
+}
+
+TEST(PackedGrid, CountsPointsOutsideTheBoxToTheNearestCellHoweverFar) {
+  PackedGrid grid = four_cells();
+  grid.insert(0, {-1e9, 0.25});
+  grid.insert(1, {1e300, 1e300});
+  EXPECT_EQ(in_cell(grid, 0), (Agents{0}));
+  EXPECT_EQ(in_cell(grid, 3), (Agents{1}));
+  EXPECT_TRUE(grid.is_consistent());
+}
+
+TEST(PackedGrid, ACopyIsAGridOfItsOwn) {
+  PackedGrid grid = four_cells();
+  for (std::size_t agent = 0; agent < 9; ++agent) grid.insert(agent, {0.25, 0.25});
+  PackedGrid copy = grid;
+  copy.erase(3);
+  EXPECT_TRUE(grid.contains(3));
+  EXPECT_TRUE(grid.is_consistent());
+  EXPECT_TRUE(copy.is_consistent());
+}
+
+TEST(PackedGrid, RefusesMoreCellsThanItsBlocksCanBeNumbered) {
+  EXPECT_THROW(PackedGrid(CellLayout(Box(1.0, 1.0, Edge::wall), 40000, 40000)), Error);
+}
+
+TEST(PackedGrid, NearSlotsAreThoseWithinTheLimit) {
+  PackedGrid::Block block{.x = {0.1F, 0.5F, 1e18F, -2.0F},
+                          .y = {0.1F, 0.5F, 1e18F, 0.0F},
+                          .agent = {},
+                          .next = PackedGrid::none,
+                          .count = 4,
+                          .column = 0,
+                          .row = 0};
+  EXPECT_EQ(PackedGrid::near_slots(block, {0.1F, 0.2F}, 0.011F), 0b0001U);
+  EXPECT_EQ(PackedGrid::near_slots(block, {0.1F, 0.2F}, 0.5F), 0b0011U);
+}
+
+}  // namespace
+}  // namespace gridlock
