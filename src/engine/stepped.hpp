@@ -13,8 +13,9 @@ CellLayout stepped_layout(EngineSettings const& settings, State const& state);
 /// The paper's rule, disk after disk in the order of their Ids, on the paper's linked lists: the readable reference
 /// every faster version is measured against.
 ///
-/// Errors: Error for settings out of their bounds, for no disks, for a state that validate() refuses, for a start in which a sub-step could jump over a
-/// disk, and for a periodic box so small that the image a disk runs into need not be the nearest one.
+/// Errors: Error for settings out of their bounds, for no disks, for a state that validate() refuses, for a start in
+/// which a sub-step could jump over a disk, and for a periodic box so small that the image a disk runs into need not be
+/// the nearest one.
 class SteppedEngine final : public Engine {
  public:
   SteppedEngine(EngineSettings const& settings, State const& state);
