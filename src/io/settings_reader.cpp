@@ -26,9 +26,14 @@ std::string with_unit(std::string text, SettingInfo const& info) {
 
 std::string listed(std::span<std::string const> names) { return fmt::format("{}", fmt::join(names, ", ")); }
 
+/// Where the user reads what the setting may be; entries of a list are explained by the list.
+std::string explanation_of(std::string const& key) {
+  return fmt::format("gridlock explain {} says what it can be", key.substr(0, key.find('[')));
+}
+
 Problem problem_at(SettingLocation const& where, std::string key, std::string what, std::string hint) {
   return {.what = std::move(what),
-          .hint = std::move(hint),
+          .hint = hint.empty() ? explanation_of(key) : std::move(hint),
           .key = std::move(key),
           .file = where.file,
           .line = where.line,

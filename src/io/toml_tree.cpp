@@ -137,7 +137,8 @@ std::string hint_for(std::string_view description) {
   if (description.find("parsing floating-point") != std::string_view::npos) {
     return "numbers have a digit on both sides of the point: 0.5, 1.0, 5e-3";
   }
-  return "";
+  if (description.find("parsing string") != std::string_view::npos) return "text stands between two quotes on one line";
+  return "settings are lines of TOML, as in count = 841 under [disks]";
 }
 
 void relocate(TomlValue& value, SettingLocation const& where) {

@@ -148,7 +148,7 @@ class XyzReader {
 
   [[noreturn]] void refuse(std::string what, std::string hint, int column = 0) const {
     throw Error(Problem{.what = std::move(what),
-                        .hint = std::move(hint),
+                        .hint = hint.empty() ? "correct the line, or write the file again" : std::move(hint),
                         .file = file_,
                         .line = line_number_,
                         .column = column,

@@ -48,10 +48,35 @@ std::vector<std::pair<StartKind, double>> starts_of(PaperExtent const& extent) {
   return starts;
 }
 
-/// Every time step under both contact rules.
+constexpr double usual_time_step = 0.1;
+
+/// The same start without a time step; its samples are as far apart as with the usual one.
+std::optional<Ensemble> reference_ensemble(PaperExtent const& extent, StartKind start, double density) {
+  if (!extent.choice_reference) return std::nullopt;
+  Ensemble ensemble = choice_ensemble(extent, start, density, usual_time_step);
+  ensemble.engine = *extent.choice_reference;
+  return ensemble;
+}
+
+/// What time steps are compared with: the dynamics without one, or else the finest.
+Ensemble baseline_ensemble(PaperExtent const& extent, StartKind start, double density) {
+  double const finest = std::ranges::min(extent.choice_time_steps);
+  return reference_ensemble(extent, start, density).value_or(choice_ensemble(extent, start, density, finest));
+}
+
+std::string name_of_baseline(PaperExtent const& extent) {
+  return extent.choice_reference ? extent.choice_reference->label : "the finest step";
+}
+
+bool has_steps(PaperExtent const& extent, Ensemble const& ensemble) {
+  return !extent.choice_reference || ensemble.engine.kind != extent.choice_reference->kind;
+}
+
+/// Every time step under both contact rules, after the reference.
 std::vector<Ensemble> rule_ensembles(PaperExtent const& extent) {
   std::vector<Ensemble> ensembles;
   for (auto const& [start, density] : starts_of(extent)) {
+    if (auto const reference = reference_ensemble(extent, start, density)) ensembles.push_back(*reference);
     for (Contact const contact : {Contact::always, Contact::approaching}) {
       for (double const time_step : extent.choice_time_steps) {
         Ensemble ensemble = choice_ensemble(extent, start, density, time_step);
@@ -62,8 +87,6 @@ std::vector<Ensemble> rule_ensembles(PaperExtent const& extent) {
   }
   return ensembles;
 }
-
-constexpr double usual_time_step = 0.1;
 
 /// The starts on other sites, with the fitted ones beside them.
 std::vector<Ensemble> site_ensembles(PaperExtent const& extent) {
@@ -80,7 +103,7 @@ std::vector<Ensemble> site_ensembles(PaperExtent const& extent) {
 
 Table table_of(Study const& study) {
   Table table;
-  for (char const* name : {"start", "sites", "contact"}) table.add_column(name, std::vector<std::string>{});
+  for (char const* name : {"engine", "start", "sites", "contact"}) table.add_column(name, std::vector<std::string>{});
   for (char const* name : {"packing_fraction", "time_step", "time", "mean_displacement", "mean_displacement_error",
                            "blocked_share", "collision_rate"}) {
     table.add_column(name, std::vector<double>{});
@@ -94,12 +117,13 @@ Table table_of(Study const& study) {
     EnsembleResult const result(study, ensemble);
     if (result.seeds() == 0) continue;
     Estimate const displacement = result.last_displacement();
-    table.add_row(std::vector<Cell>{gridlock::name_of(ensemble.start), name_of(ensemble.sites),
-                                    name_of(ensemble.contact), ensemble.packing_fraction, ensemble.time_step,
-                                    result.time(result.samples() - 1), displacement.value,
-                                    displacement.error.value_or(std::nan("")), result.tail_blocked_share(0.2).value,
-                                    result.tail_collision_rate(0.2).value, static_cast<std::uint64_t>(result.seeds()),
-                                    static_cast<std::uint64_t>(result.arrested())});
+    bool const steps = has_steps(study.extent(), ensemble);
+    table.add_row(std::vector<Cell>{
+        ensemble.engine.kind, gridlock::name_of(ensemble.start), name_of(ensemble.sites),
+        steps ? name_of(ensemble.contact) : "none", ensemble.packing_fraction, steps ? ensemble.time_step : 0.0,
+        result.time(result.samples() - 1), displacement.value, displacement.error.value_or(std::nan("")),
+        result.tail_blocked_share(0.2).value, result.tail_collision_rate(0.2).value,
+        static_cast<std::uint64_t>(result.seeds()), static_cast<std::uint64_t>(result.arrested())});
   }
   return table;
 }
@@ -110,7 +134,7 @@ std::string arrest_text(EnsembleResult const& result) {
 }
 
 PageTable rule_table(Study const& study) {
-  PageTable table{.header = {"start", "φ", "contact", "time step", "mean displacement", "blocked turns",
+  PageTable table{.header = {"start", "φ", "rule", "time step", "mean displacement", "blocked turns",
                              "collisions per disk and time", "standstill"},
                   .caption = fmt::format(
                       "After {} diameters per v_max of physical time, {} seeds. Blocked turns and collisions over the "
@@ -120,11 +144,12 @@ PageTable rule_table(Study const& study) {
   for (Ensemble const& ensemble : rule_ensembles(study.extent())) {
     EnsembleResult const result(study, ensemble);
     if (result.seeds() == 0) continue;
+    bool const steps = has_steps(study.extent(), ensemble);
     table.rows.push_back({gridlock::name_of(ensemble.start), fmt::format("{}", ensemble.packing_fraction),
-                          name_of(ensemble.contact), fmt::format("{}", ensemble.time_step),
-                          to_text(result.last_displacement()),
-                          fmt::format("{:.1f} %", 100.0 * result.tail_blocked_share(0.2).value),
-                          fmt::format("{:.3g}", result.tail_collision_rate(0.2).value), arrest_text(result)});
+                          steps ? name_of(ensemble.contact) : ensemble.engine.label,
+                          steps ? fmt::format("{}", ensemble.time_step) : "none", to_text(result.last_displacement()),
+                          steps ? fmt::format("{:.1f} %", 100.0 * result.tail_blocked_share(0.2).value) : "–",
+                          fmt::format("{:.0f}", result.tail_collision_rate(0.2).value), arrest_text(result)});
   }
   return table;
 }
@@ -147,23 +172,26 @@ PageTable site_table(Study const& study) {
 void draw_rules(Study& study) {
   Plot plot{.name = "open_choices",
             .title = "Time step and contact rule",
-            .x = {.label = "time step / (diameters per v_max)", .least = 0.0},
+            .x = {.label = "time step / (diameters per v_max)"},
             .y = {.label = "mean displacement / side of the box", .is_logarithmic = true},
             .key = PlotKey::outside};
+  std::vector<std::string> rules{name_of(Contact::always), name_of(Contact::approaching)};
+  if (study.extent().choice_reference) rules.emplace_back("none");
   std::size_t colour = 0;
   for (auto const& [start, density] : starts_of(study.extent())) {
-    for (Contact const contact : {Contact::always, Contact::approaching}) {
-      plot.curves.push_back({.label = fmt::format("{} {}, {}", gridlock::name_of(start), density, name_of(contact)),
+    for (std::string const& rule : rules) {
+      std::string const name = rule == "none" ? study.extent().choice_reference->label : rule;
+      plot.curves.push_back({.label = fmt::format("{} {}, {}", gridlock::name_of(start), density, name),
                              .file = "open_choices.csv",
                              .x = "time_step",
                              .y = "mean_displacement",
                              .error = "mean_displacement_error",
                              .where = {{.column = "start", .equals = gridlock::name_of(start)},
                                        {.column = "packing_fraction", .equals = fmt::format("{}", density)},
-                                       {.column = "contact", .equals = name_of(contact)},
+                                       {.column = "contact", .equals = rule},
                                        {.column = "sites", .equals = name_of(Sites::fitted)}},
-                             .style = PlotStyle::line_and_points,
-                             .is_dashed = contact == Contact::approaching,
+                             .style = rule == "none" ? PlotStyle::points : PlotStyle::line_and_points,
+                             .is_dashed = rule == name_of(Contact::approaching),
                              .colour = colour});
     }
     ++colour;
@@ -176,7 +204,9 @@ void draw_rules(Study& study) {
     least = std::min(least, result.last_displacement().value);
     most = std::max(most, result.last_displacement().value);
   }
+  // The dynamics without a time step stands at 0, a little inside the frame.
   plot.x.most = 1.1 * std::ranges::max(study.extent().choice_time_steps);
+  plot.x.least = -0.1 * std::ranges::max(study.extent().choice_time_steps);
   // Whole decades would leave most of the plot empty.
   if (least > 0.0 && most > least) {
     plot.y.least = 0.5 * least;
@@ -226,34 +256,41 @@ class LargestDifference {
   std::string text_;
 };
 
-/// How much less often disks collide with the coarsest time step than with the finest: the most direct sign that the
-/// step changes the dynamics, and one that needs no long average.
+/// The collision rates as multiples of the baseline's: the most direct sign that the step changes the dynamics, and one
+/// that needs no long average.
 std::string collision_text(Study const& study) {
-  auto const [finest, coarsest] = std::ranges::minmax(study.extent().choice_time_steps);
+  PaperExtent const& extent = study.extent();
   std::vector<std::string> parts;
-  for (auto const& [start, density] : starts_of(study.extent())) {
-    EnsembleResult const fine(study, choice_ensemble(study.extent(), start, density, finest));
-    EnsembleResult const coarse(study, choice_ensemble(study.extent(), start, density, coarsest));
-    if (fine.seeds() == 0 || coarse.seeds() == 0) continue;
-    double const ratio = coarse.tail_collision_rate(0.2).value / fine.tail_collision_rate(0.2).value;
-    parts.push_back(fmt::format("{:.2f} at φ = {} ({})", ratio, density, gridlock::name_of(start)));
+  for (auto const& [start, density] : starts_of(extent)) {
+    EnsembleResult const baseline(study, baseline_ensemble(extent, start, density));
+    if (baseline.seeds() == 0) continue;
+    std::vector<std::string> ratios;
+    for (double const time_step : extent.choice_time_steps) {
+      EnsembleResult const result(study, choice_ensemble(extent, start, density, time_step));
+      if (result.seeds() == 0) continue;
+      double const ratio = result.tail_collision_rate(0.2).value / baseline.tail_collision_rate(0.2).value;
+      ratios.push_back(fmt::format("{:.2f}", ratio));
+    }
+    parts.push_back(fmt::format("{} at φ = {} ({})", fmt::join(ratios, ", "), density, gridlock::name_of(start)));
   }
   if (parts.empty()) return "";
-  return fmt::format(" The rate of collisions with step {} is, as a multiple of that with step {}: {}.", coarsest,
-                     finest, fmt::join(parts, ", "));
+  return fmt::format(" Collision rates with steps {}, as multiples of that of {}: {}.",
+                     fmt::join(extent.choice_time_steps, ", "), name_of_baseline(extent), fmt::join(parts, "; "));
 }
 
 std::string time_step_conclusion(Study const& study) {
+  PaperExtent const& extent = study.extent();
   LargestDifference difference;
-  for (auto const& [start, density] : starts_of(study.extent())) {
-    double const finest = std::ranges::min(study.extent().choice_time_steps);
-    for (double const time_step : study.extent().choice_time_steps) {
-      if (time_step == finest) continue;
-      difference.compare(study, choice_ensemble(study.extent(), start, density, finest),
-                         choice_ensemble(study.extent(), start, density, time_step));
+  for (auto const& [start, density] : starts_of(extent)) {
+    Ensemble const baseline = baseline_ensemble(extent, start, density);
+    for (double const time_step : extent.choice_time_steps) {
+      Ensemble const ensemble = choice_ensemble(extent, start, density, time_step);
+      bool const is_baseline = ensemble.engine.kind == baseline.engine.kind && time_step == baseline.time_step;
+      if (!is_baseline) difference.compare(study, baseline, ensemble);
     }
   }
-  return fmt::format("Time step, against the finest one: {}.{}", difference.text(), collision_text(study));
+  return fmt::format("Time step with \"always\", against {}: {}.{}", name_of_baseline(extent), difference.text(),
+                     collision_text(study));
 }
 
 std::string contact_conclusion(Study const& study) {
@@ -262,6 +299,7 @@ std::string contact_conclusion(Study const& study) {
   std::size_t arrested_approaching = 0;
   std::size_t runs = 0;
   for (Ensemble const& ensemble : rule_ensembles(study.extent())) {
+    if (!has_steps(study.extent(), ensemble)) continue;
     EnsembleResult const result(study, ensemble);
     if (ensemble.contact == Contact::always) {
       arrested_always += result.arrested();
@@ -303,7 +341,7 @@ Chapter open_choices(Study& study) {
       "or how a lattice is fitted to the box. Each is varied here with everything else as in the figures.");
   chapter.drawings.push_back({{"open_choices.svg"},
                               "Mean displacement after the same physical time against the time step, for both contact "
-                              "rules (dashed: \"approaching\")."});
+                              "rules (dashed: \"approaching\"). At 0: without a time step."});
   chapter.tables.push_back(rule_table(study));
   chapter.tables.push_back(site_table(study));
   chapter.conclusions = {time_step_conclusion(study), contact_conclusion(study), site_conclusion(study)};

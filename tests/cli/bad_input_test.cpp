@@ -1,0 +1,230 @@
+// Every mistake a user can make in the input: the program says what, where and what to do, ends with 2, and leaves the
+// directory as it was.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "cli/program.hpp"
+
+namespace {
+
+using namespace gridlock::test;
+
+struct Mistake {
+  char const* name;
+  std::string toml;                       ///< becomes bad.toml
+  std::vector<std::string> said;          ///< what standard error must hold
+  std::vector<std::string> arguments{};   ///< empty: run bad.toml -o out
+};
+
+void PrintTo(Mistake const& mistake, std::ostream* stream) { *stream << mistake.name; }
+
+std::string const good_xyz =
+    "2\n"
+    "Lattice=\"1 0 0 0 1 0 0 0 1\" pbc=\"F F F\" Properties=species:S:1:pos:R:3:id:I:1:velo:R:3:radius:R:1:masses:R:1\n"
+    "Ar 0.25 0.5 0 0 0.5 0 0 0.1 1\n"
+    "Ar 0.75 0.5 0 1 -0.5 0 0 0.1 1\n";
+
+std::string const from_file = "[disks]\nfile = \"start.xyz\"\n";
+
+/// A start file with one piece replaced.
+std::string damaged(std::string const& piece, std::string const& by) {
+  std::string text = good_xyz;
+  text.replace(text.find(piece), piece.size(), by);
+  return text;
+}
+
+class BadInput : public testing::TestWithParam<Mistake> {};
+
+TEST_P(BadInput, IsRefusedWithPlaceAndHintAndLeavesNothingBehind) {
+  Workplace const workplace;
+  write(workplace / "bad.toml", GetParam().toml);
+  write(workplace / "start.xyz", good_xyz);
+  write(workplace / "file", "not a directory");
+  auto const before = contents(workplace.path());
+  std::vector<std::string> arguments = GetParam().arguments;
+  if (arguments.empty()) arguments = {"run", "bad.toml", "-o", "out"};
+
+  Outcome const outcome = gridlock::test::gridlock(arguments, workplace.path());
+
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_TRUE(outcome.err.starts_with("error: ")) << outcome.err;
+  EXPECT_NE(outcome.err.find("hint: "), std::string::npos) << outcome.err;
+  for (std::string const& words : GetParam().said) {
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << "missing: " << words << "\nin: " << outcome.err;
+  }
+  EXPECT_EQ(contents(workplace.path()), before);
+}
+
+std::vector<Mistake> const mistakes_in_settings{
+    {"UnknownKey", "[disks]\ncuont = 10\n", {"cuont", "bad.toml:2:1", "count"}},
+    {"UnknownTable", "[dissk]\ncount = 10\n", {"dissk", "bad.toml:1", "disks"}},
+    {"TextForNumber", "[disks]\npacking_fraction = \"dense\"\n", {"packing_fraction", "bad.toml:2:20"}},
+    {"NumberForText", "[disks]\nstart = 3\n", {"start", "bad.toml:2"}},
+    {"NumberForTrue", "[velocities]\nredraw = 1\n", {"redraw", "bad.toml:2"}},
+    {"FractionForCount", "[disks]\ncount = 10.5\n", {"count", "bad.toml:2"}},
+    {"ListForNumber", "[disks]\ncount = [1, 2]\n", {"count", "bad.toml:2"}},
+    {"NumberForTable", "disks = 3\n", {"disks", "bad.toml:1"}},
+    {"NaN", "[disks]\npacking_fraction = nan\n", {"nan", "bad.toml:2"}},
+    {"Infinity", "[box]\nside = inf\n", {"inf", "bad.toml:2"}},
+    {"NegativeCount", "[disks]\ncount = -5\n", {"-5", "bad.toml:2"}},
+    {"NoDisks", "[disks]\ncount = 0\n", {"0", "bad.toml:2", "at least 1"}},
+    {"NegativeSide", "[box]\nside = -1.0\n", {"-1", "bad.toml:2"}},
+    {"NoSide", "[box]\nside = 0\n", {"side", "bad.toml:2"}},
+    {"NegativeRadius", "[disks]\nradius = -0.1\n", {"-0.1", "bad.toml:2"}},
+    {"NoPackingFraction", "[disks]\npacking_fraction = 0.0\n", {"packing_fraction", "bad.toml:2"}},
+    {"PackingFractionAboveOne", "[disks]\npacking_fraction = 1.2\n", {"1.2", "bad.toml:2"}},
+    {"AboveClosestPacking", "[disks]\npacking_fraction = 0.95\n", {"0.95", "0.9069", "bad.toml:2:20"}},
+    {"AboveSquarePacking", "[disks]\npacking_fraction = 0.8\n", {"0.8", "0.785398", "bad.toml:2", "triangular"}},
+    {"AboveTriangularPacking", "[disks]\nstart = \"triangular\"\npacking_fraction = 0.88\n", {"0.865", "bad.toml:3"}},
+    {"AboveRandomPacking", "[disks]\ncount = 2000\nstart = \"random\"\npacking_fraction = 0.7\n", {"0.547", "bad.toml:4"}},
+    {"RadiusLargerThanBox", "[disks]\ncount = 1\nradius = 0.6\n", {"0.6", "bad.toml:3"}},
+    {"BothSizes", "[disks]\nradius = 0.01\npacking_fraction = 0.5\n", {"radius", "packing_fraction", "both"}},
+    {"FileStartWithoutFile", "[disks]\nstart = \"file\"\n", {"file", "bad.toml:2"}},
+    {"MissingStartFile", "[disks]\nfile = \"none.xyz\"\n", {"none.xyz"}},
+    {"UnknownStart", "[disks]\nstart = \"sqare\"\n", {"sqare", "bad.toml:2", "square"}},
+    {"UnknownEdge", "[box]\nedge = \"walls\"\n", {"walls", "bad.toml:2", "wall"}},
+    {"UnknownVelocities", "[velocities]\nkind = \"maxwel\"\n", {"maxwel", "bad.toml:2", "maxwell"}},
+    {"UnknownContact", "[engine]\ncontact = \"never\"\n", {"never", "bad.toml:2", "approaching"}},
+    {"UnknownEngine", "[engine]\nkind = \"steped\"\n", {"steped", "bad.toml:2", "stepped"}},
+    {"VelocitiesFromNoFile", "[velocities]\nkind = \"file\"\n", {"file", "bad.toml:2"}},
+    {"NegativeSpeed", "[velocities]\nmax = -2\n", {"-2", "bad.toml:2"}},
+    {"NoTimeStep", "[engine]\ntime_step = 0\n", {"time_step", "bad.toml:2"}},
+    {"SubstepJumpsOverDisk", "[engine]\ntime_step = 5.0\n", {"jump", "bad.toml:2", "substeps"}},
+    {"NoSubsteps", "[engine]\nsubsteps = 0\n", {"substeps", "bad.toml:2"}},
+    {"NoCells", "[engine]\ncells = 0\n", {"cells", "bad.toml:2", "at least 1"}},
+    {"NegativeCells", "[engine]\ncells = -3\n", {"-3", "bad.toml:2"}},
+    {"NoSampling", "[observe]\nevery = 0\n", {"every", "bad.toml:2"}},
+    {"DiscardEverything", "[observe]\ndiscard = 1.5\n", {"1.5", "bad.toml:2"}},
+    {"NegativeSeed", "[run]\nseed = -1\n", {"-1", "bad.toml:2"}},
+    {"NegativeTime", "[run]\ntime = -1.0\n", {"-1", "bad.toml:2"}},
+    {"CollisionsOfDisksAtRest", "[velocities]\nmax = 0\n[run]\ncollisions_per_disk = 5\n", {"collide", "bad.toml:4"}},
+    {"FractionsBelowOne",
+     "[disks]\nspecies = [{fraction = 0.5}, {fraction = 0.2, size_ratio = 1.4}]\n",
+     {"0.7", "bad.toml:2", "fraction"}},
+    {"UnknownSpeciesKey", "[[disks.species]]\nfraction = 1.0\nsize = 2.0\n", {"size", "bad.toml:3", "size_ratio"}},
+    {"TooManyDisksForMemory", "[disks]\ncount = 2_000_000_000\n", {"2000000000", "memory"}},
+    {"SyntaxError", "[disks]\ncount = = 3\n", {"bad.toml:2"}},
+    {"OpenString", "[disks]\nstart = \"square\n", {"bad.toml:2"}},
+    {"KeyTwice", "[disks]\ncount = 3\ncount = 4\n", {"count", "bad.toml:3"}},
+    {"BytesThatAreNoText", std::string("\xff\xfe\x00\x01", 4), {"bad.toml"}},
+    {"TwoMistakesAtOnce", "[disks]\ncuont = 3\n[run]\nsteps = -1\n", {"bad.toml:2", "bad.toml:4"}},
+    {"PeriodicBoxSmallerThanDisk",
+     "[box]\nedge = \"periodic\"\n[disks]\ncount = 1\nradius = 0.7\n",
+     {"0.7", "bad.toml:5"}},
+};
+INSTANTIATE_TEST_SUITE_P(Settings, BadInput, testing::ValuesIn(mistakes_in_settings),
+                         [](auto const& one) { return std::string(one.param.name); });
+
+std::vector<Mistake> const mistakes_on_the_command_line{
+    {"NoVerb", "", {"verb"}, {"--quiet"}},
+    {"UnknownVerb", "", {"rnu"}, {"rnu", "bad.toml"}},
+    {"NoFile", "", {"FILE"}, {"run"}},
+    {"UnknownOption", "", {"--sett"}, {"run", "bad.toml", "--sett", "a=1"}},
+    {"MissingConfiguration", "", {"none.toml"}, {"run", "none.toml", "-o", "out"}},
+    {"ConfigurationIsDirectory", "", {"."}, {"check", "."}},
+    {"OutputUnderFile", "", {"file"}, {"run", "bad.toml", "-o", "file/out"}},
+    {"OutputIsFile", "", {"file"}, {"run", "bad.toml", "-o", "file"}},
+    {"OutputInProc", "", {"/proc"}, {"run", "bad.toml", "-o", "/proc/gridlock"}},
+    {"SetWithoutEquals", "", {"run.steps"}, {"run", "bad.toml", "-o", "out", "--set", "run.steps"}},
+    {"SetUnknownKey", "", {"run.stepps", "steps"}, {"run", "bad.toml", "-o", "out", "--set", "run.stepps=3"}},
+    {"SetBadValue", "", {"--set", "-3"}, {"run", "bad.toml", "-o", "out", "--set", "run.steps=-3"}},
+    {"SetWithoutTable", "", {"steps"}, {"run", "bad.toml", "-o", "out", "--set", "steps=3"}},
+    {"RunOfSweep", "[sweep]\nrun.seed = [1, 2]\n", {"sweep"}},
+    {"SweepWithoutList", "[disks]\ncount = 9\n", {"[sweep]"}, {"sweep", "bad.toml", "-o", "out"}},
+    {"SweepOfNumber", "[sweep]\nrun.seed = 3\n", {"bad.toml:2"}, {"sweep", "bad.toml", "-o", "out"}},
+    {"SweepOfNothing", "[sweep]\nrun.seed = []\n", {"bad.toml:2"}, {"sweep", "bad.toml", "-o", "out"}},
+    {"SweepOfUnknownKey", "[sweep]\nrun.sed = [1]\n", {"sed", "bad.toml:2"}, {"sweep", "bad.toml", "-o", "out"}},
+    {"SweepOfBadValue",
+     "[sweep]\ndisks.count = [9, -4]\n",
+     {"-4", "bad.toml:2"},
+     {"sweep", "bad.toml", "-o", "out"}},
+    {"SweepWhereNothingFits",
+     "[sweep]\ndisks.packing_fraction = [0.9, 0.89]\n",
+     {"bad.toml:2", "0.785398"},
+     {"sweep", "bad.toml", "-o", "out"}},
+    {"SweepWithNoThreads", "[sweep]\nrun.seed = [1]\n", {"--threads"}, {"sweep", "bad.toml", "-j", "0"}},
+    {"ExplainUnknownKey", "", {"packing_fracton", "packing_fraction"}, {"explain", "disks.packing_fracton"}},
+    {"InfoOnNothing", "", {"nowhere"}, {"info", "nowhere"}},
+    {"InfoOnOtherFile", "", {"bad.toml"}, {"info", "bad.toml"}},
+    {"PlotOfNoResults", "", {"."}, {"plot", "."}},
+    {"PaperFigureNine", "", {"9"}, {"paper", "--figure", "9", "-o", "out"}},
+};
+INSTANTIATE_TEST_SUITE_P(CommandLine, BadInput, testing::ValuesIn(mistakes_on_the_command_line),
+                         [](auto const& one) { return std::string(one.param.name); });
+
+struct Damage {
+  char const* name;
+  std::string xyz;
+  std::vector<std::string> said;
+  std::string toml = from_file;
+};
+
+void PrintTo(Damage const& damage, std::ostream* stream) { *stream << damage.name; }
+
+class DamagedStart : public testing::TestWithParam<Damage> {};
+
+TEST_P(DamagedStart, IsRefusedWithPlaceAndHintAndLeavesNothingBehind) {
+  Workplace const workplace;
+  write(workplace / "bad.toml", GetParam().toml);
+  write(workplace / "start.xyz", GetParam().xyz);
+  auto const before = contents(workplace.path());
+  Outcome const outcome = gridlock::test::gridlock({"run", "bad.toml", "-o", "out"}, workplace.path());
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_NE(outcome.err.find("hint: "), std::string::npos) << outcome.err;
+  for (std::string const& words : GetParam().said) {
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << "missing: " << words << "\nin: " << outcome.err;
+  }
+  EXPECT_EQ(contents(workplace.path()), before);
+}
+
+std::vector<Damage> const damages{
+    {"Empty", "", {"start.xyz"}},
+    {"NoCount", damaged("2\n", "two\n"), {"start.xyz:1"}},
+    {"CountTooLarge", damaged("2\n", "3\n"), {"start.xyz"}},
+    {"CountTooSmall", damaged("2\n", "1\n"), {"start.xyz:4"}},
+    {"CountBeyondMemory", damaged("2\n", "1000000000000000000\n"), {"start.xyz"}},
+    {"NoLattice", damaged("Lattice=", "Latice="), {"start.xyz:2", "Lattice"}},
+    {"SlantedLattice", damaged("1 0 0 0 1 0", "1 0.5 0 0 1 0"), {"start.xyz:2"}},
+    {"WordForNumber", damaged("0.75", "x.75"), {"start.xyz:4:4", "x.75"}},
+    {"NotANumber", damaged("0.75", "nan"), {"start.xyz:4:4"}},
+    {"ColumnMissing", damaged(" 0.1 1\nAr 0.75", " 0.1\nAr 0.75"), {"start.xyz:3"}},
+    {"IdTwice", damaged("0 1 -0.5", "0 0 -0.5"), {"start.xyz:4"}},
+    {"NegativeRadius", damaged("-0.5 0 0 0.1", "-0.5 0 0 -0.1"), {"start.xyz:4"}},
+    {"Overlap", damaged("0.75", "0.3"), {"0 and 1", "overlap", "0.15"}},
+    {"Outside", damaged("0.75", "0.95"), {"disk 1", "inside"}},
+    {"OtherCount", good_xyz, {"2", "3", "bad.toml:3"}, from_file + "count = 3\n"},
+    {"OtherPackingFraction", good_xyz, {"0.5", "bad.toml:3"}, from_file + "packing_fraction = 0.5\n"},
+    {"OtherBox", good_xyz, {"bad.toml"}, from_file + "[box]\nside = 2.0\n"},
+    {"OtherEdge", good_xyz, {"bad.toml:4"}, from_file + "[box]\nedge = \"periodic\"\n"},
+};
+INSTANTIATE_TEST_SUITE_P(Start, DamagedStart, testing::ValuesIn(damages),
+                         [](auto const& one) { return std::string(one.param.name); });
+
+TEST(BadInput, ResultsThatAreThereAlreadyAreNotTouched) {
+  Workplace const workplace;
+  write(workplace / "good.toml", "[disks]\ncount = 9\n[run]\nsteps = 10\n");
+  std::vector<std::string> const again{"run", "good.toml", "-o", "out", "--no-pictures", "--set", "run.seed=2"};
+  ASSERT_EQ(gridlock::test::gridlock({"run", "good.toml", "-o", "out", "--no-pictures"}, workplace.path()).exit_code, 0);
+  std::string const summary = text_of(workplace / "out/summary.json");
+  Outcome const refused = gridlock::test::gridlock(again, workplace.path());
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("--overwrite"), std::string::npos) << refused.err;
+  EXPECT_EQ(text_of(workplace / "out/summary.json"), summary);
+  auto replacing = again;
+  replacing.push_back("--overwrite");
+  EXPECT_EQ(gridlock::test::gridlock(replacing, workplace.path()).exit_code, 0);
+  EXPECT_NE(text_of(workplace / "out/summary.json"), summary);
+}
+
+TEST(BadInput, TheUndamagedFilesAreGood) {
+  Workplace const workplace;
+  write(workplace / "good.toml", from_file + "[run]\nsteps = 10\n");
+  write(workplace / "start.xyz", good_xyz);
+  Outcome const outcome = gridlock::test::gridlock({"run", "good.toml", "-o", "out", "--no-pictures"}, workplace.path());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+}
+
+}  // namespace

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace gridlock::test {
+
+namespace fs = std::filesystem;
+
+inline std::string text_of(fs::path const& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+inline void write(fs::path const& file, std::string const& text) { std::ofstream(file, std::ios::binary) << text; }
+
+/// A fresh directory, gone with the test.
+class Workplace {
+ public:
+  Workplace() {
+    std::string name = (fs::temp_directory_path() / "gridlock-cli-XXXXXX").string();
+    path_ = mkdtemp(name.data());
+  }
+  ~Workplace() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  Workplace(Workplace const&) = delete;
+  Workplace& operator=(Workplace const&) = delete;
+
+  [[nodiscard]] fs::path const& path() const { return path_; }
+  [[nodiscard]] fs::path operator/(std::string const& name) const { return path_ / name; }
+
+ private:
+  fs::path path_;
+};
+
+struct Outcome {
+  int exit_code = -1;
+  std::string out;
+  std::string err;
+};
+
+/// The program at work: started in a directory, its output in files there.
+class Process {
+ public:
+  Process(std::string const& program, std::vector<std::string> arguments, fs::path directory)
+      : directory_(std::move(directory)) {
+    arguments.insert(arguments.begin(), program);
+    id_ = fork();
+    if (id_ != 0) return;
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    if (chdir(directory_.c_str()) != 0) _exit(126);
+    redirect("/dev/null", O_RDONLY, STDIN_FILENO);
+    redirect(".stdout", O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO);
+    redirect(".stderr", O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO);
+    execvp(argv[0], argv.data());
+    _exit(127);
+  }
+
+  void signal(int number) const { kill(id_, number); }
+
+  Outcome wait() const {
+    int status = 0;
+    waitpid(id_, &status, 0);
+    return {.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+            .out = text_of(directory_ / ".stdout"),
+            .err = text_of(directory_ / ".stderr")};
+  }
+
+ private:
+  static void redirect(char const* file, int flags, int descriptor) {
+    int const opened = open(file, flags, 0644);
+    dup2(opened, descriptor);
+    close(opened);
+  }
+
+  fs::path directory_;
+  pid_t id_ = -1;
+};
+
+inline Outcome gridlock(std::vector<std::string> arguments, fs::path const& directory) {
+  return Process(GRIDLOCK_PROGRAM, std::move(arguments), directory).wait();
+}
+
+/// What stands in a directory, without the output the tests redirect.
+inline std::vector<std::string> contents(fs::path const& directory) {
+  std::vector<std::string> names;
+  for (auto const& entry : fs::directory_iterator(directory)) {
+    std::string const name = entry.path().filename().string();
+    if (name != ".stdout" && name != ".stderr") names.push_back(name);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+}  // namespace gridlock::test
