@@ -17,8 +17,11 @@ void add_explain(CLI::App& app, ExitCode& exit_code) {
   verb->callback([options, &exit_code] {
     gridlock::Configuration configuration;
     auto const describe = gridlock::describing(configuration);
-    fmt::print("{}", options->as_markdown ? gridlock::reference_markdown(describe)
-                                          : gridlock::explain(describe, options->key));
+    fmt::print("{}", options->as_markdown
+                         ? "# Settings\n\nEvery setting of a configuration, as `gridlock explain --markdown` "
+                           "prints them.\n\n" +
+                               gridlock::reference_markdown(describe)
+                         : gridlock::explain(describe, options->key));
     exit_code = ExitCode::good;
   });
 }

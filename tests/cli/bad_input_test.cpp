@@ -14,9 +14,9 @@ using namespace gridlock::test;
 
 struct Mistake {
   char const* name;
-  std::string toml;                       ///< becomes bad.toml
-  std::vector<std::string> said;          ///< what standard error must hold
-  std::vector<std::string> arguments{};   ///< empty: run bad.toml -o out
+  std::string toml;                      ///< becomes bad.toml
+  std::vector<std::string> said;         ///< what standard error must hold
+  std::vector<std::string> arguments{};  ///< empty: run bad.toml -o out
 };
 
 void PrintTo(Mistake const& mistake, std::ostream* stream) { *stream << mistake.name; }
@@ -79,7 +79,9 @@ std::vector<Mistake> const mistakes_in_settings{
     {"AboveClosestPacking", "[disks]\npacking_fraction = 0.95\n", {"0.95", "0.9069", "bad.toml:2:20"}},
     {"AboveSquarePacking", "[disks]\npacking_fraction = 0.8\n", {"0.8", "0.785398", "bad.toml:2", "triangular"}},
     {"AboveTriangularPacking", "[disks]\nstart = \"triangular\"\npacking_fraction = 0.88\n", {"0.865", "bad.toml:3"}},
-    {"AboveRandomPacking", "[disks]\ncount = 2000\nstart = \"random\"\npacking_fraction = 0.7\n", {"0.547", "bad.toml:4"}},
+    {"AboveRandomPacking",
+     "[disks]\ncount = 2000\nstart = \"random\"\npacking_fraction = 0.7\n",
+     {"0.547", "bad.toml:4"}},
     {"RadiusLargerThanBox", "[disks]\ncount = 1\nradius = 0.6\n", {"0.6", "bad.toml:3"}},
     {"BothSizes", "[disks]\nradius = 0.01\npacking_fraction = 0.5\n", {"radius", "packing_fraction", "both"}},
     {"FileStartWithoutFile", "[disks]\nstart = \"file\"\n", {"file", "bad.toml:2"}},
@@ -137,10 +139,7 @@ std::vector<Mistake> const mistakes_on_the_command_line{
     {"SweepOfNumber", "[sweep]\nrun.seed = 3\n", {"bad.toml:2"}, {"sweep", "bad.toml", "-o", "out"}},
     {"SweepOfNothing", "[sweep]\nrun.seed = []\n", {"bad.toml:2"}, {"sweep", "bad.toml", "-o", "out"}},
     {"SweepOfUnknownKey", "[sweep]\nrun.sed = [1]\n", {"sed", "bad.toml:2"}, {"sweep", "bad.toml", "-o", "out"}},
-    {"SweepOfBadValue",
-     "[sweep]\ndisks.count = [9, -4]\n",
-     {"-4", "bad.toml:2"},
-     {"sweep", "bad.toml", "-o", "out"}},
+    {"SweepOfBadValue", "[sweep]\ndisks.count = [9, -4]\n", {"-4", "bad.toml:2"}, {"sweep", "bad.toml", "-o", "out"}},
     {"SweepWhereNothingFits",
      "[sweep]\ndisks.packing_fraction = [0.9, 0.89]\n",
      {"bad.toml:2", "0.785398"},
@@ -207,7 +206,8 @@ TEST(BadInput, ResultsThatAreThereAlreadyAreNotTouched) {
   Workplace const workplace;
   write(workplace / "good.toml", "[disks]\ncount = 9\n[run]\nsteps = 10\n");
   std::vector<std::string> const again{"run", "good.toml", "-o", "out", "--no-pictures", "--set", "run.seed=2"};
-  ASSERT_EQ(gridlock::test::gridlock({"run", "good.toml", "-o", "out", "--no-pictures"}, workplace.path()).exit_code, 0);
+  ASSERT_EQ(gridlock::test::gridlock({"run", "good.toml", "-o", "out", "--no-pictures"}, workplace.path()).exit_code,
+            0);
   std::string const summary = text_of(workplace / "out/summary.json");
   Outcome const refused = gridlock::test::gridlock(again, workplace.path());
   EXPECT_EQ(refused.exit_code, 2);
@@ -223,7 +223,8 @@ TEST(BadInput, TheUndamagedFilesAreGood) {
   Workplace const workplace;
   write(workplace / "good.toml", from_file + "[run]\nsteps = 10\n");
   write(workplace / "start.xyz", good_xyz);
-  Outcome const outcome = gridlock::test::gridlock({"run", "good.toml", "-o", "out", "--no-pictures"}, workplace.path());
+  Outcome const outcome =
+      gridlock::test::gridlock({"run", "good.toml", "-o", "out", "--no-pictures"}, workplace.path());
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
 }
 

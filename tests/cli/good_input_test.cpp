@@ -1,0 +1,295 @@
+// What a user does from the first run to a sweep, through the program itself.
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <regex>
+#include <set>
+#include <thread>
+
+#include "cli/program.hpp"
+#include "gridlock/io/table.hpp"
+#include "gridlock/io/xyz.hpp"
+
+namespace {
+
+using namespace gridlock::test;
+using Arguments = std::vector<std::string>;
+
+nlohmann::json summary_of(fs::path const& directory) {
+  return nlohmann::json::parse(text_of(directory / "summary.json"));
+}
+
+void expect_good(Outcome const& outcome) { EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err; }
+
+char const* const small_run =
+    "[disks]\ncount = 100\npacking_fraction = 0.6\n[engine]\ncells = 5\n[run]\nsteps = 400\n[observe]\nevery = 20\n";
+
+TEST(Run, LeavesEverythingItPromises) {
+  Workplace const workplace;
+  write(workplace / "a.toml", small_run);
+  expect_good(gridlock::test::gridlock({"run", "a.toml", "-o", "out"}, workplace.path()));
+  for (char const* name :
+       {"config.resolved.toml", "summary.json", "series.csv", "final.xyz", "pair_correlation.csv", "start.svg",
+        "start.png", "final.svg", "final.png", "displacement.svg", "displacement.png", "displacement.gp"}) {
+    EXPECT_GT(fs::file_size(workplace / "out" / name), 100U) << name;
+  }
+  auto const summary = summary_of(workplace / "out");
+  EXPECT_EQ(summary["state_hash"].get<std::string>().size(), 16U);
+  EXPECT_EQ(summary["ending"], "finished");
+  EXPECT_EQ(summary["steps"], 400);
+  for (char const* name :
+       {"mean_displacement", "mean_squared_displacement", "kinetic_energy", "mean_speed", "compressibility_factor",
+        "wall_pressure", "collision_rate", "wall_hit_rate", "blocked_share", "global_bond_orientation_order"}) {
+    ASSERT_TRUE(summary.contains(name)) << name;
+    EXPECT_TRUE(std::isfinite(summary[name]["value"].get<double>())) << name;
+    EXPECT_GE(summary[name]["error"].get<double>(), 0.0) << name;
+  }
+  gridlock::Table const series = gridlock::read_csv(workplace / "out/series.csv");
+  EXPECT_EQ(series.row_count(), 21U);
+  EXPECT_EQ(series.numbers("mean_displacement").back(), summary["mean_displacement"]["value"].get<double>());
+}
+
+TEST(Run, FromItsResolvedConfigurationGivesTheSameBytes) {
+  Workplace const workplace;
+  write(workplace / "a.toml", small_run);
+  expect_good(gridlock::test::gridlock({"run", "a.toml", "-o", "one", "--no-pictures"}, workplace.path()));
+  expect_good(gridlock::test::gridlock({"run", "one/config.resolved.toml", "-o", "two", "--no-pictures", "--quiet"},
+                                       workplace.path()));
+  for (char const* name : {"series.csv", "final.xyz", "config.resolved.toml", "pair_correlation.csv"}) {
+    EXPECT_EQ(text_of(workplace / "one" / name), text_of(workplace / "two" / name)) << name;
+  }
+  EXPECT_EQ(summary_of(workplace / "one")["state_hash"], summary_of(workplace / "two")["state_hash"]);
+}
+
+class Continuation : public testing::TestWithParam<char const*> {};
+
+TEST_P(Continuation, FromTheFinalStateEndsWithTheBitsOfOneLongRun) {
+  Workplace const workplace;
+  write(workplace / "a.toml", std::string(small_run) + "[box]\nedge = \"" + GetParam() + "\"\n");
+  expect_good(gridlock::test::gridlock({"run", "a.toml", "-o", "half", "--no-pictures", "--set", "run.steps=200"},
+                                       workplace.path()));
+  expect_good(gridlock::test::gridlock(
+      {"run", "a.toml", "-o", "rest", "--no-pictures", "--set", "run.steps=200", "--set", "disks.file=half/final.xyz"},
+      workplace.path()));
+  expect_good(gridlock::test::gridlock({"run", "a.toml", "-o", "whole", "--no-pictures"}, workplace.path()));
+  EXPECT_EQ(summary_of(workplace / "rest")["state_hash"], summary_of(workplace / "whole")["state_hash"]);
+  // And the directory of the continued run can be run again by itself.
+  expect_good(
+      gridlock::test::gridlock({"run", "rest/config.resolved.toml", "-o", "again", "--no-pictures"}, workplace.path()));
+  EXPECT_EQ(summary_of(workplace / "again")["state_hash"], summary_of(workplace / "rest")["state_hash"]);
+}
+INSTANTIATE_TEST_SUITE_P(Edges, Continuation, testing::Values("wall", "periodic"));
+
+TEST(Run, GivesTheSameBitsForEveryGrid) {
+  Workplace const workplace;
+  write(workplace / "a.toml", small_run);
+  std::set<std::string> hashes;
+  for (std::string const cells : {"3", "5", "10", "20"}) {
+    expect_good(gridlock::test::gridlock(
+        {"run", "a.toml", "-o", cells, "--no-pictures", "--set", "engine.cells=" + cells}, workplace.path()));
+    hashes.insert(summary_of(workplace / cells)["state_hash"].get<std::string>());
+  }
+  EXPECT_EQ(hashes.size(), 1U);
+}
+
+TEST(Run, WritesFilesThatAseReads) {
+  Workplace const workplace;
+  write(workplace / "a.toml", small_run);
+  expect_good(gridlock::test::gridlock({"run", "a.toml", "-o", "out", "--no-pictures"}, workplace.path()));
+  write(workplace / "read.py",
+        "import ase.io\n"
+        "atoms = ase.io.read('out/final.xyz')\n"
+        "p = atoms.get_positions()\n"
+        "assert len(atoms) == 100 and not atoms.pbc.any(), atoms\n"
+        "assert abs(atoms.cell[0][0] - 1.0) < 1e-12\n"
+        "print(repr(float(p[7][0])))\n");
+  Outcome const outcome = Process("/usr/bin/python3", {"read.py"}, workplace.path()).wait();
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  gridlock::State const state = gridlock::read_xyz(workplace / "out/final.xyz").state;
+  EXPECT_EQ(std::stod(outcome.out), state.disks.column<gridlock::X>()[7]);
+}
+
+TEST(Run, StopsOnCtrlCAndKeepsWhatThereIs) {
+  Workplace const workplace;
+  write(workplace / "a.toml", std::string(small_run) + "");
+  Process const process(GRIDLOCK_PROGRAM,
+                        {"run", "a.toml", "-o", "out", "--no-pictures", "--set", "run.steps=100_000_000"},
+                        workplace.path());
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  process.signal(SIGINT);
+  Outcome const outcome = process.wait();
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_NE(outcome.err.find("interrupted"), std::string::npos) << outcome.err;
+  auto const summary = summary_of(workplace / "out");
+  EXPECT_EQ(summary["ending"], "interrupted");
+  EXPECT_GT(summary["steps"].get<std::uint64_t>(), 0U);
+  EXPECT_EQ(gridlock::read_xyz(workplace / "out/final.xyz").state.clock.step, summary["step"].get<std::uint64_t>());
+}
+
+TEST(Run, ShowsPlainLinesOfProgressInAPipe) {
+  Workplace const workplace;
+  write(workplace / "a.toml", small_run);
+  Process const process(GRIDLOCK_PROGRAM,
+                        {"run", "a.toml", "-o", "out", "--no-pictures", "--set", "run.time=20", "--set",
+                         "run.steps=100_000_000", "--set", "disks.count=400"},
+                        workplace.path());
+  Outcome const outcome = process.wait();
+  expect_good(outcome);
+  EXPECT_EQ(outcome.err.find('\r'), std::string::npos);
+  EXPECT_EQ(outcome.err.find('\033'), std::string::npos);
+}
+
+TEST(Sweep, RunsEveryCombinationAndAveragesOverSeeds) {
+  Workplace const workplace;
+  write(workplace / "s.toml",
+        "[disks]\ncount = 64\n[run]\nsteps = 100\n[observe]\nevery = 10\n"
+        "[sweep]\ndisks.start = [\"square\", \"triangular\"]\n\"disks.packing_fraction\" = [0.3, 0.5]\n"
+        "run.seed = [1, 2, 3]\n");
+  expect_good(gridlock::test::gridlock({"sweep", "s.toml", "-o", "one", "-j", "1"}, workplace.path()));
+  expect_good(gridlock::test::gridlock({"sweep", "s.toml", "-o", "two", "-j", "2"}, workplace.path()));
+  gridlock::Table const rows = gridlock::read_csv(workplace / "one/sweep.csv");
+  ASSERT_EQ(rows.row_count(), 12U);
+  auto const hashes = std::get<std::vector<std::string>>(rows.column("state_hash"));
+  EXPECT_EQ(hashes,
+            std::get<std::vector<std::string>>(gridlock::read_csv(workplace / "two/sweep.csv").column("state_hash")));
+  EXPECT_EQ(std::set(hashes.begin(), hashes.end()).size(), 12U);
+
+  gridlock::Table const means = gridlock::read_csv(workplace / "one/means.csv");
+  ASSERT_EQ(means.row_count(), 4U);
+  auto const values = rows.numbers("mean_displacement");
+  for (std::size_t group = 0; group < 4; ++group) {
+    double const a = values[3 * group];
+    double const b = values[3 * group + 1];
+    double const c = values[3 * group + 2];
+    double const mean = (a + b + c) / 3.0;
+    double const error = std::sqrt(((a - mean) * (a - mean) + (b - mean) * (b - mean) + (c - mean) * (c - mean)) / 6.0);
+    EXPECT_NEAR(means.numbers("mean_displacement")[group], mean, 1e-14);
+    EXPECT_NEAR(means.numbers("mean_displacement_error")[group], error, 1e-14);
+    EXPECT_EQ(means.numbers("runs")[group], 3.0);
+  }
+  EXPECT_TRUE(fs::exists(workplace / "one/mean_displacement.svg"));
+}
+
+TEST(Sweep, GoesOnWhenOneRunCannotBeMade) {
+  Workplace const workplace;
+  write(workplace / "s.toml",
+        "[disks]\ncount = 64\n[run]\nsteps = 50\n[sweep]\ndisks.packing_fraction = [0.3, 0.8, 0.5]\n");
+  Outcome const outcome = gridlock::test::gridlock({"sweep", "s.toml", "-o", "out"}, workplace.path());
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("0.8"), std::string::npos) << outcome.err;
+  gridlock::Table const rows = gridlock::read_csv(workplace / "out/sweep.csv");
+  EXPECT_EQ(std::get<std::vector<std::string>>(rows.column("ending")),
+            (std::vector<std::string>{"finished", "failed", "finished"}));
+}
+
+TEST(Explain, KnowsEverySettingOfAResolvedConfiguration) {
+  Workplace const workplace;
+  Outcome const all = gridlock::test::gridlock({"explain"}, workplace.path());
+  expect_good(all);
+  for (char const* key :
+       {"box.edge", "disks.packing_fraction", "velocities.max", "engine.cells", "run.seed", "observe.every"}) {
+    EXPECT_NE(all.out.find(key), std::string::npos) << key;
+    Outcome const one = gridlock::test::gridlock({"explain", key}, workplace.path());
+    expect_good(one);
+    EXPECT_NE(one.out.find("default"), std::string::npos) << one.out;
+  }
+}
+
+TEST(Explain, TheReferencePageIsWhatTheProgramSays) {
+  Workplace const workplace;
+  Outcome const outcome = gridlock::test::gridlock({"explain", "--markdown"}, workplace.path());
+  expect_good(outcome);
+  EXPECT_EQ(outcome.out, text_of(fs::path(GRIDLOCK_SOURCE_DIR) / "docs/settings.md"))
+      << "run: gridlock explain --markdown > docs/settings.md";
+}
+
+TEST(Help, IsThereForEveryVerb) {
+  Workplace const workplace;
+  expect_good(gridlock::test::gridlock({"--help"}, workplace.path()));
+  expect_good(gridlock::test::gridlock({"--version"}, workplace.path()));
+  for (char const* verb : {"run", "sweep", "paper", "check", "explain", "info", "plot"}) {
+    expect_good(gridlock::test::gridlock({verb, "--help"}, workplace.path()));
+  }
+}
+
+TEST(Info, KnowsRunsSweepsStatesAndTables) {
+  Workplace const workplace;
+  write(workplace / "a.toml", small_run);
+  expect_good(gridlock::test::gridlock({"run", "a.toml", "-o", "out", "--no-pictures"}, workplace.path()));
+  std::string const state_hash = summary_of(workplace / "out")["state_hash"];
+  for (char const* path : {"out", "out/final.xyz", "out/summary.json"}) {
+    Outcome const outcome = gridlock::test::gridlock({"info", path}, workplace.path());
+    expect_good(outcome);
+    EXPECT_NE(outcome.out.find(state_hash), std::string::npos) << outcome.out;
+  }
+  expect_good(gridlock::test::gridlock({"info", "out/series.csv"}, workplace.path()));
+}
+
+TEST(Plot, DrawsAgainFromTheDataAlone) {
+  Workplace const workplace;
+  write(workplace / "a.toml", small_run);
+  expect_good(gridlock::test::gridlock({"run", "a.toml", "-o", "out"}, workplace.path()));
+  std::string const before = text_of(workplace / "out/final.svg");
+  fs::remove(workplace / "out/final.svg");
+  fs::remove(workplace / "out/displacement.png");
+  expect_good(gridlock::test::gridlock({"plot", "out"}, workplace.path()));
+  EXPECT_EQ(text_of(workplace / "out/final.svg"), before);
+  EXPECT_TRUE(fs::exists(workplace / "out/displacement.png"));
+}
+
+/// Every command line of the documentation that starts the program, as it stands there.
+std::vector<std::string> documented_commands() {
+  std::vector<std::string> commands;
+  std::vector<fs::path> pages{fs::path(GRIDLOCK_SOURCE_DIR) / "README.md"};
+  for (auto const& entry : fs::directory_iterator(fs::path(GRIDLOCK_SOURCE_DIR) / "docs")) {
+    if (entry.path().extension() == ".md") pages.push_back(entry.path());
+  }
+  for (fs::path const& page : pages) {
+    std::istringstream lines(text_of(page));
+    bool is_in_block = false;
+    for (std::string line; std::getline(lines, line);) {
+      if (line.starts_with("```")) is_in_block = line == "```sh";
+      std::string const program = "./build/apps/gridlock/gridlock ";
+      // The paper's study takes minutes; its own tests run it in small.
+      if (is_in_block && line.starts_with(program) && line.find(" paper") == std::string::npos) {
+        commands.push_back(line.substr(program.size()));
+      }
+    }
+  }
+  return commands;
+}
+
+TEST(Documentation, EveryCommandRuns) {
+  Workplace const workplace;
+  fs::create_directory_symlink(fs::path(GRIDLOCK_SOURCE_DIR) / "scenes", workplace / "scenes");
+  auto const commands = documented_commands();
+  EXPECT_GE(commands.size(), 7U);
+  for (std::string const& command : commands) {
+    std::istringstream words(command.substr(0, command.find(" #")));
+    Arguments arguments;
+    for (std::string word; words >> word;) arguments.push_back(word);
+    Outcome const outcome = gridlock::test::gridlock(arguments, workplace.path());
+    EXPECT_EQ(outcome.exit_code, 0) << command << "\n" << outcome.err;
+  }
+}
+
+TEST(Documentation, EveryRelativeLinkLeadsSomewhere) {
+  fs::path const root = GRIDLOCK_SOURCE_DIR;
+  std::vector<fs::path> pages{root / "README.md", root / "ARCHITECTURE.md", root / "CHANGELOG.md",
+                              root / "CONTRIBUTING.md"};
+  for (auto const& entry : fs::directory_iterator(root / "docs")) {
+    if (entry.path().extension() == ".md") pages.push_back(entry.path());
+  }
+  std::regex const link(R"(\]\(([^)#:]+)\))");
+  for (fs::path const& page : pages) {
+    std::string const text = text_of(page);
+    for (std::sregex_iterator match(text.begin(), text.end(), link), end; match != end; ++match) {
+      EXPECT_TRUE(fs::exists(page.parent_path() / (*match)[1].str())) << page << ": " << (*match)[1];
+    }
+  }
+}
+
+}  // namespace
