@@ -417,8 +417,9 @@ std::string standstill_text(Study const& study) {
   }
   if (parts.empty()) return "No run came to a standstill: nowhere were more than 98 % of the turns blocked.";
   return fmt::format(
-      "Runs that came to a standstill, with more than 98 % of all turns blocked over the last fifth: {}. Real hard "
-      "disks do not stop; at these densities the points of the figure show the finite step, not physics.",
+      "Runs that came to a standstill, with more than 98 % of all turns blocked over the last fifth: {}. Hard disks "
+      "that move from collision to collision do not stop; at these densities the points of the figure show the finite "
+      "step, not physics.",
       fmt::join(parts, "; "));
 }
 
@@ -458,7 +459,8 @@ Chapter figure_7(Study& study) {
   chapter.conclusions.push_back(
       "For comparison: an infinite system of hard disks freezes between φ = 0.700 (liquid) and 0.720 (hexatic and "
       "solid), Engel et al. 2013, doi:10.1103/PhysRevE.87.042134. That the 10 % line is crossed hereabouts is what one "
-      "expects of a crystal whose disks keep their neighbours, long before anything is jammed.");
+      "expects of a crystal, whose disks keep their neighbours; the lattices themselves are jammed only when close "
+      "packed.");
   return chapter;
 }
 

@@ -219,8 +219,8 @@ class PaperStudy {
                   "(J.-X. Shen). {}",
                   summary_of(result.claims)));
     page.paragraph(
-        fmt::format("Extent: {}. Gridlock {}, seed {}, {:.0f} s. Every plot has its data (.csv) and script "
-                    "(.gp) beside it.{}",
+        fmt::format("Extent: {}. Gridlock {}, seed {}, {:.0f} s. Every plot has its data (.csv) and script (.gp) "
+                    "beside it.{}",
                     settings_.extent.name, version(), settings_.seed, result.seconds, runs_text()));
     if (result.ending == Ending::interrupted) {
       page.paragraph("**The study was stopped before its end**: what stands here rests on the runs that had finished.");

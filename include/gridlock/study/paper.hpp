@@ -42,9 +42,10 @@ struct PaperExtent {
   double plateau_time_step = 0.5;   ///< diameters per v_max
   double plateau_relaxations = 10;  ///< length in relaxation times of the box's slowest mode; the last 40 % count
 
-  /// What the paper leaves open, at the same physical time for every time step.
-  std::vector<double> choice_time_steps;  ///< diameters per v_max
-  double choice_diameters = 0.0;          ///< length of the runs in diameters per v_max
+  /// What the paper leaves open, at the same physical time for every time step, beside a dynamics without one.
+  std::optional<PaperEngine> choice_reference = PaperEngine{"exact", "exact dynamics"};  ///< none: not compared
+  std::vector<double> choice_time_steps;                                                 ///< diameters per v_max
+  double choice_diameters = 0.0;  ///< length of the runs in diameters per v_max
   std::uint64_t choice_seeds = 0;
   std::vector<double> choice_square_densities;
   std::vector<double> choice_triangular_densities;
