@@ -1,0 +1,80 @@
+#include "gridlock/run/simulate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/io/settings_file.hpp"
+#include "gridlock/run/sweep.hpp"
+
+namespace {
+
+using namespace gridlock;
+
+Configuration small() {
+  Configuration configuration;
+  configuration.disks = {.count = 64, .packing_fraction = 0.5};
+  configuration.run.steps = 95;
+  configuration.observe.every = 10;
+  return configuration;
+}
+
+TEST(SetUp, FillsInWhatWasLeftOutSoThatItRunsAgainToTheBit) {
+  gridlock::Setup const setup = set_up(Configuration{});
+  EXPECT_EQ(setup.configuration.disks.count, 841U);
+  EXPECT_EQ(setup.configuration.disks.packing_fraction, 0.5);
+  EXPECT_EQ(setup.configuration.run.steps, 10'000U);
+  EXPECT_EQ(setup.configuration.engine.speed, 1.0);
+  EXPECT_EQ(hash(set_up(setup.configuration).state), hash(setup.state));
+}
+
+TEST(Simulate, SamplesTheStartEveryIntervalAndTheEnd) {
+  RunResult const result = simulate(set_up(small()));
+  std::vector<std::uint64_t> expected{0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 95};
+  EXPECT_EQ(std::get<std::vector<std::uint64_t>>(result.series.column("step")), expected);
+  EXPECT_EQ(result.ending, Ending::finished);
+  EXPECT_EQ(result.tally.turns, 64U * 95U);
+}
+
+TEST(Simulate, EndsAtWhicheverLengthComesFirst) {
+  Configuration configuration = small();
+  configuration.run.collisions_per_disk = 0.5;
+  RunResult const by_collisions = simulate(set_up(configuration));
+  EXPECT_LT(by_collisions.steps, 95U);
+  EXPECT_GE(by_collisions.tally.pair_collisions, 16U);
+  configuration = small();
+  gridlock::Setup setup = set_up(configuration);
+  configuration.run.time = 20.5 * step_duration(setup.configuration.engine, setup.state);
+  EXPECT_EQ(simulate(set_up(configuration)).steps, 21U);
+}
+
+TEST(Simulate, StoppedByTheCallerKeepsWhatThereIs) {
+  RunResult const result = simulate(set_up(small()), [](Progress const&) { return false; });
+  EXPECT_EQ(result.ending, Ending::interrupted);
+  EXPECT_LT(result.steps, 95U);
+  EXPECT_EQ(result.state.clock.step, result.steps);
+}
+
+TEST(Simulate, ReportsProgressFromNothingToAll) {
+  std::vector<double> fractions;
+  simulate(set_up(small()), [&](Progress const& progress) {
+    fractions.push_back(progress.fraction);
+    return true;
+  });
+  ASSERT_FALSE(fractions.empty());
+  EXPECT_TRUE(std::ranges::is_sorted(fractions));
+  EXPECT_EQ(fractions.back(), 1.0);
+}
+
+TEST(SweepPlan, HasEveryCombinationWithTheLastListVaryingFastest) {
+  SweepPlan const plan = plan_sweep(
+      SettingsFile::from_text("[sweep]\ndisks.start = [\"square\", \"triangular\"]\nrun.seed = [1, 2, 3]\n", "s.toml"));
+  EXPECT_EQ(plan.keys, (std::vector<std::string>{"disks.start", "run.seed"}));
+  ASSERT_EQ(plan.runs.size(), 6U);
+  EXPECT_EQ(plan.runs[0].name, "start=square_seed=1");
+  EXPECT_EQ(plan.runs[1].name, "start=square_seed=2");
+  EXPECT_EQ(plan.runs[5].name, "start=triangular_seed=3");
+}
+
+}  // namespace
