@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 nlohmann::ordered_json read_summary(fs::path const& path) {
-  auto const summary = nlohmann::ordered_json::parse(gridlock::read_file(path), nullptr, false);
+  auto summary = nlohmann::ordered_json::parse(gridlock::read_file(path), nullptr, false);
   if (!summary.is_object() || !summary.contains("state_hash")) {
     throw gridlock::Error({.what = summary.is_discarded() ? "this is no JSON" : "this is no summary of a run",
                            .hint = "the file was changed or cut off; run again",
@@ -41,7 +41,9 @@ void print_run(fs::path const& file) {
                  error.is_number() ? fmt::format(" ± {:.2g}", error.get<double>()) : "",
                  unit.empty() ? "" : "  " + unit);
     } else if (entry.is_object()) {
-      for (auto const& [name, value] : entry.items()) fmt::print("  {:<32} {}\n", key + "." + name, value.dump());
+      for (auto const& [name, value] : entry.items()) {
+        fmt::print("  {:<32} {}\n", fmt::format("{}.{}", key, name), value.dump());
+      }
     } else {
       fmt::print("  {:<32} {}\n", key, entry.is_string() ? entry.get<std::string>() : entry.dump());
     }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 namespace gridlock {
@@ -15,7 +16,7 @@ constexpr Colour from_hex(unsigned hex) {
           static_cast<double>(hex & 0xFFU) / 255.0};
 }
 
-int to_byte(double part) { return static_cast<int>(std::clamp(part, 0.0, 1.0) * 255.0 + 0.5); }
+int to_byte(double part) { return static_cast<int>(std::lround(std::clamp(part, 0.0, 1.0) * 255.0)); }
 
 }  // namespace
 

@@ -24,7 +24,7 @@ namespace {
 
 using Instant = std::chrono::steady_clock::time_point;
 
-constexpr std::size_t most_errors = 64 * 1024;
+constexpr std::size_t most_errors = std::size_t{64} * 1024;
 
 /// Throws unless a POSIX call that returns its error number succeeded.
 void require(int error_number, std::string const& program) {

@@ -356,10 +356,11 @@ class XyzReader {
     rows_.reserve(std::min<std::uint64_t>(count, left / (2 * roles_.size()) + 1));
     std::vector<Word> words;
     for (std::uint64_t i = 0; i < count; ++i) {
-      if (next_line())
+      if (next_line()) {
         split(line_, words);
-      else
+      } else {
         words.clear();
+      }
       if (words.empty()) {
         refuse(fmt::format("the file ends after {} of {} disks", i, count),
                "is the file cut off, or the first line wrong?");

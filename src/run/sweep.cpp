@@ -3,26 +3,22 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-#include <tbb/task_group.h>
 
 #include <algorithm>
-#include <atomic>
 #include <charconv>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <mutex>
 #include <numeric>
 #include <optional>
 #include <set>
-#include <thread>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
 #include "gridlock/run/run_directory.hpp"
 #include "gridlock/run/simulate.hpp"
+#include "run/team.hpp"
 
 namespace gridlock {
 
@@ -218,46 +214,43 @@ double cost_of(Setup const& setup) {
   return disks * steps + 1.0;
 }
 
-/// A sweep being carried out by a team of threads that take the next longest run as soon as they are free.
+/// A sweep being carried out.
 class SweepInProgress {
  public:
   SweepInProgress(SweepPlan const& plan, SweepSettings const& settings)
-      : plan_(plan),
-        settings_(settings),
-        outcomes_(plan.runs.size()),
-        costs_(plan.runs.size(), 0.0),
-        shares_(plan.runs.size(), 0.0),
-        errors_(plan.runs.size()) {}
+      : plan_(plan), settings_(settings), outcomes_(plan.runs.size()), errors_(plan.runs.size()) {}
 
   void run() {
-    unsigned const threads =
-        settings_.threads > 0 ? settings_.threads : std::max(1U, std::thread::hardware_concurrency());
-    tbb::task_arena arena(static_cast<int>(threads));
-    arena.execute([&] {
-      tbb::parallel_for(std::size_t{0}, plan_.runs.size(), [&](std::size_t run) { estimate_cost(run); });
-      require_one_good();
-      open_run_directory(settings_.directory, settings_.overwrites);
-      std::vector<std::size_t> const order = longest_first();
-      tbb::task_group team;
-      for (unsigned member = 0; member < threads; ++member) {
-        team.run([&] {
-          for (std::size_t next = next_++; next < order.size() && !is_stopped_; next = next_++) carry_out(order[next]);
-        });
-      }
-      team.wait();
+    std::vector<double> const costs = estimate_costs();
+    require_one_good();
+    open_run_directory(settings_.directory, settings_.overwrites);
+    auto const start = std::chrono::steady_clock::now();
+    Team team(costs, [&](double fraction, std::size_t finished) {
+      double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      return !settings_.on_progress ||
+             settings_.on_progress(
+                 {.finished = finished, .all = plan_.runs.size(), .fraction = fraction, .seconds = seconds});
+    });
+    team.run_all(settings_.threads, [&](std::size_t run) {
+      if (!errors_[run]) outcomes_[run] = carry_out(run, team);
     });
   }
 
   [[nodiscard]] std::vector<Outcome> const& outcomes() const { return outcomes_; }
 
  private:
-  void estimate_cost(std::size_t run) {
-    try {
-      costs_[run] = cost_of(set_up(plan_.runs[run].settings));
-    } catch (Error const& error) {
-      errors_[run] = error;
-      outcomes_[run] = {.has_begun = false, .ending = Ending::failed, .message = error.what()};
-    }
+  /// Sets up every run once, for its cost and to know which cannot be made.
+  std::vector<double> estimate_costs() {
+    std::vector<double> costs(plan_.runs.size(), 0.0);
+    tbb::parallel_for(std::size_t{0}, plan_.runs.size(), [&](std::size_t run) {
+      try {
+        costs[run] = cost_of(set_up(plan_.runs[run].settings));
+      } catch (Error const& error) {
+        errors_[run] = error;
+        outcomes_[run] = {.has_begun = false, .ending = Ending::failed, .message = error.what()};
+      }
+    });
+    return costs;
   }
 
   /// A mistake that spoils every run is the user's input, not a failure of some runs.
@@ -266,63 +259,29 @@ class SweepInProgress {
     if (!is_one_good) throw *errors_.front();
   }
 
-  [[nodiscard]] std::vector<std::size_t> longest_first() const {
-    std::vector<std::size_t> order;
-    for (std::size_t run = 0; run < plan_.runs.size(); ++run) {
-      if (!errors_[run]) order.push_back(run);
-    }
-    std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::size_t run) { return costs_[run]; });
-    return order;
-  }
-
-  void carry_out(std::size_t run) {
-    Outcome outcome{.has_begun = true};
+  Outcome carry_out(std::size_t run, Team& team) const {
     try {
       Setup const setup = set_up(plan_.runs[run].settings);
       RunResult const result =
-          simulate(setup, [&](Progress const& progress) { return report(run, progress.fraction); });
+          simulate(setup, [&](Progress const& progress) { return team.report(run, progress.fraction); });
       auto const directory = settings_.directory / "runs" / plan_.runs[run].name;
       make_output_directory(directory);
       write_run(setup, result, directory);
-      outcome.ending = result.ending;
-      outcome.message = result.failure;
-      outcome.state_hash = hash(result.state);
-      outcome.seconds = result.seconds;
-      outcome.results = result.results;
+      return {.has_begun = true,
+              .ending = result.ending,
+              .message = result.failure,
+              .state_hash = hash(result.state),
+              .seconds = result.seconds,
+              .results = result.results};
     } catch (std::exception const& error) {
-      outcome.ending = Ending::failed;
-      outcome.message = error.what();
+      return {.has_begun = true, .ending = Ending::failed, .message = error.what()};
     }
-    outcomes_[run] = std::move(outcome);
-    ++finished_;
-    report(run, 1.0);
-  }
-
-  bool report(std::size_t run, double share) {
-    std::scoped_lock const lock(mutex_);
-    shares_[run] = share;
-    if (settings_.on_progress && !is_stopped_) {
-      double const all = std::accumulate(costs_.begin(), costs_.end(), 0.0);
-      double const done = std::inner_product(costs_.begin(), costs_.end(), shares_.begin(), 0.0);
-      double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-      bool const goes_on = settings_.on_progress(
-          {.finished = finished_, .all = plan_.runs.size(), .fraction = done / all, .seconds = seconds});
-      if (!goes_on) is_stopped_ = true;
-    }
-    return !is_stopped_;
   }
 
   SweepPlan const& plan_;
   SweepSettings const& settings_;
   std::vector<Outcome> outcomes_;
-  std::vector<double> costs_;
-  std::vector<double> shares_;
   std::vector<std::optional<Error>> errors_;
-  std::atomic<std::size_t> next_ = 0;
-  std::atomic<std::size_t> finished_ = 0;
-  std::atomic<bool> is_stopped_ = false;
-  std::mutex mutex_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 /// Reads every listed value once, so that a slip in the last one does not show after hours.

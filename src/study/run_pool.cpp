@@ -1,21 +1,17 @@
 #include "study/run_pool.hpp"
 
 #include <fmt/format.h>
-#include <tbb/info.h>
-#include <tbb/task_arena.h>
-#include <tbb/task_group.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cassert>
 #include <cmath>
-#include <mutex>
 #include <numbers>
 #include <numeric>
 #include <utility>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/validate.hpp"
+#include "run/team.hpp"
 
 namespace gridlock {
 
@@ -68,62 +64,6 @@ void put_on(std::vector<Vector> const& sites, State& state) {
     y[i] = sites[i].y;
   }
 }
-
-/// A team of threads that take the next longest run as soon as they are free.
-class Team {
- public:
-  using OnProgress = std::function<bool(double fraction, std::size_t finished)>;
-
-  Team(std::vector<double> work, OnProgress const& on_progress)
-      : work_(std::move(work)), done_(work_.size(), 0.0), on_progress_(on_progress) {
-    order_.resize(work_.size());
-    std::iota(order_.begin(), order_.end(), std::size_t{0});
-    std::ranges::stable_sort(order_, std::ranges::greater{}, [&](std::size_t run) { return work_[run]; });
-    all_work_ = std::accumulate(work_.begin(), work_.end(), 0.0);
-  }
-
-  /// Calls carry_out(run) for every run.
-  template <class CarryOut>
-  void run_all(unsigned threads, CarryOut carry_out) {
-    // More threads than cores would only wait for one another, and oneTBB would complain about it on the terminal.
-    int const cores = tbb::info::default_concurrency();
-    tbb::task_arena arena(threads == 0 ? cores : std::min(static_cast<int>(threads), cores));
-    arena.execute([&] {
-      tbb::task_group group;
-      for (int member = 0; member < arena.max_concurrency(); ++member) {
-        group.run([&] {
-          for (std::size_t next = next_++; next < order_.size() && !is_stopped_; next = next_++) {
-            carry_out(order_[next]);
-            ++finished_;
-            report(order_[next], 1.0);
-          }
-        });
-      }
-      group.wait();
-    });
-  }
-
-  bool report(std::size_t run, double share) {
-    std::scoped_lock const lock(mutex_);
-    done_[run] = work_[run] * share;
-    if (on_progress_ && !is_stopped_) {
-      double const done = std::accumulate(done_.begin(), done_.end(), 0.0);
-      if (!on_progress_(all_work_ > 0.0 ? done / all_work_ : 1.0, finished_)) is_stopped_ = true;
-    }
-    return !is_stopped_;
-  }
-
- private:
-  std::vector<double> work_;
-  std::vector<double> done_;
-  std::vector<std::size_t> order_;
-  OnProgress const& on_progress_;
-  double all_work_ = 0.0;
-  std::atomic<std::size_t> next_ = 0;
-  std::atomic<std::size_t> finished_ = 0;
-  std::atomic<bool> is_stopped_ = false;
-  std::mutex mutex_;
-};
 
 }  // namespace
 
