@@ -66,30 +66,20 @@ void require_bounds(EngineSettings const& settings, State const& state) {
 bool is_short(double squared_way, double contact) { return squared_way < contact * contact; }
 
 std::string jump_text(State const& state, std::size_t i, double way, double contact) {
-  return fmt::format("disk {} may cover {:.6g} in one sub-step and could jump over a disk at contact distance {:.6g}",
+  return fmt::format("disk {} covers {:.6g} in one sub-step and could jump over a disk at contact distance {:.6g}",
                      state.disks.ids()[i], way, contact);
 }
 
 constexpr char const* jump_hint = "use a smaller engine.time_step or more engine.substeps";
 
-/// The speed a disk is sure to reach soon: collisions share out the energy, and in thermal equilibrium one turn in 460 is
-/// faster than 3.5 √(kT/m) (Maxwell: exp(−3.5²/2)); no disk ever has more than all of it, √(2K/m). A set-up that fails
-/// here would fail within its first steps; the rare disk that is faster still is caught in its turn.
-double speed_to_expect(State const& state, std::size_t i, double energy) {
-  double const mass = state.disks.column<Mass>()[i];
-  double const thermal = 3.5 * std::sqrt(energy / (static_cast<double>(state.disks.size()) * mass));
-  double const shared = std::min(thermal, std::sqrt(2.0 * energy / mass));
-  return std::max(shared, std::sqrt(squared_length(velocity(state.disks, i))));
-}
-
 void require_no_jumps(State const& state, double substep) {
   double const smallest = radius_range(state.disks).smallest;
-  double const energy = kinetic_energy(state.disks);
   for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    double const way = speed_to_expect(state, i, energy) * substep;
+    double const squared_way = squared_length(velocity(state.disks, i)) * substep * substep;
     double const contact = state.disks.column<Radius>()[i] + smallest;
-    if (is_short(way * way, contact)) continue;
-    throw Error({.what = jump_text(state, i, way, contact), .hint = jump_hint, .key = "engine.time_step"});
+    if (is_short(squared_way, contact)) continue;
+    throw Error(
+        {.what = jump_text(state, i, std::sqrt(squared_way), contact), .hint = jump_hint, .key = "engine.time_step"});
   }
 }
 

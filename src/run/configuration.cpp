@@ -130,6 +130,22 @@ void require_engine(Setup const& setup, EngineSettings const& settings) {
   }
 }
 
+/// Collisions soon give some disk twice v_max (one turn in 3000 in equilibrium, exp(−8)): a sub-step in which it covers a
+/// contact distance could jump over a disk. The rare disk that is faster still is caught in its turn.
+void require_short_substeps(EngineSettings const& engine, State const& state) {
+  if (engine.kind != "stepped") return;
+  double const substep = step_duration(engine, state) / static_cast<double>(engine.substeps);
+  double const way = 2.0 * engine.speed.value_or(1.0) * substep;
+  double const contact = 2.0 * radius_range(state.disks).smallest;
+  if (way < contact) return;
+  throw Error(
+      {.what = fmt::format("a disk at twice the speed {} would cover {:.6g} in one sub-step and could jump over "
+                           "a disk of diameter {:.6g}",
+                           engine.speed.value_or(1.0), way, contact),
+       .hint = "use a smaller engine.time_step or more engine.substeps",
+       .key = "engine.time_step"});
+}
+
 /// A run that only ends after some number of collisions has to have some.
 void require_end(Configuration const& configuration, State const& state) {
   RunSettings const& run = configuration.run;
@@ -154,6 +170,7 @@ Setup set_up(Configuration configuration, std::filesystem::path const& directory
   resolve(configuration);
   require_end(configuration, setup.state);
   require_engine(setup, configuration.engine);
+  require_short_substeps(configuration.engine, setup.state);
   setup.configuration = std::move(configuration);
   return setup;
 }

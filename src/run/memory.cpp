@@ -45,8 +45,9 @@ struct Demand {
 void require_memory(Configuration const& configuration) {
   auto const disks = static_cast<double>(configuration.disks.count.value_or(0));
   auto const cells = static_cast<double>(configuration.engine.cells.value_or(0));
-  auto const rows = static_cast<double>(configuration.run.steps.value_or(0) /
-                                        std::max<std::uint64_t>(1, configuration.observe.every));
+  std::uint64_t const samples =
+      configuration.run.steps.value_or(0) / std::max<std::uint64_t>(1, configuration.observe.every);
+  auto const rows = static_cast<double>(samples);
   std::array<Demand, 3> const demands{
       Demand{fmt::format("{:.0f} disks", disks), "disks.count", bytes_per_disk * disks, "use fewer disks"},
       Demand{fmt::format("a grid of {0:.0f} × {0:.0f} cells", cells), "engine.cells", bytes_per_cell * cells * cells,

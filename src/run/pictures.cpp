@@ -194,7 +194,7 @@ std::vector<PlotCurve> curves_against(std::string const& axis, std::string const
       if (key == axis) continue;
       std::string const entry = entry_of(means, key, row);
       curve.where.push_back({.column = key, .equals = entry});
-      curve.label += (curve.label.empty() ? "" : ", ") + key + " = " + entry;
+      curve.label += fmt::format("{}{} = {}", curve.label.empty() ? "" : ", ", key, entry);
     }
     if (labels.insert(curve.label).second) curves.push_back(std::move(curve));
   }

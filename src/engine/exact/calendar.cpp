@@ -19,7 +19,7 @@ void Calendar::open(double length, std::uint64_t expected) {
   length_ = length;
   slices_per_time_ = static_cast<double>(slices) / length;
   made_ = 0;
-  tails_.assign(slices >> slice_bits_, Tail{});
+  chapter_heads_.assign(slices >> slice_bits_, none);
   slice_heads_.assign(std::size_t{1} << slice_bits_, none);
   free_chunks_.clear();
   chunks_.clear();
@@ -51,14 +51,16 @@ std::uint32_t Calendar::new_chunk(std::uint32_t next) {
     chunk = free_chunks_.back();
     free_chunks_.pop_back();
   }
+  chunks_[chunk].count = 0;
   chunks_[chunk].next = next;
   return chunk;
 }
 
 void Calendar::add_to_chapter(std::uint32_t chapter, double time, Index disk) {
-  Tail& tail = tails_[chapter];
-  if (tail.count == chunk_size) tail = {new_chunk(tail.chunk), 0};
-  chunks_[tail.chunk].entries[tail.count++] = {time, disk, 0};
+  std::uint32_t& head = chapter_heads_[chapter];
+  if (head == none || chunks_[head].count == chunk_size) head = new_chunk(head);
+  Chunk& chunk = chunks_[head];
+  chunk.entries[chunk.count++] = {time, disk, 0};
 }
 
 bool Calendar::open_next_slice(MovingDisk const* disks) {
@@ -84,22 +86,21 @@ bool Calendar::open_next_slice(MovingDisk const* disks) {
 }
 
 bool Calendar::open_next_chapter() {
-  if (open_chapter_ + 1 == tails_.size()) {
+  if (open_chapter_ + 1 == chapter_heads_.size()) {
     --open_slice_;  // stay in the last slice: asking again gives the same answer
     return false;
   }
   ++open_chapter_;
   dealt_.clear();
-  std::uint32_t count = tails_[open_chapter_].count;
-  for (std::uint32_t chunk = tails_[open_chapter_].chunk; chunk != none; chunk = chunks_[chunk].next) {
-    for (std::uint32_t k = 0; k < count; ++k) {
+  std::uint32_t& head = chapter_heads_[open_chapter_];
+  for (std::uint32_t chunk = head; chunk != none; chunk = chunks_[chunk].next) {
+    for (std::uint32_t k = 0; k < chunks_[chunk].count; ++k) {
       Appointment const& appointment = chunks_[chunk].entries[k];
       deal(appointment, static_cast<std::uint32_t>(appointment.time * slices_per_time_));
     }
     free_chunks_.push_back(chunk);
-    count = chunk_size;
   }
-  tails_[open_chapter_] = {};
+  head = none;
   return true;
 }
 

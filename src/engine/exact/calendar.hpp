@@ -86,11 +86,12 @@ class Calendar {
 
  private:
   static constexpr std::uint32_t none = 0xFFFFFFFFU;
-  static constexpr std::uint32_t slice_bits_ = 9;  // slices per chapter: the open one fits in the second cache
+  static constexpr std::uint32_t slice_bits_ = 7;  // slices per chapter: their list heads fit in the first cache
   static constexpr std::uint32_t chunk_size = 31;
 
   struct Chunk {
     Appointment entries[chunk_size];
+    std::uint32_t count;
     std::uint32_t next;
   };
 
@@ -111,20 +112,13 @@ class Calendar {
   bool open_next_chapter();
   std::uint32_t new_chunk(std::uint32_t next);
 
-  /// The newest chunk of a chapter, and how many appointments are in it; the older ones are full. The count stands here
-  /// and not in the chunk, so that a new appointment touches one line of memory of its chapter.
-  struct Tail {
-    std::uint32_t chunk = none;
-    std::uint32_t count = chunk_size;
-  };
-
   double length_ = 0.0;
   double slices_per_time_ = 0.0;
   std::uint64_t made_ = 0;
   std::uint32_t open_chapter_ = 0;
   std::uint32_t open_slice_ = 0;
   bool is_open_ = false;  // whether open_slice_ has been opened
-  std::vector<Tail> tails_;  // by chapter
+  std::vector<std::uint32_t> chapter_heads_;
   LargeArray<Chunk> chunks_;
   std::vector<std::uint32_t> free_chunks_;
   std::vector<std::uint32_t> slice_heads_;

@@ -254,22 +254,20 @@ void Dynamics::handle(Index i, Tally& tally) {
     collide(i, j, tally);
     disk.event_time = never;
     disks_[j].event_time = never;
-    // Both predictions before either is written down, so that the processor works on the two at once.
-    Prediction const next_of_i = predict_(surroundings_, i, now_, j);
-    Prediction const next_of_j = predict_(surroundings_, j, now_, i);
-    schedule(i, next_of_i);
-    schedule(j, next_of_j);
+    schedule(i, j);
+    schedule(j, i);
     return;
   }
   disk.event_time = never;
-  schedule(i, predict_(surroundings_, i, now_, no_disk));
+  schedule(i, no_disk);
 }
 
-void Dynamics::schedule(Index i, Prediction const& next) {
+void Dynamics::schedule(Index i, Index apart) {
+  Prediction const next = predict_(surroundings_, i, now_, apart);
   MovingDisk& disk = disks_[i];
   disk.event_time = next.time;
   disk.partner = next.partner;
-  disk.partner_stamp = disks_[std::min<std::size_t>(next.partner, size_)].stamp;  // of the spare disk for a border
+  if (next.partner < vertical_border) disk.partner_stamp = disks_[next.partner].stamp;
   calendar_.add(next.time, i, disks_.data());
 }
 

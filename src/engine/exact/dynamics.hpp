@@ -63,7 +63,7 @@ class Dynamics {
   void collide(Index i, Index j, Tally& tally);
   void hit_or_cross_vertical_border(MovingDisk& disk, Index i, Tally& tally);
   void hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Tally& tally);
-  void schedule(Index i, Prediction const& next);
+  void schedule(Index i, Index apart);
 
   void audit_overlaps() const;
   void audit_missed_events() const;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 
 #include "engine/exact/moving_disk.hpp"
@@ -68,9 +67,9 @@ inline Prediction predict_border(Surroundings const& s, Index i, double now) {
   constexpr double never = std::numeric_limits<double>::infinity();
   double const x_time = disk.velocity_x != 0.0 ? (x_edge - disk.x) / disk.velocity_x : never;
   double const y_time = disk.velocity_y != 0.0 ? (y_edge - disk.y) / disk.velocity_y : never;
-  // Without a branch, for either is as likely.
-  static_assert(horizontal_border == vertical_border + 1);
-  return {std::max(now, std::min(x_time, y_time)), vertical_border + static_cast<Index>(y_time < x_time)};
+  Prediction const border =
+      y_time < x_time ? Prediction{y_time, horizontal_border} : Prediction{x_time, vertical_border};
+  return {border.time > now ? border.time : now, border.partner};
 }
 
 }  // namespace gridlock::exact

@@ -4,7 +4,6 @@
 
 #include <immintrin.h>
 
-#include <algorithm>
 #include <bit>
 
 #if !defined(__clang__)
@@ -34,26 +33,21 @@ GRIDLOCK_AVX512 inline void collect(Surroundings const& s, Index i, Index apart,
   __m512i const none = _mm512_set1_epi32(static_cast<int>(no_disk));
   __m512i const self = _mm512_set1_epi32(static_cast<int>(i));
   __m512i const other = _mm512_set1_epi32(static_cast<int>(apart));
-  Index const* run = s.slots + static_cast<std::size_t>(disk.row) * s.row_stride +
-                     static_cast<std::size_t>(disk.column) * s.capacity;
+  Index const* run =
+      s.slots + static_cast<std::size_t>(disk.row) * s.row_stride + static_cast<std::size_t>(disk.column) * s.capacity;
   std::size_t const length = 3 * s.capacity;
   std::size_t count = 0;
   for (int row = 0; row < 3; ++row, run += s.row_stride) {
     for (std::size_t k = 0; k < length; k += 16) {
-      auto const in_run = static_cast<__mmask16>(length - k >= 16 ? 0xFFFFU : (1U << (length - k)) - 1U);
+      __mmask16 mask = length - k >= 16 ? __mmask16{0xFFFF} : static_cast<__mmask16>((1U << (length - k)) - 1U);
       __m512i const names = _mm512_loadu_si512(run + k);
-      __mmask16 const is_other = static_cast<__mmask16>(_mm512_mask_cmpneq_epi32_mask(in_run, names, none) &
-                                                        _mm512_cmpneq_epi32_mask(names, self) &
-                                                        _mm512_cmpneq_epi32_mask(names, other));
-      __m512i const found = _mm512_maskz_compress_epi32(is_other, names);
-      auto const found_count = static_cast<std::size_t>(std::popcount(static_cast<unsigned>(is_other)));
-      // Narrow stores stay inside a cache line, so that the loads that follow need not wait for them.
-      _mm256_storeu_si256(reinterpret_cast<__m256i*>(candidates.disks + count), _mm512_castsi512_si256(found));
-      if (found_count > 8) [[unlikely]] _mm512_storeu_si512(candidates.disks + count, found);
-      count += found_count;
+      mask = _mm512_mask_cmpneq_epi32_mask(mask, names, none);
+      mask = _mm512_mask_cmpneq_epi32_mask(mask, names, self);
+      mask = _mm512_mask_cmpneq_epi32_mask(mask, names, other);
+      _mm512_storeu_si512(candidates.disks + count, _mm512_maskz_compress_epi32(mask, names));
+      count += static_cast<std::size_t>(std::popcount(static_cast<unsigned>(mask)));
     }
   }
-  _mm256_storeu_si256(reinterpret_cast<__m256i*>(candidates.disks + count), _mm256_setzero_si256());
   candidates.count = count;
 }
 
@@ -148,17 +142,16 @@ GRIDLOCK_AVX512 Prediction predict_with_avx512(Surroundings const& s, Index i, d
     double const earliest = _mm512_reduce_min_pd(_mm512_mask_mov_pd(never, hits, time));
     __mmask8 const first = _mm512_mask_cmp_pd_mask(hits, time, _mm512_set1_pd(earliest), _CMP_EQ_OQ);
     unsigned const firsts = first;
-    if (((firsts & (firsts - 1U)) != 0) | (earliest == best.time)) [[unlikely]] {
+    if ((firsts & (firsts - 1U)) != 0 || earliest == best.time) [[unlikely]] {
       for (unsigned rest = firsts; rest != 0; rest &= rest - 1U) {
         Index const j = names[std::countr_zero(rest)];
         bool const is_tie = earliest == best.time && best.partner < vertical_border;
         if (earliest < best.time || (is_tie && s.disks[j].rank < s.disks[best.partner].rank)) best = {earliest, j};
       }
     } else {
-      // Which of the two is earlier is a coin toss: no branch may depend on it, or the processor could not begin with
-      // the next prediction meanwhile.
-      Index const choice[2] = {best.partner, names[std::countr_zero(firsts | 0x80U)]};
-      best = {std::min(earliest, best.time), choice[earliest < best.time ? 1 : 0]};
+      Index const j = names[std::countr_zero(firsts | 0x80U)];
+      bool const is_earlier = earliest < best.time;
+      best = {is_earlier ? earliest : best.time, is_earlier ? j : best.partner};
     }
   }
   return best;

@@ -196,7 +196,8 @@ TEST(SettingsFile, AProblemReadsAsTheUserSeesIt) {
   ASSERT_EQ(problems.size(), 1U);
   EXPECT_EQ(to_text(problems[0]),
             "disks.packing_fraction is 1.95, but must be above 0 and below 1\n"
-            "  --> dense.toml:2:22   packing_fraction = 1.95   # too much");
+            "  --> dense.toml:2:22   packing_fraction = 1.95   # too much\n"
+            "  hint: gridlock explain disks.packing_fraction says what it can be");
   EXPECT_EQ(problems[0].key, "disks.packing_fraction");
 }
 
