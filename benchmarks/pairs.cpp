@@ -116,7 +116,7 @@ Contestant nanoflann_contestant(State const& start, double reach) {
   cloud->y.assign(start.disks.column<Y>().begin(), start.disks.column<Y>().end());
   auto const sum = std::make_shared<Sum>();
   auto const sign = std::make_shared<double>(1.0);
-  return {.name = "nanoflann, agents in cell order",
+  return {.name = "nanoflann: agents in cell order",
           .items = static_cast<double>(start.disks.size()),
           .run =
               [=] {
@@ -151,10 +151,10 @@ void race_at(std::size_t n, int rounds) {
   State const ordered = in_cell_order(scattered, reach);
   std::vector<Contestant> contestants;
   contestants.push_back(literal_contestant(scattered, reach));
-  contestants.push_back(grid_contestant<LinkedGrid>("linked grid, agents in no order", scattered, reach));
-  contestants.push_back(grid_contestant<LinkedGrid>("linked grid, agents in cell order", ordered, reach));
-  contestants.push_back(grid_contestant<PackedGrid>("packed grid, agents in no order", scattered, reach));
-  contestants.push_back(grid_contestant<PackedGrid>("packed grid, agents in cell order", ordered, reach));
+  contestants.push_back(grid_contestant<LinkedGrid>("linked grid: agents in no order", scattered, reach));
+  contestants.push_back(grid_contestant<LinkedGrid>("linked grid: agents in cell order", ordered, reach));
+  contestants.push_back(grid_contestant<PackedGrid>("packed grid: agents in no order", scattered, reach));
+  contestants.push_back(grid_contestant<PackedGrid>("packed grid: agents in cell order", ordered, reach));
 #ifdef GRIDLOCK_HAVE_NANOFLANN
   contestants.push_back(nanoflann_contestant(ordered, reach));
 #endif
