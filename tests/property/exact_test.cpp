@@ -9,6 +9,7 @@
 
 #include "engine/exact/dynamics.hpp"
 #include "engine/exact/prediction.hpp"
+#include "gridlock/core/random.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/validate.hpp"
 #include "reference/all_pairs_events.hpp"
@@ -207,6 +208,26 @@ TEST_P(ExactProperty, DependsOnlyOnIdsNotOnRows) {
   make_engine(exact_settings(), a)->advance(a, tally_a, {.step = 200});
   make_engine(exact_settings(), b)->advance(b, tally_b, {.step = 200});
   EXPECT_EQ(hash(a), hash(b));
+}
+
+// Enough disks that memory is sorted, fetched ahead and laid out in huge pages.
+TEST(ExactManyDisks, KeepTheirDistanceAndTheirBitsHoweverTheRunIsCut) {
+  State state{.box = Box(180.0, 160.0, Edge::periodic), .seed = 1};
+  for (std::uint64_t i = 0; i < 150 * 140; ++i) {
+    RandomStream random(1, 0, i, Purpose::start_velocity);
+    Vector const v = random.in_unit_disk();
+    state.disks.add((static_cast<double>(i % 150) + 0.5) * 1.2, (static_cast<double>(i / 150) + 0.5) * 160.0 / 140.0,
+                    v.x, v.y, 0.5, 1.0, 0, 0);
+  }
+  State cut = state;
+  Tally tally;
+  make_engine({.kind = "exact", .audit_every = 20011}, state)->advance(state, tally, {.time = 20.0});
+  EXPECT_GT(tally.pair_collisions, 10 * state.disks.size());
+  auto const engine = make_engine({.kind = "exact"}, cut);
+  Tally cut_tally;
+  for (double const time : {0.1, 3.0, 11.7, 20.0}) engine->advance(cut, cut_tally, {.time = time});
+  EXPECT_EQ(hash(state), hash(cut));
+  EXPECT_EQ(tally.pair_virial, cut_tally.pair_virial);
 }
 
 }  // namespace

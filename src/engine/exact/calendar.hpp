@@ -29,9 +29,9 @@ struct Appointment {
 /// Cost: O(1) amortised while a slice holds a few appointments.
 class Calendar {
  public:
-  /// Starts an empty epoch. `expected` is about how many appointments will be made in it: it changes the cost, never
-  /// the order.
-  void open(double length, std::uint64_t expected);
+  /// Starts an empty epoch. `expected` is about how many appointments will be made in it, `disks` how many disks make
+  /// them: numbers that change the cost, never the order.
+  void open(double length, std::uint64_t expected, std::uint64_t disks);
 
   /// Makes an appointment, not before the last one handed out.
   void add(double time, Index disk, MovingDisk const* disks) {
@@ -51,7 +51,7 @@ class Calendar {
   Appointment const* next(MovingDisk const* disks) {
     for (;;) {
       bool const has_late = !late_.empty();
-      if (cursor_ < due_.size()) {
+      if (cursor_ < due_count_) {
         if (has_late && is_before(late_.front(), due_[cursor_], disks)) return &late_.front();
         return &due_[cursor_];
       }
@@ -62,7 +62,7 @@ class Calendar {
 
   /// Removes the appointment that next() pointed to.
   void pop(Appointment const* handed_out, MovingDisk const* disks) {
-    if (cursor_ < due_.size() && handed_out == &due_[cursor_]) {
+    if (cursor_ < due_count_ && handed_out == &due_[cursor_]) {
       ++cursor_;
     } else {
       pop_late(disks);
@@ -86,12 +86,11 @@ class Calendar {
 
  private:
   static constexpr std::uint32_t none = 0xFFFFFFFFU;
-  static constexpr std::uint32_t slice_bits_ = 7;  // slices per chapter: their list heads fit in the first cache
+  static constexpr std::uint32_t slice_bits_ = 9;  // slices per chapter: the open one fits in the second cache
   static constexpr std::uint32_t chunk_size = 31;
 
   struct Chunk {
     Appointment entries[chunk_size];
-    std::uint32_t count;
     std::uint32_t next;
   };
 
@@ -109,21 +108,30 @@ class Calendar {
   void add_to_chapter(std::uint32_t chapter, double time, Index disk);
   void pop_late(MovingDisk const* disks);
   bool open_next_slice(MovingDisk const* disks);
+  void sort_due(MovingDisk const* disks);
   bool open_next_chapter();
   std::uint32_t new_chunk(std::uint32_t next);
+
+  /// The newest chunk of a chapter, and how many appointments are in it; the older ones are full. The count stands here
+  /// and not in the chunk, so that a new appointment touches one line of memory of its chapter.
+  struct Tail {
+    std::uint32_t chunk = none;
+    std::uint32_t count = chunk_size;
+  };
 
   double length_ = 0.0;
   double slices_per_time_ = 0.0;
   std::uint64_t made_ = 0;
   std::uint32_t open_chapter_ = 0;
   std::uint32_t open_slice_ = 0;
-  bool is_open_ = false;  // whether open_slice_ has been opened
-  std::vector<std::uint32_t> chapter_heads_;
+  bool is_open_ = false;     // whether open_slice_ has been opened
+  std::vector<Tail> tails_;  // by chapter
   LargeArray<Chunk> chunks_;
   std::vector<std::uint32_t> free_chunks_;
   std::vector<std::uint32_t> slice_heads_;
   std::vector<Appointment> dealt_;
-  std::vector<Appointment> due_;  // the open slice, sorted; cursor_ points at the next
+  std::vector<Appointment> due_;  // the open slice, sorted: the first due_count_, of which cursor_ is the next
+  std::size_t due_count_ = 0;
   std::size_t cursor_ = 0;
   std::vector<Appointment> late_;  // a heap of those made for the open slice after it was opened
 };

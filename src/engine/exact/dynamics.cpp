@@ -13,8 +13,8 @@ constexpr double never = std::numeric_limits<double>::infinity();
 /// Epochs between two sorts of the disks in memory: a disk stays near its cell for many collisions.
 constexpr std::uint64_t epochs_per_sort = 8;
 
-/// Disks of this many bytes stay in the second cache by themselves.
-constexpr std::size_t largest_cached = std::size_t{1} << 19;
+/// Disks of no more than this many bytes stay in the second cache by themselves.
+constexpr std::size_t largest_cached = std::size_t{1} << 20;
 
 bool are_all_equal(std::span<double const> values) {
   return std::ranges::all_of(values, [&](double value) { return value == values.front(); });
@@ -61,7 +61,7 @@ Dynamics::Dynamics(State const& state) : box_(state.box), size_(state.disks.size
   sort_disks_by_cell();
   for (Index i = 0; i < size_; ++i) disks_[i].event_time = never;
   for (Index i = 0; i < size_; ++i) {
-    Prediction const first = predict_(surroundings_, i, 0.0, no_disk);
+    Prediction const first = predictor_.one(surroundings_, i, 0.0, no_disk);
     disks_[i].event_time = first.time;
     disks_[i].partner = first.partner;
     if (first.partner < vertical_border) disks_[i].partner_stamp = disks_[first.partner].stamp;
@@ -129,7 +129,7 @@ void Dynamics::refresh_surroundings() {
                    .width = box_.width(),
                    .height = box_.height(),
                    .is_periodic = box_.is_periodic()};
-  predict_ = fastest_prediction(surroundings_);
+  predictor_ = fastest_predictor(surroundings_);
 }
 
 void Dynamics::choose_epoch() {
@@ -143,7 +143,7 @@ void Dynamics::choose_epoch() {
 }
 
 void Dynamics::start_epoch() {
-  calendar_.open(epoch_length_, expected_appointments_);
+  calendar_.open(epoch_length_, expected_appointments_, size_);
   for (Index i = 0; i < size_; ++i) calendar_.add(disks_[i].event_time, i, disks_.data());
 }
 
@@ -169,7 +169,7 @@ void Dynamics::sort_disks_by_cell() {
     permute(mass_, new_name);
   }
   permute(image_, new_name);
-  permute(disks_, std::move(new_name));
+  permute(disks_, std::move(new_name));  // the last may use it up
 }
 
 bool Dynamics::run(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Tally& tally) {
@@ -181,6 +181,7 @@ bool Dynamics::run(double elapsed, std::uint64_t pair_collisions, std::uint64_t 
     calendar_.pop(next, disks_.data());
     std::uint64_t const before = tally.pair_collisions;
     now_ = due.time;
+    if (fetches_ahead_) fetch_ahead();
     handle(due.disk, tally);
     if (audit_every > 0 && tally.pair_collisions != before && tally.pair_collisions % audit_every == 0) audit();
   }
@@ -191,7 +192,6 @@ bool Dynamics::run(double elapsed, std::uint64_t pair_collisions, std::uint64_t 
 Appointment const* Dynamics::next_event() {
   for (;;) {
     while (Appointment const* const next = calendar_.next(disks_.data())) {
-      if (fetches_ahead_ && calendar_.open_slice() != seen_slice_) fetch_ahead();
       if (disks_[next->disk].event_time == next->time) return next;
       calendar_.pop(next, disks_.data());
     }
@@ -206,40 +206,26 @@ Appointment const* Dynamics::next_event() {
     now_ -= epoch_length_;
     expected_appointments_ = calendar_.made();
     if (epoch_ % epochs_per_sort == 0) sort_disks_by_cell();
+    pipeline_.clear();
     start_epoch();
   }
 }
 
-/// Asks for the memory of the events to come, each slice one step further than the slice before it: first the disk,
-/// then its cells and its partner, then the disks around it and the partner's cells, then those around the partner.
+/// Keeps the pipeline fed with the disks of a slice to come, and moving: about two appointments are made for each event.
 void Dynamics::fetch_ahead() {
-  seen_slice_ = calendar_.open_slice();
-  calendar_.for_each_ahead(4, [this](Index i) { __builtin_prefetch(&disks_[i], 1); });
-  calendar_.for_each_ahead(3, [this](Index i) {
-    fetch_cells_of(i);
-    if (disks_[i].partner < vertical_border) __builtin_prefetch(&disks_[disks_[i].partner], 1);
-  });
-  calendar_.for_each_ahead(2, [this](Index i) {
-    fetch_neighbours_of(i);
-    if (disks_[i].partner < vertical_border) fetch_cells_of(disks_[i].partner);
-  });
-  calendar_.for_each_ahead(1, [this](Index i) {
-    if (disks_[i].partner < vertical_border) fetch_neighbours_of(disks_[i].partner);
-  });
-}
-
-void Dynamics::fetch_cells_of(Index i) const {
-  Index const* run = cells_.cell(disks_[i].column - 1, disks_[i].row - 1);
-  for (int row = 0; row < 3; ++row, run += cells_.row_stride()) __builtin_prefetch(run);
-}
-
-void Dynamics::fetch_neighbours_of(Index i) const {
-  Index const* run = cells_.cell(disks_[i].column - 1, disks_[i].row - 1);
-  for (int row = 0; row < 3; ++row, run += cells_.row_stride()) {
-    for (std::size_t k = 0; k < 3 * cells_.capacity(); ++k) {
-      __builtin_prefetch(&disks_[std::min<std::size_t>(run[k], size_)]);
-    }
+  constexpr std::uint32_t slices_ahead = 4;
+  constexpr std::uint64_t most_waiting = 16;
+  if (calendar_.open_slice() != seen_slice_) {
+    seen_slice_ = calendar_.open_slice();
+    std::uint64_t entered = 0;
+    calendar_.for_each_ahead(slices_ahead, [&](Index i) {
+      if (++entered <= most_waiting) pipeline_.enter(i);
+    });
   }
+  do {
+    pipeline_.step(disks_.data(), cells_, size_);
+    pipeline_.step(disks_.data(), cells_, size_);
+  } while (pipeline_.waiting() > most_waiting);
 }
 
 void Dynamics::handle(Index i, Tally& tally) {
@@ -254,20 +240,21 @@ void Dynamics::handle(Index i, Tally& tally) {
     collide(i, j, tally);
     disk.event_time = never;
     disks_[j].event_time = never;
-    schedule(i, j);
-    schedule(j, i);
+    // Both predictions before either is written down, so that the processor works on the two at once.
+    PairPrediction const next = predictor_.pair(surroundings_, i, j, now_);
+    schedule(i, next.of_i);
+    schedule(j, next.of_j);
     return;
   }
   disk.event_time = never;
-  schedule(i, no_disk);
+  schedule(i, predictor_.one(surroundings_, i, now_, no_disk));
 }
 
-void Dynamics::schedule(Index i, Index apart) {
-  Prediction const next = predict_(surroundings_, i, now_, apart);
+void Dynamics::schedule(Index i, Prediction const& next) {
   MovingDisk& disk = disks_[i];
   disk.event_time = next.time;
   disk.partner = next.partner;
-  if (next.partner < vertical_border) disk.partner_stamp = disks_[next.partner].stamp;
+  disk.partner_stamp = disks_[std::min<std::size_t>(next.partner, size_)].stamp;  // of the spare disk for a border
   calendar_.add(next.time, i, disks_.data());
 }
 
@@ -287,9 +274,9 @@ void Dynamics::collide(Index i, Index j, Tally& tally) {
   double const mass_a = mass_of(i);
   double const mass_b = mass_of(j);
   double const squared_distance = d_x * d_x + d_y * d_y;
-  double const impulse = 2.0 * mass_a * mass_b * (w_x * d_x + w_y * d_y) / ((mass_a + mass_b) * squared_distance);
-  double const along_a = impulse / mass_a;
-  double const along_b = impulse / mass_b;
+  double const along = 2.0 * (w_x * d_x + w_y * d_y) / ((mass_a + mass_b) * squared_distance);
+  double const along_a = mass_b * along;
+  double const along_b = mass_a * along;
   a.velocity_x += along_a * d_x;
   a.velocity_y += along_a * d_y;
   b.velocity_x -= along_b * d_x;
@@ -301,7 +288,7 @@ void Dynamics::collide(Index i, Index j, Tally& tally) {
   ++a.stamp;
   ++b.stamp;
   ++tally.pair_collisions;
-  tally.pair_virial -= impulse * squared_distance;
+  tally.pair_virial -= mass_a * along_a * squared_distance;
 }
 
 void Dynamics::hit_or_cross_vertical_border(MovingDisk& disk, Index i, Tally& tally) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "engine/exact/calendar.hpp"
+#include "engine/exact/fetch_pipeline.hpp"
 #include "engine/exact/large_array.hpp"
 #include "engine/exact/moving_disk.hpp"
 #include "engine/exact/prediction.hpp"
@@ -57,13 +58,11 @@ class Dynamics {
 
   Appointment const* next_event();
   void fetch_ahead();
-  void fetch_cells_of(Index i) const;
-  void fetch_neighbours_of(Index i) const;
   void handle(Index i, Tally& tally);
   void collide(Index i, Index j, Tally& tally);
   void hit_or_cross_vertical_border(MovingDisk& disk, Index i, Tally& tally);
   void hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Tally& tally);
-  void schedule(Index i, Index apart);
+  void schedule(Index i, Prediction const& next);
 
   void audit_overlaps() const;
   void audit_missed_events() const;
@@ -77,7 +76,7 @@ class Dynamics {
   SlotCells cells_;
   Calendar calendar_;
   Surroundings surroundings_{};
-  Predict predict_ = nullptr;
+  Predictor predictor_{};
 
   // Empty while all disks are equal.
   std::vector<double> radius_;
@@ -95,6 +94,7 @@ class Dynamics {
 
   bool fetches_ahead_ = false;  // the disks are too many for the cache
   std::uint32_t seen_slice_ = 0;
+  FetchPipeline pipeline_;
   double now_ = 0.0;           // time of the last event, in this epoch
   double epoch_length_ = 0.0;  // 0 when nothing moves
   double epoch_start_ = 0.0;

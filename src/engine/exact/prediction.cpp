@@ -68,6 +68,13 @@ Prediction predict_plainly(Surroundings const& s, Index i, double now, Index apa
   return earliest.best();
 }
 
-Predict fastest_prediction(Surroundings const& s) { return can_use_avx512(s) ? predict_with_avx512 : predict_plainly; }
+PairPrediction predict_pair_plainly(Surroundings const& s, Index i, Index j, double now) {
+  return {predict_plainly(s, i, now, j), predict_plainly(s, j, now, i)};
+}
+
+Predictor fastest_predictor(Surroundings const& s) {
+  if (can_use_avx512(s)) return {predict_with_avx512, predict_pair_with_avx512};
+  return {predict_plainly, predict_pair_plainly};
+}
 
 }  // namespace gridlock::exact

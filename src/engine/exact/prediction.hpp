@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 
 #include "engine/exact/moving_disk.hpp"
@@ -51,8 +52,24 @@ bool can_use_avx512(Surroundings const& surroundings);
 /// Eight candidates at a time.
 Prediction predict_with_avx512(Surroundings const& surroundings, Index i, double now, Index apart);
 
+/// The predictions of two disks that have just been scattered off one another.
+struct PairPrediction {
+  Prediction of_i;
+  Prediction of_j;
+};
+using PredictPair = PairPrediction (*)(Surroundings const& surroundings, Index i, Index j, double now);
+
+PairPrediction predict_pair_plainly(Surroundings const& surroundings, Index i, Index j, double now);
+PairPrediction predict_pair_with_avx512(Surroundings const& surroundings, Index i, Index j, double now);
+
+/// One way to predict, for one disk and for two.
+struct Predictor {
+  Predict one;
+  PredictPair pair;
+};
+
 /// The fastest implementation for this processor and these cells.
-Predict fastest_prediction(Surroundings const& surroundings);
+Predictor fastest_predictor(Surroundings const& surroundings);
 
 /// When disk i reaches the border of its cell, or the wall there.
 inline Prediction predict_border(Surroundings const& s, Index i, double now) {
@@ -67,9 +84,9 @@ inline Prediction predict_border(Surroundings const& s, Index i, double now) {
   constexpr double never = std::numeric_limits<double>::infinity();
   double const x_time = disk.velocity_x != 0.0 ? (x_edge - disk.x) / disk.velocity_x : never;
   double const y_time = disk.velocity_y != 0.0 ? (y_edge - disk.y) / disk.velocity_y : never;
-  Prediction const border =
-      y_time < x_time ? Prediction{y_time, horizontal_border} : Prediction{x_time, vertical_border};
-  return {border.time > now ? border.time : now, border.partner};
+  // Without a branch, for either is as likely.
+  static_assert(horizontal_border == vertical_border + 1);
+  return {std::max(now, std::min(x_time, y_time)), vertical_border + static_cast<Index>(y_time < x_time)};
 }
 
 }  // namespace gridlock::exact

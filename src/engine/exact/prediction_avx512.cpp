@@ -4,6 +4,7 @@
 
 #include <immintrin.h>
 
+#include <algorithm>
 #include <bit>
 
 #if !defined(__clang__)
@@ -19,36 +20,50 @@ namespace gridlock::exact {
 namespace {
 
 constexpr std::size_t lanes = 8;
-constexpr std::size_t most_slots_per_cell = 8;
+constexpr std::size_t slots_per_cell = 4;
 
-/// The disks around disk i but for i and `apart`, moved together; zeros behind them, so that wide loads stay in bounds.
+/// The disks around disk i but for i and `apart`, moved together; zeros behind them.
 struct Candidates {
-  alignas(64) Index disks[9 * most_slots_per_cell + 16];
+  alignas(64) Index disks[16];
   std::size_t count;
 };
 
+/// The names in one run of three cells, moved to the front of a register, after `count` others.
+struct Run {
+  __m512i names;
+  unsigned count;
+};
+
+GRIDLOCK_AVX512 inline Run names_in_run(Index const* run, __m512i self, __m512i apart) {
+  constexpr __mmask16 in_run = (1U << (3 * slots_per_cell)) - 1U;
+  __m512i const names = _mm512_loadu_si512(run);
+  __mmask16 const is_disk = _mm512_mask_cmpneq_epi32_mask(in_run, names, _mm512_set1_epi32(static_cast<int>(no_disk)));
+  __mmask16 const is_other = _mm512_cmpneq_epi32_mask(names, self) & _mm512_cmpneq_epi32_mask(names, apart);
+  auto const found = static_cast<__mmask16>(is_disk & is_other);
+  return {_mm512_maskz_compress_epi32(found, names),
+          static_cast<unsigned>(std::popcount(static_cast<unsigned>(found)))};
+}
+
+GRIDLOCK_AVX512 inline __m512i moved_up(Run const& run, unsigned places) {
+  return _mm512_maskz_expand_epi32(static_cast<__mmask16>(((1U << run.count) - 1U) << places), run.names);
+}
+
 /// Three cells of four slots are a run of memory that one register of sixteen holds.
-GRIDLOCK_AVX512 inline void collect(Surroundings const& s, Index i, Index apart, Candidates& candidates) {
+/// Returns false where there are more than sixteen candidates.
+GRIDLOCK_AVX512 inline bool collect(Surroundings const& s, Index i, Index apart, Candidates& candidates) {
   MovingDisk const& disk = s.disks[i];
-  __m512i const none = _mm512_set1_epi32(static_cast<int>(no_disk));
+  Index const* const run = s.slots + static_cast<std::size_t>(disk.row) * s.row_stride +
+                           static_cast<std::size_t>(disk.column) * slots_per_cell;
   __m512i const self = _mm512_set1_epi32(static_cast<int>(i));
   __m512i const other = _mm512_set1_epi32(static_cast<int>(apart));
-  Index const* run =
-      s.slots + static_cast<std::size_t>(disk.row) * s.row_stride + static_cast<std::size_t>(disk.column) * s.capacity;
-  std::size_t const length = 3 * s.capacity;
-  std::size_t count = 0;
-  for (int row = 0; row < 3; ++row, run += s.row_stride) {
-    for (std::size_t k = 0; k < length; k += 16) {
-      __mmask16 mask = length - k >= 16 ? __mmask16{0xFFFF} : static_cast<__mmask16>((1U << (length - k)) - 1U);
-      __m512i const names = _mm512_loadu_si512(run + k);
-      mask = _mm512_mask_cmpneq_epi32_mask(mask, names, none);
-      mask = _mm512_mask_cmpneq_epi32_mask(mask, names, self);
-      mask = _mm512_mask_cmpneq_epi32_mask(mask, names, other);
-      _mm512_storeu_si512(candidates.disks + count, _mm512_maskz_compress_epi32(mask, names));
-      count += static_cast<std::size_t>(std::popcount(static_cast<unsigned>(mask)));
-    }
-  }
-  candidates.count = count;
+  Run const below = names_in_run(run, self, other);
+  Run const beside = names_in_run(run + s.row_stride, self, other);
+  Run const above = names_in_run(run + 2 * s.row_stride, self, other);
+  __m512i const all = _mm512_or_si512(
+      below.names, _mm512_or_si512(moved_up(beside, below.count), moved_up(above, below.count + beside.count)));
+  _mm512_store_si512(candidates.disks, all);
+  candidates.count = below.count + beside.count + above.count;
+  return candidates.count <= 16;
 }
 
 struct Columns {
@@ -99,62 +114,120 @@ bool can_use_avx512(Surroundings const& s) {
                                 __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
   // In fewer cells a side the nearest image of a disk may not be the one in the neighbouring cell.
   bool const has_room = !s.is_periodic || (s.columns >= 5 && s.rows >= 5);
-  return has_instructions && has_room && s.capacity <= most_slots_per_cell;
+  return has_instructions && has_room && s.capacity == slots_per_cell;
 }
 
-GRIDLOCK_AVX512 Prediction predict_with_avx512(Surroundings const& s, Index i, double now, Index apart) {
-  Prediction best = predict_border(s, i, now);
-  Candidates candidates;
-  collect(s, i, apart, candidates);
+namespace {
+
+/// predict_border(), the two directions side by side.
+GRIDLOCK_AVX512 inline Prediction predict_border_packed(Surroundings const& s, Index i, double now) {
+  MovingDisk const& disk = s.disks[i];
+  __m128d const zero = _mm_setzero_pd();
+  __m128d const place = _mm_load_pd(&disk.x);
+  __m128d const velocity = _mm_load_pd(&disk.velocity_x);
+  auto const upwards = static_cast<unsigned>(_mm_cmp_pd_mask(velocity, zero, _CMP_GT_OQ));
+  __m128d edge = _mm_loadh_pd(_mm_load_sd(s.column_edges + disk.column + (upwards & 1U)),
+                              s.row_edges + disk.row + (upwards >> 1U));
+  if (!s.is_periodic) {
+    double const r = s.radius_of(i);
+    edge = _mm_min_pd(_mm_max_pd(edge, _mm_set1_pd(r)), _mm_set_pd(s.height - r, s.width - r));
+  }
+  __mmask8 const moves = _mm_cmp_pd_mask(velocity, zero, _CMP_NEQ_OQ);
+  __m128d const never = _mm_set1_pd(std::numeric_limits<double>::infinity());
+  __m128d const time = _mm_mask_div_pd(never, moves, _mm_sub_pd(edge, place), velocity);
+  __m128d const y_time = _mm_unpackhi_pd(time, time);
+  // Either is as likely: intrinsics, because a compiler may well make a branch of std::min().
+  auto const is_horizontal = static_cast<Index>(_mm_cmp_sd_mask(y_time, time, _CMP_LT_OQ));
+  return {_mm_cvtsd_f64(_mm_max_sd(_mm_min_sd(y_time, time), _mm_set_sd(now))), vertical_border + is_horizontal};
+}
+
+/// Whether some neighbouring cell lies across the edge of a periodic box.
+inline bool is_at_periodic_edge(Surroundings const& s, MovingDisk const& disk) {
+  return s.is_periodic && (static_cast<std::uint32_t>(disk.column - 1) >= static_cast<std::uint32_t>(s.columns - 2) ||
+                           static_cast<std::uint32_t>(disk.row - 1) >= static_cast<std::uint32_t>(s.rows - 2));
+}
+
+/// The first of the border and the contacts with the candidates.
+GRIDLOCK_AVX512 inline Prediction first_event(Surroundings const& s, Index i, double now,
+                                              Candidates const& candidates) {
+  Prediction best = predict_border_packed(s, i, now);
   MovingDisk const& self = s.disks[i];
+  bool const needs_images = is_at_periodic_edge(s, self);
   __m512d const zero = _mm512_setzero_pd();
   __m512d const never = _mm512_set1_pd(std::numeric_limits<double>::infinity());
   __m512d const time_now = _mm512_set1_pd(now);
-  __m512d contact = _mm512_set1_pd(s.equal_radius + s.equal_radius);
+  __m512d const self_x = _mm512_set1_pd(self.x);
+  __m512d const self_y = _mm512_set1_pd(self.y);
+  __m512d const self_velocity_x = _mm512_set1_pd(self.velocity_x);
+  __m512d const self_velocity_y = _mm512_set1_pd(self.velocity_y);
+  __m512d squared_contact = _mm512_set1_pd((s.equal_radius + s.equal_radius) * (s.equal_radius + s.equal_radius));
   for (std::size_t k = 0; k < candidates.count; k += lanes) {
     Index const* const names = candidates.disks + k;
     Columns const other = columns_of(s.disks, names);
-    __m512d const w_x = _mm512_sub_pd(other.velocity_x, _mm512_set1_pd(self.velocity_x));
-    __m512d const w_y = _mm512_sub_pd(other.velocity_y, _mm512_set1_pd(self.velocity_y));
-    __m512d d_x = _mm512_add_pd(_mm512_sub_pd(other.x, _mm512_set1_pd(self.x)), _mm512_mul_pd(w_x, time_now));
-    __m512d d_y = _mm512_add_pd(_mm512_sub_pd(other.y, _mm512_set1_pd(self.y)), _mm512_mul_pd(w_y, time_now));
-    if (s.is_periodic) {
+    __m512d const w_x = _mm512_sub_pd(other.velocity_x, self_velocity_x);
+    __m512d const w_y = _mm512_sub_pd(other.velocity_y, self_velocity_y);
+    __m512d d_x = _mm512_add_pd(_mm512_sub_pd(other.x, self_x), _mm512_mul_pd(w_x, time_now));
+    __m512d d_y = _mm512_add_pd(_mm512_sub_pd(other.y, self_y), _mm512_mul_pd(w_y, time_now));
+    if (needs_images) {
       d_x = nearest_image(d_x, s.width);
       d_y = nearest_image(d_y, s.height);
     }
     if (s.radius != nullptr) {
       __m256i const places = _mm256_loadu_si256(reinterpret_cast<__m256i const*>(names));
-      contact = _mm512_add_pd(_mm512_set1_pd(s.radius[i]), _mm512_i32gather_pd(places, s.radius, sizeof(double)));
+      __m512d const contact =
+          _mm512_add_pd(_mm512_set1_pd(s.radius[i]), _mm512_i32gather_pd(places, s.radius, sizeof(double)));
+      squared_contact = _mm512_mul_pd(contact, contact);
     }
     __m512d const b = _mm512_add_pd(_mm512_mul_pd(d_x, w_x), _mm512_mul_pd(d_y, w_y));
-    __m512d const c =
-        _mm512_sub_pd(_mm512_add_pd(_mm512_mul_pd(d_x, d_x), _mm512_mul_pd(d_y, d_y)), _mm512_mul_pd(contact, contact));
+    __m512d const c = _mm512_sub_pd(_mm512_add_pd(_mm512_mul_pd(d_x, d_x), _mm512_mul_pd(d_y, d_y)), squared_contact);
     __m512d const squared_speed = _mm512_add_pd(_mm512_mul_pd(w_x, w_x), _mm512_mul_pd(w_y, w_y));
     __m512d const discriminant = _mm512_sub_pd(_mm512_mul_pd(b, b), _mm512_mul_pd(squared_speed, c));
     __m512d const wait = _mm512_div_pd(c, _mm512_sub_pd(_mm512_sqrt_pd(discriminant), b));
     __m512d const time = _mm512_add_pd(time_now, _mm512_max_pd(wait, zero));
 
-    std::size_t const left = candidates.count - k;
-    __mmask8 hits = left >= lanes ? __mmask8{0xFF} : static_cast<__mmask8>((1U << left) - 1U);
+    auto hits = static_cast<__mmask8>((1U << (candidates.count - k)) - 1U);  // there are at most sixteen
     hits = _mm512_mask_cmp_pd_mask(hits, b, zero, _CMP_LT_OQ);
     hits = _mm512_mask_cmp_pd_mask(hits, discriminant, zero, _CMP_GE_OQ);
     hits = _mm512_mask_cmp_pd_mask(hits, time, other.event_time, _CMP_LT_OQ);
     double const earliest = _mm512_reduce_min_pd(_mm512_mask_mov_pd(never, hits, time));
     __mmask8 const first = _mm512_mask_cmp_pd_mask(hits, time, _mm512_set1_pd(earliest), _CMP_EQ_OQ);
     unsigned const firsts = first;
-    if ((firsts & (firsts - 1U)) != 0 || earliest == best.time) [[unlikely]] {
+    if (((firsts & (firsts - 1U)) != 0) | (earliest == best.time)) [[unlikely]] {
       for (unsigned rest = firsts; rest != 0; rest &= rest - 1U) {
         Index const j = names[std::countr_zero(rest)];
         bool const is_tie = earliest == best.time && best.partner < vertical_border;
         if (earliest < best.time || (is_tie && s.disks[j].rank < s.disks[best.partner].rank)) best = {earliest, j};
       }
     } else {
-      Index const j = names[std::countr_zero(firsts | 0x80U)];
-      bool const is_earlier = earliest < best.time;
-      best = {is_earlier ? earliest : best.time, is_earlier ? j : best.partner};
+      // Which of the two is earlier is a coin toss: no branch may depend on it, or the processor could not begin with
+      // the next prediction meanwhile.
+      Index const choice[2] = {best.partner, names[std::countr_zero(firsts | 0x80U)]};
+      best = {_mm_cvtsd_f64(_mm_min_sd(_mm_set_sd(earliest), _mm_set_sd(best.time))),
+              choice[earliest < best.time ? 1 : 0]};
     }
   }
   return best;
+}
+
+}  // namespace
+
+GRIDLOCK_AVX512 Prediction predict_with_avx512(Surroundings const& s, Index i, double now, Index apart) {
+  Candidates candidates;
+  if (!collect(s, i, apart, candidates)) [[unlikely]]
+    return predict_plainly(s, i, now, apart);
+  return first_event(s, i, now, candidates);
+}
+
+GRIDLOCK_AVX512 PairPrediction predict_pair_with_avx512(Surroundings const& s, Index i, Index j, double now) {
+  // What is around the two does not depend on how they were scattered: collected first, it is found while the processor
+  // still waits for the new velocities.
+  Candidates around_i;
+  Candidates around_j;
+  bool const fits_i = collect(s, i, j, around_i);
+  bool const fits_j = collect(s, j, i, around_j);
+  if (!fits_i || !fits_j) [[unlikely]]
+    return predict_pair_plainly(s, i, j, now);
+  return {first_event(s, i, now, around_i), first_event(s, j, now, around_j)};
 }
 
 }  // namespace gridlock::exact
@@ -166,6 +239,9 @@ namespace gridlock::exact {
 bool can_use_avx512(Surroundings const&) { return false; }
 Prediction predict_with_avx512(Surroundings const& s, Index i, double now, Index apart) {
   return predict_plainly(s, i, now, apart);
+}
+PairPrediction predict_pair_with_avx512(Surroundings const& s, Index i, Index j, double now) {
+  return predict_pair_plainly(s, i, j, now);
 }
 
 }  // namespace gridlock::exact

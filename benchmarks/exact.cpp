@@ -1,0 +1,87 @@
+// The engine `exact` in the fluid at φ = 0.70, periodic, equal disks, one core: nanoseconds of processor time per
+// collision after equilibration, the state's hash at the end, and the memory of state and engine per disk.
+//
+//     gridlock_bench_exact [N …]        default: 1024 10000 100000 1000000
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+#include <vector>
+
+#include "gridlock/core/random.hpp"
+#include "gridlock/engine/engine.hpp"
+#include "measure.hpp"
+
+namespace gridlock::benchmark {
+namespace {
+
+constexpr double packing_fraction = 0.70;
+constexpr int repeats = 7;
+
+/// Disks of diameter 1 on a square lattice with Maxwell velocities: it melts within a few collisions a disk.
+State lattice(std::uint64_t n) {
+  auto const columns = static_cast<std::uint64_t>(std::ceil(std::sqrt(static_cast<double>(n))));
+  double const side = std::sqrt(static_cast<double>(n) * std::numbers::pi / 4.0 / packing_fraction);
+  double const step = side / static_cast<double>(columns);
+  State state{.box = Box(side, side, Edge::periodic), .seed = 1};
+  state.disks.reserve(n);
+  for (std::uint64_t i = 0; i < n; ++i) {
+    RandomStream random(1, 0, i, Purpose::start_velocity);
+    double const velocity_x = random.normal();
+    double const velocity_y = random.normal();
+    state.disks.add((static_cast<double>(i % columns) + 0.5) * step, (static_cast<double>(i / columns) + 0.5) * step,
+                    velocity_x, velocity_y, 0.5, 1.0, 0, 0);
+  }
+  return state;
+}
+
+/// Largest memory of this process so far, in bytes.
+double largest_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+void measure(std::uint64_t n) {
+  double const memory_before = largest_memory();
+  State state = lattice(n);
+  double const memory_of_state = largest_memory();
+  auto const engine = make_engine({.kind = "exact"}, state);
+  Tally tally;
+  // Ten collisions a disk melt the lattice; a hundred bring small systems, which cost nothing, to equilibrium.
+  std::uint64_t const equilibration = n * (n < 50'000 ? 100 : 10);
+  engine->advance(state, tally, {.pair_collisions = equilibration});
+  std::uint64_t const block = std::clamp<std::uint64_t>(2 * n, 200'000, 2'000'000);
+  std::vector<double> nanoseconds;
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    double const start = processor_seconds();
+    std::uint64_t const before = tally.pair_collisions;
+    engine->advance(state, tally, {.pair_collisions = before + block});
+    nanoseconds.push_back(1e9 * (processor_seconds() - start) / static_cast<double>(block));
+  }
+  std::ranges::sort(nanoseconds);
+  double const memory = largest_memory();
+  double const disks = static_cast<double>(n);
+  std::printf("exact,%llu,%.2f,%.1f,%.1f,%.3f,%.3f,%.0f,%.0f,%016llx\n", static_cast<unsigned long long>(n),
+              packing_fraction, nanoseconds.front(), nanoseconds[repeats / 2], 1e3 / nanoseconds.front(),
+              1e3 / nanoseconds[repeats / 2], (memory - memory_of_state) / disks, (memory - memory_before) / disks,
+              static_cast<unsigned long long>(hash(state)));
+  std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace gridlock::benchmark
+
+int main(int argument_count, char** arguments) {
+  std::vector<std::uint64_t> sizes;
+  for (int k = 1; k < argument_count; ++k) sizes.push_back(std::strtoull(arguments[k], nullptr, 10));
+  if (sizes.empty()) sizes = {1024, 10'000, 100'000, 1'000'000};
+  std::printf(
+      "benchmark,n,packing_fraction,nanoseconds_min,nanoseconds_median,million_collisions_per_second_max,"
+      "million_collisions_per_second_median,engine_bytes_per_disk,bytes_per_disk,state_hash\n");
+  for (std::uint64_t const n : sizes) gridlock::benchmark::measure(n);
+}
