@@ -56,6 +56,7 @@ double step_duration(EngineSettings const& settings, State const& state) {
 
 void describe(EngineSettings& settings, SettingVisitor& visitor) {
   static constexpr std::array<std::string_view, 2> contacts{"always", "approaching"};
+  static constexpr std::array<std::string_view, 2> grids{"linked", "packed"};
   visitor.visit({.key = "kind",
                  .documentation = "How the disks move: \"stepped\" is the paper's rule, \"exact\" goes from collision "
                                   "to collision without a time step."},
@@ -78,7 +79,7 @@ void describe(EngineSettings& settings, SettingVisitor& visitor) {
                  .most = 1e6},
                 settings.substeps);
   visitor.visit({.key = "cells",
-                 .documentation = "k: the grid has k × k neighbourhoods.",
+                 .documentation = "k: the linked lists have k × k neighbourhoods.",
                  .least = 1,
                  .most = 46340,
                  .default_note = "as many as keep the 3×3 block wide enough for every collision of one step"},
@@ -92,6 +93,11 @@ void describe(EngineSettings& settings, SettingVisitor& visitor) {
                  .unit = "pair collisions",
                  .documentation = "How often the exact engine looks for overlaps and missed collisions; 0 is never."},
                 settings.audit_every);
+  visit_enum(visitor,
+             {.key = "grid",
+              .documentation = "How stepped finds the neighbours of a disk: \"linked\" is the paper's lists in k × k "
+                               "cells, \"packed\" is faster, chooses its own cells and gives the same bits."},
+             grids, settings.grid);
 }
 
 }  // namespace gridlock

@@ -12,6 +12,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/linked_grid.hpp"
 #include "gridlock/grid/validate.hpp"
+#include "packed_turns.hpp"
 #include "turn.hpp"
 
 namespace gridlock {
@@ -25,26 +26,6 @@ std::vector<std::size_t> rows_by_id(Disks const& disks) {
   std::ranges::sort(rows, {}, [ids = disks.ids()](std::size_t row) { return ids[row]; });
   return rows;
 }
-
-/// How far from its place at the start of a turn a disk can meet the centre of another: contact distance and way.
-class Reach {
- public:
-  Reach(State const& state, double largest_radius, double duration, std::uint64_t substeps)
-      : largest_radius_(largest_radius),
-        duration_(duration),
-        // Every sub-step may round the position by an ulp of the box, which adds up for slow disks and many sub-steps.
-        rounding_(static_cast<double>(substeps) * std::numeric_limits<double>::epsilon() *
-                  std::max(state.box.width(), state.box.height())) {}
-
-  [[nodiscard]] double of(double radius, double squared_speed) const {
-    return radius + largest_radius_ + std::sqrt(squared_speed) * duration_ + rounding_;
-  }
-
- private:
-  double largest_radius_;
-  double duration_;
-  double rounding_;
-};
 
 void require_bounds(EngineSettings const& settings, State const& state) {
   if (!(std::isfinite(settings.time_step) && settings.time_step > 0.0)) {
@@ -97,12 +78,22 @@ void require_room_for_images(State const& state, double substep) {
                .key = "box"});
 }
 
+[[noreturn]] void throw_long_substep(State const& state, std::size_t i, double way) {
+  double const contact = state.disks.column<Radius>()[i] + radius_range(state.disks).smallest;
+  throw RunFailure(
+      fmt::format("step {}: {}\n  hint: {}", state.clock.step, jump_text(state, i, way, contact), jump_hint));
+}
+
 }  // namespace
 
 CellLayout stepped_layout(EngineSettings const& settings, State const& state) {
-  if (settings.cells) return {state.box, *settings.cells, *settings.cells};
-  double const way = largest_speed(state.disks) * step_duration(settings, state);
-  double const reach = 2.0 * radius_range(state.disks).largest + way;
+  double const duration = step_duration(settings, state);
+  if (settings.cells) {
+    CellLayout const asked_for(state.box, *settings.cells, *settings.cells);
+    if (settings.grid == GridKind::linked) return asked_for;
+  }
+  if (settings.grid == GridKind::packed) return packed_layout(state, duration);
+  double const reach = 2.0 * radius_range(state.disks).largest + largest_speed(state.disks) * duration;
   return layout_for_reach(state.box, reach, state.disks.size());
 }
 
@@ -121,41 +112,60 @@ void SteppedEngine::advance(State& state, Tally& tally, Horizon const& horizon) 
     box_ = state.box;
     layout_ = stepped_layout(settings_, state);
   }
-  TurnView const view = view_for_turns(state, settings_, duration_);
-  LinkedGrid grid(layout_, view.x, view.y);
+  if (settings_.grid == GridKind::linked) {
+    advance_on_lists(state, tally, horizon);
+  } else {
+    advance_packed(state, tally, horizon);
+  }
+}
+
+template <class TakeTurn>
+void SteppedEngine::take_turns(State& state, Tally& tally, Horizon const& horizon, TakeTurn take) const {
   std::vector<std::size_t> const order = rows_by_id(state.disks);
-  RadiusRange const radii = radius_range(state.disks);
-  Reach const reach(state, radii.largest, duration_, settings_.substeps);
-  auto const take_turns = [&] {
-    for (std::size_t const i : order) {
-      double const squared_speed = squared_length(view.velocity(i));
-      require_short_substep(state, i, squared_speed, radii.smallest);
-      double const distance = reach.of(view.radius[i], squared_speed);
-      int const columns = layout_.columns_within(distance);
-      int const rows = layout_.rows_within(distance);
-      int const cell = grid.cell_of(i);
-      take_turn(view, i, tally, [&](Partner& partner) {
-        grid.for_each_in_block(cell, columns, rows, [&](std::size_t j) { partner.consider(j); });
-      });
-      grid.move(i, view.position(i));
-    }
-  };
+  auto const radius = state.disks.column<Radius>();
+  double const smallest = radius_range(state.disks).smallest;
+  double const substep = duration_ / static_cast<double>(settings_.substeps);
   while (state.clock.step < horizon.step && state.clock.time < horizon.time &&
          tally.pair_collisions < horizon.pair_collisions) {
-    take_turns();
+    for (std::size_t const i : order) {
+      double const squared_speed = squared_length(velocity(state.disks, i));
+      if (!is_short(squared_speed * substep * substep, radius[i] + smallest)) {
+        throw_long_substep(state, i, std::sqrt(squared_speed) * substep);
+      }
+      take(i, squared_speed);
+    }
     ++state.clock.step;
     state.clock.time += duration_;
   }
 }
 
-void SteppedEngine::require_short_substep(State const& state, std::size_t i, double squared_speed,
-                                          double smallest_radius) const {
-  double const substep = duration_ / static_cast<double>(settings_.substeps);
-  double const contact = state.disks.column<Radius>()[i] + smallest_radius;
-  double const squared_way = squared_speed * substep * substep;
-  if (is_short(squared_way, contact)) return;
-  throw RunFailure(fmt::format("step {}: {}\n  hint: {}", state.clock.step,
-                               jump_text(state, i, std::sqrt(squared_way), contact), jump_hint));
+void SteppedEngine::advance_on_lists(State& state, Tally& tally, Horizon const& horizon) const {
+  TurnView const view = view_for_turns(state, settings_, duration_);
+  LinkedGrid grid(layout_, view.x, view.y);
+  Reach const reach(state.box, radius_range(state.disks).largest, duration_, settings_.substeps);
+  take_turns(state, tally, horizon, [&](std::size_t i, double squared_speed) {
+    double const distance = reach.of(view.radius[i], squared_speed);
+    int const columns = layout_.columns_within(distance);
+    int const rows = layout_.rows_within(distance);
+    int const cell = grid.cell_of(i);
+    take_turn(view, i, tally, [&](Partner& partner) {
+      grid.for_each_in_block(cell, columns, rows, [&](std::size_t j) { partner.consider(j); });
+    });
+    grid.move(i, view.position(i));
+  });
+}
+
+void SteppedEngine::advance_packed(State& state, Tally& tally, Horizon const& horizon) const {
+  TurnView const view = view_for_turns(state, settings_, duration_);
+  PackedGrid grid(layout_, view.x, view.y);
+  PackedTurns turns(view, grid, radius_range(state.disks), duration_);
+  take_turns(state, tally, horizon, [&](std::size_t i, double squared_speed) {
+    if (turns.is_local(i, squared_speed)) {
+      turns.take_local(i, tally);
+    } else {
+      turns.take_any(i, tally);
+    }
+  });
 }
 
 }  // namespace gridlock

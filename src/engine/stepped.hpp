@@ -7,11 +7,12 @@
 
 namespace gridlock {
 
-/// The cells of the engine `stepped`: the k × k asked for, or the finest whose 3×3 block is enough for the start.
+/// The cells of the engine `stepped`: for lists the k × k asked for, or the finest whose 3×3 block is enough for the
+/// start; for the packed grid see packed_layout().
 CellLayout stepped_layout(EngineSettings const& settings, State const& state);
 
-/// The paper's rule, disk after disk in the order of their Ids, on the paper's linked lists: the readable reference
-/// every faster version is measured against.
+/// The paper's rule, disk after disk in the order of their Ids: on the paper's linked lists, the readable reference every
+/// faster version is measured against, or on the packed grid, which gives the same bits.
 ///
 /// Errors: Error for settings out of their bounds, for no disks, for a state that validate() refuses, for a start in
 /// which a sub-step could jump over a disk, and for a periodic box so small that the image a disk runs into need not be
@@ -24,9 +25,12 @@ class SteppedEngine final : public Engine {
   [[nodiscard]] double time_step() const override { return duration_; }
 
  private:
-  /// Contract: a sub-step stays shorter than the contact distance to the smallest disk, or throws RunFailure.
-  void require_short_substep(State const& state, std::size_t i, double squared_speed, double smallest_radius) const;
-
+  void advance_on_lists(State& state, Tally& tally, Horizon const& horizon) const;
+  void advance_packed(State& state, Tally& tally, Horizon const& horizon) const;
+  /// Calls take(i, squared_speed) for each disk in the order of the Ids, step after step to the horizon.
+  /// Errors: RunFailure for a disk that has become so fast that a sub-step could jump over another.
+  template <class TakeTurn>
+  void take_turns(State& state, Tally& tally, Horizon const& horizon, TakeTurn take) const;
   EngineSettings settings_;
   double duration_;
   Box box_;  ///< the box layout_ was made for

@@ -113,37 +113,56 @@ inline void scatter(TurnView const& view, std::size_t i, std::size_t j, Tally& t
   tally.pair_virial -= view.mass[i] * dot(b, change_i);
 }
 
+/// Whether a disk may come to an edge of the box in its turn. One that cannot is neither asked for walls nor wrapped.
+enum class EdgeOfTurn { may_be_met, is_far };
+
 /// One disk's turn in one time step, the paper's rule: up to `substeps` trial moves; the first that would cross a wall
 /// or overlap a disk halts it for this step, and it bounces off what it met. The caller keeps the grid up to date.
 ///
 /// search(partner) must call partner.consider(j) for every disk j that could overlap the trial point; visiting more
 /// disks, or any order, gives the same bits.
-template <class Search>
+template <EdgeOfTurn edge = EdgeOfTurn::may_be_met, class Search>
 void take_turn(TurnView const& view, std::size_t i, Tally& tally, Search search) {
   ++tally.turns;
-  for (std::uint64_t m = 0; m < view.substeps; ++m) {
-    Vector trial = view.position(i) + view.substep * view.velocity(i);
-    if (hits_wall(view, i, trial, tally)) {
-      ++tally.blocked_turns;
-      return;
+  // Kept out of the columns until the turn is over, which spares a way through memory in every sub-step.
+  Vector here = view.position(i);
+  Vector const way = view.substep * view.velocity(i);
+  int crossed_x = 0;
+  int crossed_y = 0;
+  auto const settle = [&] {
+    view.x[i] = here.x;
+    view.y[i] = here.y;
+    if constexpr (edge == EdgeOfTurn::may_be_met) {
+      view.image_x[i] += crossed_x;
+      view.image_y[i] += crossed_y;
     }
-    int crossed_x = 0;
-    int crossed_y = 0;
-    // Wrapping rounds, so it comes before the overlap check: what is checked is what is kept.
-    trial = view.box.wrap(trial, crossed_x, crossed_y);
+  };
+  for (std::uint64_t m = 0; m < view.substeps; ++m) {
+    Vector trial = here + way;
+    int trial_crossed_x = crossed_x;
+    int trial_crossed_y = crossed_y;
+    if constexpr (edge == EdgeOfTurn::may_be_met) {
+      if (hits_wall(view, i, trial, tally)) {
+        ++tally.blocked_turns;
+        break;
+      }
+      // Wrapping rounds, so it comes before the overlap check: what is checked is what is kept.
+      trial = view.box.wrap(trial, trial_crossed_x, trial_crossed_y);
+    }
     Partner partner(view, i, trial);
     search(partner);
     tally.distance_checks += partner.checks();
     if (partner.exists()) {
+      settle();
       scatter(view, i, partner.index(), tally);
       ++tally.blocked_turns;
       return;
     }
-    view.x[i] = trial.x;
-    view.y[i] = trial.y;
-    view.image_x[i] += crossed_x;
-    view.image_y[i] += crossed_y;
+    here = trial;
+    crossed_x = trial_crossed_x;
+    crossed_y = trial_crossed_y;
   }
+  settle();
 }
 
 }  // namespace gridlock

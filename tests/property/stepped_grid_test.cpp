@@ -21,6 +21,7 @@ namespace {
 using reference::random_scene;
 using reference::SceneSettings;
 
+/// On k × k linked lists, or with the default cells of either grid.
 void advance_with_cells(State& state, EngineSettings settings, std::optional<std::uint64_t> cells, Tally& tally,
                         std::uint64_t steps) {
   settings.cells = cells;
@@ -92,12 +93,18 @@ TEST_P(SteppedGrid, GivesTheBitsOfAllPairsForEveryNumberOfCells) {
   for (std::optional<std::uint64_t> const cells :
        {std::optional<std::uint64_t>{}, {1}, {2}, {3}, {5}, {10}, {20}, {57}}) {
     SCOPED_TRACE(cells ? "k = " + std::to_string(*cells) : "default cells");
-    State state = start;
-    Tally tally;
-    advance_with_cells(state, settings(), cells, tally, steps);
-    EXPECT_EQ(hash(state), hash(expected));
-    expect_same_tally(tally, expected_tally);
-    EXPECT_LE(tally.distance_checks, expected_tally.distance_checks);
+    for (GridKind const grid : {GridKind::linked, GridKind::packed}) {
+      if (cells && grid == GridKind::packed) continue;
+      SCOPED_TRACE(grid == GridKind::linked ? "linked" : "packed");
+      EngineSettings on_grid = settings();
+      on_grid.grid = grid;
+      State state = start;
+      Tally tally;
+      advance_with_cells(state, on_grid, cells, tally, steps);
+      EXPECT_EQ(hash(state), hash(expected));
+      expect_same_tally(tally, expected_tally);
+      EXPECT_LE(tally.distance_checks, expected_tally.distance_checks);
+    }
   }
 }
 
@@ -148,6 +155,7 @@ TEST(SteppedStress, ThreeHundredTinySystemsOfAFewCellsGiveTheBitsOfAllPairs) {
                             .contact = random.below(2) == 0 ? Contact::always : Contact::approaching};
     // 1–3 cells of the default layout in most of these boxes, and of these settings in all.
     if (random.below(2) == 0) settings.cells = 1 + random.below(3);
+    settings.grid = n % 4 < 2 ? GridKind::linked : GridKind::packed;
     State const start = random_scene(scene);
     State state = start;
     State expected = start;
@@ -157,7 +165,8 @@ TEST(SteppedStress, ThreeHundredTinySystemsOfAFewCellsGiveTheBitsOfAllPairs) {
     reference::advance_all_pairs(expected, settings, expected_tally, 300);
     ASSERT_EQ(hash(state), hash(expected))
         << "system " << n << ": " << scene << ", time step " << settings.time_step << ", sub-steps "
-        << settings.substeps << ", cells " << static_cast<int>(settings.cells.value_or(0));
+        << settings.substeps << ", cells " << static_cast<int>(settings.cells.value_or(0))
+        << (settings.grid == GridKind::linked ? ", linked" : ", packed");
     expect_same_tally(tally, expected_tally);
     ASSERT_NO_THROW(validate(state)) << "system " << n << ": " << scene;
   }

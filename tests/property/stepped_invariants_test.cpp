@@ -28,7 +28,8 @@ struct System {
 
   friend std::ostream& operator<<(std::ostream& out, System const& s) {
     out << s.scene << ", time step " << s.engine.time_step << ", sub-steps " << s.engine.substeps
-        << (s.engine.contact == Contact::always ? ", always" : ", approaching") << ", cells ";
+        << (s.engine.contact == Contact::always ? ", always" : ", approaching")
+        << (s.engine.grid == GridKind::linked ? ", linked" : ", packed") << ", cells ";
     return s.engine.cells ? out << *s.engine.cells : out << "default";
   }
 };
@@ -54,6 +55,7 @@ rc::Gen<System> any_system() {
                            s.engine.contact = *rc::gen::element(Contact::always, Contact::approaching);
                            auto const cells = static_cast<std::uint64_t>(*rc::gen::inRange(0, 16));
                            if (cells > 0) s.engine.cells = cells;
+                           s.engine.grid = *rc::gen::element(GridKind::linked, GridKind::packed);
                            return s;
                          }));
 }

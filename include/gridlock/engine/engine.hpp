@@ -29,7 +29,8 @@ struct Tally {
   std::uint64_t turns = 0;            ///< disk turns taken (stepped) or disk events handled (exact)
   std::uint64_t blocked_turns = 0;    ///< turns that ended at a wall or at another disk
   std::uint64_t pair_collisions = 0;  ///< pairs scattered
-  std::uint64_t distance_checks = 0;  ///< candidate distances looked at
+  /// Candidate distances measured; how many that takes is a property of the grid, not of the physics.
+  std::uint64_t distance_checks = 0;
   std::array<std::uint64_t, 4> wall_hits{};
   std::array<double, 4> wall_impulse{};  ///< Σ |Δp| given to each wall
   /// Σ over scattered pairs of −(r_j − r_i)·Δp_i: σ m |v_n| for two equal disks in contact.
@@ -44,15 +45,21 @@ struct Tally {
 /// approach each other.
 enum class Contact { always, approaching };
 
+/// What finds the neighbours of a disk in `stepped`: the paper's linked lists, the readable reference, or cells packed
+/// into cache lines. Both give the same bits.
+enum class GridKind { linked, packed };
+
 /// The settings `[engine]`.
 struct EngineSettings {
   std::string kind = "stepped";
   double time_step = 0.1;       ///< in diameters of the smallest disk per `speed`
   std::optional<double> speed;  ///< the speed time_step refers to; left out: velocities.max
   std::uint64_t substeps = 5;
-  std::optional<std::uint64_t> cells;  ///< k of the k × k grid; left out: chosen from the sizes
+  std::optional<std::uint64_t> cells;  ///< k of the k × k linked lists; left out: chosen from the sizes
   Contact contact = Contact::always;
   std::uint64_t audit_every = 0;  ///< pair collisions between two audits of the exact engine; 0: never
+  GridKind grid = GridKind::packed;
+  std::uint64_t threads = 0;  ///< of the engine tiled; 0: all cores
 };
 void describe(EngineSettings& settings, SettingVisitor& visitor);
 

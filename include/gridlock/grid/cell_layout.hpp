@@ -26,6 +26,8 @@ class CellLayout {
   [[nodiscard]] int count() const { return columns_ * rows_; }
   [[nodiscard]] double cell_width() const { return cell_width_; }
   [[nodiscard]] double cell_height() const { return cell_height_; }
+  [[nodiscard]] double columns_per_length() const { return columns_per_length_; }
+  [[nodiscard]] double rows_per_length() const { return rows_per_length_; }
   [[nodiscard]] bool is_periodic() const { return is_periodic_; }
 
   [[nodiscard]] int column_of(double x) const { return index_of(x, columns_per_length_, columns_); }

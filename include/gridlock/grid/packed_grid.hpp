@@ -133,6 +133,7 @@ class PackedGrid {
   // What a search that knows more than a reach is made of; see for_each_candidate_pair() for how it is used.
 
   [[nodiscard]] Block const& block_of(std::size_t agent) const { return blocks_[place_[agent] / slots]; }
+  [[nodiscard]] std::uint32_t slot_of(std::size_t agent) const { return place_[agent] % slots; }
   [[nodiscard]] Block const& block_at(int column, int row) const {
     return blocks_[static_cast<std::size_t>(row) * stride_ + static_cast<std::size_t>(column)];
   }
@@ -145,13 +146,15 @@ class PackedGrid {
   [[nodiscard]] int row_below(int row) const { return row == 0 ? below_first_ : row - 1; }
   [[nodiscard]] int row_above(int row) const { return row + 1 == layout_.rows() ? above_last_ : row + 1; }
 
-  /// The height and the width of a cell, the longer one being 1.
+  [[nodiscard]] double locals_per_length() const { return locals_per_length_; }
+  /// The width and the height of a cell, the longer one being 1.
   [[nodiscard]] float local_width() const { return local_width_; }
   [[nodiscard]] float local_height() const { return local_height_; }
 
+  /// A point less than a few cells away as seen from a cell.
   [[nodiscard]] LocalPoint local(Vector p, int column, int row) const {
-    return {place((p.x - column * layout_.cell_width()) * locals_per_length_),
-            place((p.y - row * layout_.cell_height()) * locals_per_length_)};
+    return {static_cast<float>(p.x * layout_.columns_per_length() - column) * local_width_,
+            static_cast<float>(p.y * layout_.rows_per_length() - row) * local_height_};
   }
 
   /// The squared local distance that no pair nearer than √squared_reach exceeds, whatever has rounded, for cells up to
@@ -162,11 +165,15 @@ class PackedGrid {
     return static_cast<float>(1.001 * squared_reach * locals_per_length_ * locals_per_length_ + 1001.0 * error * error);
   }
 
-  /// Bit s is set where slot s may be within the limit of a point seen from the block's cell.
-  static unsigned near_slots(Block const& block, LocalPoint p, float limit) {
+  /// True in the lanes of the slots that may be within the limit of a point seen from the block's cell.
+  static Int4 is_near(Block const& block, LocalPoint p, float limit) {
     Float4 const dx = load(block.x) - p.x;
     Float4 const dy = load(block.y) - p.y;
-    return bits_of(dx * dx + dy * dy <= limit);
+    return dx * dx + dy * dy <= limit;
+  }
+  /// The same as bits.
+  static unsigned near_slots(Block const& block, LocalPoint p, float limit) {
+    return bits_of(is_near(block, p, limit));
   }
 
  private:
@@ -174,7 +181,7 @@ class PackedGrid {
   static constexpr float nowhere = 1e18F;
   /// Points farther than this outside their cell, which only points outside the box are, are kept at this distance:
   /// nobody comes to seem farther away by that.
-  static constexpr double farthest_outside = 2.0;
+  static constexpr float farthest_outside = 2.0F;
 
   /// A lock of which every copy of the grid has its own.
   class Lock {
@@ -211,12 +218,14 @@ class PackedGrid {
     }
   }
 
-  static float place(double p) {
-    return static_cast<float>(std::min(std::max(p, -farthest_outside), 1.0 + farthest_outside));
+  /// The coordinate of an agent inside its cell, see farthest_outside.
+  static float place(float p) {
+    p = p < -farthest_outside ? -farthest_outside : p;
+    return p > 1.0F + farthest_outside ? 1.0F + farthest_outside : p;
   }
   static void write_place(Block& block, std::uint32_t slot, LocalPoint p) {
-    store(block.x, with_lane(load(block.x), slot, p.x));
-    store(block.y, with_lane(load(block.y), slot, p.y));
+    store(block.x, with_lane(load(block.x), slot, place(p.x)));
+    store(block.y, with_lane(load(block.y), slot, place(p.y)));
   }
 
   void grow(std::size_t agents);

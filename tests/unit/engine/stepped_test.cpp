@@ -63,7 +63,9 @@ TEST(SteppedTurn, HaltingKeepsTheSubStepsMadeBefore) {
   // Three sub-steps of room, the fourth would overlap: the disk stays after three and its turn ends.
   State state = make_state(
       Edge::wall, {{.position = {0.25, 0.5}, .velocity = {1.0, 0.0}}, {.position = {0.5 + 3.5 * substep, 0.5}}});
-  Tally const tally = advance(state, 1);
+  EngineSettings settings = exact_settings();
+  settings.grid = GridKind::linked;
+  Tally const tally = advance(state, 1, settings);
   EXPECT_EQ(position(state.disks, 0), (Vector{0.25 + 3 * substep, 0.5}));
   EXPECT_EQ(velocity(state.disks, 0), (Vector{0.0, 0.0}));
   EXPECT_EQ(velocity(state.disks, 1), (Vector{1.0, 0.0}));
@@ -121,6 +123,7 @@ TEST(SteppedTurn, TiesGoToTheLowerIdInWhateverRowAndCellItIs) {
       ASSERT_TRUE(state.disks.add_as(1, 0.25, 0.5, 1.0, 0.0, 0.125, 1.0, 0, 0));
       EngineSettings settings = exact_settings();
       settings.cells = cells;
+      settings.grid = GridKind::linked;
       Tally const tally = advance(state, 1, settings);
       EXPECT_EQ(tally.pair_collisions, 1U);
       EXPECT_EQ(velocity(state.disks, state.disks.index_of(7)), (Vector{0.0, 0.0}));
@@ -378,11 +381,16 @@ TEST(SteppedPeriodic, APathIsUnwrappedByTheImagesCounted) {
 
 TEST(SteppedGridReach, AFastDiskSeesAsFarAsItMoves) {
   // One step carries disk 0 over a quarter of the box, four cells and more of k = 20: the 3×3 block would miss disk 1.
-  for (std::uint64_t const cells : {1U, 3U, 10U, 20U, 100U}) {
+  for (std::uint64_t const cells : {0U, 1U, 3U, 10U, 20U, 100U}) {
     State state = make_state(Edge::wall, {{.position = {0.25, 0.5}, .velocity = {1.0, 0.0}, .radius = 0.03125},
                                           {.position = {0.46, 0.5}, .radius = 0.03125}});
-    Tally const tally = advance(state, 1, {.time_step = 4.0, .substeps = 5, .cells = cells});
-    EXPECT_EQ(tally.pair_collisions, 1U) << cells << " cells a side";
+    EngineSettings settings{.time_step = 4.0, .substeps = 5};
+    if (cells > 0) {
+      settings.cells = cells;
+      settings.grid = GridKind::linked;
+    }
+    Tally const tally = advance(state, 1, settings);
+    EXPECT_EQ(tally.pair_collisions, 1U) << cells << " cells a side, 0 for the packed grid";
     EXPECT_NO_THROW(validate(state));
   }
 }
@@ -398,8 +406,10 @@ TEST(SteppedGridReach, ADiskThatBecameFastSeesFartherThanTheGridWasMadeFor) {
   State coarse = start();
   State fine = start();
   settings.cells = 1;
+  settings.grid = GridKind::linked;
   Tally const tally = advance(coarse, 3, settings);
   settings.cells.reset();
+  settings.grid = GridKind::packed;
   advance(fine, 3, settings);
   EXPECT_GE(tally.pair_collisions, 2U);
   EXPECT_EQ(hash(coarse), hash(fine));

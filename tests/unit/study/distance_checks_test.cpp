@@ -62,7 +62,7 @@ TEST(ChecksOfOneLook, AreWhatTheSteppedEngineCountsForDisksAtRest) {
   for (std::uint64_t const k : {1, 2, 7, 12}) {
     State copy = state;
     Tally tally;
-    make_engine({.substeps = 5, .cells = k}, copy)->advance(copy, tally, {.step = 3});
+    make_engine({.substeps = 5, .cells = k, .grid = GridKind::linked}, copy)->advance(copy, tally, {.step = 3});
     EXPECT_EQ(tally.distance_checks, 3 * 5 * checks_of_one_look(state, k)) << k;
   }
 }
