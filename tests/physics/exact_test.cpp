@@ -222,6 +222,31 @@ TEST(ExactPhysics, TheStartOfThePaperRelaxesToMaxwellsMoments) {
   EXPECT_LT(fourth.error, 0.01);
 }
 
+// Each halt costs the stepped rule up to one time step of flight: a difference of first order in the time step, as long
+// as chaos has not multiplied it.
+TEST(ExactPhysics, TheSteppedRuleConvergesToItWithTheFirstPowerOfTheTimeStep) {
+  State const start = fluid(20, 20, 0.4, 1);
+  State exact = start;
+  Tally tally;
+  make_engine({.kind = "exact"}, exact)->advance(exact, tally, {.time = 0.2});
+  EXPECT_GT(tally.pair_collisions, 30U);
+  auto const difference = [&](double time_step) {
+    State stepped = start;
+    Tally unused;
+    EngineSettings const settings{
+        .kind = "stepped", .time_step = time_step, .speed = 1.0, .contact = Contact::approaching};
+    auto const steps = static_cast<std::uint64_t>(std::llround(0.2 / time_step));
+    make_engine(settings, stepped)->advance(stepped, unused, {.step = steps});
+    double sum = 0.0;
+    for (std::size_t i = 0; i < start.disks.size(); ++i) {
+      sum += squared_length(start.box.displacement(position(exact.disks, i), position(stepped.disks, i)));
+    }
+    return std::sqrt(sum / static_cast<double>(start.disks.size()));
+  };
+  double const order = std::log2(difference(0.0125) / difference(0.0125 / 64.0)) / 6.0;
+  EXPECT_NEAR(order, 1.0, 0.1);
+}
+
 // Dilute disks: D = 1.0274(8) kT/(m Γ) with Γ the collisions per disk and time. From the mean-squared displacement
 // between 10 and 20 mean free times, where the velocities have long forgotten their start.
 TEST(ExactPhysics, DiluteDisksDiffuseAsKineticTheorySays) {

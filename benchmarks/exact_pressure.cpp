@@ -1,0 +1,90 @@
+// The pressure of small periodic systems from long runs of the engine `exact`, against published values, with the audit
+// on: too long for the tests.
+//
+//     gridlock_bench_exact_pressure [millions of collisions per system]        default: 200
+//
+// Published: Li et al. 2022, P* = βPσ² of N hard disks in a periodic square box.
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+#include <vector>
+
+#include "gridlock/core/random.hpp"
+#include "gridlock/engine/engine.hpp"
+
+namespace gridlock::benchmark {
+namespace {
+
+struct Published {
+  std::uint64_t columns;
+  std::uint64_t rows;
+  double packing_fraction;
+  double pressure;
+  double error;
+};
+
+constexpr Published published[] = {
+    {8, 9, 0.65, 6.901074, 0.000071},   {8, 9, 0.67, 7.85637, 0.00011},     {8, 9, 0.68, 8.23631, 0.00034},
+    {8, 9, 0.69, 8.41814, 0.00038},     {8, 9, 0.70, 8.55170, 0.00059},     {14, 16, 0.67, 7.979479, 0.000058},
+    {14, 16, 0.68, 8.49105, 0.00019},   {29, 30, 0.67, 7.986779, 0.000025}, {29, 30, 0.68, 8.513249, 0.000037},
+    {29, 30, 0.69, 8.969898, 0.000075},
+};
+
+/// Disks of diameter 1 on stretched, shifted rows, Maxwell velocities without a common drift.
+State rows_of_disks(Published const& p) {
+  std::uint64_t const n = p.columns * p.rows;
+  double const side = std::sqrt(static_cast<double>(n) * std::numbers::pi / 4.0 / p.packing_fraction);
+  State state{.box = Box(side, side, Edge::periodic), .seed = 1};
+  Vector sum;
+  for (std::uint64_t i = 0; i < n; ++i) {
+    RandomStream random(1, 0, i, Purpose::start_velocity);
+    std::uint64_t const row = i / p.columns;
+    // About half a site from row to row, and whole sites once around the box.
+    double const shift = static_cast<double>(row * (p.rows / 2) % p.rows) / static_cast<double>(p.rows);
+    Vector const v{random.normal(), random.normal()};
+    sum = sum + v;
+    state.disks.add((static_cast<double>(i % p.columns) + shift) * side / static_cast<double>(p.columns),
+                    (static_cast<double>(row) + 0.5) * side / static_cast<double>(p.rows), v.x, v.y, 0.5, 1.0, 0, 0);
+  }
+  for (double& v : state.disks.column<VelocityX>()) v -= sum.x / static_cast<double>(n);
+  for (double& v : state.disks.column<VelocityY>()) v -= sum.y / static_cast<double>(n);
+  return state;
+}
+
+void measure(Published const& p, std::uint64_t collisions) {
+  constexpr int blocks = 50;
+  State state = rows_of_disks(p);
+  double const n = static_cast<double>(state.disks.size());
+  double const kt = kinetic_energy(state.disks) / (n - 1.0);
+  auto const engine = make_engine({.kind = "exact", .audit_every = 1'000'000}, state);
+  Tally tally;
+  engine->advance(state, tally, {.pair_collisions = collisions / 20});
+  std::vector<double> pressures;
+  for (int block = 0; block < blocks; ++block) {
+    double const virial = tally.pair_virial;
+    double const time = state.clock.time;
+    engine->advance(state, tally, {.pair_collisions = tally.pair_collisions + collisions / blocks});
+    double const z = 1.0 + (tally.pair_virial - virial) / (2.0 * n * kt * (state.clock.time - time));
+    pressures.push_back(z * 4.0 * p.packing_fraction / std::numbers::pi);
+  }
+  double mean = 0.0;
+  double squares = 0.0;
+  for (double const x : pressures) mean += x / blocks;
+  for (double const x : pressures) squares += (x - mean) * (x - mean);
+  double const error = std::sqrt(squares / (blocks * (blocks - 1.0)));
+  std::printf("%.0f,%.3f,%llu,%.6f,%.6f,%.6f,%.6f,%.2f\n", n, p.packing_fraction,
+              static_cast<unsigned long long>(collisions), mean, error, p.pressure, p.error,
+              (mean - p.pressure) / std::hypot(error, p.error));
+  std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace gridlock::benchmark
+
+int main(int argument_count, char** arguments) {
+  std::uint64_t const millions = argument_count > 1 ? std::strtoull(arguments[1], nullptr, 10) : 200;
+  std::printf("n,packing_fraction,collisions,pressure,error,published,published_error,difference_in_errors\n");
+  for (auto const& system : gridlock::benchmark::published) gridlock::benchmark::measure(system, 1'000'000 * millions);
+}
