@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gridlock {
+
+/// Carries by name everything that must outlive the process, out of an object or back into it.
+///
+/// An object names its members once, in `void carry(Archive&)` or `void carry(Archive&, Thing&)`, and that one function
+/// serves both directions, so that what is saved and what is restored cannot drift apart.
+/// Errors while restoring: Error for a name that is missing or of another type; a carry() that restores checks what
+/// its members must satisfy together (lengths that agree, numbers in range) and throws Error too, since a file can hold
+/// anything.
+class Archive {
+ public:
+  Archive() = default;
+  Archive(Archive const&) = delete;
+  Archive& operator=(Archive const&) = delete;
+  virtual ~Archive() = default;
+
+  /// Whether values come out of the archive into the object.
+  [[nodiscard]] virtual bool is_restoring() const = 0;
+
+  /// What is visited until the matching leave() stands inside `name`.
+  virtual void enter(std::string_view name) = 0;
+  virtual void leave() = 0;
+
+  /// Every bit of a number survives, also of −0, infinities and NaN.
+  virtual void visit(std::string_view name, bool& value) = 0;
+  virtual void visit(std::string_view name, double& value) = 0;
+  virtual void visit(std::string_view name, std::uint64_t& value) = 0;
+  virtual void visit(std::string_view name, std::string& value) = 0;
+  virtual void visit(std::string_view name, std::vector<double>& values) = 0;
+  virtual void visit(std::string_view name, std::vector<std::int32_t>& values) = 0;
+  virtual void visit(std::string_view name, std::vector<std::uint32_t>& values) = 0;
+  virtual void visit(std::string_view name, std::vector<std::uint64_t>& values) = 0;
+};
+
+}  // namespace gridlock

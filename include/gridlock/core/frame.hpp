@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "gridlock/core/box.hpp"
+#include "gridlock/core/population.hpp"
+#include "gridlock/core/state.hpp"
+
+namespace gridlock {
+
+/// The values of one column, a number for each agent.
+using FrameValues = std::variant<std::vector<double>, std::vector<std::int32_t>, std::vector<std::uint32_t>,
+                                 std::vector<std::uint64_t>>;
+
+struct FrameColumn {
+  std::string name;  ///< the name of the column's tag, for example "velocity_x"
+  FrameValues values;
+
+  friend bool operator==(FrameColumn const&, FrameColumn const&) = default;
+};
+
+/// A population of any kind at one moment, its columns known by name: what is written, drawn and exported.
+///
+/// Rows are in the order of the Ids, so that two frames of the same agents are the same whatever the order of the rows
+/// in memory was.
+struct Frame {
+  Box box;
+  Clock clock;
+  std::uint64_t seed = 0;
+  std::vector<Id> ids;
+  std::vector<FrameColumn> columns;
+
+  [[nodiscard]] std::size_t size() const { return ids.size(); }
+  /// The column of that name, or nothing.
+  [[nodiscard]] FrameColumn const* find(std::string_view name) const;
+
+  friend bool operator==(Frame const&, Frame const&) = default;
+};
+
+/// The rows of `ids` in the order of the Ids.
+std::vector<std::size_t> rows_in_order(std::span<Id const> ids);
+
+/// A population as a frame, every column of it. Cost: a sort of the Ids unless they are in order, and a copy.
+template <class... Columns>
+Frame frame_of(Box const& box, Clock const& clock, std::uint64_t seed, Population<Columns...> const& population) {
+  Frame frame{.box = box, .clock = clock, .seed = seed, .ids = {}, .columns = {}};
+  std::vector<std::size_t> const rows = rows_in_order(population.ids());
+  frame.ids.reserve(rows.size());
+  for (std::size_t const row : rows) frame.ids.push_back(population.ids()[row]);
+  auto const add = [&](char const* name, auto const& values) {
+    std::vector<std::remove_cvref_t<decltype(values[0])>> ordered;
+    ordered.reserve(rows.size());
+    for (std::size_t const row : rows) ordered.push_back(values[row]);
+    frame.columns.push_back({name, std::move(ordered)});
+  };
+  (add(Columns::name, population.template column<Columns>()), ...);
+  return frame;
+}
+
+/// A state of disks as a frame.
+Frame frame_of(State const& state);
+
+}  // namespace gridlock

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gridlock/core/archive.hpp"
+#include "gridlock/core/frame.hpp"
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/observe/observable.hpp"
+
+namespace gridlock {
+
+/// How often something happened since the start, for example "pair_collisions".
+struct Count {
+  std::string name;
+  std::uint64_t value = 0;
+};
+
+/// What a run carries on: agents, the rule that moves them and what is measured of them, whatever kind they are.
+///
+/// The loop of a run, its directory, trajectories, checkpoints, sweeps and the command line know nothing else.
+class Experiment {
+ public:
+  Experiment() = default;
+  Experiment(Experiment const&) = delete;
+  Experiment& operator=(Experiment const&) = delete;
+  virtual ~Experiment() = default;
+
+  [[nodiscard]] virtual Clock clock() const = 0;
+  /// The physical time one step stands for.
+  [[nodiscard]] virtual double time_step() const = 0;
+  [[nodiscard]] virtual std::size_t agents() const = 0;
+  /// The bitwise identity of the state.
+  [[nodiscard]] virtual std::uint64_t state_hash() const = 0;
+  [[nodiscard]] virtual std::vector<Count> counts() const = 0;
+
+  /// Moves on to the horizon; the bits do not depend on the number of threads.
+  /// Errors: RunFailure where an invariant breaks.
+  virtual void advance(Horizon const& horizon) = 0;
+  /// Whether the run has reached one of the horizon's ends.
+  [[nodiscard]] virtual bool is_at(Horizon const& horizon) const = 0;
+
+  /// The columns of the series besides step and time.
+  [[nodiscard]] virtual std::vector<ColumnInfo> columns() const = 0;
+  /// Measures now: one number for each column, or no_value; see Observable::sample().
+  virtual void sample(std::span<double> row, bool counts_for_average) = 0;
+  [[nodiscard]] virtual std::vector<NamedEstimate> results() const = 0;
+  [[nodiscard]] virtual std::vector<Distribution> distributions() const = 0;
+
+  /// All agents and all columns as they are now.
+  [[nodiscard]] virtual Frame frame() const = 0;
+
+  /// Everything that the rest of the run depends on: state, counts, and what the observables have gathered. Restored
+  /// into an experiment made from the same configuration, the run goes on with the same bits.
+  virtual void carry(Archive& archive) = 0;
+};
+
+}  // namespace gridlock
