@@ -26,9 +26,7 @@ constexpr char const* headlines[] = {"mean_displacement", "mean_squared_displace
 
 void print_result(gridlock::RunResult const& result) {
   fmt::print("{} {} steps of {} disks in {} ({}disk-steps/s)\n", gridlock::to_text(result.ending), result.steps,
-             result.state.disks.size(), duration_text(result.seconds),
-             count_text(static_cast<double>(result.steps) * static_cast<double>(result.state.disks.size()) /
-                        std::max(result.seconds, 1e-9)));
+             result.state.disks.size(), duration_text(result.seconds), count_text(result.agent_steps_per_second()));
   for (char const* name : headlines) {
     auto const found = std::ranges::find(result.results, name, &gridlock::NamedEstimate::name);
     if (found == result.results.end()) continue;
@@ -56,7 +54,7 @@ ExitCode run(RunOptions const& options) {
     result = gridlock::simulate(setup, [&](gridlock::Progress const& progress) {
       if (!options.is_quiet) {
         line.show(progress.fraction, progress.seconds,
-                  fmt::format("step {}  {}disk-steps/s", progress.steps, count_text(progress.disk_steps_per_second)));
+                  fmt::format("step {}  {}disk-steps/s", progress.steps, count_text(progress.agent_steps_per_second)));
       }
       return !StopSignals::is_stop_asked();
     });

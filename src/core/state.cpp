@@ -38,4 +38,26 @@ std::uint64_t hash(State const& state) {
   return XXH3_64bits(record, sizeof record);
 }
 
+void carry(Archive& archive, Clock& clock) {
+  archive.visit("step", clock.step);
+  archive.visit("time", clock.time);
+}
+
+void carry(Archive& archive, Box& box) {
+  double width = box.width();
+  double height = box.height();
+  bool is_periodic = box.is_periodic();
+  archive.visit("width", width);
+  archive.visit("height", height);
+  archive.visit("is_periodic", is_periodic);
+  if (archive.is_restoring()) box = Box(width, height, is_periodic ? Edge::periodic : Edge::wall);
+}
+
+void carry(Archive& archive, State& state) {
+  carry_inside(archive, "box", [&] { carry(archive, state.box); });
+  carry_inside(archive, "clock", [&] { carry(archive, state.clock); });
+  archive.visit("seed", state.seed);
+  carry_inside(archive, "disks", [&] { state.disks.carry(archive); });
+}
+
 }  // namespace gridlock

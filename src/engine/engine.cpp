@@ -54,6 +54,22 @@ double step_duration(EngineSettings const& settings, State const& state) {
   return settings.time_step * diameter / (speed > 0.0 ? speed : 1.0);
 }
 
+void carry(Archive& archive, Tally& tally) {
+  archive.visit("turns", tally.turns);
+  archive.visit("blocked_turns", tally.blocked_turns);
+  archive.visit("pair_collisions", tally.pair_collisions);
+  archive.visit("distance_checks", tally.distance_checks);
+  std::vector<std::uint64_t> hits(tally.wall_hits.begin(), tally.wall_hits.end());
+  std::vector<double> impulses(tally.wall_impulse.begin(), tally.wall_impulse.end());
+  archive.visit("wall_hits", hits);
+  archive.visit("wall_impulse", impulses);
+  archive.visit("pair_virial", tally.pair_virial);
+  archive.require(hits.size() == tally.wall_hits.size() && impulses.size() == tally.wall_impulse.size(),
+                  "a box has four walls");
+  std::ranges::copy(hits, tally.wall_hits.begin());
+  std::ranges::copy(impulses, tally.wall_impulse.begin());
+}
+
 void describe(EngineSettings& settings, SettingVisitor& visitor) {
   static constexpr std::array<std::string_view, 2> contacts{"always", "approaching"};
   static constexpr std::array<std::string_view, 2> grids{"linked", "packed"};

@@ -1,5 +1,6 @@
 #include "gridlock/observe/block_average.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -30,6 +31,32 @@ std::vector<double> BlockAverage::block_means() const {
   std::vector<double> means;
   for (Block const& block : blocks()) means.push_back(block.sum / block.weight);
   return means;
+}
+
+void carry(Archive& archive, std::string_view name, std::span<BlockAverage> averages) {
+  std::vector<Block> blocks;
+  std::vector<std::uint64_t> counts;
+  for (BlockAverage const& average : averages) {
+    blocks.insert(blocks.end(), average.blocks_.begin(), average.blocks_.end());
+    counts.insert(counts.end(),
+                  {average.used_, average.samples_per_block_, average.samples_in_last_, average.samples_});
+  }
+  carry_inside(archive, name, [&] {
+    carry(archive, "blocks", blocks);
+    archive.visit("counts", counts);
+  });
+  archive.require(counts.size() == 4 * averages.size(), "the averages differ in number");
+  for (std::size_t k = 0; k < averages.size(); ++k) {
+    BlockAverage& average = averages[k];
+    archive.require(counts[4 * k] <= BlockAverage::most_blocks && counts[4 * k + 1] > 0,
+                    "an average has no such blocks");
+    std::ranges::copy(std::span(blocks).subspan(k * average.blocks_.size(), average.blocks_.size()),
+                      average.blocks_.begin());
+    average.used_ = counts[4 * k];
+    average.samples_per_block_ = counts[4 * k + 1];
+    average.samples_in_last_ = counts[4 * k + 2];
+    average.samples_ = counts[4 * k + 3];
+  }
 }
 
 }  // namespace gridlock

@@ -81,4 +81,9 @@ void BondOrientation::sample(Moment const& now, std::span<double> row, bool coun
   average(1, order->local);
 }
 
+void BondOrientation::carry(Archive& archive) {
+  AveragingObservable::carry(archive);
+  schedule_.carry(archive);
+}
+
 }  // namespace gridlock

@@ -58,4 +58,9 @@ std::vector<NamedEstimate> Displacement::results() const {
   return results;
 }
 
+void Displacement::carry(Archive& archive) {
+  gridlock::carry(archive, "length", length_);
+  gridlock::carry(archive, "squared_length", squared_length_);
+}
+
 }  // namespace gridlock

@@ -30,4 +30,9 @@ std::vector<NamedEstimate> Energy::results() const {
   return results;
 }
 
+void Energy::carry(Archive& archive) {
+  AveragingObservable::carry(archive);
+  archive.visit("last", last_);
+}
+
 }  // namespace gridlock

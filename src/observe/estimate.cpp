@@ -1,6 +1,7 @@
 #include "gridlock/observe/estimate.hpp"
 
 #include <cmath>
+#include <vector>
 
 namespace gridlock {
 
@@ -26,6 +27,14 @@ std::optional<Estimate> estimate_from(std::span<Block const> blocks) {
   // Blocks so unequal that all others vanish beside one are as good as one block.
   if (room > 0.0) estimate.error = std::sqrt(scatter / room);
   return estimate;
+}
+
+void carry(Archive& archive, std::string_view name, std::span<Block> blocks) {
+  std::vector<double> numbers;
+  for (Block const& block : blocks) numbers.insert(numbers.end(), {block.sum, block.weight});
+  archive.visit(name, numbers);
+  archive.require(numbers.size() == 2 * blocks.size(), "the blocks differ in number");
+  for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b] = {.sum = numbers[2 * b], .weight = numbers[2 * b + 1]};
 }
 
 }  // namespace gridlock

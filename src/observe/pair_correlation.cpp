@@ -87,4 +87,9 @@ std::vector<Distribution> PairCorrelation::distributions() const {
            .columns_of_values = {std::move(distance), std::move(value), std::move(error)}}};
 }
 
+void PairCorrelation::carry(Archive& archive) {
+  schedule_.carry(archive);
+  gridlock::carry(archive, "correlation", correlation_);
+}
+
 }  // namespace gridlock

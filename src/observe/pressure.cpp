@@ -69,4 +69,10 @@ void Pressure::sample(Moment const& now, std::span<double> row, bool counts_for_
   }
 }
 
+void Pressure::carry(Archive& archive) {
+  AveragingObservable::carry(archive);
+  carry_inside(archive, "last", [&] { gridlock::carry(archive, last_); });
+  archive.visit("last_time", last_time_);
+}
+
 }  // namespace gridlock

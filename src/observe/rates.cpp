@@ -65,4 +65,10 @@ std::vector<NamedEstimate> Rates::results() const {
   return results;
 }
 
+void Rates::carry(Archive& archive) {
+  AveragingObservable::carry(archive);
+  carry_inside(archive, "last", [&] { gridlock::carry(archive, last_); });
+  archive.visit("last_time", last_time_);
+}
+
 }  // namespace gridlock

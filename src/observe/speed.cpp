@@ -94,4 +94,10 @@ std::vector<Distribution> Speed::distributions() const {
            .columns_of_values = {std::move(speed), std::move(density), std::move(error), std::move(maxwell)}}};
 }
 
+void Speed::carry(Archive& archive) {
+  AveragingObservable::carry(archive);
+  gridlock::carry(archive, "shares", shares_);
+  gridlock::carry(archive, "temperature", std::span(&temperature_, 1));
+}
+
 }  // namespace gridlock

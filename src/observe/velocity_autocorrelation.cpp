@@ -1,6 +1,8 @@
 #include "gridlock/observe/velocity_autocorrelation.hpp"
 
 #include <array>
+#include <cmath>
+#include <optional>
 #include <utility>
 
 namespace gridlock {
@@ -58,6 +60,30 @@ std::vector<Distribution> VelocityAutocorrelation::distributions() const {
                        {"velocity_autocorrelation", "", "Σ v(t₀)·v(t) / Σ v(t₀)²."},
                        {"error", "", "One standard error, from blocks of disks."}},
            .columns_of_values = {std::move(lag), std::move(correlation), std::move(error)}}};
+}
+
+void VelocityAutocorrelation::carry(Archive& archive) {
+  archive.visit("has_origin", has_origin_);
+  archive.visit("origin_time", origin_time_);
+  carry_inside(archive, "origin", [&] { rows_.carry(archive); });
+  std::vector<double> velocities;
+  for (Vector const v : velocities_) velocities.insert(velocities.end(), {v.x, v.y});
+  archive.visit("velocities", velocities);
+  archive.require(velocities.size() == 2 * rows_.size(), "not every disk has a velocity");
+  velocities_.resize(rows_.size());
+  for (std::size_t k = 0; k < velocities_.size(); ++k) velocities_[k] = {velocities[2 * k], velocities[2 * k + 1]};
+  // An error that is absent is written as NaN.
+  std::vector<double> curve;
+  for (auto const& [lag, correlation] : curve_) {
+    curve.insert(curve.end(), {lag, correlation.value, correlation.error.value_or(no_value)});
+  }
+  archive.visit("curve", curve);
+  archive.require(curve.size() % 3 == 0, "a point of the curve is incomplete");
+  curve_.clear();
+  for (std::size_t k = 0; k < curve.size(); k += 3) {
+    Estimate const correlation{curve[k + 1], std::isnan(curve[k + 2]) ? std::nullopt : std::optional(curve[k + 2])};
+    curve_.push_back({curve[k], correlation});
+  }
 }
 
 }  // namespace gridlock

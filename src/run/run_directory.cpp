@@ -17,12 +17,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json tally_json(Tally const& tally) {
-  return {{"turns", tally.turns},
-          {"blocked_turns", tally.blocked_turns},
-          {"pair_collisions", tally.pair_collisions},
-          {"wall_hits", tally.all_wall_hits()},
-          {"distance_checks", tally.distance_checks}};
+Json counts_json(std::vector<Count> const& counts) {
+  Json json = Json::object();
+  for (auto const& [name, value] : counts) json[name] = value;
+  return json;
 }
 
 Table to_table(Distribution const& distribution) {
@@ -72,10 +70,8 @@ std::string summary_json(Setup const& setup, RunResult const& result) {
   json["step"] = state.clock.step;
   json["time"] = state.clock.time;
   json["time_step"] = result.time_step;
-  double const disk_steps = static_cast<double>(result.steps) * static_cast<double>(state.disks.size());
-  json["timing"] = {{"seconds", result.seconds},
-                    {"disk_steps_per_second", result.seconds > 0.0 ? disk_steps / result.seconds : 0.0}};
-  json["tally"] = tally_json(result.tally);
+  json["timing"] = {{"seconds", result.seconds}, {"agent_steps_per_second", result.agent_steps_per_second()}};
+  json["tally"] = counts_json(result.counts);
   for (auto const& [name, estimate, unit] : result.results) {
     Json& entry = json[name];
     entry["value"] = estimate.value;

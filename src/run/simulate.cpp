@@ -1,12 +1,10 @@
 #include "gridlock/run/simulate.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
+#include <iterator>
 #include <memory>
+#include <string>
 #include <utility>
-
-#include "gridlock/core/error.hpp"
 
 namespace gridlock {
 
@@ -32,151 +30,71 @@ std::uint64_t steps_per_chunk(EngineSettings const& settings, State const& state
   return static_cast<std::uint64_t>(std::max(1.0, looks_per_chunk / looks));
 }
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-/// One run in progress: the loop of chunks, samples and reports.
-class Simulation {
- public:
-  Simulation(Setup setup, OnProgress const& on_progress)
-      : settings_(std::move(setup.configuration)),
-        horizon_(horizon_of({settings_, setup.state, {}})),
-        on_progress_(on_progress),
-        engine_(make_engine(settings_.engine, setup.state)),
-        first_(setup.state.clock) {
-    result_.state = std::move(setup.state);
-    result_.time_step = engine_->time_step();
-    observables_ = make_observables(settings_.observe, moment());
-    open_series();
-  }
-
-  RunResult run() {
-    auto const start = std::chrono::steady_clock::now();
-    sample();
-    try {
-      while (result_.ending == Ending::finished && !is_at_horizon()) {
-        advance_to_next_sample(start);
-        sample();
-      }
-    } catch (RunFailure const& failure) {
-      result_.ending = Ending::failed;
-      result_.failure = failure.what();
-    }
-    result_.seconds = seconds_since(start);
-    result_.steps = steps_done();
-    for (auto const& observable : observables_) {
-      std::ranges::move(observable->results(), std::back_inserter(result_.results));
-      std::ranges::move(observable->distributions(), std::back_inserter(result_.distributions));
-    }
-    return std::move(result_);
-  }
-
- private:
-  [[nodiscard]] Moment moment() const { return {result_.state, result_.tally}; }
-  [[nodiscard]] std::uint64_t steps_done() const { return result_.state.clock.step - first_.step; }
-
-  [[nodiscard]] bool is_at_horizon() const {
-    Clock const& clock = result_.state.clock;
-    return clock.step >= horizon_.step || clock.time >= horizon_.time ||
-           result_.tally.pair_collisions >= horizon_.pair_collisions;
-  }
-
-  /// The share of the run that is done: the largest of the shares of its lengths.
-  [[nodiscard]] double fraction_done() const {
-    Clock const& clock = result_.state.clock;
-    auto const share = [](double done, double all) { return all > 0.0 ? done / all : 1.0; };
-    double fraction = share(clock.time - first_.time, horizon_.time - first_.time);
-    if (settings_.run.steps) {
-      fraction =
-          std::max(fraction, share(static_cast<double>(steps_done()), static_cast<double>(*settings_.run.steps)));
-    }
-    if (settings_.run.collisions_per_disk) {
-      fraction = std::max(fraction, share(static_cast<double>(result_.tally.pair_collisions),
-                                          static_cast<double>(horizon_.pair_collisions)));
-    }
-    return std::min(fraction, 1.0);
-  }
-
-  void advance_to_next_sample(std::chrono::steady_clock::time_point start) {
-    std::uint64_t const every = settings_.observe.every;
-    // Multiples of `every` counted from the start, so that the times of the samples do not depend on interruptions.
-    std::uint64_t const next = first_.step + (steps_done() / every + 1) * every;
-    std::uint64_t const chunk = steps_per_chunk(settings_.engine, result_.state);
-    Horizon stop = horizon_;
-    std::uint64_t const sample_step = std::min(next, horizon_.step);
-    while (result_.state.clock.step < sample_step && !is_at_horizon()) {
-      stop.step = std::min(sample_step, result_.state.clock.step + chunk);
-      engine_->advance(result_.state, result_.tally, stop);
-      // A wish to stop that comes with the last step comes too late to interrupt anything.
-      if (!report(seconds_since(start)) && !is_at_horizon()) {
-        result_.ending = Ending::interrupted;
-        return;
-      }
-    }
-  }
-
-  bool report(double seconds) const {
-    if (!on_progress_) return true;
-    double const turns = static_cast<double>(steps_done()) * static_cast<double>(result_.state.disks.size());
-    return on_progress_({.fraction = fraction_done(),
-                         .steps = steps_done(),
-                         .seconds = seconds,
-                         .disk_steps_per_second = seconds > 0.0 ? turns / seconds : 0.0});
-  }
-
-  void open_series();
-  void sample();
-
-  Configuration settings_;
-  Horizon horizon_;
-  OnProgress const& on_progress_;
-  std::unique_ptr<Engine> engine_;
-  Clock first_;
-  std::vector<std::unique_ptr<Observable>> observables_;
-  RunResult result_;
-};
-
-void Simulation::open_series() {
-  result_.series_columns = {{"step", "", "Whole time steps since the clock was started."},
-                            {"time", "time", "Physical time."}};
-  for (auto const& observable : observables_)
-    std::ranges::move(observable->columns(), std::back_inserter(result_.series_columns));
-  for (ColumnInfo const& column : result_.series_columns) {
-    bool const is_step = &column == &result_.series_columns.front();
-    result_.series.add_column(column.name, is_step ? CellColumn(std::vector<std::uint64_t>{}) : std::vector<double>{});
-  }
-}
-
-void Simulation::sample() {
-  // The first sample is the start itself, which is no average of anything.
-  bool const counts = steps_done() > 0 && fraction_done() > settings_.observe.discard;
-  std::vector<Cell> row{result_.state.clock.step, result_.state.clock.time};
-  std::vector<double> values;
-  for (auto const& observable : observables_) {
-    values.assign(observable->columns().size(), std::nan(""));
-    observable->sample(moment(), values, counts);
-    std::ranges::copy(values, std::back_inserter(row));
-  }
-  result_.series.add_row(row);
-}
-
 }  // namespace
 
-char const* to_text(Ending ending) {
-  switch (ending) {
-    case Ending::finished:
-      return "finished";
-    case Ending::interrupted:
-      return "interrupted";
-    case Ending::failed:
-      break;
+DiskExperiment::DiskExperiment(Setup setup)
+    : state_(std::move(setup.state)),
+      engine_(make_engine(setup.configuration.engine, state_)),
+      observables_(make_observables(setup.configuration.observe, {state_, tally_})) {}
+
+std::vector<Count> DiskExperiment::counts() const {
+  return {{"turns", tally_.turns},
+          {"blocked_turns", tally_.blocked_turns},
+          {"pair_collisions", tally_.pair_collisions},
+          {"wall_hits", tally_.all_wall_hits()},
+          {"distance_checks", tally_.distance_checks}};
+}
+
+std::vector<ColumnInfo> DiskExperiment::columns() const {
+  std::vector<ColumnInfo> columns;
+  for (auto const& observable : observables_) std::ranges::move(observable->columns(), std::back_inserter(columns));
+  return columns;
+}
+
+void DiskExperiment::sample(std::span<double> row, bool counts_for_average) {
+  for (auto const& observable : observables_) {
+    std::size_t const width = observable->columns().size();
+    observable->sample({state_, tally_}, row.first(width), counts_for_average);
+    row = row.subspan(width);
   }
-  return "failed";
+}
+
+std::vector<NamedEstimate> DiskExperiment::results() const {
+  std::vector<NamedEstimate> results;
+  for (auto const& observable : observables_) std::ranges::move(observable->results(), std::back_inserter(results));
+  return results;
+}
+
+std::vector<Distribution> DiskExperiment::distributions() const {
+  std::vector<Distribution> distributions;
+  for (auto const& observable : observables_) {
+    std::ranges::move(observable->distributions(), std::back_inserter(distributions));
+  }
+  return distributions;
+}
+
+void DiskExperiment::carry(Archive& archive) {
+  carry_inside(archive, "state", [&] { gridlock::carry(archive, state_); });
+  carry_inside(archive, "tally", [&] { gridlock::carry(archive, tally_); });
+  for (std::size_t k = 0; k < observables_.size(); ++k) {
+    carry_inside(archive, "observable_" + std::to_string(k), [&] { observables_[k]->carry(archive); });
+  }
+}
+
+RunPlan plan_of(Setup const& setup) {
+  Configuration const& configuration = setup.configuration;
+  return {.horizon = horizon_of(setup),
+          .sample_every = configuration.observe.every,
+          .discard = configuration.observe.discard,
+          .steps_per_chunk = steps_per_chunk(configuration.engine, setup.state)};
 }
 
 RunResult simulate(Setup setup, OnProgress const& on_progress) {
-  return Simulation(std::move(setup), on_progress).run();
+  RunPlan const plan = plan_of(setup);
+  DiskExperiment experiment(std::move(setup));
+  Run run(experiment, plan);
+  run.go_on(on_progress);
+  return {run.record(), experiment.state(), experiment.tally()};
 }
 
 }  // namespace gridlock

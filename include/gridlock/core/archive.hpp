@@ -1,6 +1,8 @@
 #pragma once
 
+#include <concepts>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,6 +39,26 @@ class Archive {
   virtual void visit(std::string_view name, std::vector<std::int32_t>& values) = 0;
   virtual void visit(std::string_view name, std::vector<std::uint32_t>& values) = 0;
   virtual void visit(std::string_view name, std::vector<std::uint64_t>& values) = 0;
+
+  /// Throws Error where what was restored cannot be: `what` says what is wrong with it.
+  void require(bool holds, char const* what) const;
 };
+
+/// Carries what `carry_members` visits inside `name`.
+template <class CarryMembers>
+void carry_inside(Archive& archive, std::string_view name, CarryMembers carry_members) {
+  archive.enter(name);
+  carry_members();
+  archive.leave();
+}
+
+/// Carries a whole number of any type as one of 64 bits.
+template <std::unsigned_integral Number>
+void carry_number(Archive& archive, std::string_view name, Number& number) {
+  std::uint64_t wide = number;
+  archive.visit(name, wide);
+  archive.require(wide <= std::numeric_limits<Number>::max(), "a number is too large");
+  number = static_cast<Number>(wide);
+}
 
 }  // namespace gridlock

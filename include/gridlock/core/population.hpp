@@ -8,6 +8,8 @@
 #include <tuple>
 #include <vector>
 
+#include "gridlock/core/archive.hpp"
+
 namespace gridlock {
 
 /// The name of an agent for as long as the run lasts; never given to another agent, even after its death.
@@ -92,6 +94,18 @@ class Population {
     free_slots_.push_back(static_cast<std::uint32_t>(slot_of(id)));
   }
 
+  /// Carries agents, the order of their rows, and the names that are used up, so that the agents born afterwards get the
+  /// same Ids. Errors: Error where what is restored is no population.
+  void carry(Archive& archive) {
+    archive.visit("id", ids_);
+    (archive.visit(Columns::name, std::get<Storage<Columns>>(columns_).values), ...);
+    std::vector<std::uint32_t> generations;
+    for (Slot const& slot : slots_) generations.push_back(slot.generation);
+    archive.visit("generation_of_slot", generations);
+    archive.visit("free_slot", free_slots_);
+    if (archive.is_restoring()) restore_slots(archive, generations);
+  }
+
   void reserve(std::size_t agents) {
     ids_.reserve(agents);
     slots_.reserve(agents);
@@ -127,6 +141,21 @@ class Population {
     slots_[slot].is_alive = true;
     ids_.push_back(id);
     (std::get<Storage<Columns>>(columns_).values.push_back(values), ...);
+  }
+
+  void restore_slots(Archive& archive, std::vector<std::uint32_t> const& generations) {
+    archive.require(((std::get<Storage<Columns>>(columns_).values.size() == ids_.size()) && ...),
+                    "the columns of the agents differ in length");
+    slots_.assign(generations.size(), {});
+    for (std::size_t slot = 0; slot < slots_.size(); ++slot) slots_[slot].generation = generations[slot];
+    for (std::size_t row = 0; row < ids_.size(); ++row) {
+      std::size_t const number = slot_of(ids_[row]);
+      bool const is_free = number < slots_.size() && !slots_[number].is_alive;
+      archive.require(is_free && slots_[number].generation == generation_of(ids_[row]), "two agents have one name");
+      slots_[number].index = static_cast<std::uint32_t>(row);
+      slots_[number].is_alive = true;
+    }
+    for (std::uint32_t const slot : free_slots_) archive.require(slot < slots_.size(), "a free name does not exist");
   }
 
   template <class Column>

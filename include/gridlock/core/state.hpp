@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "gridlock/core/archive.hpp"
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/disks.hpp"
 
@@ -28,5 +29,10 @@ struct State {
 /// XXH3 of each disk's row under its Id, summed modulo 2⁶⁴, so that the order of the rows does not matter.
 /// Cost: one pass over the disks.
 std::uint64_t hash(State const& state);
+
+/// Carries every bit of a state. Errors: Error where what is restored is none.
+void carry(Archive& archive, Clock& clock);
+void carry(Archive& archive, Box& box);
+void carry(Archive& archive, State& state);
 
 }  // namespace gridlock

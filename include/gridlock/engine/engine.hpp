@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "gridlock/core/archive.hpp"
 #include "gridlock/core/setting.hpp"
 #include "gridlock/core/state.hpp"
 
@@ -40,6 +41,9 @@ struct Tally {
     return wall_hits[0] + wall_hits[1] + wall_hits[2] + wall_hits[3];
   }
 };
+
+/// Carries every count and sum.
+void carry(Archive& archive, Tally& tally);
 
 /// Whether a disk that halts scatters off its partner whatever their motion (the paper's rule) or only when the two
 /// approach each other.

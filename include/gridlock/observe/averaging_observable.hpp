@@ -15,6 +15,9 @@ class AveragingObservable : public Observable {
   /// One estimate per column that ever had a value that counted.
   [[nodiscard]] std::vector<NamedEstimate> results() const override;
 
+  /// Carries the averages; a derived class with more to carry adds that.
+  void carry(Archive& archive) override { gridlock::carry(archive, "averages", averages_); }
+
  protected:
   /// Sets the columns and forgets all averages; for begin().
   void reset(std::vector<ColumnInfo> columns);

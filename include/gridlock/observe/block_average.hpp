@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
+#include "gridlock/core/archive.hpp"
 #include "gridlock/observe/estimate.hpp"
 
 namespace gridlock {
@@ -39,6 +41,9 @@ class BlockAverage {
   /// The mean of every block.
   [[nodiscard]] std::vector<double> block_means() const;
 
+  /// Carries a number of averages; there must be as many where they are restored.
+  friend void carry(Archive& archive, std::string_view name, std::span<BlockAverage> averages);
+
  private:
   void open_block();
 
@@ -48,5 +53,7 @@ class BlockAverage {
   std::uint64_t samples_in_last_ = 0;
   std::uint64_t samples_ = 0;
 };
+
+void carry(Archive& archive, std::string_view name, std::span<BlockAverage> averages);
 
 }  // namespace gridlock

@@ -36,6 +36,7 @@ class BondOrientation final : public AveragingObservable {
 
   void begin(Moment const& start) override;
   void sample(Moment const& now, std::span<double> row, bool counts_for_average) override;
+  void carry(Archive& archive) override;
 
  private:
   StructureSchedule schedule_;

@@ -36,6 +36,7 @@ class Displacement final : public Observable {
   void begin(Moment const& start) override;
   void sample(Moment const& now, std::span<double> row, bool counts_for_average) override;
   [[nodiscard]] std::vector<NamedEstimate> results() const override;
+  void carry(Archive& archive) override;
 
  private:
   struct Site {

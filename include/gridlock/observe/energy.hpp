@@ -20,6 +20,7 @@ class Energy final : public AveragingObservable {
   void begin(Moment const& start) override;
   void sample(Moment const& now, std::span<double> row, bool counts_for_average) override;
   [[nodiscard]] std::vector<NamedEstimate> results() const override;
+  void carry(Archive& archive) override;
 
  private:
   [[nodiscard]] bool has_drift() const { return start_ > 0.0; }

@@ -3,6 +3,9 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string_view>
+
+#include "gridlock/core/archive.hpp"
 
 namespace gridlock {
 
@@ -23,6 +26,9 @@ struct Block {
     weight += other.weight;
   }
 };
+
+/// Carries blocks; there must be as many where they are restored.
+void carry(Archive& archive, std::string_view name, std::span<Block> blocks);
 
 /// The weighted mean of all blocks, with its standard error from the scatter of the block means.
 ///

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "gridlock/core/archive.hpp"
 #include "gridlock/core/setting.hpp"
 #include "gridlock/core/state.hpp"
 #include "gridlock/engine/engine.hpp"
@@ -72,6 +73,10 @@ class Observable {
 
   /// The measured curves, averaged over what counted; those without a sample are left out.
   [[nodiscard]] virtual std::vector<Distribution> distributions() const { return {}; }
+
+  /// Carries what was gathered since begin(); restored after a begin() at the same start, it measures on as if it had
+  /// never stopped.
+  virtual void carry(Archive& archive) = 0;
 };
 
 /// The settings `[observe]`.

@@ -26,6 +26,7 @@ class Pressure final : public AveragingObservable {
  public:
   void begin(Moment const& start) override;
   void sample(Moment const& now, std::span<double> row, bool counts_for_average) override;
+  void carry(Archive& archive) override;
 
  private:
   Tally last_;

@@ -23,6 +23,7 @@ class Rates final : public AveragingObservable {
   void begin(Moment const& start) override;
   void sample(Moment const& now, std::span<double> row, bool counts_for_average) override;
   [[nodiscard]] std::vector<NamedEstimate> results() const override;
+  void carry(Archive& archive) override;
 
  private:
   Tally last_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -28,6 +29,11 @@ class RowsById {
   /// Which of `blocks` runs of neighbouring Ids, equal in size to one agent, a place belongs to.
   [[nodiscard]] std::size_t block_of(std::size_t place, std::size_t blocks) const {
     return place * blocks / sorted_.size();
+  }
+
+  void carry(Archive& archive) {
+    archive.visit("ids", sorted_);
+    archive.require(std::ranges::is_sorted(sorted_), "the names are not in order");
   }
 
  private:

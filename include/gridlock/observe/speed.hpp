@@ -32,6 +32,7 @@ class Speed final : public AveragingObservable {
   void begin(Moment const& start) override;
   void sample(Moment const& now, std::span<double> row, bool counts_for_average) override;
   [[nodiscard]] std::vector<Distribution> distributions() const override;
+  void carry(Archive& archive) override;
 
  private:
   struct MassShare {

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "gridlock/core/archive.hpp"
+
 namespace gridlock {
 
 /// When the expensive observables of structure measure: at the first sample, at the first that counts for averages, and
@@ -25,6 +27,11 @@ class StructureSchedule {
 
   /// Starts over.
   void reset() { *this = StructureSchedule(every_); }
+
+  void carry(Archive& archive) {
+    archive.visit("wait", wait_);
+    archive.visit("has_counted", has_counted_);
+  }
 
  private:
   std::uint64_t every_;

@@ -28,6 +28,7 @@ class VelocityAutocorrelation final : public Observable {
   void sample(Moment const& now, std::span<double> row, bool counts_for_average) override;
   [[nodiscard]] std::vector<NamedEstimate> results() const override { return {}; }
   [[nodiscard]] std::vector<Distribution> distributions() const override;
+  void carry(Archive& archive) override;
 
  private:
   void set_origin(State const& state);

@@ -37,11 +37,12 @@ class Experiment {
   [[nodiscard]] virtual std::uint64_t state_hash() const = 0;
   [[nodiscard]] virtual std::vector<Count> counts() const = 0;
 
+  /// What Horizon::pair_collisions counts; 0 for agents that do not collide.
+  [[nodiscard]] virtual std::uint64_t pair_collisions() const { return 0; }
+
   /// Moves on to the horizon; the bits do not depend on the number of threads.
   /// Errors: RunFailure where an invariant breaks.
   virtual void advance(Horizon const& horizon) = 0;
-  /// Whether the run has reached one of the horizon's ends.
-  [[nodiscard]] virtual bool is_at(Horizon const& horizon) const = 0;
 
   /// The columns of the series besides step and time.
   [[nodiscard]] virtual std::vector<ColumnInfo> columns() const = 0;

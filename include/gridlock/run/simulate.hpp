@@ -1,46 +1,50 @@
 #pragma once
 
-#include <cstdint>
-#include <functional>
-#include <string>
-#include <vector>
+#include <memory>
 
 #include "gridlock/engine/engine.hpp"
-#include "gridlock/io/table.hpp"
-#include "gridlock/observe/observable.hpp"
 #include "gridlock/run/configuration.hpp"
+#include "gridlock/run/run.hpp"
 
 namespace gridlock {
 
-/// How far a run has come; handed out after every chunk of work.
-struct Progress {
-  double fraction = 0.0;    ///< of the run that is done, from 0 to 1
-  std::uint64_t steps = 0;  ///< steps done in this run
-  double seconds = 0.0;     ///< of real time so far
-  double disk_steps_per_second = 0.0;
-  [[nodiscard]] double seconds_left() const { return fraction > 0.0 ? seconds * (1.0 - fraction) / fraction : 0.0; }
+/// The disks of a set-up, the engine that moves them and the observables: the experiment behind simulate().
+class DiskExperiment final : public Experiment {
+ public:
+  /// Errors: those of make_engine().
+  explicit DiskExperiment(Setup setup);
+
+  [[nodiscard]] State const& state() const { return state_; }
+  [[nodiscard]] Tally const& tally() const { return tally_; }
+
+  [[nodiscard]] Clock clock() const override { return state_.clock; }
+  [[nodiscard]] double time_step() const override { return engine_->time_step(); }
+  [[nodiscard]] std::size_t agents() const override { return state_.disks.size(); }
+  [[nodiscard]] std::uint64_t state_hash() const override { return hash(state_); }
+  [[nodiscard]] std::vector<Count> counts() const override;
+  [[nodiscard]] std::uint64_t pair_collisions() const override { return tally_.pair_collisions; }
+  void advance(Horizon const& horizon) override { engine_->advance(state_, tally_, horizon); }
+  [[nodiscard]] std::vector<ColumnInfo> columns() const override;
+  void sample(std::span<double> row, bool counts_for_average) override;
+  [[nodiscard]] std::vector<NamedEstimate> results() const override;
+  [[nodiscard]] std::vector<Distribution> distributions() const override;
+  [[nodiscard]] Frame frame() const override { return frame_of(state_); }
+  void carry(Archive& archive) override;
+
+ private:
+  State state_;
+  Tally tally_;
+  std::unique_ptr<Engine> engine_;
+  std::vector<std::unique_ptr<Observable>> observables_;
 };
 
-/// Called after every chunk of work; returning false ends the run there.
-using OnProgress = std::function<bool(Progress const&)>;
+/// How far a set-up is carried on, and what is looked at on the way.
+RunPlan plan_of(Setup const& setup);
 
-/// How a run ended.
-enum class Ending { finished, interrupted, failed };
-char const* to_text(Ending ending);
-
-/// Everything a run leaves behind.
-struct RunResult {
-  Ending ending = Ending::finished;
-  std::string failure;  ///< why, for Ending::failed
+/// What a run of disks leaves behind.
+struct RunResult : RunRecord {
   State state;
   Tally tally;
-  std::uint64_t steps = 0;
-  double time_step = 0.0;
-  double seconds = 0.0;  ///< real time, without set-up
-  Table series;          ///< step, time and one column per instantaneous or interval value
-  std::vector<ColumnInfo> series_columns;
-  std::vector<NamedEstimate> results;
-  std::vector<Distribution> distributions;
 };
 
 /// Runs a set-up to its horizon, sampling every observe.every steps and at the end.

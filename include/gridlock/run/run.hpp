@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gridlock/io/table.hpp"
+#include "gridlock/run/experiment.hpp"
+
+namespace gridlock {
+
+/// How far a run has come; handed out after every chunk of work.
+struct Progress {
+  double fraction = 0.0;    ///< of the run that is done, from 0 to 1
+  std::uint64_t steps = 0;  ///< steps done in this run
+  double seconds = 0.0;     ///< of real time so far
+  double agent_steps_per_second = 0.0;
+  [[nodiscard]] double seconds_left() const { return fraction > 0.0 ? seconds * (1.0 - fraction) / fraction : 0.0; }
+};
+
+/// Called after every chunk of work; returning false ends the run there.
+using OnProgress = std::function<bool(Progress const&)>;
+
+/// How a run ended.
+enum class Ending { finished, interrupted, failed };
+char const* to_text(Ending ending);
+
+/// How far an experiment is carried on, and what is looked at on the way.
+struct RunPlan {
+  Horizon horizon;
+  std::uint64_t sample_every = 100;   ///< steps between samples
+  double discard = 0.0;               ///< share of the run left out of averages
+  std::uint64_t steps_per_chunk = 1;  ///< between two looks at the clock: from the set-up alone, never from timings
+};
+
+/// What a run of any experiment leaves behind.
+struct RunRecord {
+  Ending ending = Ending::interrupted;
+  std::string failure;  ///< why, for Ending::failed
+  Clock clock;
+  std::uint64_t steps = 0;
+  double time_step = 0.0;
+  double seconds = 0.0;  ///< real time, without set-up
+  std::size_t agents = 0;
+  std::uint64_t state_hash = 0;
+  std::vector<Count> counts;
+  Table series;  ///< step, time and one column per instantaneous or interval value
+  std::vector<ColumnInfo> series_columns;
+  std::vector<NamedEstimate> results;
+  std::vector<Distribution> distributions;
+
+  [[nodiscard]] double agent_steps_per_second() const {
+    return seconds > 0.0 ? static_cast<double>(steps) * static_cast<double>(agents) / seconds : 0.0;
+  }
+};
+
+/// The loop of a run: chunks of work, samples between them, and a report after each.
+///
+/// Samples are taken at the start, at every multiple of sample_every steps and at the horizon. The bits of the
+/// experiment and of the series depend neither on how often progress is reported nor on interruptions.
+/// The experiment must outlive the run.
+class Run {
+ public:
+  Run(Experiment& experiment, RunPlan const& plan);
+
+  /// Carries the experiment on to the horizon, or until on_progress wants to stop or an invariant breaks. May be called
+  /// again after an interruption.
+  Ending go_on(OnProgress const& on_progress = {});
+
+  [[nodiscard]] RunRecord record() const;
+
+  /// Carries everything the rest of the run depends on, the experiment with it.
+  void carry(Archive& archive);
+
+ private:
+  [[nodiscard]] std::uint64_t steps_done() const { return experiment_.clock().step - first_.step; }
+  [[nodiscard]] bool is_at_horizon() const;
+  [[nodiscard]] double fraction_done() const;
+  [[nodiscard]] bool is_sample_due() const;
+  void sample();
+  void carry_series(Archive& archive);
+  void advance_one_chunk();
+  [[nodiscard]] bool report(OnProgress const& on_progress, double seconds) const;
+
+  Experiment& experiment_;
+  RunPlan plan_;
+  Clock first_;
+  std::optional<Clock> last_sample_;
+  double seconds_before_ = 0.0;  ///< real time of earlier calls of go_on()
+  Ending ending_ = Ending::interrupted;
+  std::string failure_;
+  std::vector<ColumnInfo> columns_;
+  Table series_;
+};
+
+}  // namespace gridlock
