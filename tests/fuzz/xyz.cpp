@@ -1,0 +1,23 @@
+// What a file of extended XYZ may hold, and what is looked at next in a state that was read.
+
+#include "gridlock/io/xyz.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/grid/validate.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size) {
+  using namespace gridlock;
+  std::string_view const text(reinterpret_cast<char const*>(data), size);
+  try {
+    XyzFrame const frame = parse_xyz(text, "fuzz.xyz");
+    if (hash(parse_xyz(text, "again.xyz").state) != hash(frame.state)) std::abort();
+    validate(frame.state);
+  } catch (Error const&) {
+  }
+  return 0;
+}
