@@ -37,8 +37,8 @@ ExitCode run_command_line(int argc, char** argv) {
   app.failure_message(CLI::FailureMessage::help);
   ExitCode exit_code = ExitCode::good;
   add_run(app, exit_code);
+  add_resume(app, exit_code);
   add_sweep(app, exit_code);
-  //PAPER
   add_paper(app, exit_code);
   add_check(app, exit_code);
   add_explain(app, exit_code);

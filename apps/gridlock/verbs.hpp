@@ -17,6 +17,7 @@ enum class ExitCode : int {
 
 /// Each adds its verb to the command line; parsing it runs the verb and leaves how it ended in `exit_code`.
 void add_run(CLI::App& app, ExitCode& exit_code);
+void add_resume(CLI::App& app, ExitCode& exit_code);
 void add_sweep(CLI::App& app, ExitCode& exit_code);
 void add_paper(CLI::App& app, ExitCode& exit_code);
 void add_check(CLI::App& app, ExitCode& exit_code);

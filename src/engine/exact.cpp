@@ -117,4 +117,16 @@ void ExactEngine::advance(State& state, Tally& tally, Horizon const& horizon) {
   hash_ = hash(state);
 }
 
+void ExactEngine::carry(Archive& archive, State const& state) {
+  bool has_started = dynamics_ != nullptr;
+  archive.visit("has_started", has_started);
+  if (archive.is_restoring()) dynamics_ = has_started ? std::make_unique<exact::Dynamics>(state) : nullptr;
+  if (!has_started) return;
+  archive.visit("start_time", start_time_);
+  archive.visit("next_step_time", next_step_time_);
+  carry_inside(archive, "dynamics", [&] { dynamics_->carry(archive); });
+  hash_ = hash(state);
+  row_hash_ = hash_of_rows(state.disks);
+}
+
 }  // namespace gridlock

@@ -25,6 +25,7 @@ class ExactEngine final : public Engine {
 
   void advance(State& state, Tally& tally, Horizon const& horizon) override;
   [[nodiscard]] double time_step() const override { return duration_; }
+  void carry(Archive& archive, State const& state) override;
 
  private:
   [[nodiscard]] bool is_as_left(State const& state) const;

@@ -60,6 +60,13 @@ class Descriptor {
   int value_;
 };
 
+/// A rename survives a power cut once the directory is on the disk. Some file systems cannot do that; the file is whole
+/// under one of its names all the same.
+void bring_names_to_disk(std::filesystem::path const& directory) {
+  Descriptor const opened(open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (opened.value() >= 0) fsync(opened.value());
+}
+
 [[noreturn]] void refuse_reading(std::filesystem::path const& path, std::string const& why, std::string hint) {
   throw Error(Problem{
       .what = fmt::format("cannot read {}: {}", path.string(), why), .hint = std::move(hint), .file = path.string()});
@@ -94,14 +101,16 @@ void AtomicFile::append(std::string_view text) {
   buffer_ += text;
 }
 
-void AtomicFile::commit() {
+void AtomicFile::commit(std::filesystem::path const& previous) {
   write_out(buffer_);
   buffer_.clear();
   if (!temporary_.empty() && fsync(descriptor_) != 0) fail(errno);
   if (close(std::exchange(descriptor_, -1)) != 0) fail(errno);
   if (temporary_.empty()) return;
+  if (!previous.empty() && std::rename(target_.c_str(), previous.c_str()) != 0 && errno != ENOENT) fail(errno);
   if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail(errno);
   temporary_.clear();
+  bring_names_to_disk(target_.parent_path());
 }
 
 void AtomicFile::write_out(std::string_view text) {

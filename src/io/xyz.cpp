@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
 #include "io/text.hpp"
 
 namespace gridlock {
@@ -27,8 +26,8 @@ constexpr std::string_view symbol_of_many = "X";
 /// The symbols of the radii of a state.
 class Symbols {
  public:
-  explicit Symbols(Disks const& disks) {
-    for (double const radius : disks.column<Radius>()) {
+  explicit Symbols(std::span<double const> radii) {
+    for (double const radius : radii) {
       radii_.insert(radius);
       if (radii_.size() > symbols.size()) return;
     }
@@ -45,13 +44,65 @@ class Symbols {
   std::set<double> radii_;
 };
 
-std::string header(State const& state) {
-  std::string_view const pbc = state.box.is_periodic() ? "T T F" : "F F F";
-  return fmt::format(
-      "{}\nLattice=\"{} 0 0 0 {} 0 0 0 1\" pbc=\"{}\" "
-      "Properties=species:S:1:pos:R:3:id:I:1:velo:R:3:radius:R:1:masses:R:1:image:I:2 Time={} step={} seed={}\n",
-      state.disks.size(), double_text(state.box.width()), double_text(state.box.height()), pbc,
-      double_text(state.clock.time), state.clock.step, state.seed);
+/// Columns of a frame that stand side by side under one name of the format; `pads` stands for a third dimension.
+struct XyzProperty {
+  std::string name;
+  std::vector<FrameColumn const*> columns;
+  bool pads = false;
+};
+
+/// The names the format has for columns of ours; all other columns keep their own.
+struct KnownProperty {
+  char const* name;
+  std::vector<char const*> columns;
+  bool pads;
+};
+
+std::vector<KnownProperty> properties_of_disks() {
+  return {{"velo", {"velocity_x", "velocity_y"}, true},
+          {"radius", {"radius"}, false},
+          {"masses", {"mass"}, false},
+          {"image", {"image_x", "image_y"}, false}};
+}
+
+bool is_real(FrameColumn const& column) { return std::holds_alternative<std::vector<double>>(column.values); }
+
+/// Everything but species, position and id, in the order it is written.
+std::vector<XyzProperty> properties_of(Frame const& frame) {
+  std::set<std::string_view> written{"x", "y"};
+  std::vector<XyzProperty> properties;
+  for (KnownProperty const& known : properties_of_disks()) {
+    XyzProperty property{known.name, {}, known.pads};
+    for (char const* name : known.columns) {
+      if (FrameColumn const* column = frame.find(name)) property.columns.push_back(column);
+    }
+    if (property.columns.size() != known.columns.size()) continue;
+    written.insert(known.columns.begin(), known.columns.end());
+    properties.push_back(std::move(property));
+  }
+  for (FrameColumn const& column : frame.columns) {
+    if (!written.contains(column.name)) properties.push_back({column.name, {&column}, false});
+  }
+  return properties;
+}
+
+std::string header(Frame const& frame, std::vector<XyzProperty> const& properties) {
+  std::string names = "species:S:1:pos:R:3:id:I:1";
+  for (XyzProperty const& property : properties) {
+    names += fmt::format(":{}:{}:{}", property.name, is_real(*property.columns.front()) ? 'R' : 'I',
+                         property.columns.size() + (property.pads ? 1 : 0));
+  }
+  std::string_view const pbc = frame.box.is_periodic() ? "T T F" : "F F F";
+  return fmt::format("{}\nLattice=\"{} 0 0 0 {} 0 0 0 1\" pbc=\"{}\" Properties={} Time={} step={} seed={}\n",
+                     frame.size(), double_text(frame.box.width()), double_text(frame.box.height()), pbc, names,
+                     double_text(frame.clock.time), frame.clock.step, frame.seed);
+}
+
+/// The numbers of a column, which must be real ones.
+std::span<double const> reals_of(Frame const& frame, std::string_view name) {
+  FrameColumn const* const column = frame.find(name);
+  if (column == nullptr || !is_real(*column)) return {};
+  return std::get<std::vector<double>>(column->values);
 }
 
 /// What a column of the file means to us.
@@ -513,23 +564,37 @@ class XyzReader {
 
 }  // namespace
 
-void write_xyz(State const& state, std::filesystem::path const& path) {
-  Disks const& disks = state.disks;
-  Symbols const symbol(disks);
-  AtomicFile file(path);
-  file.append(header(state));
+void append_xyz(Frame const& frame, AtomicFile& file) {
+  std::vector<XyzProperty> const properties = properties_of(frame);
+  std::span<double const> const x = reals_of(frame, X::name);
+  std::span<double const> const y = reals_of(frame, Y::name);
+  std::span<double const> const radius = reals_of(frame, Radius::name);
+  Symbols const symbol(radius);
+  file.append(header(frame, properties));
   fmt::memory_buffer line;
-  for (std::size_t i = 0; i < disks.size(); ++i) {
-    double const radius = disks.column<Radius>()[i];
+  for (std::size_t i = 0; i < frame.size(); ++i) {
     line.clear();
-    fmt::format_to(std::back_inserter(line), "{} {} {} 0 {} {} {} 0 {} {} {} {}\n", symbol.of(radius),
-                   disks.column<X>()[i], disks.column<Y>()[i], disks.ids()[i], disks.column<VelocityX>()[i],
-                   disks.column<VelocityY>()[i], radius, disks.column<Mass>()[i], disks.column<ImageX>()[i],
-                   disks.column<ImageY>()[i]);
+    fmt::format_to(std::back_inserter(line), "{} {} {} 0 {}", radius.empty() ? symbol_of_many : symbol.of(radius[i]),
+                   x[i], y[i], frame.ids[i]);
+    for (XyzProperty const& property : properties) {
+      for (FrameColumn const* column : property.columns) {
+        std::visit([&](auto const& values) { fmt::format_to(std::back_inserter(line), " {}", values[i]); },
+                   column->values);
+      }
+      if (property.pads) line.append(std::string_view(" 0"));
+    }
+    line.push_back('\n');
     file.append({line.data(), line.size()});
   }
+}
+
+void write_xyz(Frame const& frame, std::filesystem::path const& path) {
+  AtomicFile file(path);
+  append_xyz(frame, file);
   file.commit();
 }
+
+void write_xyz(State const& state, std::filesystem::path const& path) { write_xyz(frame_of(state), path); }
 
 XyzFrame parse_xyz(std::string_view text, std::string const& name) { return XyzReader(text, name).read(); }
 

@@ -196,6 +196,18 @@ void describe(RunSettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "seed", .documentation = "Every random number of the run follows from it."}, settings.seed);
 }
 
+void describe(CheckpointSettings& settings, SettingVisitor& visitor) {
+  visitor.visit(
+      {.key = "every_seconds",
+       .unit = "s of real time",
+       .documentation = "How often a run saves itself, so that gridlock resume can go on from there; 0 for never.",
+       .least = 0.0},
+      settings.every_seconds);
+  visitor.visit({.key = "every_steps",
+                 .documentation = "Besides, a checkpoint whenever about this many steps have passed; 0 for none."},
+                settings.every_steps);
+}
+
 void describe(Configuration& configuration, SettingVisitor& visitor) {
   auto const table = [&](std::string_view name, std::string_view documentation, auto& settings) {
     visitor.enter(name, documentation);
@@ -208,6 +220,7 @@ void describe(Configuration& configuration, SettingVisitor& visitor) {
   table("engine", "How the disks move.", configuration.engine);
   table("run", "How long the run lasts, and its seed.", configuration.run);
   table("observe", "What is measured, and how often.", configuration.observe);
+  table("checkpoint", "When a run saves itself on the way.", configuration.checkpoint);
 }
 
 Describe describing(Configuration& configuration) {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <iterator>
+#include <string>
 #include <type_traits>
 #include <utility>
 
@@ -40,24 +41,27 @@ Run::Run(Experiment& experiment, RunPlan const& plan)
 }
 
 Ending Run::go_on(OnProgress const& on_progress) {
+  double const seconds_before = seconds_;
   auto const start = std::chrono::steady_clock::now();
+  auto const note_time = [&] { seconds_ = seconds_before + seconds_since(start); };
   ending_ = Ending::interrupted;
   try {
     for (bool goes_on = true; goes_on;) {
-      if (is_sample_due()) sample();
+      stop_here();
       if (is_at_horizon()) {
         ending_ = Ending::finished;
         break;
       }
       advance_one_chunk();
+      note_time();
       // A wish to stop that comes with the last step comes too late to interrupt anything.
-      goes_on = report(on_progress, seconds_before_ + seconds_since(start)) || is_at_horizon();
+      goes_on = report(on_progress) || is_at_horizon();
     }
   } catch (RunFailure const& failure) {
     ending_ = Ending::failed;
     failure_ = failure.what();
   }
-  seconds_before_ += seconds_since(start);
+  note_time();
   return ending_;
 }
 
@@ -79,11 +83,16 @@ double Run::fraction_done() const {
   return std::min(std::max({steps, time, collisions}), 1.0);
 }
 
-/// Multiples of sample_every are counted from the start, so that the times of the samples do not depend on
-/// interruptions.
-bool Run::is_sample_due() const {
-  if (!last_sample_) return true;
-  return *last_sample_ != experiment_.clock() && (steps_done() % plan_.sample_every == 0 || is_at_horizon());
+/// What is due at this moment, once: multiples of sample_every are counted from the start, so that the times of the
+/// samples do not depend on interruptions.
+void Run::stop_here() {
+  if (last_stop_ == experiment_.clock()) return;
+  bool const is_first = !last_stop_;
+  last_stop_ = experiment_.clock();
+  if (is_first || steps_done() % plan_.sample_every == 0 || is_at_horizon()) sample();
+  for (Onlooker* onlooker : onlookers_) {
+    if (onlooker->is_due(steps_done())) onlooker->look(experiment_);
+  }
 }
 
 void Run::sample() {
@@ -95,7 +104,8 @@ void Run::sample() {
   std::vector<Cell> row{clock.step, clock.time};
   std::ranges::copy(values, std::back_inserter(row));
   series_.add_row(row);
-  last_sample_ = clock;
+  last_row_ = {static_cast<double>(clock.step), clock.time};
+  std::ranges::copy(values, std::back_inserter(last_row_));
 }
 
 void Run::advance_one_chunk() {
@@ -103,28 +113,38 @@ void Run::advance_one_chunk() {
   std::uint64_t const next_sample = first_.step + (steps_done() / plan_.sample_every + 1) * plan_.sample_every;
   Horizon stop = plan_.horizon;
   stop.step = std::min({plan_.horizon.step, next_sample, step + plan_.steps_per_chunk});
+  for (Onlooker const* onlooker : onlookers_) {
+    stop.step = std::min(stop.step, first_.step + onlooker->next_after(steps_done()));
+  }
   experiment_.advance(stop);
 }
 
-bool Run::report(OnProgress const& on_progress, double seconds) const {
+bool Run::report(OnProgress const& on_progress) const {
   if (!on_progress) return true;
   double const turns = static_cast<double>(steps_done()) * static_cast<double>(experiment_.agents());
-  return on_progress({.fraction = fraction_done(),
+  return on_progress({.clock = experiment_.clock(),
+                      .fraction = fraction_done(),
                       .steps = steps_done(),
-                      .seconds = seconds,
-                      .agent_steps_per_second = seconds > 0.0 ? turns / seconds : 0.0});
+                      .seconds = seconds_,
+                      .agent_steps_per_second = seconds_ > 0.0 ? turns / seconds_ : 0.0,
+                      .columns = columns_,
+                      .last_sample = last_row_});
 }
 
 void Run::carry(Archive& archive) {
   carry_inside(archive, "first", [&] { gridlock::carry(archive, first_); });
-  bool has_sampled = last_sample_.has_value();
-  Clock last = last_sample_.value_or(Clock{});
-  archive.visit("has_sampled", has_sampled);
-  carry_inside(archive, "last_sample", [&] { gridlock::carry(archive, last); });
-  last_sample_ = has_sampled ? std::optional(last) : std::nullopt;
-  archive.visit("seconds", seconds_before_);
+  bool has_stopped = last_stop_.has_value();
+  Clock last = last_stop_.value_or(Clock{});
+  archive.visit("has_stopped", has_stopped);
+  carry_inside(archive, "last_stop", [&] { gridlock::carry(archive, last); });
+  last_stop_ = has_stopped ? std::optional(last) : std::nullopt;
+  archive.visit("last_row", last_row_);
+  archive.visit("seconds", seconds_);
   carry_inside(archive, "series", [&] { carry_series(archive); });
   carry_inside(archive, "experiment", [&] { experiment_.carry(archive); });
+  for (std::size_t k = 0; k < onlookers_.size(); ++k) {
+    carry_inside(archive, "onlooker_" + std::to_string(k), [&] { onlookers_[k]->carry(archive); });
+  }
 }
 
 void Run::carry_series(Archive& archive) {
@@ -150,7 +170,7 @@ RunRecord Run::record() const {
           .clock = experiment_.clock(),
           .steps = steps_done(),
           .time_step = experiment_.time_step(),
-          .seconds = seconds_before_,
+          .seconds = seconds_,
           .agents = experiment_.agents(),
           .state_hash = experiment_.state_hash(),
           .counts = experiment_.counts(),

@@ -3,13 +3,19 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/io/checkpoint.hpp"
 #include "gridlock/io/file.hpp"
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/xyz.hpp"
+#include "run/run_log.hpp"
 
 namespace gridlock {
 
@@ -17,7 +23,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json counts_json(std::vector<Count> const& counts) {
+constexpr char const* configuration_name = "config.resolved.toml";
+constexpr char const* summary_name = "summary.json";
+
+Json to_json(std::vector<Count> const& counts) {
   Json json = Json::object();
   for (auto const& [name, value] : counts) json[name] = value;
   return json;
@@ -31,48 +40,33 @@ Table to_table(Distribution const& distribution) {
   return table;
 }
 
-/// The configuration as a user can run it again from this directory.
-Configuration rerunnable(Setup const& setup) {
-  Configuration configuration = setup.configuration;
-  if (!setup.start_file.empty()) configuration.disks.file = "start.xyz";
-  return configuration;
+/// The share of the box that agents with a radius cover; nothing for agents without.
+std::optional<double> packing_fraction_of(Frame const& frame) {
+  FrameColumn const* const column = frame.find(Radius::name);
+  if (column == nullptr) return std::nullopt;
+  double area = 0.0;
+  for (double const r : std::get<std::vector<double>>(column->values)) area += std::numbers::pi * r * r;
+  return area / frame.box.area();
 }
 
-}  // namespace
-
-char const* version() { return GRIDLOCK_VERSION; }
-
-void open_run_directory(std::filesystem::path const& directory, bool overwrites) {
-  std::error_code ignored;
-  bool const is_used = std::filesystem::exists(directory / "summary.json", ignored) ||
-                       std::filesystem::exists(directory / "sweep.csv", ignored) ||
-                       std::filesystem::exists(directory / "report.html", ignored);
-  if (is_used && !overwrites) {
-    throw Error({.what = fmt::format("{} holds results already", directory.string()),
-                 .hint = "name another directory with -o, or add --overwrite",
-                 .key = "-o"});
-  }
-  make_output_directory(directory);
-}
-
-std::string summary_json(Setup const& setup, RunResult const& result) {
-  State const& state = result.state;
+std::string summary_json(Setup const& setup, RunRecord const& record, Frame const& frame) {
   Json json;
   json["gridlock"] = version();
-  json["ending"] = to_text(result.ending);
-  if (!result.failure.empty()) json["failure"] = result.failure;
-  json["state_hash"] = fmt::format("{:016x}", hash(state));
-  json["seed"] = state.seed;
+  json["ending"] = to_text(record.ending);
+  if (!record.failure.empty()) json["failure"] = record.failure;
+  json["start_hash"] = fmt::format("{:016x}", hash(setup.state));
+  json["state_hash"] = fmt::format("{:016x}", record.state_hash);
+  json["seed"] = frame.seed;
   json["engine"] = setup.configuration.engine.kind;
-  json["disks"] = state.disks.size();
-  json["packing_fraction"] = covered_area(state.disks) / state.box.area();
-  json["steps"] = result.steps;
-  json["step"] = state.clock.step;
-  json["time"] = state.clock.time;
-  json["time_step"] = result.time_step;
-  json["timing"] = {{"seconds", result.seconds}, {"agent_steps_per_second", result.agent_steps_per_second()}};
-  json["tally"] = counts_json(result.counts);
-  for (auto const& [name, estimate, unit] : result.results) {
+  json["disks"] = record.agents;
+  if (auto const packing_fraction = packing_fraction_of(frame)) json["packing_fraction"] = *packing_fraction;
+  json["steps"] = record.steps;
+  json["step"] = record.clock.step;
+  json["time"] = record.clock.time;
+  json["time_step"] = record.time_step;
+  json["timing"] = {{"seconds", record.seconds}, {"agent_steps_per_second", record.agent_steps_per_second()}};
+  json["tally"] = to_json(record.counts);
+  for (auto const& [name, estimate, unit] : record.results) {
     Json& entry = json[name];
     entry["value"] = estimate.value;
     entry["error"] = estimate.error ? Json(*estimate.error) : Json();
@@ -81,19 +75,211 @@ std::string summary_json(Setup const& setup, RunResult const& result) {
   return json.dump(2) + '\n';
 }
 
-void write_run(Setup const& setup, RunResult const& result, std::filesystem::path const& directory) {
-  Configuration configuration = rerunnable(setup);
+void write_results(std::filesystem::path const& directory, Setup const& setup, RunRecord const& record,
+                   Frame const& frame) {
   // Last to come and first to go, so that a directory with a summary is a complete one.
   std::error_code ignored;
-  std::filesystem::remove(directory / "summary.json", ignored);
-  write_file(directory / "config.resolved.toml", to_toml(describing(configuration)));
-  if (!setup.start_file.empty()) write_xyz(setup.state, directory / "start.xyz");
-  write_csv(result.series, directory / "series.csv");
-  for (Distribution const& distribution : result.distributions) {
+  std::filesystem::remove(directory / summary_name, ignored);
+  write_csv(record.series, directory / "series.csv");
+  for (Distribution const& distribution : record.distributions) {
     write_csv(to_table(distribution), directory / (distribution.name + ".csv"));
   }
-  write_xyz(result.state, directory / "final.xyz");
-  write_file(directory / "summary.json", summary_json(setup, result));
+  write_xyz(frame, directory / "final.xyz");
+  write_file(directory / summary_name, summary_json(setup, record, frame));
+}
+
+/// When the next checkpoint is due.
+class CheckpointClock {
+ public:
+  explicit CheckpointClock(CheckpointSettings const& settings) : settings_(settings) {}
+
+  [[nodiscard]] bool is_due(std::uint64_t steps) const {
+    double const waited = std::chrono::duration<double>(Time::now() - last_).count();
+    return (settings_.every_seconds > 0.0 && waited >= settings_.every_seconds) ||
+           (settings_.every_steps > 0 && steps >= last_steps_ + settings_.every_steps);
+  }
+  void note(std::uint64_t steps) {
+    last_ = Time::now();
+    last_steps_ = steps;
+  }
+
+ private:
+  using Time = std::chrono::steady_clock;
+  CheckpointSettings settings_;
+  Time::time_point last_ = Time::now();
+  std::uint64_t last_steps_ = 0;
+};
+
+/// A run at home in its directory.
+class RunInDirectory {
+ public:
+  RunInDirectory(std::filesystem::path directory, Setup const& setup, std::string configuration, RunHooks const& hooks)
+      : directory_(std::move(directory)),
+        setup_(setup),
+        hooks_(hooks),
+        log_(directory_, hooks.on_note),
+        configuration_(std::move(configuration)),
+        experiment_(make_experiment(setup)),
+        run_(*experiment_, plan_of(setup)) {}
+
+  void begin() {
+    std::error_code ignored;
+    std::filesystem::remove(directory_ / summary_name, ignored);
+    remove_checkpoints(directory_);
+    if (!setup_.start_file.empty()) write_xyz(setup_.state, directory_ / "start.xyz");
+    write_file(directory_ / configuration_name, configuration_);
+    log_.note(fmt::format("gridlock {} begins: engine {}, {} disks, seed {}, start hash {:016x}", version(),
+                          setup_.configuration.engine.kind, experiment_->agents(), setup_.configuration.run.seed,
+                          experiment_->state_hash()));
+  }
+
+  void restore() {
+    auto const restored = restore_checkpoint(directory_, [&](Archive& archive) { carry(archive); });
+    if (!restored) {
+      log_.note("there is no checkpoint: the run begins again from its start");
+      return;
+    }
+    if (!restored->note.empty()) log_.note(fmt::format("{}; going back to the previous one", restored->note));
+    log_.note(fmt::format("gridlock {} goes on from step {} of {}", version(), experiment_->clock().step,
+                          restored->file.filename().string()));
+  }
+
+  RunRecord carry_out() {
+    CheckpointClock checkpoints(setup_.configuration.checkpoint);
+    Ending const ending = run_.go_on([&](Progress const& progress) {
+      if (checkpoints.is_due(progress.steps)) {
+        save();
+        checkpoints.note(progress.steps);
+      }
+      return !hooks_.on_progress || hooks_.on_progress(progress);
+    });
+    if (ending == Ending::interrupted) save();
+    RunRecord record = run_.record();
+    write_results(directory_, setup_, record, experiment_->frame());
+    if (ending == Ending::finished) remove_checkpoints(directory_);
+    log_.note(fmt::format("{} at step {} after {:.1f} s, state hash {:016x}{}{}", to_text(ending), record.clock.step,
+                          record.seconds, record.state_hash, record.failure.empty() ? "" : ": ", record.failure));
+    return record;
+  }
+
+ private:
+  void carry(Archive& archive) {
+    std::string configuration = configuration_;
+    archive.visit("configuration", configuration);
+    archive.require(configuration == configuration_, "its configuration is not the one of this directory");
+    carry_inside(archive, "run", [&] { run_.carry(archive); });
+  }
+
+  void save() {
+    try {
+      write_checkpoint(directory_, [&](Archive& archive) { carry(archive); });
+      log_.note(fmt::format("checkpoint at step {}", experiment_->clock().step));
+    } catch (RunFailure const& failure) {
+      log_.note(fmt::format("no checkpoint at step {}: {}", experiment_->clock().step, failure.what()));
+    }
+  }
+
+  std::filesystem::path directory_;
+  Setup const& setup_;
+  RunHooks const& hooks_;
+  RunLog log_;
+  std::string configuration_;
+  std::unique_ptr<Experiment> experiment_;
+  Run run_;
+};
+
+std::uint64_t hash_in(Json const& json, char const* key) {
+  return std::stoull(json.at(key).get<std::string>(), nullptr, 16);
+}
+
+Ending ending_in(Json const& json) {
+  for (Ending const ending : {Ending::finished, Ending::interrupted, Ending::failed}) {
+    if (json.at("ending") == to_text(ending)) return ending;
+  }
+  return Ending::failed;
+}
+
+}  // namespace
+
+char const* version() { return GRIDLOCK_VERSION; }
+
+void open_run_directory(std::filesystem::path const& directory, bool overwrites) {
+  constexpr std::array results{summary_name, configuration_name, "sweep.csv", "plan.json", "report.html"};
+  std::error_code ignored;
+  bool const is_used = std::ranges::any_of(
+      results, [&](char const* name) { return std::filesystem::exists(directory / name, ignored); });
+  if (is_used && !overwrites) {
+    bool const is_unfinished = !std::filesystem::exists(directory / summary_name, ignored) &&
+                               std::filesystem::exists(directory / configuration_name, ignored);
+    throw Error({.what = fmt::format("{} holds {} already", directory.string(), is_unfinished ? "a run" : "results"),
+                 .hint = is_unfinished
+                             ? "go on with it by gridlock resume, name another directory with -o, or add --overwrite"
+                             : "name another directory with -o, or add --overwrite",
+                 .key = "-o"});
+  }
+  make_output_directory(directory);
+}
+
+std::string resolved_configuration(Setup const& setup) {
+  Configuration configuration = setup.configuration;
+  if (!setup.start_file.empty()) configuration.disks.file = "start.xyz";
+  return to_toml(describing(configuration));
+}
+
+RunRecord run_in(std::filesystem::path const& directory, Setup const& setup, RunHooks const& hooks) {
+  make_output_directory(directory);
+  DirectoryLock const lock(directory);
+  RunInDirectory run(directory, setup, resolved_configuration(setup), hooks);
+  run.begin();
+  return run.carry_out();
+}
+
+RunRecord resume_in(std::filesystem::path const& directory, RunHooks const& hooks) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(directory / configuration_name, ignored)) {
+    throw Error({.what = fmt::format("{} holds no run: there is no {}", directory.string(), configuration_name),
+                 .hint = "name the directory of a run, or start one with gridlock run"});
+  }
+  DirectoryLock const lock(directory);
+  auto const summary = read_summary(directory);
+  if (summary && summary->ending == Ending::finished) {
+    throw Error(
+        {.what = fmt::format("the run in {} is finished", directory.string()),
+         .hint = "to go on from its last state, run a copy of config.resolved.toml with disks.file = final.xyz"});
+  }
+  Setup setup = set_up(SettingsFile::from_path(directory / configuration_name));
+  std::string configuration = resolved_configuration(setup);
+  if (hooks.threads) setup.configuration.engine.threads = *hooks.threads;
+  RunInDirectory run(directory, setup, std::move(configuration), hooks);
+  run.restore();
+  return run.carry_out();
+}
+
+std::optional<RunSummary> read_summary(std::filesystem::path const& directory) {
+  std::filesystem::path const path = directory / summary_name;
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return std::nullopt;
+  std::string const text = read_file(path);
+  try {
+    Json const json = Json::parse(text);
+    RunSummary summary{.ending = ending_in(json),
+                       .failure = json.value("failure", ""),
+                       .start_hash = hash_in(json, "start_hash"),
+                       .state_hash = hash_in(json, "state_hash"),
+                       .seconds = json.at("timing").at("seconds").get<double>(),
+                       .results = {}};
+    for (auto const& [name, entry] : json.items()) {
+      if (!entry.is_object() || !entry.contains("value")) continue;
+      Estimate estimate{.value = entry.at("value").get<double>(), .error = std::nullopt};
+      if (!entry.at("error").is_null()) estimate.error = entry.at("error").get<double>();
+      summary.results.push_back({name, estimate, entry.value("unit", "")});
+    }
+    return summary;
+  } catch (std::exception const& error) {
+    throw Error({.what = fmt::format("{} is damaged: {}", path.string(), error.what()),
+                 .hint = "remove it, and gridlock resume writes it again",
+                 .file = path.string()});
+  }
 }
 
 }  // namespace gridlock

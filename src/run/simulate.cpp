@@ -76,10 +76,13 @@ std::vector<Distribution> DiskExperiment::distributions() const {
 void DiskExperiment::carry(Archive& archive) {
   carry_inside(archive, "state", [&] { gridlock::carry(archive, state_); });
   carry_inside(archive, "tally", [&] { gridlock::carry(archive, tally_); });
+  carry_inside(archive, "engine", [&] { engine_->carry(archive, state_); });
   for (std::size_t k = 0; k < observables_.size(); ++k) {
     carry_inside(archive, "observable_" + std::to_string(k), [&] { observables_[k]->carry(archive); });
   }
 }
+
+std::unique_ptr<Experiment> make_experiment(Setup setup) { return std::make_unique<DiskExperiment>(std::move(setup)); }
 
 RunPlan plan_of(Setup const& setup) {
   Configuration const& configuration = setup.configuration;

@@ -262,17 +262,18 @@ class SweepInProgress {
   Outcome carry_out(std::size_t run, Team& team) const {
     try {
       Setup const setup = set_up(plan_.runs[run].settings);
-      RunResult const result =
-          simulate(setup, [&](Progress const& progress) { return team.report(run, progress.fraction); });
       auto const directory = settings_.directory / "runs" / plan_.runs[run].name;
-      make_output_directory(directory);
-      write_run(setup, result, directory);
+      RunRecord const record =
+          run_in(directory, setup,
+                 {.on_progress = [&](Progress const& progress) { return team.report(run, progress.fraction); },
+                  .on_note = {},
+                  .threads = std::nullopt});
       return {.has_begun = true,
-              .ending = result.ending,
-              .message = result.failure,
-              .state_hash = hash(result.state),
-              .seconds = result.seconds,
-              .results = result.results};
+              .ending = record.ending,
+              .message = record.failure,
+              .state_hash = record.state_hash,
+              .seconds = record.seconds,
+              .results = record.results};
     } catch (std::exception const& error) {
       return {.has_begun = true, .ending = Ending::failed, .message = error.what()};
     }

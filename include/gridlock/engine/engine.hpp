@@ -82,6 +82,10 @@ class Engine {
 
   /// The physical time one step stands for.
   [[nodiscard]] virtual double time_step() const = 0;
+
+  /// Carries what the engine keeps between two calls of advance() besides the state, which has been carried before:
+  /// restored into an engine made for the same start, it goes on with the same bits. Most keep nothing.
+  virtual void carry(Archive& /*archive*/, State const& /*state*/) {}
 };
 
 /// Makes the engine named by settings.kind for a valid state.

@@ -21,8 +21,9 @@ class AtomicFile {
   AtomicFile& operator=(AtomicFile const&) = delete;
 
   void append(std::string_view text);
-  /// Brings the file to its name; nothing may be appended after it.
-  void commit();
+  /// Brings the file to its name, and the name to the disk; nothing may be appended after it. A file that had the name
+  /// before is kept as `previous` where that is given.
+  void commit(std::filesystem::path const& previous = {});
 
  private:
   void write_out(std::string_view text);

@@ -4,11 +4,21 @@
 #include <string>
 #include <string_view>
 
+#include "gridlock/core/frame.hpp"
 #include "gridlock/core/state.hpp"
+#include "gridlock/io/file.hpp"
 
 namespace gridlock {
 
-/// Writes a state as extended XYZ, which ASE and OVITO read, with every bit that hash() covers.
+/// Appends a frame of any population as extended XYZ, which ASE and OVITO read; frames one after the other make a film.
+/// Contract: the frame has the columns x and y.
+void append_xyz(Frame const& frame, AtomicFile& file);
+
+/// Writes a frame as extended XYZ: what the columns of disks are called stands below, all others keep their names.
+/// Errors: RunFailure.
+void write_xyz(Frame const& frame, std::filesystem::path const& path);
+
+/// Writes a state as extended XYZ with every bit that hash() covers.
 ///
 ///     841
 ///     Lattice="1.0 0 0 0 1.0 0 0 0 1" pbc="F F F" Properties=<columns> Time=0.5 step=100 seed=1

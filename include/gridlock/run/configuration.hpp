@@ -26,6 +26,13 @@ struct RunSettings {
 };
 void describe(RunSettings& settings, SettingVisitor& visitor);
 
+/// The settings `[checkpoint]`: how often a run in a directory saves itself, besides when it is interrupted.
+struct CheckpointSettings {
+  double every_seconds = 60.0;    ///< of real time; 0: never
+  std::uint64_t every_steps = 0;  ///< looked at after every chunk of work; 0: never
+};
+void describe(CheckpointSettings& settings, SettingVisitor& visitor);
+
 /// Everything a run is made from, one member per table of the TOML file.
 struct Configuration {
   BoxSettings box;
@@ -34,6 +41,7 @@ struct Configuration {
   EngineSettings engine;
   RunSettings run;
   ObserveSettings observe;
+  CheckpointSettings checkpoint;
 };
 void describe(Configuration& configuration, SettingVisitor& visitor);
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,10 +15,13 @@ namespace gridlock {
 
 /// How far a run has come; handed out after every chunk of work.
 struct Progress {
+  Clock clock;
   double fraction = 0.0;    ///< of the run that is done, from 0 to 1
   std::uint64_t steps = 0;  ///< steps done in this run
   double seconds = 0.0;     ///< of real time so far
   double agent_steps_per_second = 0.0;
+  std::span<ColumnInfo const> columns;  ///< of the series, step and time first
+  std::span<double const> last_sample;  ///< a value for each of them
   [[nodiscard]] double seconds_left() const { return fraction > 0.0 ? seconds * (1.0 - fraction) / fraction : 0.0; }
 };
 
@@ -27,6 +31,23 @@ using OnProgress = std::function<bool(Progress const&)>;
 /// How a run ended.
 enum class Ending { finished, interrupted, failed };
 char const* to_text(Ending ending);
+
+/// Someone who looks at a run at steps of its own choice, such as the writer of a trajectory.
+class Onlooker {
+ public:
+  Onlooker() = default;
+  Onlooker(Onlooker const&) = delete;
+  Onlooker& operator=(Onlooker const&) = delete;
+  virtual ~Onlooker() = default;
+
+  /// Whether it wants to look now, `steps` after the start of the run; asked once for each step the run stops at.
+  [[nodiscard]] virtual bool is_due(std::uint64_t steps) const = 0;
+  /// The next step after `steps` it wants to look at; the run stops there.
+  [[nodiscard]] virtual std::uint64_t next_after(std::uint64_t steps) const = 0;
+  virtual void look(Experiment const& experiment) = 0;
+  /// Brings what it has seen to the disk and carries how much that is: a run that is restored goes back to it.
+  virtual void carry(Archive& archive) = 0;
+};
 
 /// How far an experiment is carried on, and what is looked at on the way.
 struct RunPlan {
@@ -70,6 +91,9 @@ class Run {
   /// again after an interruption.
   Ending go_on(OnProgress const& on_progress = {});
 
+  /// Lets someone look on from now on; it must outlive the run.
+  void add(Onlooker& onlooker) { onlookers_.push_back(&onlooker); }
+
   [[nodiscard]] RunRecord record() const;
 
   /// Carries everything the rest of the run depends on, the experiment with it.
@@ -79,17 +103,19 @@ class Run {
   [[nodiscard]] std::uint64_t steps_done() const { return experiment_.clock().step - first_.step; }
   [[nodiscard]] bool is_at_horizon() const;
   [[nodiscard]] double fraction_done() const;
-  [[nodiscard]] bool is_sample_due() const;
+  void stop_here();
   void sample();
   void carry_series(Archive& archive);
   void advance_one_chunk();
-  [[nodiscard]] bool report(OnProgress const& on_progress, double seconds) const;
+  [[nodiscard]] bool report(OnProgress const& on_progress) const;
 
   Experiment& experiment_;
   RunPlan plan_;
   Clock first_;
-  std::optional<Clock> last_sample_;
-  double seconds_before_ = 0.0;  ///< real time of earlier calls of go_on()
+  std::optional<Clock> last_stop_;  ///< where it was sampled and looked at, if that was due
+  std::vector<double> last_row_;
+  std::vector<Onlooker*> onlookers_;
+  double seconds_ = 0.0;  ///< real time of all calls of go_on()
   Ending ending_ = Ending::interrupted;
   std::string failure_;
   std::vector<ColumnInfo> columns_;

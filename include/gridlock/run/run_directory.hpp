@@ -1,6 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,18 +20,67 @@ char const* version();
 /// Errors: Error under the key "-o".
 void open_run_directory(std::filesystem::path const& directory, bool overwrites);
 
-/// Writes everything a run leaves behind:
+/// Keeps every other process from writing into a directory, for as long as it lives.
+/// Errors: Error under the key "-o" where another process holds it. A lock dies with its process, however that ends.
+class DirectoryLock {
+ public:
+  explicit DirectoryLock(std::filesystem::path const& directory);
+  ~DirectoryLock();
+  DirectoryLock(DirectoryLock const&) = delete;
+  DirectoryLock& operator=(DirectoryLock const&) = delete;
+
+ private:
+  std::filesystem::path path_;
+  int descriptor_ = -1;
+};
+
+/// Who wants to know what of a run in a directory.
+struct RunHooks {
+  OnProgress on_progress;
+  /// Every line of run.log, without its time.
+  std::function<void(std::string const&)> on_note;
+  std::optional<std::uint64_t> threads;  ///< of a run that is resumed; left out: as configured
+};
+
+/// Runs a set-up in a directory of its own, which holds from the first step on
 ///
-///     config.resolved.toml   the run again, to the bit
+///     config.resolved.toml   the run again, to the bit; start.xyz too where it began from a file
+///     checkpoint.gridlock    everything the rest of the run depends on, and .previous. before it, until it is finished
+///     run.log                what happened when
+///
+/// and in the end
+///
 ///     summary.json           every final observable with its error, state hash, version, seed, timing
 ///     series.csv             one row per sample
 ///     <distribution>.csv     speed_distribution, pair_correlation …
-///     final.xyz              the last state; start.xyz too where the run began from a file
+///     final.xyz              the last state
 ///
-/// Errors: RunFailure where a file cannot be written; every file is written whole or not at all.
-void write_run(Setup const& setup, RunResult const& result, std::filesystem::path const& directory);
+/// A run that is interrupted saves itself; one that fails leaves the last checkpoint before. A checkpoint that cannot be
+/// written is noted, and the run goes on. Every file is written whole or not at all; summary.json comes last.
+/// Errors: Error where another process works in the directory; RunFailure where results cannot be written.
+RunRecord run_in(std::filesystem::path const& directory, Setup const& setup, RunHooks const& hooks = {});
 
-/// The text of summary.json.
-std::string summary_json(Setup const& setup, RunResult const& result);
+/// Goes on with a run that was interrupted, killed or failed: from its newest checkpoint that is whole, or from the start
+/// where there is none. It ends with the same bits as a run that was never interrupted, whatever the number of threads.
+/// Errors: those of run_in(); Error where the directory holds no run, where the run is finished, or where its checkpoints
+/// are of another version or another configuration, or all damaged.
+RunRecord resume_in(std::filesystem::path const& directory, RunHooks const& hooks = {});
+
+/// What summary.json says of a run.
+struct RunSummary {
+  Ending ending = Ending::interrupted;
+  std::string failure;
+  std::uint64_t start_hash = 0;
+  std::uint64_t state_hash = 0;
+  double seconds = 0.0;
+  std::vector<NamedEstimate> results;
+};
+
+/// Reads summary.json of a directory; nothing where there is none.
+/// Errors: Error for a file that is damaged.
+std::optional<RunSummary> read_summary(std::filesystem::path const& directory);
+
+/// The configuration of a set-up as its directory keeps it.
+std::string resolved_configuration(Setup const& setup);
 
 }  // namespace gridlock

@@ -38,6 +38,9 @@ class DiskExperiment final : public Experiment {
   std::vector<std::unique_ptr<Observable>> observables_;
 };
 
+/// The experiment a set-up describes. Errors: those of its constructor.
+std::unique_ptr<Experiment> make_experiment(Setup setup);
+
 /// How far a set-up is carried on, and what is looked at on the way.
 RunPlan plan_of(Setup const& setup);
 

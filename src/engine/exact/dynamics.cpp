@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "engine/exact/saved_disks.hpp"
+
 namespace gridlock::exact {
 
 namespace {
@@ -359,6 +361,68 @@ void Dynamics::write(double elapsed, State& state) const {
     disks.column<ImageX>()[row] = image_[i].x + crossed_x;
     disks.column<ImageY>()[row] = image_[i].y + crossed_y;
   }
+}
+
+std::vector<Index> Dynamics::disks_by_rank() const {
+  std::vector<Index> disks(size_);
+  for (Index i = 0; i < size_; ++i) disks[disks_[i].rank] = i;
+  return disks;
+}
+
+void Dynamics::carry(Archive& archive) {
+  SavedDisks saved;
+  for (Index const i : disks_by_rank()) {
+    MovingDisk const& disk = disks_[i];
+    saved.x.push_back(disk.x);
+    saved.y.push_back(disk.y);
+    saved.velocity_x.push_back(disk.velocity_x);
+    saved.velocity_y.push_back(disk.velocity_y);
+    saved.event_time.push_back(disk.event_time);
+    saved.partner.push_back(disk.partner < vertical_border ? disks_[disk.partner].rank : disk.partner);
+    saved.partner_stamp.push_back(disk.partner_stamp);
+    saved.stamp.push_back(disk.stamp);
+    saved.column.push_back(disk.column);
+    saved.row.push_back(disk.row);
+    saved.image_x.push_back(image_[i].x);
+    saved.image_y.push_back(image_[i].y);
+  }
+  saved.carry(archive);
+  archive.visit("now", now_);
+  archive.visit("epoch", epoch_);
+  archive.visit("epoch_length", epoch_length_);
+  archive.visit("expected_appointments", expected_appointments_);
+  if (archive.is_restoring()) restore(archive, saved);
+}
+
+void Dynamics::restore(Archive const& archive, SavedDisks const& saved) {
+  archive.require(saved.has_size(size_), "the engine has other disks than the state");
+  std::vector<Index> const disks = disks_by_rank();
+  for (Index const i : disks) cells_.erase(i, disks_[i].column, disks_[i].row);
+  for (std::size_t rank = 0; rank < size_; ++rank) {
+    Index const partner = saved.partner[rank];
+    bool const is_inside = saved.column[rank] >= 0 && saved.column[rank] < cells_.columns() && saved.row[rank] >= 0 &&
+                           saved.row[rank] < cells_.rows();
+    archive.require(is_inside && (partner >= vertical_border || partner < size_) && saved.event_time[rank] >= now_,
+                    "a disk waits for an event that cannot be");
+    MovingDisk& disk = disks_[disks[rank]];
+    disk = {.x = saved.x[rank],
+            .y = saved.y[rank],
+            .velocity_x = saved.velocity_x[rank],
+            .velocity_y = saved.velocity_y[rank],
+            .event_time = saved.event_time[rank],
+            .partner = partner < vertical_border ? disks[partner] : partner,
+            .partner_stamp = saved.partner_stamp[rank],
+            .stamp = saved.stamp[rank],
+            .column = saved.column[rank],
+            .row = saved.row[rank],
+            .rank = disk.rank};
+    image_[disks[rank]] = {saved.image_x[rank], saved.image_y[rank]};
+    cells_.insert(disks[rank], disk.column, disk.row);
+  }
+  epoch_start_ = static_cast<double>(epoch_) * epoch_length_;
+  refresh_surroundings();
+  pipeline_.clear();
+  start_epoch();
 }
 
 }  // namespace gridlock::exact

@@ -14,6 +14,8 @@
 
 namespace gridlock::exact {
 
+struct SavedDisks;
+
 /// Hard disks in free flight from event to event: the exact dynamics of a state, in a layout of its own.
 ///
 /// Times are counted from the state it was made of. Inside, they are counted from the start of an epoch, a power of two
@@ -43,6 +45,10 @@ class Dynamics {
   /// disks, where a collision would be missed: a pair that comes to overlap before either disk's own event.
   void audit() const;
 
+  /// Carries the disks as they fly and the events they wait for; restored into a dynamics of the state that was written
+  /// at the same moment. Which memory a disk lies in is not carried: the trajectory does not depend on it.
+  void carry(Archive& archive);
+
   /// The disks as they are, for tests that damage them.
   [[nodiscard]] LargeArray<MovingDisk>& disks() { return disks_; }
   [[nodiscard]] std::size_t size() const { return size_; }
@@ -52,9 +58,12 @@ class Dynamics {
  private:
   void read_disks(State const& state);
   void choose_epoch();
+  [[nodiscard]] std::vector<Index> disks_by_rank() const;
   void start_epoch();
   void sort_disks_by_cell();
   void refresh_surroundings();
+
+  void restore(Archive const& archive, SavedDisks const& saved);
 
   Appointment const* next_event();
   void fetch_ahead();

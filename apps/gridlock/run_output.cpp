@@ -1,0 +1,122 @@
+#include "run_output.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "gridlock/run/pictures.hpp"
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Real time between two lines of JSON.
+constexpr double seconds_between_lines = 0.2;
+
+/// The observables a first look asks for; summary.json has all of them.
+constexpr char const* headlines[] = {"mean_displacement", "mean_squared_displacement",
+                                     "kinetic_energy",    "compressibility_factor",
+                                     "wall_pressure",     "collision_rate",
+                                     "blocked_share"};
+
+void print_line(Json const& json) {
+  fmt::print("{}\n", json.dump());
+  std::fflush(stdout);
+}
+
+Json to_json(gridlock::Progress const& progress) {
+  Json observables = Json::object();
+  for (std::size_t k = 2; k < progress.last_sample.size(); ++k) {
+    double const value = progress.last_sample[k];
+    observables[progress.columns[k].name] = std::isfinite(value) ? Json(value) : Json();
+  }
+  return {{"event", "progress"},
+          {"step", progress.clock.step},
+          {"time", progress.clock.time},
+          {"fraction", progress.fraction},
+          {"seconds", progress.seconds},
+          {"seconds_left", progress.seconds_left()},
+          {"agent_steps_per_second", progress.agent_steps_per_second},
+          {"observables", observables}};
+}
+
+void print_headlines(gridlock::RunRecord const& record) {
+  for (char const* name : headlines) {
+    auto const found = std::ranges::find(record.results, name, &gridlock::NamedEstimate::name);
+    if (found == record.results.end()) continue;
+    auto const& [value, error] = found->estimate;
+    fmt::print("  {:<26} {:.6g}{}{}\n", name, value, error ? fmt::format(" ± {:.2g}", *error) : "",
+               found->unit.empty() ? "" : "  " + found->unit);
+  }
+}
+
+}  // namespace
+
+void RunOutput::add_to(CLI::App& verb) {
+  verb.add_flag("--no-pictures", draws_nothing_, "Write data only");
+  auto* const quiet = verb.add_flag("-q,--quiet", is_quiet_, "Print errors only");
+  verb.add_flag("-v,--verbose", is_verbose_, "Print every line of run.log as well")->excludes(quiet);
+  verb.add_flag("--json", writes_json_, "Print progress and end as lines of JSON, for other programs")->excludes(quiet);
+}
+
+gridlock::RunHooks RunOutput::hooks() {
+  signals_.emplace();
+  line_.emplace();
+  gridlock::RunHooks hooks;
+  hooks.on_progress = [this](gridlock::Progress const& progress) {
+    print_progress(progress);
+    return !StopSignals::is_stop_asked();
+  };
+  hooks.on_note = [this](std::string const& note) {
+    bool const is_warning = note.find("no checkpoint") == 0 || note.find("going back") != std::string::npos;
+    if (is_verbose_ || is_warning) fmt::print(stderr, "{}{}\n", is_warning ? "warning: " : "", note);
+  };
+  return hooks;
+}
+
+void RunOutput::print_progress(gridlock::Progress const& progress) {
+  if (writes_json_) {
+    if (progress.seconds - last_json_ < seconds_between_lines && progress.fraction < 1.0) return;
+    last_json_ = progress.seconds;
+    print_line(to_json(progress));
+  } else if (!is_quiet_) {
+    line_->show(
+        progress.fraction, progress.seconds,
+        fmt::format("step {}  {}agent-steps/s", progress.clock.step, count_text(progress.agent_steps_per_second)));
+  }
+}
+
+void RunOutput::print_end(gridlock::RunRecord const& record, std::filesystem::path const& directory) const {
+  if (writes_json_) {
+    print_line({{"event", "end"},
+                {"ending", gridlock::to_text(record.ending)},
+                {"step", record.clock.step},
+                {"time", record.clock.time},
+                {"seconds", record.seconds},
+                {"state_hash", fmt::format("{:016x}", record.state_hash)},
+                {"directory", directory.string()}});
+    return;
+  }
+  fmt::print("{} {} steps of {} agents in {} ({}agent-steps/s)\n", gridlock::to_text(record.ending), record.steps,
+             record.agents, duration_text(record.seconds), count_text(record.agent_steps_per_second()));
+  print_headlines(record);
+  fmt::print("  {:<26} {:016x}\nresults in {}\n", "state_hash", record.state_hash, directory.string());
+}
+
+ExitCode RunOutput::finish(gridlock::RunRecord const& record, std::filesystem::path const& directory) {
+  line_.reset();
+  signals_.reset();
+  if (!draws_nothing_) {
+    for (std::string const& note : gridlock::draw_results(directory).notes) fmt::print(stderr, "note: {}\n", note);
+  }
+  if (!is_quiet_) print_end(record, directory);
+  if (record.ending == gridlock::Ending::finished) return ExitCode::good;
+  if (record.ending == gridlock::Ending::failed) fmt::print(stderr, "error: {}\n", record.failure);
+  fmt::print(stderr,
+             "{} after {} steps; what there is stands in {}; gridlock resume {} goes on from the last checkpoint\n",
+             gridlock::to_text(record.ending), record.steps, directory.string(), directory.string());
+  return ExitCode::run_failed;
+}

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "gridlock/run/run_directory.hpp"
+#include "terminal.hpp"
+#include "verbs.hpp"
+
+/// What the verbs that carry out one run say while it goes on and when it has ended.
+class RunOutput {
+ public:
+  void add_to(CLI::App& verb);
+
+  /// Shows progress and notes, and asks the run to end when the user does.
+  [[nodiscard]] gridlock::RunHooks hooks();
+
+  /// Draws the pictures and says how the run has ended.
+  [[nodiscard]] ExitCode finish(gridlock::RunRecord const& record, std::filesystem::path const& directory);
+
+ private:
+  void print_progress(gridlock::Progress const& progress);
+  void print_end(gridlock::RunRecord const& record, std::filesystem::path const& directory) const;
+
+  bool draws_nothing_ = false;
+  bool is_quiet_ = false;
+  bool is_verbose_ = false;
+  bool writes_json_ = false;
+  double last_json_ = -1.0;  ///< seconds into the run
+  // While the run goes on.
+  std::optional<StopSignals> signals_;
+  std::optional<ProgressLine> line_;
+};

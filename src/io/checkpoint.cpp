@@ -1,0 +1,251 @@
+#include "gridlock/io/checkpoint.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <xxhash.h>
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/io/file.hpp"
+
+namespace gridlock {
+
+namespace {
+
+using Json = nlohmann::json;
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr std::string_view magic = "GRIDLOCK";
+constexpr std::uint32_t format_version = 1;
+constexpr std::size_t checksum_offset = 16;
+constexpr std::size_t header_size = 32;
+/// A million disks need about 80 MB.
+constexpr std::uint64_t largest_file = std::uint64_t{1} << 36;
+
+constexpr char const* newest_name = "checkpoint.gridlock";
+constexpr char const* previous_name = "checkpoint.previous.gridlock";
+
+static_assert(std::endian::native == std::endian::little,
+              "the lists of a checkpoint are written as they lie in memory");
+
+/// What kind of numbers a list holds: the first byte of its value.
+template <class Number>
+constexpr std::uint8_t letter_of() {
+  if constexpr (std::is_same_v<Number, double>) return 'd';
+  if constexpr (std::is_same_v<Number, std::int32_t>) return 'i';
+  if constexpr (std::is_same_v<Number, std::uint32_t>) return 'u';
+  return 'q';
+}
+
+/// Names members by the path to them, so that the file is a map without maps in it.
+class NamedArchive : public Archive {
+ public:
+  void enter(std::string_view name) override { path_.push_back(full(name)); }
+  void leave() override { path_.pop_back(); }
+
+ protected:
+  [[nodiscard]] std::string full(std::string_view name) const {
+    return path_.empty() ? std::string(name) : fmt::format("{}.{}", path_.back(), name);
+  }
+
+ private:
+  std::vector<std::string> path_;
+};
+
+class SavingArchive final : public NamedArchive {
+ public:
+  [[nodiscard]] bool is_restoring() const override { return false; }
+  void visit(std::string_view name, bool& value) override { members_[full(name)] = value; }
+  /// As the bits it has, since CBOR keeps one kind of NaN only.
+  void visit(std::string_view name, double& value) override {
+    members_[full(name)] = std::bit_cast<std::uint64_t>(value);
+  }
+  void visit(std::string_view name, std::uint64_t& value) override { members_[full(name)] = value; }
+  void visit(std::string_view name, std::string& value) override { members_[full(name)] = value; }
+  void visit(std::string_view name, std::vector<double>& values) override { save(name, values); }
+  void visit(std::string_view name, std::vector<std::int32_t>& values) override { save(name, values); }
+  void visit(std::string_view name, std::vector<std::uint32_t>& values) override { save(name, values); }
+  void visit(std::string_view name, std::vector<std::uint64_t>& values) override { save(name, values); }
+
+  [[nodiscard]] Json const& members() const { return members_; }
+
+ private:
+  template <class Number>
+  void save(std::string_view name, std::vector<Number> const& values) {
+    Bytes bytes(1 + values.size() * sizeof(Number));
+    bytes[0] = letter_of<Number>();
+    if (!values.empty()) std::memcpy(bytes.data() + 1, values.data(), values.size() * sizeof(Number));
+    members_[full(name)] = Json::binary(std::move(bytes));
+  }
+
+  Json members_ = Json::object();
+};
+
+using Member = std::variant<bool, std::uint64_t, std::string, Bytes>;
+
+/// Reads a flat map and refuses anything deeper at its first byte, so that no file can exhaust the stack.
+class MemberReader final : public nlohmann::json_sax<Json> {
+ public:
+  std::map<std::string, Member> members;
+
+  bool null() override { return false; }
+  bool boolean(bool value) override { return add(value); }
+  bool number_integer(number_integer_t) override { return false; }
+  bool number_unsigned(number_unsigned_t value) override { return add(std::uint64_t{value}); }
+  bool number_float(number_float_t, string_t const&) override { return false; }
+  bool string(string_t& value) override { return add(std::move(value)); }
+  bool binary(binary_t& value) override { return add(Bytes(std::move(value))); }
+  bool start_object(std::size_t) override { return !std::exchange(is_inside_, true); }
+  bool key(string_t& name) override {
+    key_ = std::move(name);
+    return true;
+  }
+  bool end_object() override { return true; }
+  bool start_array(std::size_t) override { return false; }
+  bool end_array() override { return false; }
+  bool parse_error(std::size_t, std::string const&, nlohmann::detail::exception const&) override { return false; }
+
+ private:
+  bool add(Member value) { return is_inside_ && members.try_emplace(key_, std::move(value)).second; }
+
+  bool is_inside_ = false;
+  std::string key_;
+};
+
+class RestoringArchive final : public NamedArchive {
+ public:
+  explicit RestoringArchive(std::map<std::string, Member> members) : members_(std::move(members)) {}
+
+  [[nodiscard]] bool is_restoring() const override { return true; }
+  void visit(std::string_view name, bool& value) override { value = get<bool>(name); }
+  void visit(std::string_view name, double& value) override { value = std::bit_cast<double>(get<std::uint64_t>(name)); }
+  void visit(std::string_view name, std::uint64_t& value) override { value = get<std::uint64_t>(name); }
+  void visit(std::string_view name, std::string& value) override { value = get<std::string>(name); }
+  void visit(std::string_view name, std::vector<double>& values) override { restore(name, values); }
+  void visit(std::string_view name, std::vector<std::int32_t>& values) override { restore(name, values); }
+  void visit(std::string_view name, std::vector<std::uint32_t>& values) override { restore(name, values); }
+  void visit(std::string_view name, std::vector<std::uint64_t>& values) override { restore(name, values); }
+
+ private:
+  template <class Value>
+  Value const& get(std::string_view name) const {
+    auto const found = members_.find(full(name));
+    Value const* const value = found == members_.end() ? nullptr : std::get_if<Value>(&found->second);
+    if (value == nullptr) {
+      throw Error({.what = fmt::format("it does not hold \"{}\"", full(name)),
+                   .hint = "it was written by another version, or for another configuration"});
+    }
+    return *value;
+  }
+
+  template <class Number>
+  void restore(std::string_view name, std::vector<Number>& values) const {
+    Bytes const& bytes = get<Bytes>(name);
+    require(!bytes.empty() && bytes[0] == letter_of<Number>() && (bytes.size() - 1) % sizeof(Number) == 0,
+            "a list holds numbers of another kind");
+    values.resize((bytes.size() - 1) / sizeof(Number));
+    if (!values.empty()) std::memcpy(values.data(), bytes.data() + 1, bytes.size() - 1);
+  }
+
+  std::map<std::string, Member> members_;
+};
+
+std::string checksum_of(std::string_view payload) {
+  XXH128_canonical_t canonical;
+  XXH128_canonicalFromHash(&canonical, XXH3_128bits(payload.data(), payload.size()));
+  return {reinterpret_cast<char const*>(canonical.digest), sizeof canonical.digest};
+}
+
+[[noreturn]] void refuse(std::string const& name, std::string const& why, std::string hint) {
+  throw Error(
+      {.what = fmt::format("cannot use the checkpoint {}: {}", name, why), .hint = std::move(hint), .file = name});
+}
+
+/// What follows the header, once header and checksum have been found right.
+std::string_view payload_of(std::string_view bytes, std::string const& name) {
+  if (bytes.size() < header_size || !bytes.starts_with(magic)) {
+    refuse(name, "it is no checkpoint, or only the beginning of one", "");
+  }
+  std::uint32_t version = 0;
+  std::memcpy(&version, bytes.data() + magic.size(), sizeof version);
+  if (version != format_version) {
+    refuse(name, fmt::format("it has format {}, and this version of gridlock reads format {}", version, format_version),
+           "resume with the version that wrote it, or start the run again");
+  }
+  std::string_view const payload = bytes.substr(header_size);
+  if (checksum_of(payload) != bytes.substr(checksum_offset, header_size - checksum_offset)) {
+    refuse(name, "it is damaged: its checksum is wrong", "");
+  }
+  return payload;
+}
+
+}  // namespace
+
+std::string to_checkpoint(CarryAll const& carry) {
+  SavingArchive archive;
+  carry(archive);
+  std::string payload;
+  Json::to_cbor(archive.members(), payload);
+  std::string bytes(magic);
+  bytes.resize(checksum_offset, '\0');
+  std::memcpy(bytes.data() + magic.size(), &format_version, sizeof format_version);
+  bytes += checksum_of(payload);
+  bytes += payload;
+  return bytes;
+}
+
+void from_checkpoint(std::string_view bytes, std::string const& name, CarryAll const& carry) {
+  std::string_view const payload = payload_of(bytes, name);
+  MemberReader reader;
+  if (!Json::sax_parse(payload.begin(), payload.end(), &reader, Json::input_format_t::cbor)) {
+    refuse(name, "its content cannot be read", "it was written by another version");
+  }
+  RestoringArchive archive(std::move(reader.members));
+  try {
+    carry(archive);
+  } catch (Error const& error) {
+    refuse(name, error.problems().front().what, error.problems().front().hint);
+  }
+}
+
+void write_checkpoint(std::filesystem::path const& directory, CarryAll const& carry) {
+  AtomicFile file(directory / newest_name);
+  file.append(to_checkpoint(carry));
+  file.commit(directory / previous_name);
+}
+
+std::optional<Restored> restore_checkpoint(std::filesystem::path const& directory, CarryAll const& carry) {
+  std::string note;
+  std::optional<Error> error;
+  for (char const* name : {newest_name, previous_name}) {
+    std::filesystem::path const path = directory / name;
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored)) continue;
+    try {
+      from_checkpoint(read_file(path, largest_file), path.string(), carry);
+      return Restored{path, note};
+    } catch (Error const& refusal) {
+      if (!error) error = refusal;
+      note = refusal.problems().front().what;
+    }
+  }
+  if (error) throw *error;
+  return std::nullopt;
+}
+
+void remove_checkpoints(std::filesystem::path const& directory) {
+  std::error_code ignored;
+  std::filesystem::remove(directory / newest_name, ignored);
+  std::filesystem::remove(directory / previous_name, ignored);
+}
+
+}  // namespace gridlock

@@ -1,0 +1,53 @@
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/run/run_directory.hpp"
+
+namespace gridlock {
+
+namespace {
+
+[[noreturn]] void refuse(std::string const& what, std::string hint) {
+  throw Error({.what = what, .hint = std::move(hint), .key = "-o"});
+}
+
+/// Whether the file that was locked still is the one with that name: its last owner may have removed it meanwhile.
+bool is_still_named(int descriptor, std::filesystem::path const& path) {
+  struct stat locked {};
+  struct stat named {};
+  return fstat(descriptor, &locked) == 0 && stat(path.c_str(), &named) == 0 && locked.st_ino == named.st_ino;
+}
+
+}  // namespace
+
+DirectoryLock::DirectoryLock(std::filesystem::path const& directory) : path_(directory / ".lock") {
+  for (;;) {
+    descriptor_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) {
+      refuse(fmt::format("cannot write into the directory {}: {}", directory.string(),
+                         std::generic_category().message(errno)),
+             "name another directory with -o");
+    }
+    if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+      close(descriptor_);
+      refuse(fmt::format("another process is working in {}", directory.string()),
+             "wait until it has ended, or name another directory with -o");
+    }
+    if (is_still_named(descriptor_, path_)) return;
+    close(descriptor_);
+  }
+}
+
+DirectoryLock::~DirectoryLock() {
+  unlink(path_.c_str());
+  close(descriptor_);
+}
+
+}  // namespace gridlock

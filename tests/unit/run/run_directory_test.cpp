@@ -1,0 +1,184 @@
+#include "gridlock/run/run_directory.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/io/file.hpp"
+
+namespace {
+
+using namespace gridlock;
+namespace fs = std::filesystem;
+
+class Directory {
+ public:
+  Directory() : path_(fs::temp_directory_path() / ("gridlock-run-" + std::to_string(getpid()))) {
+    fs::remove_all(path_);
+    fs::create_directories(path_);
+  }
+  ~Directory() { fs::remove_all(path_); }
+  [[nodiscard]] fs::path operator/(char const* name) const { return path_ / name; }
+
+ private:
+  fs::path path_;
+};
+
+struct Kind {
+  char const* name;
+  char const* engine;
+  GridKind grid;
+  Edge edge;
+  bool is_mixture;
+};
+
+void PrintTo(Kind const& kind, std::ostream* stream) { *stream << kind.name; }
+
+Configuration configuration_of(Kind const& kind) {
+  Configuration configuration;
+  configuration.box.edge = kind.edge;
+  configuration.disks = {.count = 49, .packing_fraction = 0.55};
+  if (kind.is_mixture) {
+    configuration.disks.start = StartKind::random;
+    configuration.disks.packing_fraction = 0.3;
+    configuration.disks.species = {{.fraction = 0.5, .size_ratio = 1.0},
+                                   {.fraction = 0.5, .size_ratio = 1.4, .mass = 2.0}};
+  }
+  configuration.engine.kind = kind.engine;
+  configuration.engine.grid = kind.grid;
+  configuration.run.steps = 73;
+  configuration.observe.every = 5;
+  configuration.observe.structure_every = 2;
+  return configuration;
+}
+
+/// Stops a run after so many chunks of work.
+OnProgress stopping_after(int chunks) {
+  return [chunks, done = 0](Progress const&) mutable { return ++done < chunks; };
+}
+
+void expect_same(RunRecord const& a, RunRecord const& b) {
+  EXPECT_EQ(a.ending, b.ending);
+  EXPECT_EQ(a.state_hash, b.state_hash);
+  EXPECT_EQ(to_csv(a.series), to_csv(b.series));
+  ASSERT_EQ(a.results.size(), b.results.size());
+  for (std::size_t k = 0; k < a.results.size(); ++k) {
+    EXPECT_EQ(a.results[k].estimate.value, b.results[k].estimate.value) << a.results[k].name;
+    EXPECT_EQ(a.results[k].estimate.error, b.results[k].estimate.error) << a.results[k].name;
+  }
+  ASSERT_EQ(a.counts.size(), b.counts.size());
+  for (std::size_t k = 0; k < a.counts.size(); ++k) EXPECT_EQ(a.counts[k].value, b.counts[k].value) << a.counts[k].name;
+  ASSERT_EQ(a.distributions.size(), b.distributions.size());
+}
+
+class Interrupted : public testing::TestWithParam<Kind> {};
+
+TEST_P(Interrupted, ResumedAfterEveryChunkItEndsWithTheSameBitsAsARunNeverInterrupted) {
+  Directory const directory;
+  gridlock::Setup const setup = set_up(configuration_of(GetParam()));
+  RunRecord const whole = run_in(directory / "whole", setup);
+  ASSERT_EQ(whole.ending, Ending::finished);
+  RunRecord record =
+      run_in(directory / "parts", setup, {.on_progress = stopping_after(1), .on_note = {}, .threads = {}});
+  int interruptions = 0;
+  while (record.ending == Ending::interrupted && ++interruptions < 100) {
+    record = resume_in(directory / "parts", {.on_progress = stopping_after(1), .on_note = {}, .threads = {}});
+  }
+  EXPECT_GE(interruptions, 14);
+  expect_same(whole, record);
+  for (char const* name : {"series.csv", "final.xyz", "speed_distribution.csv", "pair_correlation.csv",
+                           "velocity_autocorrelation.csv", "config.resolved.toml"}) {
+    EXPECT_EQ(read_file(directory / "whole" / name), read_file(directory / "parts" / name)) << name;
+  }
+  EXPECT_FALSE(fs::exists(directory / "parts" / "checkpoint.gridlock"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, Interrupted,
+                         testing::Values(Kind{"stepped_linked_walls", "stepped", GridKind::linked, Edge::wall, false},
+                                         Kind{"stepped_packed_walls", "stepped", GridKind::packed, Edge::wall, false},
+                                         Kind{"stepped_packed_periodic_mixture", "stepped", GridKind::packed,
+                                              Edge::periodic, true},
+                                         Kind{"exact_walls", "exact", GridKind::packed, Edge::wall, false},
+                                         Kind{"exact_walls_mixture", "exact", GridKind::packed, Edge::wall, true},
+                                         Kind{"exact_periodic", "exact", GridKind::packed, Edge::periodic, false}),
+                         [](auto const& instance) { return std::string(instance.param.name); });
+
+Configuration small() { return configuration_of({"", "stepped", GridKind::packed, Edge::wall, false}); }
+
+std::string refusal(std::function<void()> const& action) {
+  try {
+    action();
+  } catch (Error const& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(RunDirectory, OfAFinishedRunIsNotResumed) {
+  Directory const directory;
+  run_in(directory / "a", set_up(small()));
+  EXPECT_NE(refusal([&] { resume_in(directory / "a"); }).find("is finished"), std::string::npos);
+}
+
+TEST(RunDirectory, WithoutARunIsRefused) {
+  Directory const directory;
+  EXPECT_NE(refusal([&] { resume_in(directory / "none"); }).find("holds no run"), std::string::npos);
+}
+
+TEST(RunDirectory, ThatAnotherProcessWorksInIsRefused) {
+  Directory const directory;
+  fs::create_directories(directory / "a");
+  DirectoryLock const lock(directory / "a");
+  EXPECT_NE(refusal([&] { run_in(directory / "a", set_up(small())); }).find("another process"), std::string::npos);
+}
+
+TEST(RunDirectory, RefusesACheckpointOfAnotherConfiguration) {
+  Directory const directory;
+  OnProgress const stop = [](Progress const&) { return false; };
+  run_in(directory / "a", set_up(small()), {.on_progress = stop, .on_note = {}, .threads = {}});
+  Configuration other = small();
+  other.run.seed = 2;
+  run_in(directory / "b", set_up(other), {.on_progress = stop, .on_note = {}, .threads = {}});
+  fs::copy(directory / "a" / "checkpoint.gridlock", directory / "b" / "checkpoint.gridlock",
+           fs::copy_options::overwrite_existing);
+  EXPECT_NE(refusal([&] { resume_in(directory / "b"); }).find("configuration"), std::string::npos);
+}
+
+TEST(RunDirectory, KeepsALogOverInterruptions) {
+  Directory const directory;
+  std::vector<std::string> notes;
+  run_in(directory / "a", set_up(small()),
+         {.on_progress = stopping_after(2),
+          .on_note = [&](std::string const& note) { notes.push_back(note); },
+          .threads = {}});
+  resume_in(directory / "a");
+  ASSERT_GE(notes.size(), 3U);
+  EXPECT_TRUE(notes.front().find("begins") != std::string::npos);
+  std::string const log = read_file(directory / "a" / "run.log");
+  for (char const* word :
+       {"begins", "checkpoint at step 10", "interrupted at step 10", "goes on from step 10", "finished"}) {
+    EXPECT_NE(log.find(word), std::string::npos) << word << " in\n" << log;
+  }
+}
+
+TEST(RunSummary, ReadsBackWhatTheRunWrote) {
+  Directory const directory;
+  RunRecord const record = run_in(directory / "a", set_up(small()));
+  auto const summary = read_summary(directory / "a");
+  ASSERT_TRUE(summary);
+  EXPECT_EQ(summary->ending, Ending::finished);
+  EXPECT_EQ(summary->state_hash, record.state_hash);
+  ASSERT_EQ(summary->results.size(), record.results.size());
+  for (std::size_t k = 0; k < record.results.size(); ++k) {
+    EXPECT_EQ(summary->results[k].name, record.results[k].name);
+    EXPECT_EQ(summary->results[k].estimate.value, record.results[k].estimate.value);
+    EXPECT_EQ(summary->results[k].estimate.error, record.results[k].estimate.error);
+  }
+  EXPECT_FALSE(read_summary(directory / "none"));
+  write_file(directory / "a" / "summary.json", "{\"ending\": 3");
+  EXPECT_NE(refusal([&] { static_cast<void>(read_summary(directory / "a")); }).find("damaged"), std::string::npos);
+}
+
+}  // namespace
