@@ -39,6 +39,7 @@ ExitCode run_command_line(int argc, char** argv) {
   add_run(app, exit_code);
   add_resume(app, exit_code);
   add_sweep(app, exit_code);
+  add_collect(app, exit_code);
   add_paper(app, exit_code);
   add_check(app, exit_code);
   add_explain(app, exit_code);

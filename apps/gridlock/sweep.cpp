@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cstdio>
 #include <memory>
+#include <optional>
+#include <string_view>
 
+#include "gridlock/core/error.hpp"
 #include "gridlock/run/pictures.hpp"
 #include "gridlock/run/run_directory.hpp"
 #include "terminal.hpp"
@@ -16,10 +20,42 @@ struct SweepOptions {
   ConfigurationOptions configuration;
   OutputOptions output;
   unsigned threads = 0;
+  std::string shard;
   bool is_quiet = false;
 };
 
+/// "2/8" as a shard.
+std::optional<gridlock::Shard> shard_of(std::string const& text) {
+  if (text.empty()) return std::nullopt;
+  gridlock::Shard shard;
+  std::size_t const slash = text.find('/');
+  auto const read = [](std::string_view digits, std::size_t& number) {
+    auto const [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+    return error == std::errc{} && end == digits.data() + digits.size();
+  };
+  bool const is_read = slash != std::string::npos && read(std::string_view(text).substr(0, slash), shard.number) &&
+                       read(std::string_view(text).substr(slash + 1), shard.count);
+  if (!is_read || shard.number < 1 || shard.number > shard.count) {
+    throw gridlock::Error({.what = fmt::format("\"{}\" is no shard", text),
+                           .hint = "--shard 2/8 is the second of eight parts",
+                           .key = "--shard"});
+  }
+  return shard;
+}
+
+/// Runs of other shards are not begun here, and are no failure of this one.
+ExitCode finish_shard(gridlock::Shard const& shard, std::size_t all, gridlock::SweepResult const& result,
+                      std::filesystem::path const& directory) {
+  std::size_t const ours = (all + shard.count - shard.number) / shard.count;
+  std::size_t const others = all - ours;
+  std::size_t const open = result.interruptions > others ? result.interruptions - others : 0;
+  fmt::print("shard {} of {}: {} runs, {} failed, {} stopped early; gridlock collect {} makes the tables\n",
+             shard.number, shard.count, ours, result.failures, open, directory.string());
+  return result.failures == 0 && open == 0 ? ExitCode::good : ExitCode::run_failed;
+}
+
 ExitCode sweep(SweepOptions const& options) {
+  auto const shard = shard_of(options.shard);
   gridlock::SweepPlan const plan = gridlock::plan_sweep(options.configuration.read());
   auto const directory =
       options.output.directory_for(std::filesystem::path(options.configuration.file).stem().string());
@@ -30,6 +66,7 @@ ExitCode sweep(SweepOptions const& options) {
     ProgressLine line;
     result = gridlock::run_sweep(plan, {.directory = directory,
                                         .overwrites = options.output.overwrites,
+                                        .shard = shard,
                                         .threads = options.threads,
                                         .on_progress = [&](gridlock::SweepProgress const& progress) {
                                           if (!options.is_quiet) {
@@ -39,15 +76,18 @@ ExitCode sweep(SweepOptions const& options) {
                                           return !StopSignals::is_stop_asked();
                                         }});
   }
-  for (std::string const& note : gridlock::draw_results(directory).notes) fmt::print(stderr, "note: {}\n", note);
+  if (!shard) {
+    for (std::string const& note : gridlock::draw_results(directory).notes) fmt::print(stderr, "note: {}\n", note);
+  }
   for (std::string const& message : result.messages) fmt::print(stderr, "error: {}\n", message);
+  if (shard) return finish_shard(*shard, plan.runs.size(), result, directory);
   std::size_t const good = plan.runs.size() - result.failures - result.interruptions;
   if (!options.is_quiet) {
     fmt::print("{} of {} runs finished; sweep.csv, means.csv and runs/ in {}\n", good, plan.runs.size(),
                directory.string());
   }
   if (good == plan.runs.size()) return ExitCode::good;
-  fmt::print(stderr, "{} runs failed, {} were stopped early; what there is stands in {}\n", result.failures,
+  fmt::print(stderr, "{} runs failed, {} were stopped early; the same command goes on in {}\n", result.failures,
              result.interruptions, directory.string());
   return ExitCode::run_failed;
 }
@@ -61,6 +101,8 @@ void add_sweep(CLI::App& app, ExitCode& exit_code) {
   options->output.add_to(*verb, "results/<name of FILE>");
   verb->add_option("-j,--threads", options->threads, "Runs at a time; left out: one for each core")
       ->check(CLI::Range(1U, 4096U));
+  verb->add_option("--shard", options->shard, "Make only part I of N, for one of N jobs; gridlock collect joins them")
+      ->type_name("I/N");
   verb->add_flag("-q,--quiet", options->is_quiet, "Print errors only");
   verb->callback([options, &exit_code] { exit_code = sweep(*options); });
 }

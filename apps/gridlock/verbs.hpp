@@ -19,6 +19,7 @@ enum class ExitCode : int {
 void add_run(CLI::App& app, ExitCode& exit_code);
 void add_resume(CLI::App& app, ExitCode& exit_code);
 void add_sweep(CLI::App& app, ExitCode& exit_code);
+void add_collect(CLI::App& app, ExitCode& exit_code);
 void add_paper(CLI::App& app, ExitCode& exit_code);
 void add_check(CLI::App& app, ExitCode& exit_code);
 void add_explain(CLI::App& app, ExitCode& exit_code);

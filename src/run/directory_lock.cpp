@@ -27,7 +27,7 @@ bool is_still_named(int descriptor, std::filesystem::path const& path) {
 
 }  // namespace
 
-DirectoryLock::DirectoryLock(std::filesystem::path const& directory) : path_(directory / ".lock") {
+DirectoryLock::DirectoryLock(std::filesystem::path const& directory, Sharing sharing) : path_(directory / ".lock") {
   for (;;) {
     descriptor_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (descriptor_ < 0) {
@@ -35,7 +35,7 @@ DirectoryLock::DirectoryLock(std::filesystem::path const& directory) : path_(dir
                          std::generic_category().message(errno)),
              "name another directory with -o");
     }
-    if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    if (flock(descriptor_, (sharing == Sharing::alone ? LOCK_EX : LOCK_SH) | LOCK_NB) != 0) {
       close(descriptor_);
       refuse(fmt::format("another process is working in {}", directory.string()),
              "wait until it has ended, or name another directory with -o");
@@ -46,7 +46,8 @@ DirectoryLock::DirectoryLock(std::filesystem::path const& directory) : path_(dir
 }
 
 DirectoryLock::~DirectoryLock() {
-  unlink(path_.c_str());
+  // The last one of those who share it tidies up.
+  if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) unlink(path_.c_str());
   close(descriptor_);
 }
 

@@ -1,205 +1,29 @@
 #include "gridlock/run/sweep.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
-#include <cmath>
 #include <limits>
-#include <map>
-#include <numeric>
+#include <mutex>
 #include <optional>
-#include <set>
+#include <utility>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
 #include "gridlock/run/run_directory.hpp"
-#include "gridlock/run/simulate.hpp"
+#include "run/sweep_tables.hpp"
 #include "run/team.hpp"
 
 namespace gridlock {
 
 namespace {
 
-constexpr char const* seed_key = "run.seed";
-constexpr std::size_t most_runs = 100'000;
-constexpr std::size_t longest_name = 120;
+using Json = nlohmann::ordered_json;
 
-std::string last_part(std::string const& key) { return key.substr(key.rfind('.') + 1); }
-
-/// "packing_fraction=0.7_start=square": safe as the name of a directory on every file system.
-std::string name_of(std::vector<std::string> const& keys, std::vector<std::string> const& values, std::size_t number) {
-  std::string name;
-  for (std::size_t k = 0; k < keys.size(); ++k) {
-    if (!name.empty()) name += '_';
-    name += last_part(keys[k]) + '=';
-    for (char const c : values[k]) {
-      bool const is_safe = std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' || c == '+';
-      if (is_safe) name += c;
-    }
-  }
-  return name.size() <= longest_name ? name : fmt::format("{}_{}", name.substr(0, longest_name - 8), number);
-}
-
-SettingLocation place_of(SettingList const& list, std::size_t value) {
-  return value < list.value_locations.size() ? list.value_locations[value] : list.location;
-}
-
-/// Values without the quotes of TOML strings, as a table shows them.
-std::string bare(std::string const& value) {
-  bool const is_quoted =
-      value.size() >= 2 && (value.front() == '"' || value.front() == '\'') && value.back() == value.front();
-  return is_quoted ? value.substr(1, value.size() - 2) : value;
-}
-
-/// One finished run as the tables need it.
-struct Outcome {
-  bool has_begun = false;
-  Ending ending = Ending::interrupted;
-  std::string message;
-  std::uint64_t state_hash = 0;
-  double seconds = 0.0;
-  std::vector<NamedEstimate> results;
-
-  [[nodiscard]] std::optional<Estimate> find(std::string const& name) const {
-    auto const found = std::ranges::find(results, name, &NamedEstimate::name);
-    return found == results.end() ? std::nullopt : std::optional(found->estimate);
-  }
-};
-
-double const not_measured = std::numeric_limits<double>::quiet_NaN();
-
-/// The names of all observables any run has, in the order of their first appearance.
-std::vector<std::string> observable_names(std::vector<Outcome> const& outcomes) {
-  std::vector<std::string> names;
-  std::set<std::string> seen;
-  for (Outcome const& outcome : outcomes) {
-    for (NamedEstimate const& result : outcome.results) {
-      if (seen.insert(result.name).second) names.push_back(result.name);
-    }
-  }
-  return names;
-}
-
-/// All values as numbers of one type; nothing where one of them is none.
-template <class Number>
-std::optional<std::vector<Number>> numbers_of(std::vector<std::string> const& values) {
-  std::vector<Number> numbers;
-  for (std::string const& value : values) {
-    Number number{};
-    char const* const end = value.data() + value.size();
-    auto const [stop, error] = std::from_chars(value.data(), end, number);
-    if (error != std::errc{} || stop != end) return std::nullopt;
-    numbers.push_back(number);
-  }
-  return numbers;
-}
-
-/// A column of counts, else of numbers, else of words. Counts come first: a seed has 64 bits, a double 53.
-CellColumn column_of(std::vector<std::string> const& values) {
-  if (auto counts = numbers_of<std::uint64_t>(values)) return *std::move(counts);
-  if (auto numbers = numbers_of<double>(values)) return *std::move(numbers);
-  return values;
-}
-
-void add_key_columns(Table& table, SweepPlan const& plan, std::vector<std::size_t> const& runs, bool with_seed) {
-  for (std::size_t k = 0; k < plan.keys.size(); ++k) {
-    if (!with_seed && plan.keys[k] == seed_key) continue;
-    std::vector<std::string> values;
-    for (std::size_t const run : runs) values.push_back(bare(plan.runs[run].values[k]));
-    table.add_column(plan.keys[k], column_of(values));
-  }
-}
-
-Table rows_of(SweepPlan const& plan, std::vector<Outcome> const& outcomes) {
-  std::vector<std::size_t> runs(plan.runs.size());
-  std::iota(runs.begin(), runs.end(), std::size_t{0});
-  Table table;
-  std::vector<std::string> names;
-  std::vector<std::string> endings;
-  std::vector<std::string> hashes;
-  std::vector<double> seconds;
-  for (std::size_t const run : runs) {
-    names.push_back(plan.runs[run].name);
-    bool const is_known = outcomes[run].has_begun || outcomes[run].ending == Ending::failed;
-    endings.emplace_back(is_known ? to_text(outcomes[run].ending) : "not begun");
-    hashes.push_back(outcomes[run].has_begun ? fmt::format("{:016x}", outcomes[run].state_hash) : "");
-    seconds.push_back(outcomes[run].seconds);
-  }
-  table.add_column("run", names);
-  add_key_columns(table, plan, runs, true);
-  table.add_column("ending", endings);
-  table.add_column("state_hash", hashes);
-  table.add_column("seconds", seconds);
-  for (std::string const& name : observable_names(outcomes)) {
-    std::vector<double> values;
-    std::vector<double> errors;
-    for (Outcome const& outcome : outcomes) {
-      auto const estimate = outcome.find(name);
-      values.push_back(estimate ? estimate->value : not_measured);
-      errors.push_back(estimate ? estimate->error.value_or(not_measured) : not_measured);
-    }
-    table.add_column(name, values);
-    table.add_column(name + "_error", errors);
-  }
-  return table;
-}
-
-/// Mean over runs with its standard error from their scatter; a single run keeps its own error.
-Estimate mean_over(std::vector<Estimate> const& runs) {
-  if (runs.empty()) return {.value = not_measured};
-  if (runs.size() == 1) return runs.front();
-  double const count = static_cast<double>(runs.size());
-  double mean = 0.0;
-  for (Estimate const& run : runs) mean += run.value / count;
-  double squares = 0.0;
-  for (Estimate const& run : runs) squares += (run.value - mean) * (run.value - mean);
-  return {mean, std::sqrt(squares / (count * (count - 1.0)))};
-}
-
-Table means_of(SweepPlan const& plan, std::vector<Outcome> const& outcomes) {
-  // Runs that agree in everything but the seed, in the order of the plan.
-  std::vector<std::vector<std::size_t>> groups;
-  std::map<std::vector<std::string>, std::size_t> group_of;
-  for (std::size_t run = 0; run < plan.runs.size(); ++run) {
-    std::vector<std::string> values;
-    for (std::size_t k = 0; k < plan.keys.size(); ++k) {
-      if (plan.keys[k] != seed_key) values.push_back(plan.runs[run].values[k]);
-    }
-    auto const [place, is_new] = group_of.try_emplace(values, groups.size());
-    if (is_new) groups.emplace_back();
-    groups[place->second].push_back(run);
-  }
-  std::vector<std::size_t> first_runs;
-  std::vector<std::uint64_t> sizes;
-  for (auto& group : groups) {
-    first_runs.push_back(group.front());
-    std::erase_if(group, [&](std::size_t run) { return outcomes[run].ending != Ending::finished; });
-    sizes.push_back(group.size());
-  }
-  Table table;
-  add_key_columns(table, plan, first_runs, false);
-  table.add_column("runs", sizes);
-  for (std::string const& name : observable_names(outcomes)) {
-    std::vector<double> values;
-    std::vector<double> errors;
-    for (auto const& group : groups) {
-      std::vector<Estimate> estimates;
-      for (std::size_t const run : group) {
-        if (auto const estimate = outcomes[run].find(name)) estimates.push_back(*estimate);
-      }
-      Estimate const mean = mean_over(estimates);
-      values.push_back(mean.value);
-      errors.push_back(mean.error.value_or(not_measured));
-    }
-    table.add_column(name, values);
-    table.add_column(name + "_error", errors);
-  }
-  return table;
-}
+constexpr char const* plan_name = "plan.json";
 
 /// The work of a run in disk-steps, as far as its settings tell: only for the order and the progress.
 double cost_of(Setup const& setup) {
@@ -214,6 +38,44 @@ double cost_of(Setup const& setup) {
   return disks * steps + 1.0;
 }
 
+std::filesystem::path directory_of(std::filesystem::path const& sweep, SweepRun const& run) {
+  return sweep / "runs" / run.name;
+}
+
+SweepOutcome outcome_of(RunSummary const& summary) {
+  return {.has_begun = true,
+          .ending = summary.ending,
+          .message = summary.failure,
+          .state_hash = summary.state_hash,
+          .seconds = summary.seconds,
+          .results = summary.results};
+}
+
+SweepOutcome outcome_of(RunRecord const& record) {
+  return {.has_begun = true,
+          .ending = record.ending,
+          .message = record.failure,
+          .state_hash = record.state_hash,
+          .seconds = record.seconds,
+          .results = record.results};
+}
+
+Json to_json(SweepPlan const& plan) {
+  Json json{{"keys", plan.keys}, {"runs", Json::array()}};
+  for (SweepRun const& run : plan.runs) json["runs"].push_back({{"name", run.name}, {"values", run.values}});
+  return json;
+}
+
+/// What is in the way of a sweep in a directory that is used already: results that are not of a sweep.
+void open_sweep_directory(std::filesystem::path const& directory, bool overwrites) {
+  std::error_code ignored;
+  if (std::filesystem::exists(directory / plan_name, ignored)) {
+    make_output_directory(directory);
+  } else {
+    open_run_directory(directory, overwrites);
+  }
+}
+
 /// A sweep being carried out.
 class SweepInProgress {
  public:
@@ -223,7 +85,9 @@ class SweepInProgress {
   void run() {
     std::vector<double> const costs = estimate_costs();
     require_one_good();
-    open_run_directory(settings_.directory, settings_.overwrites);
+    open_sweep_directory(settings_.directory, settings_.overwrites);
+    DirectoryLock const lock(settings_.directory, settings_.shard ? Sharing::with_others : Sharing::alone);
+    write_file(settings_.directory / plan_name, to_json(plan_).dump(1) + '\n');
     auto const start = std::chrono::steady_clock::now();
     Team team(costs, [&](double fraction, std::size_t finished) {
       double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -232,24 +96,38 @@ class SweepInProgress {
                  {.finished = finished, .all = plan_.runs.size(), .fraction = fraction, .seconds = seconds});
     });
     team.run_all(settings_.threads, [&](std::size_t run) {
-      if (!errors_[run]) outcomes_[run] = carry_out(run, team);
+      if (!errors_[run] && is_ours(run)) outcomes_[run] = carry_out(run, team);
     });
   }
 
-  [[nodiscard]] std::vector<Outcome> const& outcomes() const { return outcomes_; }
+  [[nodiscard]] std::vector<SweepOutcome> const& outcomes() const { return outcomes_; }
 
  private:
-  /// Sets up every run once, for its cost and to know which cannot be made.
+  [[nodiscard]] bool is_ours(std::size_t run) const {
+    return !settings_.shard || run % settings_.shard->count == settings_.shard->number - 1;
+  }
+
+  /// All cores are busy with runs already, so each of them has one.
+  [[nodiscard]] Setup set_up_one(std::size_t run) const {
+    Setup setup = set_up(plan_.runs[run].settings);
+    if (setup.configuration.engine.threads == 0) setup.configuration.engine.threads = 1;
+    return setup;
+  }
+
+  /// Sets up every run once, for its cost and to know which cannot be made, are there already, or are in the way.
   std::vector<double> estimate_costs() {
     std::vector<double> costs(plan_.runs.size(), 0.0);
     tbb::parallel_for(std::size_t{0}, plan_.runs.size(), [&](std::size_t run) {
       try {
-        costs[run] = cost_of(set_up(plan_.runs[run].settings));
+        Setup const setup = set_up_one(run);
+        require_same_run(run, setup);
+        costs[run] = is_ours(run) && !is_finished(run) ? cost_of(setup) : 0.0;
       } catch (Error const& error) {
         errors_[run] = error;
-        outcomes_[run] = {.has_begun = false, .ending = Ending::failed, .message = error.what()};
+        outcomes_[run] = {.has_begun = false, .ending = Ending::failed, .message = error.what(), .results = {}};
       }
     });
+    if (is_in_the_way_) throw *is_in_the_way_;
     return costs;
   }
 
@@ -259,108 +137,140 @@ class SweepInProgress {
     if (!is_one_good) throw *errors_.front();
   }
 
-  Outcome carry_out(std::size_t run, Team& team) const {
+  /// Whether the run is in its directory already, finished or not.
+  [[nodiscard]] bool is_there(std::size_t run) const {
+    std::error_code ignored;
+    return !settings_.overwrites && std::filesystem::exists(directory_of(run) / "config.resolved.toml", ignored);
+  }
+  [[nodiscard]] bool is_finished(std::size_t run) const {
+    auto const summary = is_there(run) ? read_summary(directory_of(run)) : std::nullopt;
+    return summary && summary->ending == Ending::finished;
+  }
+  [[nodiscard]] std::filesystem::path directory_of(std::size_t run) const {
+    return gridlock::directory_of(settings_.directory, plan_.runs[run]);
+  }
+
+  void require_same_run(std::size_t run, Setup const& setup) {
+    if (!is_there(run)) return;
+    auto const summary = read_summary(directory_of(run));
+    bool const has_same_start = !summary || summary->start_hash == hash(setup.state);
+    if (has_same_start && read_file(directory_of(run) / "config.resolved.toml") == resolved_configuration(setup))
+      return;
+    std::scoped_lock const guard(mutex_);
+    is_in_the_way_ = Error({.what = fmt::format("{} was run with other settings", directory_of(run).string()),
+                            .hint = "name another directory with -o, or add --overwrite to run everything again",
+                            .key = "-o"});
+  }
+
+  SweepOutcome carry_out(std::size_t run, Team& team) const {
+    RunHooks const hooks{.on_progress = [&](Progress const& progress) { return team.report(run, progress.fraction); },
+                         .on_note = {},
+                         .threads = std::nullopt};
     try {
-      Setup const setup = set_up(plan_.runs[run].settings);
-      auto const directory = settings_.directory / "runs" / plan_.runs[run].name;
-      RunRecord const record =
-          run_in(directory, setup,
-                 {.on_progress = [&](Progress const& progress) { return team.report(run, progress.fraction); },
-                  .on_note = {},
-                  .threads = std::nullopt});
-      return {.has_begun = true,
-              .ending = record.ending,
-              .message = record.failure,
-              .state_hash = record.state_hash,
-              .seconds = record.seconds,
-              .results = record.results};
+      if (is_finished(run)) return outcome_of(*read_summary(directory_of(run)));
+      return outcome_of(is_there(run) ? resume_in(directory_of(run), hooks)
+                                      : run_in(directory_of(run), set_up_one(run), hooks));
     } catch (std::exception const& error) {
-      return {.has_begun = true, .ending = Ending::failed, .message = error.what()};
+      return {.has_begun = true, .ending = Ending::failed, .message = error.what(), .results = {}};
     }
   }
 
   SweepPlan const& plan_;
   SweepSettings const& settings_;
-  std::vector<Outcome> outcomes_;
+  std::vector<SweepOutcome> outcomes_;
   std::vector<std::optional<Error>> errors_;
+  std::mutex mutex_;
+  std::optional<Error> is_in_the_way_;
 };
 
-/// Reads every listed value once, so that a slip in the last one does not show after hours.
-void require_readable(SettingsFile const& file, std::vector<SettingList> const& lists) {
-  std::vector<Problem> problems;
-  auto const is_known = [&](Problem const& problem) {
-    // An unknown key is wrong once, not once for each of its values.
-    return std::ranges::any_of(problems,
-                               [&](Problem const& p) { return p.what == problem.what && p.line == problem.line; });
-  };
-  for (SettingList const& list : lists) {
-    for (std::size_t choice = 0; choice < list.values.size(); ++choice) {
-      SettingsFile settings = file;
-      settings.set(list.key, list.values[choice], place_of(list, choice));
-      Configuration configuration;
-      try {
-        settings.read_into(describing(configuration));
-      } catch (Error const& error) {
-        std::ranges::copy_if(error.problems(), std::back_inserter(problems), std::not_fn(is_known));
-      }
+void write_tables(SweepResult const& result, std::filesystem::path const& directory) {
+  write_csv(result.rows, directory / "sweep.csv");
+  write_csv(result.means, directory / "means.csv");
+}
+
+/// The keys, names and values of a plan that was written by a sweep; nothing to run it with.
+SweepPlan read_plan(std::filesystem::path const& directory) {
+  std::filesystem::path const path = directory / plan_name;
+  std::string const text = read_file(path);
+  try {
+    Json const json = Json::parse(text);
+    SweepPlan plan{.keys = json.at("keys").get<std::vector<std::string>>(), .runs = {}};
+    for (Json const& run : json.at("runs")) {
+      plan.runs.push_back({.name = run.at("name").get<std::string>(),
+                           .values = run.at("values").get<std::vector<std::string>>(),
+                           .settings = {}});
+      if (plan.runs.back().values.size() != plan.keys.size()) throw std::runtime_error("a run lacks values");
+    }
+    return plan;
+  } catch (std::exception const& error) {
+    throw Error({.what = fmt::format("{} is damaged: {}", path.string(), error.what()),
+                 .hint = "run the sweep again: it keeps the runs that are finished",
+                 .file = path.string()});
+  }
+}
+
+/// All runs of several plans, each once.
+SweepPlan merged_plan(std::vector<std::filesystem::path> const& directories) {
+  SweepPlan merged = read_plan(directories.front());
+  for (std::filesystem::path const& directory : directories) {
+    SweepPlan const plan = read_plan(directory);
+    if (plan.keys != merged.keys) {
+      throw Error({.what = fmt::format("the sweeps in {} and {} vary different settings", directories.front().string(),
+                                       directory.string()),
+                   .hint = "collect them one by one"});
+    }
+    for (SweepRun const& run : plan.runs) {
+      bool const is_known = std::ranges::any_of(merged.runs, [&](SweepRun const& r) { return r.name == run.name; });
+      if (!is_known) merged.runs.push_back(run);
     }
   }
-  if (!problems.empty()) throw Error(std::move(problems));
+  return merged;
+}
+
+/// The directory in which a run came farthest: to its end, or at all.
+std::optional<std::filesystem::path> best_of(std::vector<std::filesystem::path> const& directories,
+                                             SweepRun const& run) {
+  std::optional<std::filesystem::path> best;
+  for (std::filesystem::path const& directory : directories) {
+    auto const summary = read_summary(directory_of(directory, run));
+    if (!summary) continue;
+    if (summary->ending == Ending::finished) return directory;
+    best = directory;
+  }
+  return best;
 }
 
 }  // namespace
 
-SweepPlan plan_sweep(SettingsFile file) {
-  std::vector<SettingList> const lists = file.take_lists("sweep");
-  if (lists.empty()) {
-    throw Error({.what = "there is no table [sweep] with lists of values to try",
-                 .hint = "add [sweep] with lines such as \"disks.packing_fraction\" = [0.1, 0.2], or use gridlock run",
-                 .key = "sweep"});
-  }
-  require_readable(file, lists);
-  SweepPlan plan;
-  std::size_t count = 1;
-  for (SettingList const& list : lists) {
-    plan.keys.push_back(list.key);
-    if (list.values.size() > most_runs / count) {
-      throw Error({.what = fmt::format("the sweep has more than {} runs", most_runs),
-                   .hint = "list fewer values",
-                   .key = "sweep"});
-    }
-    count *= list.values.size();
-  }
-  std::set<std::string> names;
-  for (std::size_t number = 0; number < count; ++number) {
-    SweepRun run{.settings = file};
-    std::size_t rest = number;
-    run.values.resize(lists.size());
-    for (std::size_t k = lists.size(); k-- > 0;) {
-      std::size_t const choice = rest % lists[k].values.size();
-      rest /= lists[k].values.size();
-      run.values[k] = lists[k].values[choice];
-      run.settings.set(lists[k].key, run.values[k], place_of(lists[k], choice));
-    }
-    run.name = name_of(plan.keys, run.values, number);
-    if (!names.insert(run.name).second) run.name += fmt::format("_{}", number);
-    plan.runs.push_back(std::move(run));
-  }
-  return plan;
-}
-
 SweepResult run_sweep(SweepPlan const& plan, SweepSettings const& settings) {
   SweepInProgress sweep(plan, settings);
   sweep.run();
-  SweepResult result{.rows = rows_of(plan, sweep.outcomes()), .means = means_of(plan, sweep.outcomes())};
+  SweepResult result = result_of(plan, sweep.outcomes());
+  // The tables of a part would be taken for the whole: collect_sweep() makes them when all parts are there.
+  if (!settings.shard) write_tables(result, settings.directory);
+  return result;
+}
+
+SweepResult collect_sweep(std::vector<std::filesystem::path> const& directories, std::filesystem::path const& into) {
+  SweepPlan const plan = merged_plan(directories);
+  make_output_directory(into);
+  DirectoryLock const lock(into, Sharing::alone);
+  std::vector<SweepOutcome> outcomes(plan.runs.size());
   for (std::size_t run = 0; run < plan.runs.size(); ++run) {
-    Outcome const& outcome = sweep.outcomes()[run];
-    if (outcome.ending == Ending::failed) {
-      ++result.failures;
-      result.messages.push_back(fmt::format("{}: {}", plan.runs[run].name, outcome.message));
-    }
-    if (outcome.ending == Ending::interrupted) ++result.interruptions;
+    auto const from = best_of(directories, plan.runs[run]);
+    if (!from) continue;
+    std::filesystem::path const source = directory_of(*from, plan.runs[run]);
+    outcomes[run] = outcome_of(*read_summary(source));
+    std::filesystem::path const target = directory_of(into, plan.runs[run]);
+    std::error_code ignored;
+    if (std::filesystem::equivalent(source, target, ignored)) continue;
+    std::filesystem::create_directories(target);
+    std::filesystem::copy(source, target,
+                          std::filesystem::copy_options::recursive | std::filesystem::copy_options::overwrite_existing);
   }
-  write_csv(result.rows, settings.directory / "sweep.csv");
-  write_csv(result.means, settings.directory / "means.csv");
+  write_file(into / plan_name, to_json(plan).dump(1) + '\n');
+  SweepResult result = result_of(plan, outcomes);
+  write_tables(result, into);
   return result;
 }
 

@@ -210,7 +210,7 @@ TEST(Help, IsThereForEveryVerb) {
   Workplace const workplace;
   expect_good(gridlock::test::gridlock({"--help"}, workplace.path()));
   expect_good(gridlock::test::gridlock({"--version"}, workplace.path()));
-  for (char const* verb : {"run", "sweep", "paper", "check", "explain", "info", "plot"}) {
+  for (char const* verb : {"run", "resume", "sweep", "collect", "paper", "check", "explain", "info", "plot"}) {
     expect_good(gridlock::test::gridlock({verb, "--help"}, workplace.path()));
   }
 }

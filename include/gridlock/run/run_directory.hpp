@@ -20,11 +20,14 @@ char const* version();
 /// Errors: Error under the key "-o".
 void open_run_directory(std::filesystem::path const& directory, bool overwrites);
 
-/// Keeps every other process from writing into a directory, for as long as it lives.
+/// Whether a directory is kept from all other processes, or shared with those that share it too.
+enum class Sharing { alone, with_others };
+
+/// Keeps other processes from writing into a directory, for as long as it lives.
 /// Errors: Error under the key "-o" where another process holds it. A lock dies with its process, however that ends.
 class DirectoryLock {
  public:
-  explicit DirectoryLock(std::filesystem::path const& directory);
+  explicit DirectoryLock(std::filesystem::path const& directory, Sharing sharing = Sharing::alone);
   ~DirectoryLock();
   DirectoryLock(DirectoryLock const&) = delete;
   DirectoryLock& operator=(DirectoryLock const&) = delete;

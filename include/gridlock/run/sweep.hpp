@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,11 +40,19 @@ struct SweepProgress {
   double seconds = 0.0;
 };
 
+/// A part of a sweep for one of several machines or jobs: run number k of the plan, counted from 0, belongs to shard
+/// k mod count + 1.
+struct Shard {
+  std::size_t number = 1;  ///< from 1 to count
+  std::size_t count = 1;
+};
+
 /// How a sweep is carried out.
 struct SweepSettings {
   std::filesystem::path directory;
-  bool overwrites = false;  ///< whether results that are there already may be replaced
-  unsigned threads = 0;     ///< runs at a time; 0: one for each core
+  bool overwrites = false;     ///< whether everything is run again, also what is finished
+  std::optional<Shard> shard;  ///< left out: the whole sweep
+  unsigned threads = 0;        ///< runs at a time; 0: one for each core
   /// Called from any thread, one call at a time; returning false stops every run after its present chunk.
   std::function<bool(SweepProgress const&)> on_progress;
 };
@@ -59,9 +68,17 @@ struct SweepResult {
 
 /// Runs a plan on all cores, the longest runs first, and writes sweep.csv and means.csv; draw_results() draws them.
 ///
-/// The results do not depend on the number of threads. A run that fails is recorded with its message and the rest go on.
-/// Errors: Error where not one run can be set up or the directory cannot be used (open_run_directory()), before anything
-/// is written; RunFailure where results cannot be written.
+/// In a directory that holds a sweep already, runs that are finished are kept and those that were interrupted resume:
+/// after values have been added to the lists, only the new runs are made. A shard writes no tables; collect_sweep() does.
+/// The results do not depend on the number of threads, of shards or of interruptions. A run that fails is recorded with
+/// its message and the rest go on.
+/// Errors: Error where not one run can be set up, where the directory cannot be used, is in use, or holds one of the runs
+/// with other settings, before anything is written; RunFailure where results cannot be written.
 SweepResult run_sweep(SweepPlan const& plan, SweepSettings const& settings);
+
+/// Makes one sweep of the directories its shards were run in, or of the one they shared: copies the runs into `into`
+/// where they are not there, the one that came farthest of each, and writes plan.json, sweep.csv and means.csv.
+/// Errors: Error for a directory without a sweep, for sweeps of different settings, and where the directory is in use.
+SweepResult collect_sweep(std::vector<std::filesystem::path> const& directories, std::filesystem::path const& into);
 
 }  // namespace gridlock
