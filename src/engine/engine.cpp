@@ -12,6 +12,7 @@
 #include "exact.hpp"
 #include "gridlock/core/error.hpp"
 #include "stepped.hpp"
+#include "tiled.hpp"
 
 namespace gridlock {
 
@@ -20,10 +21,14 @@ namespace {
 using Maker = std::unique_ptr<Engine> (*)(EngineSettings const&, State const&);
 
 /// Adding an engine means one line here and a file behind it.
-constexpr std::array<std::pair<char const*, Maker>, 2> registry{{
+constexpr std::array<std::pair<char const*, Maker>, 3> registry{{
     {"stepped",
      [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
        return std::make_unique<SteppedEngine>(settings, state);
+     }},
+    {"tiled",
+     [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
+       return std::make_unique<TiledEngine>(settings, state);
      }},
     {"exact",
      [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
@@ -73,10 +78,12 @@ void carry(Archive& archive, Tally& tally) {
 void describe(EngineSettings& settings, SettingVisitor& visitor) {
   static constexpr std::array<std::string_view, 2> contacts{"always", "approaching"};
   static constexpr std::array<std::string_view, 2> grids{"linked", "packed"};
-  visitor.visit({.key = "kind",
-                 .documentation = "How the disks move: \"stepped\" is the paper's rule, \"exact\" goes from collision "
-                                  "to collision without a time step."},
-                settings.kind);
+  visitor.visit(
+      {.key = "kind",
+       .documentation = "How the disks move: \"stepped\" is the paper's rule, \"tiled\" the same turns in an order "
+                        "that all cores can share, \"exact\" goes from collision to collision without a "
+                        "time step."},
+      settings.kind);
   visitor.visit({.key = "time_step",
                  .unit = "diameters of the smallest disk per speed",
                  .documentation = "Length of one time step.",
@@ -114,6 +121,10 @@ void describe(EngineSettings& settings, SettingVisitor& visitor) {
               .documentation = "How stepped finds the neighbours of a disk: \"linked\" is the paper's lists in k × k "
                                "cells, \"packed\" is faster, chooses its own cells and gives the same bits."},
              grids, settings.grid);
+  visitor.visit({.key = "threads",
+                 .documentation = "How many threads tiled uses; any number gives the same bits, and 0 is all cores.",
+                 .most = 1024},
+                settings.threads);
 }
 
 }  // namespace gridlock

@@ -45,13 +45,12 @@ inline double widest_for_four(double smallest_radius) {
   return 2.0 * std::numbers::sqrt2 * smallest_radius * (1.0 - 1e-6);
 }
 
-/// The cells of a packed grid for turns: a 3×3 block is enough for disks a quarter faster than the fastest, and where
-/// that leaves a choice a cell is no wider than √2 diameters, so that equal disks never need a second block.
-inline CellLayout packed_layout(State const& state, double duration) {
+/// The cells of a packed grid for turns: a 3×3 block is enough for disks that cover `way` in a step, and where that
+/// leaves a choice a cell is no wider than widest_for_four(), so that equal disks never need a second block.
+inline CellLayout packed_layout(State const& state, double way) {
   RadiusRange const radii = radius_range(state.disks);
   Box const& box = state.box;
-  CellLayout const finest =
-      layout_for_reach(box, 2.0 * radii.largest + 1.25 * largest_speed(state.disks) * duration, state.disks.size());
+  CellLayout const finest = layout_for_reach(box, 2.0 * radii.largest + way, state.disks.size());
   double const widest = widest_for_four(radii.smallest);
   auto const cells = [&](double side, int most) {
     return static_cast<std::uint64_t>(std::min(std::floor(side / widest) + 1.0, static_cast<double>(most)));
@@ -76,32 +75,49 @@ class PackedTurns {
         shorter_side_(std::min(layout_.cell_width(), layout_.cell_height())),
         limit_per_area_(1.001 * grid.locals_per_length() * grid.locals_per_length()),
         limit_error_(grid.local_limit(0.0)),
-        fits_one_block_(std::max(layout_.cell_width(), layout_.cell_height()) <= widest_for_four(radii.smallest)) {}
+        fits_one_block_(std::max(layout_.cell_width(), layout_.cell_height()) <= widest_for_four(radii.smallest)),
+        inner_columns_(static_cast<unsigned>(std::max(0, layout_.columns() - 2))),
+        inner_rows_(static_cast<unsigned>(std::max(0, layout_.rows() - 2))) {}
 
   /// Whether the disk stays, and meets only disks, within the cells next to its own during its turn.
   [[nodiscard]] bool is_local(std::size_t i, double squared_speed) const {
-    double const way = shorter_side_ - reach_.contact(view_.radius[i]) - reach_.rounding();
-    return way > 0.0 && squared_speed * duration_ * duration_ <= way * way * (1.0 - 1e-12);
+    double const way = shorter_side_ * (1.0 - 1e-9) - reach_.contact(view_.radius[i]) - reach_.rounding();
+    return way > 0.0 && squared_speed * duration_ * duration_ <= way * way;
   }
 
-  /// The turn of a disk that is_local().
-  void take_local(std::size_t i, Tally& tally) {
+  /// A turn about to be taken: everything is known but what comes of it.
+  struct Prepared {
+    std::uint64_t near;  ///< bit slots·k + s is set where the disk in slot s of cell k around may be met
+    std::uint32_t disk;
+    bool is_far_from_edge;
+    bool needs_more_blocks;  ///< a cell around has more disks than a block
+  };
+
+  /// What the turn of a disk that is_local() needs. It stays right while the disks of the 3×3 block stay as they are,
+  /// so those of disks three cells apart can be prepared together, which keeps the processor from waiting for each.
+  [[nodiscard]] Prepared prepare(std::size_t i) const {
     Block const& home = std::as_const(grid_).block_of(i);
     Around const around = around_of(home);
-    if (!fits_one_block_ && has_further_blocks(around)) {
-      take_any(i, tally);
+    // A cell away from the edge means a way and a contact distance away.
+    bool const is_far_from_edge = static_cast<unsigned>(home.column - 1) < inner_columns_ &&
+                                  static_cast<unsigned>(home.row - 1) < inner_rows_;
+    return {.near = find_near(i, home, around),
+            .disk = static_cast<std::uint32_t>(i),
+            .is_far_from_edge = is_far_from_edge,
+            .needs_more_blocks = !fits_one_block_ && has_further_blocks(around)};
+  }
+
+  void take(Prepared const& turn, Tally& tally) {
+    if (turn.needs_more_blocks) {
+      take_any(turn.disk, tally);
       return;
     }
-    // A cell away from the edge means a way and a contact distance away.
-    bool const is_far =
-        home.column > 0 && home.column + 1 < layout_.columns() && home.row > 0 && home.row + 1 < layout_.rows();
-    std::uint64_t const near = find_near(i, home, around);
-    if (is_far) {
-      take<EdgeOfTurn::is_far>(i, around, near, tally);
+    if (turn.is_far_from_edge) {
+      take_among<EdgeOfTurn::is_far>(turn, tally);
     } else {
-      take<EdgeOfTurn::may_be_met>(i, around, near, tally);
+      take_among<EdgeOfTurn::may_be_met>(turn, tally);
     }
-    grid_.move(i, view_.position(i));
+    grid_.move(turn.disk, view_.position(turn.disk));
   }
 
   /// The turn of any disk.
@@ -118,9 +134,9 @@ class PackedTurns {
 
  private:
   using Block = PackedGrid::Block;
-  static constexpr std::size_t slots = PackedGrid::slots;
   /// The 3×3 block of cells around a disk, row by row from below left; the fifth is its own.
   using Around = std::array<Block const*, 9>;
+  static constexpr std::size_t slots = PackedGrid::slots;
   static constexpr std::size_t own = 4;
 
   [[nodiscard]] Around around_of(Block const& home) const {
@@ -140,7 +156,6 @@ class PackedTurns {
     return next != PackedGrid::none;
   }
 
-  /// Bit slots·k + s is set where the disk in slot s of block k may be met.
   [[nodiscard]] std::uint64_t find_near(std::size_t i, Block const& home, Around const& around) const {
     Vector const v = view_.velocity(i);
     double const contact = reach_.contact(view_.radius[i]);
@@ -163,16 +178,20 @@ class PackedTurns {
   }
 
   template <EdgeOfTurn edge>
-  void take(std::size_t i, Around const& around, std::uint64_t near, Tally& tally) {
-    if (near == 0) {
-      take_turn<edge>(view_, i, tally, [](Partner&) {});
+  void take_among(Prepared const& turn, Tally& tally) {
+    if (turn.near == 0) {
+      take_turn<edge>(view_, turn.disk, tally, [](Partner&) {});
       return;
     }
-    take_turn<edge>(view_, i, tally, [&](Partner& partner) {
-      for (std::uint64_t left = near; left != 0; left &= left - 1) {
-        auto const bit = static_cast<std::size_t>(std::countr_zero(left));
-        partner.consider(around[bit / slots]->agent[bit % slots]);
-      }
+    Around const around = around_of(std::as_const(grid_).block_of(turn.disk));
+    std::array<std::uint32_t, 9 * slots> candidates;
+    std::size_t count = 0;
+    for (std::uint64_t left = turn.near; left != 0; left &= left - 1) {
+      auto const bit = static_cast<std::size_t>(std::countr_zero(left));
+      candidates[count++] = around[bit / slots]->agent[bit % slots];
+    }
+    take_turn<edge>(view_, turn.disk, tally, [&](Partner& partner) {
+      for (std::size_t n = 0; n < count; ++n) partner.consider(candidates[n]);
     });
   }
 
@@ -185,6 +204,8 @@ class PackedTurns {
   double limit_per_area_;
   float limit_error_;
   bool fits_one_block_;
+  unsigned inner_columns_;  ///< columns that are not at the edge
+  unsigned inner_rows_;
 };
 
 }  // namespace gridlock

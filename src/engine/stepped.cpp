@@ -43,9 +43,6 @@ void require_bounds(EngineSettings const& settings, State const& state) {
   }
 }
 
-/// A disk that covers a contact distance in one sub-step could come out behind the disk it should have met.
-bool is_short(double squared_way, double contact) { return squared_way < contact * contact; }
-
 std::string jump_text(State const& state, std::size_t i, double way, double contact) {
   return fmt::format("disk {} covers {:.6g} in one sub-step and could jump over a disk at contact distance {:.6g}",
                      state.disks.ids()[i], way, contact);
@@ -78,13 +75,21 @@ void require_room_for_images(State const& state, double substep) {
                .key = "box"});
 }
 
-[[noreturn]] void throw_long_substep(State const& state, std::size_t i, double way) {
+}  // namespace
+
+void throw_long_substep(State const& state, std::size_t i, double way) {
   double const contact = state.disks.column<Radius>()[i] + radius_range(state.disks).smallest;
   throw RunFailure(
       fmt::format("step {}: {}\n  hint: {}", state.clock.step, jump_text(state, i, way, contact), jump_hint));
 }
 
-}  // namespace
+void require_room_for_turns(EngineSettings const& settings, State const& state) {
+  require_bounds(settings, state);
+  validate(state);
+  double const substep = step_duration(settings, state) / static_cast<double>(settings.substeps);
+  require_no_jumps(state, substep);
+  require_room_for_images(state, substep);
+}
 
 CellLayout stepped_layout(EngineSettings const& settings, State const& state) {
   double const duration = step_duration(settings, state);
@@ -92,18 +97,16 @@ CellLayout stepped_layout(EngineSettings const& settings, State const& state) {
     CellLayout const asked_for(state.box, *settings.cells, *settings.cells);
     if (settings.grid == GridKind::linked) return asked_for;
   }
-  if (settings.grid == GridKind::packed) return packed_layout(state, duration);
-  double const reach = 2.0 * radius_range(state.disks).largest + largest_speed(state.disks) * duration;
+  double const way = largest_speed(state.disks) * duration;
+  // A quarter more, since the fastest disk of the start does not stay the fastest.
+  if (settings.grid == GridKind::packed) return packed_layout(state, 1.25 * way);
+  double const reach = 2.0 * radius_range(state.disks).largest + way;
   return layout_for_reach(state.box, reach, state.disks.size());
 }
 
 SteppedEngine::SteppedEngine(EngineSettings const& settings, State const& state)
     : settings_(settings), duration_(step_duration(settings, state)), box_(state.box) {
-  require_bounds(settings, state);
-  validate(state);
-  double const substep = duration_ / static_cast<double>(settings.substeps);
-  require_no_jumps(state, substep);
-  require_room_for_images(state, substep);
+  require_room_for_turns(settings, state);
   layout_ = stepped_layout(settings, state);
 }
 
@@ -161,7 +164,7 @@ void SteppedEngine::advance_packed(State& state, Tally& tally, Horizon const& ho
   PackedTurns turns(view, grid, radius_range(state.disks), duration_);
   take_turns(state, tally, horizon, [&](std::size_t i, double squared_speed) {
     if (turns.is_local(i, squared_speed)) {
-      turns.take_local(i, tally);
+      turns.take(turns.prepare(i), tally);
     } else {
       turns.take_any(i, tally);
     }

@@ -7,6 +7,16 @@
 
 namespace gridlock {
 
+/// Throws Error for settings out of their bounds, no disks, a state that validate() refuses, a start in which a sub-step
+/// could jump over a disk, and a periodic box so small that the image a disk runs into need not be the nearest one.
+void require_room_for_turns(EngineSettings const& settings, State const& state);
+
+/// A disk that covers a contact distance in one sub-step could come out behind the disk it should have met.
+inline bool is_short(double squared_way, double contact) { return squared_way < contact * contact; }
+
+/// Throws RunFailure: the disk of row i has become so fast that it could jump over another.
+[[noreturn]] void throw_long_substep(State const& state, std::size_t i, double way);
+
 /// The cells of the engine `stepped`: for lists the k × k asked for, or the finest whose 3×3 block is enough for the
 /// start; for the packed grid see packed_layout().
 CellLayout stepped_layout(EngineSettings const& settings, State const& state);
@@ -14,9 +24,7 @@ CellLayout stepped_layout(EngineSettings const& settings, State const& state);
 /// The paper's rule, disk after disk in the order of their Ids: on the paper's linked lists, the readable reference every
 /// faster version is measured against, or on the packed grid, which gives the same bits.
 ///
-/// Errors: Error for settings out of their bounds, for no disks, for a state that validate() refuses, for a start in
-/// which a sub-step could jump over a disk, and for a periodic box so small that the image a disk runs into need not be
-/// the nearest one.
+/// Errors: those of require_room_for_turns(); RunFailure for a disk that becomes too fast for its sub-steps.
 class SteppedEngine final : public Engine {
  public:
   SteppedEngine(EngineSettings const& settings, State const& state);

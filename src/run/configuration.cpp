@@ -133,7 +133,7 @@ void require_engine(Setup const& setup, EngineSettings const& settings) {
 /// Collisions soon give some disk twice v_max (one turn in 3000 in equilibrium, exp(−8)): a sub-step in which it covers a
 /// contact distance could jump over a disk. The rare disk that is faster still is caught in its turn.
 void require_short_substeps(EngineSettings const& engine, State const& state) {
-  if (engine.kind != "stepped") return;
+  if (engine.kind == "exact") return;
   double const substep = step_duration(engine, state) / static_cast<double>(engine.substeps);
   double const way = 2.0 * engine.speed.value_or(1.0) * substep;
   double const contact = 2.0 * radius_range(state.disks).smallest;

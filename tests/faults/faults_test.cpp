@@ -124,6 +124,7 @@ TEST_P(Faults, TerminatedAtAnyMomentARunResumesToTheSameBits) { stop_at_random_m
 INSTANTIATE_TEST_SUITE_P(
     Engines, Faults,
     testing::Values(Kind{"stepped", "run.steps = 9000"}, Kind{"linked", "run.steps = 5000\nengine.grid = \"linked\""},
+                    Kind{"tiled", "run.steps = 9000\nengine.kind = \"tiled\"\nengine.threads = 2"},
                     Kind{"exact", "run.steps = 12000\nengine.kind = \"exact\"\nbox.edge = \"periodic\""}),
     [](auto const& instance) { return std::string(instance.param.name); });
 

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "gridlock/grid/cell_layout.hpp"
+
+namespace gridlock {
+
+/// The cells of a grid in tiles, coloured so that tiles of one colour can take their turns at the same time.
+///
+///     colours      ┌────┬────┬────┬────┐    Between two tiles of colour 0 lies a whole tile, at least two cells wide.
+///     of tiles:    │ 2  │ 3  │ 2  │ 3  │    The disks of a tile look at, hit and move to its own cells and the ring
+///                  ├────┼────┼────┼────┤    of cells around it, so no disk is touched from two of them.
+///                  │ 0  │ 1  │ 0  │ 1  │    Around a periodic box the number of tiles is even, or there is only one.
+///                  └────┴────┴────┴────┘
+///
+/// A function of the cells alone, so that the order of the turns is one of the state alone.
+class Tiling {
+ public:
+  struct Tile {
+    int first_column, end_column;
+    int first_row, end_row;
+  };
+  static constexpr std::size_t colours = 4;
+
+  Tiling() = default;
+  /// Tiles of about `cells_of_tile` cells a side, at least two; cuts are the same for the same cells.
+  explicit Tiling(CellLayout const& layout, int cells_of_tile = 12);
+
+  /// All tiles, colour by colour.
+  [[nodiscard]] std::vector<Tile> const& tiles() const { return tiles_; }
+  /// The tiles of a colour are first_of(colour) … first_of(colour + 1) − 1.
+  [[nodiscard]] std::size_t first_of(std::size_t colour) const { return first_of_[colour]; }
+
+ private:
+  std::vector<Tile> tiles_;
+  std::array<std::size_t, colours + 1> first_of_{};
+};
+
+}  // namespace gridlock

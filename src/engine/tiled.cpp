@@ -1,0 +1,274 @@
+#include "tiled.hpp"
+
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "engine/tiled/hot_disks.hpp"
+#include "engine/tiled/waiting.hpp"
+#include "gridlock/core/error.hpp"
+#include "gridlock/grid/packed_grid.hpp"
+#include "packed_turns.hpp"
+#include "stepped.hpp"
+#include "turn.hpp"
+
+namespace gridlock {
+
+namespace {
+
+/// Steps after which the disks are put in the order of their cells again: they drift less than a cell in that time.
+constexpr std::uint64_t steps_between_sorts = 100;
+
+/// The rows of the state tile by tile and in a tile cell by cell.
+std::vector<std::uint32_t> rows_by_turn(State const& state, CellLayout const& layout, Tiling const& tiling) {
+  std::vector<std::uint32_t> rank(static_cast<std::size_t>(layout.count()));
+  std::uint32_t next = 0;
+  for (Tiling::Tile const& tile : tiling.tiles()) {
+    for (int row = tile.first_row; row < tile.end_row; ++row) {
+      for (int column = tile.first_column; column < tile.end_column; ++column) {
+        rank[static_cast<std::size_t>(row) * static_cast<std::size_t>(layout.columns()) +
+             static_cast<std::size_t>(column)] = next++;
+      }
+    }
+  }
+  std::size_t const disks = state.disks.size();
+  auto const rank_of = [&](std::size_t i) {
+    return rank[static_cast<std::size_t>(layout.cell_of(position(state.disks, i)))];
+  };
+  std::vector<std::uint32_t> begin(rank.size() + 1, 0);
+  for (std::size_t i = 0; i < disks; ++i) ++begin[rank_of(i) + 1];
+  for (std::size_t cell = 0; cell < rank.size(); ++cell) begin[cell + 1] += begin[cell];
+  std::vector<std::uint32_t> order(disks);
+  for (std::size_t i = 0; i < disks; ++i) order[begin[rank_of(i)]++] = static_cast<std::uint32_t>(i);
+  return order;
+}
+
+void add(Tally& sum, Tally const& part) {
+  sum.turns += part.turns;
+  sum.blocked_turns += part.blocked_turns;
+  sum.pair_collisions += part.pair_collisions;
+  sum.distance_checks += part.distance_checks;
+  for (std::size_t wall = 0; wall < 4; ++wall) {
+    sum.wall_hits[wall] += part.wall_hits[wall];
+    sum.wall_impulse[wall] += part.wall_impulse[wall];
+  }
+  sum.pair_virial += part.pair_virial;
+}
+
+/// What one tile leaves behind in one step; on a cache line of its own, since threads write to it side by side.
+struct alignas(64) TileResult {
+  Tally tally;
+  std::vector<std::uint32_t> too_fast_for_tile;  ///< rows that wait for the end of the step
+  std::optional<std::size_t> too_fast;           ///< the first row that could jump over another
+};
+
+/// The turns of all disks, step after step.
+class Steps {
+ public:
+  Steps(State const& state, EngineSettings const& settings, double duration, CellLayout const& layout,
+        Tiling const& tiling)
+      : tiling_(tiling),
+        disks_(state, rows_by_turn(state, layout, tiling)),
+        view_(disks_.view(state.box, settings, duration)),
+        grid_(layout, view_.x, view_.y),
+        turns_(view_, grid_, radius_range(state.disks), duration),
+        smallest_radius_(radius_range(state.disks).smallest),
+        group_size_(goes_around_box(layout, tiling) ? 1 : most_in_group),
+        has_turned_(state.disks.size() + 1, 0),
+        results_(tiling.tiles().size()) {}
+
+  /// All disks take their turns. `for_each(first, end, take)` calls take(tile) for each, in any order or at once.
+  template <class ForEach>
+  void take_step(Tally& tally, ForEach for_each) {
+    flag_ ^= 1;
+    has_turned_[disks_.nobody()] = flag_;
+    for (std::size_t colour = 0; colour < Tiling::colours; ++colour) {
+      for_each(tiling_.first_of(colour), tiling_.first_of(colour + 1), [&](std::size_t tile) { take_tile(tile); });
+    }
+    // One after the other and in a fixed order: sums of floating point numbers depend on it.
+    for (TileResult& result : results_) {
+      for (std::uint32_t const i : result.too_fast_for_tile) take_late(i, result);
+      result.too_fast_for_tile.clear();
+      add(tally, result.tally);
+      result.tally = {};
+    }
+  }
+
+  /// Throws RunFailure where a disk has become too fast for its sub-steps.
+  void require_no_jumps(State const& state) const {
+    for (TileResult const& result : results_) {
+      if (!result.too_fast) continue;
+      double const way = std::sqrt(squared_length(view_.velocity(*result.too_fast))) * view_.substep;
+      throw_long_substep(state, disks_.row_in_state(*result.too_fast), way);
+    }
+  }
+
+  void write_back(State& state) const { disks_.write_back(state); }
+
+ private:
+  /// Enough to keep the processor busy, few enough to stay in the first cache.
+  static constexpr std::size_t most_in_group = 16;
+
+  /// A tile that is its own neighbour around a periodic box: cells three apart may have a common neighbour.
+  static bool goes_around_box(CellLayout const& layout, Tiling const& tiling) {
+    Tiling::Tile const& tile = tiling.tiles().front();
+    return layout.is_periodic() && (tile.end_column == layout.columns() || tile.end_row == layout.rows());
+  }
+
+  void take_tile(std::size_t index) {
+    TileResult& result = results_[index];
+    static thread_local Waiting waiting;
+    find_waiting(tiling_.tiles()[index], waiting);
+    waiting.for_each_group([&](std::span<std::uint32_t const> rows) {
+      for (std::size_t first = 0; first < rows.size(); first += group_size_) {
+        take_group(rows.subspan(first, std::min(group_size_, rows.size() - first)), result);
+      }
+    });
+  }
+
+  void find_waiting(Tiling::Tile const& tile, Waiting& waiting) const {
+    auto const third = [](int cells) { return static_cast<std::size_t>((cells + 2) / 3); };
+    waiting.clear(third(tile.end_column - tile.first_column) * third(tile.end_row - tile.first_row));
+    auto const is_waiting = [&](std::uint32_t i) { return has_turned_[i] != flag_; };
+    for (int row = tile.first_row; row < tile.end_row; ++row) {
+      for (int column = tile.first_column; column < tile.end_column; ++column) {
+        auto const of_class =
+            static_cast<std::size_t>(3 * ((row - tile.first_row) % 3) + (column - tile.first_column) % 3);
+        PackedGrid::Block const& block = grid_.block_at(column, row);
+        if (block.next == PackedGrid::none) {
+          waiting.add_block(of_class, block, disks_.ids(), disks_.nobody(), is_waiting);
+          continue;
+        }
+        std::vector<std::uint32_t> rows;
+        for (PackedGrid::Block const* part = &block;; part = &grid_.next_of(*part)) {
+          std::copy_if(part->agent.begin(), part->agent.begin() + part->count, std::back_inserter(rows), is_waiting);
+          if (part->next == PackedGrid::none) break;
+        }
+        std::ranges::sort(rows, {}, [&](std::uint32_t i) { return view_.id[i]; });
+        waiting.add_sorted(of_class, rows);
+      }
+    }
+  }
+
+  /// The turns of disks without a common neighbour.
+  void take_group(std::span<std::uint32_t const> rows, TileResult& result) {
+    std::array<PackedTurns::Prepared, most_in_group> prepared;
+    std::size_t count = 0;
+    for (std::uint32_t const i : rows) {
+      has_turned_[i] = flag_;
+      // A local disk is short of a contact distance in the whole step, so in each sub-step too.
+      if (turns_.is_local(i, squared_length(view_.velocity(i)))) {
+        prepared[count++] = turns_.prepare(i);
+      } else {
+        result.too_fast_for_tile.push_back(i);
+      }
+    }
+    for (std::size_t n = 0; n < count; ++n) turns_.take(prepared[n], result.tally);
+  }
+
+  void take_late(std::uint32_t i, TileResult& result) {
+    double const squared_speed = squared_length(view_.velocity(i));
+    if (is_short(squared_speed * view_.substep * view_.substep, view_.radius[i] + smallest_radius_)) {
+      turns_.take_any(i, result.tally);
+    } else if (!result.too_fast) {
+      result.too_fast = i;
+    }
+  }
+
+  Tiling const& tiling_;
+  HotDisks disks_;
+  TurnView view_;
+  PackedGrid grid_;
+  PackedTurns turns_;
+  double smallest_radius_;
+  std::size_t group_size_;
+  std::uint8_t flag_ = 0;
+  std::vector<std::uint8_t> has_turned_;
+  std::vector<TileResult> results_;
+};
+
+}  // namespace
+
+/// The threads asked for; more of them than cores are allowed, so that bits can be compared anywhere.
+class TiledEngine::Threads {
+ public:
+  explicit Threads(std::uint64_t threads) : arena_(number(threads)) {
+    int const cores = tbb::info::default_concurrency();
+    // Without it oneTBB would start no more threads than there are cores, and say so on the terminal.
+    auto const wanted = static_cast<std::size_t>(number(threads));
+    if (number(threads) > cores) more_than_cores_.emplace(tbb::global_control::max_allowed_parallelism, wanted);
+  }
+
+  template <class Take>
+  void for_each(std::size_t first, std::size_t end, Take take) {
+    if (end - first < 2 || arena_.max_concurrency() == 1) {
+      for (std::size_t n = first; n < end; ++n) take(n);
+      return;
+    }
+    arena_.execute([&] { tbb::parallel_for(first, end, take); });
+  }
+
+ private:
+  static int number(std::uint64_t threads) {
+    return threads == 0 ? tbb::info::default_concurrency() : static_cast<int>(std::min<std::uint64_t>(threads, 1024));
+  }
+
+  tbb::task_arena arena_;
+  std::optional<tbb::global_control> more_than_cores_;
+};
+
+TiledEngine::TiledEngine(EngineSettings const& settings, State const& state)
+    : settings_(settings),
+      duration_(step_duration(settings, state)),
+      box_(state.box),
+      threads_(std::make_unique<Threads>(settings.threads)) {
+  require_room_for_turns(settings, state);
+  lay_out(state);
+}
+
+TiledEngine::~TiledEngine() = default;
+
+void TiledEngine::lay_out(State const& state) {
+  // Room for disks of twice the speed that the time step refers to, whatever the disks do now: the cells must be the
+  // same for a run and for its continuation from a file, since the order of the turns depends on them.
+  double const way_at_speed = settings_.time_step * 2.0 * radius_range(state.disks).smallest;
+  layout_ = packed_layout(state, 2.0 * way_at_speed);
+  tiling_ = Tiling(layout_);
+}
+
+void TiledEngine::advance(State& state, Tally& tally, Horizon const& horizon) {
+  if (state.box != box_) {
+    box_ = state.box;
+    lay_out(state);
+  }
+  auto const is_short_of_horizon = [&] {
+    return state.clock.step < horizon.step && state.clock.time < horizon.time &&
+           tally.pair_collisions < horizon.pair_collisions;
+  };
+  while (is_short_of_horizon()) {
+    Steps steps(state, settings_, duration_, layout_, tiling_);
+    for (std::uint64_t n = 0; n < steps_between_sorts && is_short_of_horizon(); ++n) {
+      steps.take_step(tally,
+                      [&](std::size_t first, std::size_t end, auto take) { threads_->for_each(first, end, take); });
+      try {
+        steps.require_no_jumps(state);
+      } catch (RunFailure const&) {
+        steps.write_back(state);
+        throw;
+      }
+      ++state.clock.step;
+      state.clock.time += duration_;
+    }
+    steps.write_back(state);
+  }
+}
+
+}  // namespace gridlock

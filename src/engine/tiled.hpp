@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/grid/cell_layout.hpp"
+#include "gridlock/grid/tiling.hpp"
+
+namespace gridlock {
+
+/// The paper's rule, tile by tile and in a tile cell by cell, in a cell in the order of the Ids: the same turns as in
+/// `stepped` in another order, on any number of threads with the same bits.
+///
+/// Disks too fast for the ring of cells around their tile wait and take their turns one after the other at the end of
+/// the step. Errors: those of SteppedEngine.
+/// Memory: about 150 bytes for each disk during advance().
+class TiledEngine final : public Engine {
+ public:
+  TiledEngine(EngineSettings const& settings, State const& state);
+  ~TiledEngine() override;
+
+  void advance(State& state, Tally& tally, Horizon const& horizon) override;
+  [[nodiscard]] double time_step() const override { return duration_; }
+
+ private:
+  class Threads;
+
+  void lay_out(State const& state);
+
+  EngineSettings settings_;
+  double duration_;
+  Box box_;  ///< the box layout_ was made for
+  CellLayout layout_;
+  Tiling tiling_;
+  std::unique_ptr<Threads> threads_;
+};
+
+}  // namespace gridlock
