@@ -146,6 +146,11 @@ void require_short_substeps(EngineSettings const& engine, State const& state) {
        .key = "engine.time_step"});
 }
 
+void require_trajectory(TrajectorySettings const& settings, State const& state) {
+  static_cast<void>(FrameSchedule(settings, 1.0));
+  static_cast<void>(with_columns(frame_of(State{.box = state.box}), settings.columns));
+}
+
 /// A run that only ends after some number of collisions has to have some.
 void require_end(Configuration const& configuration, State const& state) {
   RunSettings const& run = configuration.run;
@@ -171,6 +176,7 @@ Setup set_up(Configuration configuration, std::filesystem::path const& directory
   require_end(configuration, setup.state);
   require_engine(setup, configuration.engine);
   require_short_substeps(configuration.engine, setup.state);
+  require_trajectory(configuration.trajectory, setup.state);
   setup.configuration = std::move(configuration);
   return setup;
 }
@@ -221,6 +227,7 @@ void describe(Configuration& configuration, SettingVisitor& visitor) {
   table("run", "How long the run lasts, and its seed.", configuration.run);
   table("observe", "What is measured, and how often.", configuration.observe);
   table("checkpoint", "When a run saves itself on the way.", configuration.checkpoint);
+  table("trajectory", "Which moments of a run are kept in trajectory.h5.", configuration.trajectory);
 }
 
 Describe describing(Configuration& configuration) {

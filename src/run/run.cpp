@@ -89,9 +89,12 @@ void Run::stop_here() {
   if (last_stop_ == experiment_.clock()) return;
   bool const is_first = !last_stop_;
   last_stop_ = experiment_.clock();
-  if (is_first || steps_done() % plan_.sample_every == 0 || is_at_horizon()) sample();
+  bool const is_sample_due = is_first || steps_done() % plan_.sample_every == 0 || is_at_horizon();
+  if (is_sample_due) sample();
+  std::span<double const> row = last_row_;
+  row = is_sample_due ? row.subspan(2) : row.first(0);
   for (Onlooker* onlooker : onlookers_) {
-    if (onlooker->is_due(steps_done())) onlooker->look(experiment_);
+    if (onlooker->is_due(steps_done())) onlooker->look(experiment_, row);
   }
 }
 

@@ -24,6 +24,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr char const* configuration_name = "config.resolved.toml";
+constexpr char const* trajectory_name = "trajectory.h5";
 constexpr char const* summary_name = "summary.json";
 
 Json to_json(std::vector<Count> const& counts) {
@@ -120,12 +121,19 @@ class RunInDirectory {
         log_(directory_, hooks.on_note),
         configuration_(std::move(configuration)),
         experiment_(make_experiment(setup)),
-        run_(*experiment_, plan_of(setup)) {}
+        run_(*experiment_, plan_of(setup)) {
+    TrajectorySettings const& settings = setup.configuration.trajectory;
+    if (!settings.has_frames()) return;
+    trajectory_.emplace(settings, experiment_->time_step(),
+                        TrajectoryOnlooker::Origin{directory_ / trajectory_name, configuration_, version()});
+    run_.add(*trajectory_);
+  }
 
   void begin() {
     std::error_code ignored;
     std::filesystem::remove(directory_ / summary_name, ignored);
     remove_checkpoints(directory_);
+    std::filesystem::remove(directory_ / trajectory_name, ignored);
     if (!setup_.start_file.empty()) write_xyz(setup_.state, directory_ / "start.xyz");
     write_file(directory_ / configuration_name, configuration_);
     log_.note(fmt::format("gridlock {} begins: engine {}, {} disks, seed {}, start hash {:016x}", version(),
@@ -186,6 +194,7 @@ class RunInDirectory {
   std::string configuration_;
   std::unique_ptr<Experiment> experiment_;
   Run run_;
+  std::optional<TrajectoryOnlooker> trajectory_;
 };
 
 std::uint64_t hash_in(Json const& json, char const* key) {

@@ -14,6 +14,7 @@
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/lattice/start.hpp"
 #include "gridlock/observe/observable.hpp"
+#include "gridlock/run/trajectory.hpp"
 
 namespace gridlock {
 
@@ -42,6 +43,7 @@ struct Configuration {
   RunSettings run;
   ObserveSettings observe;
   CheckpointSettings checkpoint;
+  TrajectorySettings trajectory;
 };
 void describe(Configuration& configuration, SettingVisitor& visitor);
 

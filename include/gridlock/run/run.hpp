@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,7 +45,8 @@ class Onlooker {
   [[nodiscard]] virtual bool is_due(std::uint64_t steps) const = 0;
   /// The next step after `steps` it wants to look at; the run stops there.
   [[nodiscard]] virtual std::uint64_t next_after(std::uint64_t steps) const = 0;
-  virtual void look(Experiment const& experiment) = 0;
+  /// `sample` is the row of the series taken at this very step, without step and time; empty where none was due.
+  virtual void look(Experiment const& experiment, std::span<double const> sample) = 0;
   /// Brings what it has seen to the disk and carries how much that is: a run that is restored goes back to it.
   virtual void carry(Archive& archive) = 0;
 };

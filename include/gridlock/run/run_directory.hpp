@@ -50,6 +50,7 @@ struct RunHooks {
 ///     config.resolved.toml   the run again, to the bit; start.xyz too where it began from a file
 ///     checkpoint.gridlock    everything the rest of the run depends on, and .previous. before it, until it is finished
 ///     run.log                what happened when
+///     trajectory.h5          its frames, where [trajectory] asks for some
 ///
 /// and in the end
 ///

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gridlock/core/frame.hpp"
+
+namespace gridlock {
+
+/// An observable of a trajectory: one number for each frame.
+struct H5mdObservable {
+  std::string name;
+  std::string unit;  ///< empty for pure numbers
+};
+
+/// What a trajectory is of, written once at its beginning.
+struct H5mdSettings {
+  std::string agents = "disks";  ///< name of the group below /particles
+  std::string configuration;     ///< the run it belongs to, TOML
+  std::string version;           ///< of the program that writes it
+  std::string author;            ///< empty: "N/A"
+  std::vector<H5mdObservable> observables;
+  std::uint64_t compression = 1;  ///< 0: none, 1: fastest … 9: smallest
+};
+
+/// One moment of a trajectory.
+struct H5mdFrame {
+  Frame frame;
+  std::vector<double> observables;  ///< one for each of H5mdSettings::observables; nan where none was measured then
+  std::uint64_t state_hash = 0;     ///< of the whole state, even where the frame holds only some of its columns
+};
+
+/// Writes a trajectory in H5MD 1.1, the open standard on top of HDF5, a frame at a time.
+///
+///     /h5md                                version, author, creator
+///     /particles/<agents>/box              dimension 3, boundary, edges; the agents lie at z = 0 in a box of height 1
+///     /particles/<agents>/position/value   [frame][agent][x y z]; velocity, image and every other pair of columns
+///                                          "<name>_x", "<name>_y" alike
+///     /particles/<agents>/radius/value     [frame][agent]; mass and every other column alike
+///     /particles/<agents>/id/value         agents in the order of the ids; absent ones have the fill value
+///     …/step, …/time                       one pair of arrays, hard links everywhere
+///     /observables/<name>/value            [frame]
+///     /parameters                          configuration, version, seed, and for each frame state_hash and checksum
+///
+/// The number of agents may change from frame to frame, the columns may not. Values are chunked by frame and component,
+/// shuffled and deflated, so that a column of zeros costs nothing. Reduced units stand in the attribute `reduced_unit`.
+///
+/// Between two frames the file is closed and whole: every reader of HDF5 may open it while the run goes on. A frame is
+/// written in the single-writer-multiple-reader mode of HDF5, whose order keeps the file readable in that mode even where
+/// the process is killed in the middle of it; append() then goes on after the last whole frame. What the operating system
+/// had not brought to the disk when the power failed is not covered.
+/// Errors: RunFailure where the file cannot be written. Cost: docs/trajectories.md.
+class H5mdWriter {
+ public:
+  /// Begins a trajectory with the columns of `first`, which is not written yet. The file appears under its name whole;
+  /// one that was there before is replaced.
+  static H5mdWriter create(std::filesystem::path const& path, H5mdSettings const& settings, Frame const& first);
+
+  /// Goes on with a trajectory, repairing it where its writer was killed.
+  /// Errors: Error where it is no trajectory of these columns or damaged.
+  static H5mdWriter append(std::filesystem::path const& path, Frame const& first);
+
+  ~H5mdWriter();
+  H5mdWriter(H5mdWriter&& other) noexcept;
+  H5mdWriter& operator=(H5mdWriter&& other) noexcept;
+
+  [[nodiscard]] std::size_t frame_count() const;
+  /// The step of the last frame.
+  [[nodiscard]] std::optional<std::uint64_t> last_step() const;
+  /// The state hash of the frame at that step, where there is one.
+  [[nodiscard]] std::optional<std::uint64_t> state_hash_at(std::uint64_t step) const;
+
+  /// Adds a frame; when it returns, no end of the process can lose it.
+  void write(H5mdFrame const& frame);
+
+ private:
+  class Trajectory;
+  explicit H5mdWriter(std::unique_ptr<Trajectory> trajectory);
+  std::unique_ptr<Trajectory> trajectory_;
+};
+
+/// Reads the trajectories that H5mdWriter writes, also while another process writes them and after a kill.
+///
+/// Errors: Error naming the file for anything missing, damaged or of another shape; a checksum over every frame finds
+/// what the checks of HDF5 do not see.
+class H5mdReader {
+ public:
+  explicit H5mdReader(std::filesystem::path path);
+  ~H5mdReader();
+  H5mdReader(H5mdReader&& other) noexcept;
+  H5mdReader& operator=(H5mdReader&& other) noexcept;
+
+  [[nodiscard]] std::size_t frame_count() const;
+  /// What the trajectory was created with; the compression is not read back.
+  [[nodiscard]] H5mdSettings const& settings() const;
+  /// The clock of each frame.
+  [[nodiscard]] std::span<Clock const> clocks() const;
+  /// Requires k < frame_count().
+  [[nodiscard]] H5mdFrame frame(std::size_t k) const;
+
+ private:
+  class Trajectory;
+  std::unique_ptr<Trajectory> trajectory_;
+};
+
+}  // namespace gridlock

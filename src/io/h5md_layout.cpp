@@ -1,0 +1,77 @@
+#include "io/h5md_layout.hpp"
+
+#include <xxhash.h>
+
+#include <memory>
+#include <string_view>
+
+namespace gridlock::h5md {
+
+namespace {
+
+/// The name of the vector whose components two columns are; empty where they are none.
+std::string vector_name(FrameColumn const& first, FrameColumn const& second) {
+  if (first.values.index() != second.values.index()) return "";
+  if (first.name == "x" && second.name == "y") return "position";
+  if (!first.name.ends_with("_x") || !second.name.ends_with("_y")) return "";
+  std::string const name = first.name.substr(0, first.name.size() - 2);
+  return second.name.substr(0, second.name.size() - 2) == name ? name : "";
+}
+
+/// The reduced unit of what every population may have.
+std::string unit_of(std::string_view element) {
+  if (element == "position" || element == "radius") return "length";
+  if (element == "velocity") return "length/time";
+  return element == "mass" ? "mass" : "";
+}
+
+}  // namespace
+
+std::vector<Element> elements_of(Frame const& frame) {
+  std::vector<Element> elements;
+  for (std::size_t c = 0; c < frame.columns.size(); ++c) {
+    std::string vector;
+    if (c + 1 < frame.columns.size()) vector = vector_name(frame.columns[c], frame.columns[c + 1]);
+    if (vector.empty()) {
+      elements.push_back({frame.columns[c].name, {c}, unit_of(frame.columns[c].name)});
+    } else {
+      elements.push_back({vector, {c, c + 1}, unit_of(vector)});
+      ++c;
+    }
+  }
+  return elements;
+}
+
+std::vector<std::string> column_names(std::string const& element, bool is_vector) {
+  if (!is_vector) return {element};
+  if (element == "position") return {"x", "y"};
+  return {element + "_x", element + "_y"};
+}
+
+std::span<std::byte const> bytes_of(FrameValues const& values) {
+  return std::visit([](auto const& numbers) { return std::as_bytes(std::span(numbers)); }, values);
+}
+
+std::size_t width_of(FrameValues const& values) {
+  return std::visit([](auto const& numbers) { return sizeof(numbers[0]); }, values);
+}
+
+std::uint64_t checksum(Frame const& frame, std::span<double const> observables, std::uint64_t state_hash) {
+  std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> const state(XXH3_createState(), &XXH3_freeState);
+  XXH3_64bits_reset(state.get());
+  auto const add = [&](auto bytes) { XXH3_64bits_update(state.get(), bytes.data(), bytes.size_bytes()); };
+  double const reals[] = {frame.box.width(), frame.box.height(), frame.clock.time};
+  std::uint64_t const wholes[] = {frame.box.is_periodic() ? 1U : 0U, frame.clock.step, frame.seed, frame.size(),
+                                  state_hash};
+  add(std::span(reals));
+  add(std::span(wholes));
+  add(std::span(frame.ids));
+  for (FrameColumn const& column : frame.columns) {
+    add(std::span(column.name));
+    add(bytes_of(column.values));
+  }
+  add(observables);
+  return XXH3_64bits_digest(state.get());
+}
+
+}  // namespace gridlock::h5md

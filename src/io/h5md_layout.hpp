@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gridlock/core/frame.hpp"
+
+namespace gridlock::h5md {
+
+inline constexpr std::uint64_t absent_id = std::numeric_limits<std::uint64_t>::max();
+/// Agents in one chunk at most: 1 MiB of numbers of 64 bits.
+inline constexpr std::size_t most_rows_per_chunk = std::size_t{1} << 17;
+/// Numbers in a chunk of an array with one number for each frame.
+inline constexpr std::size_t frames_per_chunk = 64;
+inline constexpr std::size_t dimensions = 3;
+
+/// A quantity of H5MD: one column of a frame, or the two columns of a vector in the plane.
+struct Element {
+  std::string name;                  ///< below /particles/<agents>
+  std::vector<std::size_t> columns;  ///< their places in Frame::columns
+  std::string unit;                  ///< empty where it is not known
+
+  [[nodiscard]] bool is_vector() const { return columns.size() == 2; }
+};
+
+/// The elements of a frame: x and y are the position, and every "<name>_x" followed by "<name>_y" of the same type is
+/// the vector <name>.
+std::vector<Element> elements_of(Frame const& frame);
+
+/// The names of the columns that become an element of that name.
+std::vector<std::string> column_names(std::string const& element, bool is_vector);
+
+/// The bytes of the numbers of a column.
+std::span<std::byte const> bytes_of(FrameValues const& values);
+std::size_t width_of(FrameValues const& values);
+
+/// A hash over all of a frame, by which the reader knows that nothing was damaged.
+std::uint64_t checksum(Frame const& frame, std::span<double const> observables, std::uint64_t state_hash);
+
+}  // namespace gridlock::h5md

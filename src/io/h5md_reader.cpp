@@ -1,0 +1,207 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <new>
+#include <stdexcept>
+#include <utility>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/io/h5md.hpp"
+#include "io/h5md_layout.hpp"
+#include "io/hdf5.hpp"
+
+namespace gridlock {
+
+namespace {
+
+using hdf5::Handle;
+
+/// Deflate makes nothing smaller than this share of itself, so that a damaged size does not ask for all the memory.
+constexpr std::uint64_t most_deflation = 1032;
+
+[[noreturn]] void refuse(std::filesystem::path const& path, std::string const& reason) {
+  throw Error({.what = fmt::format("cannot read {}: {}", path.string(), reason),
+               .hint = "is it a trajectory of gridlock, and whole?",
+               .file = path.string()});
+}
+
+template <class Work>
+auto guarded(std::filesystem::path const& path, Work const& work) {
+  std::string reason;
+  try {
+    return work();
+  } catch (hdf5::Failure const& failure) {
+    reason = failure.what();
+  } catch (std::bad_alloc const&) {
+    reason = "a frame of it does not fit into the memory";
+  } catch (std::length_error const&) {
+    reason = "a frame of it does not fit into the memory";
+  }
+  refuse(path, reason);
+}
+
+}  // namespace
+
+class H5mdReader::Trajectory {
+ public:
+  explicit Trajectory(std::filesystem::path path) : path_(std::move(path)) {
+    std::error_code error;
+    bytes_ = std::filesystem::file_size(path_, error);
+    if (error) refuse(path_, error.message());
+    guarded(path_, [&] { open(); });
+  }
+
+  [[nodiscard]] H5mdSettings const& settings() const { return settings_; }
+  [[nodiscard]] std::vector<Clock> const& clocks() const { return clocks_; }
+
+  [[nodiscard]] H5mdFrame frame(std::size_t k) const {
+    return guarded(path_, [&] { return read_frame(k); });
+  }
+
+ private:
+  struct Element {
+    std::string name;
+    bool is_vector = false;
+  };
+
+  void open();
+  void find_elements();
+  void read_clocks();
+  [[nodiscard]] H5mdFrame read_frame(std::size_t k) const;
+  [[nodiscard]] std::vector<Id> read_ids(std::size_t k) const;
+  [[nodiscard]] Box read_box(std::size_t k) const;
+  void read_columns(Element const& element, std::size_t k, Frame& frame) const;
+  [[nodiscard]] Handle dataset(std::string const& path, std::size_t dimensions) const;
+  template <class Number>
+  [[nodiscard]] Number read_one(std::string const& path, std::size_t k) const;
+
+  std::filesystem::path path_;
+  std::uint64_t bytes_ = 0;
+  Handle file_;
+  H5mdSettings settings_;
+  std::string group_;
+  Edge edge_ = Edge::wall;
+  std::uint64_t seed_ = 0;
+  std::vector<Element> elements_;
+  std::vector<Clock> clocks_;
+};
+
+void H5mdReader::Trajectory::open() {
+  file_ = hdf5::open_file(path_, hdf5::Access::read);
+  std::vector<std::string> const groups = hdf5::names_in(hdf5::open_group(file_, "/particles"));
+  if (groups.empty()) throw hdf5::Failure("there are no /particles");
+  settings_.agents = groups[0];
+  group_ = "/particles/" + groups[0];
+  edge_ = hdf5::read_texts(hdf5::open_group(file_, group_ + "/box"), "boundary")[0] == "periodic" ? Edge::periodic
+                                                                                                  : Edge::wall;
+  settings_.configuration = hdf5::read_text(file_, "/parameters/configuration");
+  settings_.version = hdf5::read_text(file_, "/parameters/version");
+  settings_.author = hdf5::read_text_attribute(hdf5::open_group(file_, "/h5md/author"), "name");
+  for (std::string& name : hdf5::names_in(hdf5::open_group(file_, "/observables"))) {
+    Handle const value = hdf5::open_dataset(file_, "/observables/" + name + "/value");
+    settings_.observables.push_back({std::move(name), hdf5::read_text_attribute(value, "reduced_unit")});
+  }
+  seed_ = hdf5::read<std::uint64_t>(hdf5::open_dataset(file_, "/parameters/seed"), {{0}, {1}})[0];
+  find_elements();
+  read_clocks();
+}
+
+void H5mdReader::Trajectory::find_elements() {
+  for (std::string& name : hdf5::names_in(hdf5::open_group(file_, group_))) {
+    if (name == "box" || name == "id") continue;
+    std::size_t const rank = hdf5::extent_of(hdf5::open_dataset(file_, group_ + "/" + name + "/value")).size();
+    if (rank != 2 && rank != 3) throw hdf5::Failure(name + " is not stored as it should be");
+    elements_.push_back({std::move(name), rank == 3});
+  }
+}
+
+void H5mdReader::Trajectory::read_clocks() {
+  Handle const steps = dataset(group_ + "/id/step", 1);
+  hsize_t const count = hdf5::extent_of(steps)[0];
+  if (count / h5md::frames_per_chunk > bytes_) throw hdf5::Failure("the number of frames is damaged");
+  auto const step = hdf5::read<std::uint64_t>(steps, {{0}, {count}});
+  auto const time = hdf5::read<double>(dataset(group_ + "/id/time", 1), {{0}, {count}});
+  for (std::size_t k = 0; k < count; ++k) clocks_.push_back({step[k], time[k]});
+}
+
+Handle H5mdReader::Trajectory::dataset(std::string const& path, std::size_t dimensions) const {
+  Handle result = hdf5::open_dataset(file_, path);
+  if (hdf5::extent_of(result).size() != dimensions) throw hdf5::Failure(path + " is not stored as it should be");
+  return result;
+}
+
+template <class Number>
+Number H5mdReader::Trajectory::read_one(std::string const& path, std::size_t k) const {
+  return hdf5::read<Number>(dataset(path, 1), {{k}, {1}})[0];
+}
+
+Box H5mdReader::Trajectory::read_box(std::size_t k) const {
+  constexpr hsize_t d = h5md::dimensions;
+  auto const edges = hdf5::read<double>(dataset(group_ + "/box/edges/value", 3), {{k, 0, 0}, {1, d, d}});
+  try {
+    return Box(edges[0], edges[d + 1], edge_);
+  } catch (Error const&) {
+    throw hdf5::Failure(fmt::format("the box of frame {} is {} × {}", k, edges[0], edges[d + 1]));
+  }
+}
+
+std::vector<Id> H5mdReader::Trajectory::read_ids(std::size_t k) const {
+  Handle const values = dataset(group_ + "/id/value", 2);
+  hsize_t const most = hdf5::extent_of(values)[1];
+  if (most / most_deflation > bytes_) throw hdf5::Failure("the number of agents is damaged");
+  auto ids = hdf5::read<std::uint64_t>(values, {{k, 0}, {1, most}});
+  ids.erase(std::ranges::find(ids, h5md::absent_id), ids.end());
+  return ids;
+}
+
+void H5mdReader::Trajectory::read_columns(Element const& element, std::size_t k, Frame& frame) const {
+  Handle const values = dataset(group_ + "/" + element.name + "/value", element.is_vector ? 3 : 2);
+  hsize_t component = 0;
+  for (std::string& name : h5md::column_names(element.name, element.is_vector)) {
+    hdf5::Part part{{k, 0}, {1, frame.size()}};
+    if (element.is_vector) {
+      part.start.push_back(component++);
+      part.count.push_back(1);
+    }
+    FrameColumn column{.name = std::move(name), .values = {}};
+    auto const read_as = [&]<class Number>(Number) {
+      if (hdf5::holds<Number>(values)) column.values = hdf5::read<Number>(values, part);
+      return hdf5::holds<Number>(values);
+    };
+    bool const is_known =
+        read_as(double{}) || read_as(std::int32_t{}) || read_as(std::uint32_t{}) || read_as(std::uint64_t{});
+    if (!is_known) throw hdf5::Failure(element.name + " holds numbers of another type than it should");
+    frame.columns.push_back(std::move(column));
+  }
+}
+
+H5mdFrame H5mdReader::Trajectory::read_frame(std::size_t k) const {
+  H5mdFrame result;
+  Frame& frame = result.frame;
+  frame.box = read_box(k);
+  frame.clock = clocks_[k];
+  frame.seed = seed_;
+  frame.ids = read_ids(k);
+  for (Element const& element : elements_) read_columns(element, k, frame);
+  for (H5mdObservable const& observable : settings_.observables) {
+    result.observables.push_back(read_one<double>("/observables/" + observable.name + "/value", k));
+  }
+  result.state_hash = read_one<std::uint64_t>("/parameters/frames/state_hash", k);
+  auto const expected = read_one<std::uint64_t>("/parameters/frames/checksum", k);
+  if (h5md::checksum(frame, result.observables, result.state_hash) != expected) {
+    throw hdf5::Failure(fmt::format("frame {} is damaged: its checksum differs", k));
+  }
+  return result;
+}
+
+H5mdReader::H5mdReader(std::filesystem::path path) : trajectory_(std::make_unique<Trajectory>(std::move(path))) {}
+H5mdReader::~H5mdReader() = default;
+H5mdReader::H5mdReader(H5mdReader&&) noexcept = default;
+H5mdReader& H5mdReader::operator=(H5mdReader&&) noexcept = default;
+
+std::size_t H5mdReader::frame_count() const { return trajectory_->clocks().size(); }
+H5mdSettings const& H5mdReader::settings() const { return trajectory_->settings(); }
+std::span<Clock const> H5mdReader::clocks() const { return trajectory_->clocks(); }
+H5mdFrame H5mdReader::frame(std::size_t k) const { return trajectory_->frame(k); }
+
+}  // namespace gridlock

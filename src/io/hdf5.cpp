@@ -1,0 +1,279 @@
+#include "io/hdf5.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+#include <utility>
+
+namespace gridlock::hdf5 {
+
+namespace {
+
+/// HDF5 prints its errors by itself, on every thread, unless told not to.
+void keep_quiet() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+
+Handle access_list() {
+  keep_quiet();
+  Handle list(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "prepare the access to a file");
+  require(H5Pset_libver_bounds(list.id(), H5F_LIBVER_V110, H5F_LIBVER_V110), "choose the format");
+  require(H5Pset_fclose_degree(list.id(), H5F_CLOSE_STRONG), "choose how a file is closed");
+  // Readers that lock the file must not keep its writer out: the order of writing is what protects them.
+  require(H5Pset_file_locking(list.id(), false, true), "leave the file unlocked");
+  return list;
+}
+
+Handle text_type(std::size_t length) {
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "describe a text");
+  require(H5Tset_size(type.id(), std::max<std::size_t>(length, 1)), "describe a text");
+  require(H5Tset_strpad(type.id(), H5T_STR_NULLPAD), "describe a text");
+  require(H5Tset_cset(type.id(), H5T_CSET_UTF8), "describe a text");
+  return type;
+}
+
+Handle scalar() { return {H5Screate(H5S_SCALAR), H5Sclose, "describe a single value"}; }
+
+void trim_padding(std::string& text) {
+  while (!text.empty() && text.back() == '\0') text.pop_back();
+}
+
+constexpr std::size_t longest_text = std::size_t{1} << 28;
+
+std::size_t text_length(Handle const& type, std::string const& name) {
+  bool const is_text = H5Tget_class(type.id()) == H5T_STRING && H5Tis_variable_str(type.id()) == 0;
+  std::size_t const length = is_text ? H5Tget_size(type.id()) : 0;
+  if (length == 0 || length > longest_text) throw Failure(name + " is not the text it should be");
+  return length;
+}
+
+Handle selection(Handle const& dataset, Part const& part) {
+  Handle space(H5Dget_space(dataset.id()), H5Sclose, "look at a dataset");
+  if (H5Sget_simple_extent_ndims(space.id()) != static_cast<int>(part.start.size())) {
+    throw Failure("a dataset has another number of dimensions than it should");
+  }
+  require(H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, part.start.data(), nullptr, part.count.data(), nullptr),
+          "choose a part of a dataset");
+  return space;
+}
+
+Handle memory_of(Part const& part) {
+  return {H5Screate_simple(static_cast<int>(part.count.size()), part.count.data(), nullptr), H5Sclose,
+          "describe the memory of a dataset"};
+}
+
+std::size_t size_of(Part const& part) {
+  return std::accumulate(part.count.begin(), part.count.end(), std::size_t{1}, std::multiplies<>());
+}
+
+}  // namespace
+
+void fail(std::string const& what) {
+  std::string reason;
+  // The innermost entry of the stack of errors names the cause.
+  auto const take_first = [](unsigned depth, H5E_error2_t const* error, void* text) -> herr_t {
+    if (depth == 0 && error->desc != nullptr) *static_cast<std::string*>(text) = error->desc;
+    return 0;
+  };
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, take_first, &reason);
+  throw Failure(fmt::format("cannot {}{}{}", what, reason.empty() ? "" : ": ", reason));
+}
+
+Handle create_file(std::filesystem::path const& path) {
+  Handle const list = access_list();
+  return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, list.id()), H5Fclose, "create the file"};
+}
+
+Handle open_file(std::filesystem::path const& path, Access access) {
+  Handle const list = access_list();
+  if (access == Access::append) {
+    return {H5Fopen(path.c_str(), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, list.id()), H5Fclose, "open the file"};
+  }
+  // A torn read of a page that is just being written is tried again, each time after twice as long, 1 ms in all; the 100
+  // times of HDF5 itself would never end on a damaged file.
+  require(H5Pset_metadata_read_attempts(list.id(), 20), "choose how often to read again");
+  // Where a full disk stopped the writer, the file may be shorter than it says; what it does hold is whole.
+  bool const yes = true;
+  require(H5Pset(list.id(), "skip_eof_check", &yes), "open the file");
+  // Allows for a writer beside us, or for one that was killed; other programs' older files know no such thing.
+  hid_t const beside_writer = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, list.id());
+  if (beside_writer >= 0) return {beside_writer, H5Fclose, "open the file"};
+  return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, list.id()), H5Fclose, "open the file"};
+}
+
+void repair_file(std::filesystem::path const& path) {
+  Handle const list = access_list();
+  // What h5clear does: the mark of the dead writer goes, and new data begin behind all that it had written.
+  bool const yes = true;
+  require(H5Pset(list.id(), "clear_status_flags", &yes), "repair the file");
+  require(H5Pset(list.id(), "skip_eof_check", &yes), "repair the file");
+  Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, list.id()), H5Fclose, "repair the file");
+  require(H5Fincrement_filesize(file.id(), 0), "repair the file");
+  file.close("repair the file");
+}
+
+void flush(Handle const& file) { require(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "write to the file"); }
+
+Handle create_group(Handle const& parent, std::string const& path) {
+  Handle const list(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, "prepare a group");
+  require(H5Pset_link_creation_order(list.id(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED), "prepare a group");
+  return {H5Gcreate2(parent.id(), path.c_str(), H5P_DEFAULT, list.id(), H5P_DEFAULT), H5Gclose, "create " + path};
+}
+
+Handle open_group(Handle const& parent, std::string const& path) {
+  keep_quiet();
+  return {H5Gopen2(parent.id(), path.c_str(), H5P_DEFAULT), H5Gclose, "find " + path};
+}
+
+std::vector<std::string> names_in(Handle const& group) {
+  H5G_info_t info{};
+  require(H5Gget_info(group.id(), &info), "look into a group");
+  std::vector<std::string> names;
+  for (hsize_t k = 0; k < info.nlinks; ++k) {
+    auto const name_into = [&](char* text, std::size_t size) {
+      return require(H5Lget_name_by_idx(group.id(), ".", H5_INDEX_CRT_ORDER, H5_ITER_INC, k, text, size, H5P_DEFAULT),
+                     "read the names in a group");
+    };
+    std::string name(static_cast<std::size_t>(name_into(nullptr, 0)), '\0');
+    name_into(name.data(), name.size() + 1);
+    names.push_back(std::move(name));
+  }
+  return names;
+}
+
+bool has(Handle const& parent, std::string const& path) {
+  return H5Lexists(parent.id(), path.c_str(), H5P_DEFAULT) > 0;
+}
+
+void link(Handle const& file, std::string const& from, std::string const& to) {
+  require(H5Lcreate_hard(file.id(), from.c_str(), file.id(), to.c_str(), H5P_DEFAULT, H5P_DEFAULT), "create " + to);
+}
+
+void write_text(Handle const& file, std::string const& path, std::string const& text) {
+  Handle const type = text_type(text.size());
+  Handle const space = scalar();
+  Handle const dataset(
+      H5Dcreate2(file.id(), path.c_str(), type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose,
+      "create " + path);
+  char const nothing = '\0';
+  char const* const bytes = text.empty() ? &nothing : text.data();
+  require(H5Dwrite(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes), "write " + path);
+}
+
+std::string read_text(Handle const& file, std::string const& path) {
+  Handle const dataset = open_dataset(file, path);
+  Handle const type(H5Dget_type(dataset.id()), H5Tclose, "look at " + path);
+  if (!extent_of(dataset).empty()) throw Failure(path + " is not a single text");
+  std::string text(text_length(type, path), '\0');
+  require(H5Dread(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()), "read " + path);
+  trim_padding(text);
+  return text;
+}
+
+void set_attribute(Handle const& object, std::string const& name, std::string const& text) {
+  Handle const type = text_type(text.size());
+  Handle const space = scalar();
+  Handle const attribute(H5Acreate2(object.id(), name.c_str(), type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT),
+                         H5Aclose, "create the attribute " + name);
+  char const nothing = '\0';
+  char const* const bytes = text.empty() ? &nothing : text.data();
+  require(H5Awrite(attribute.id(), type.id(), bytes), "write the attribute " + name);
+}
+
+void set_attribute(Handle const& object, std::string const& name, std::vector<std::string> const& texts) {
+  std::size_t length = 1;
+  for (std::string const& text : texts) length = std::max(length, text.size());
+  std::string bytes;
+  for (std::string text : texts) {
+    text.resize(length, '\0');
+    bytes += text;
+  }
+  Handle const type = text_type(length);
+  hsize_t const count = texts.size();
+  Handle const space(H5Screate_simple(1, &count, nullptr), H5Sclose, "describe the attribute " + name);
+  Handle const attribute(H5Acreate2(object.id(), name.c_str(), type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT),
+                         H5Aclose, "create the attribute " + name);
+  require(H5Awrite(attribute.id(), type.id(), bytes.data()), "write the attribute " + name);
+}
+
+void set_attribute(Handle const& object, std::string const& name, std::span<int const> numbers) {
+  hsize_t const count = numbers.size();
+  Handle const space =
+      count == 1 ? scalar() : Handle(H5Screate_simple(1, &count, nullptr), H5Sclose, "describe the attribute " + name);
+  Handle const attribute(H5Acreate2(object.id(), name.c_str(), H5T_NATIVE_INT32, space.id(), H5P_DEFAULT, H5P_DEFAULT),
+                         H5Aclose, "create the attribute " + name);
+  require(H5Awrite(attribute.id(), H5T_NATIVE_INT, numbers.data()), "write the attribute " + name);
+}
+
+std::vector<std::string> read_texts(Handle const& object, std::string const& name) {
+  Handle const attribute(H5Aopen(object.id(), name.c_str(), H5P_DEFAULT), H5Aclose, "find the attribute " + name);
+  Handle const type(H5Aget_type(attribute.id()), H5Tclose, "look at the attribute " + name);
+  Handle const space(H5Aget_space(attribute.id()), H5Sclose, "look at the attribute " + name);
+  std::size_t const length = text_length(type, "the attribute " + name);
+  hssize_t const count = H5Sget_simple_extent_npoints(space.id());
+  if (count < 1 || count > 64) throw Failure("the attribute " + name + " has another size than it should");
+  std::string bytes(length * static_cast<std::size_t>(count), '\0');
+  require(H5Aread(attribute.id(), type.id(), bytes.data()), "read the attribute " + name);
+  std::vector<std::string> texts;
+  for (std::size_t at = 0; at < bytes.size(); at += length) {
+    texts.push_back(bytes.substr(at, length));
+    trim_padding(texts.back());
+  }
+  return texts;
+}
+
+std::string read_text_attribute(Handle const& object, std::string const& name) {
+  if (H5Aexists(object.id(), name.c_str()) <= 0) return "";
+  return read_texts(object, name).front();
+}
+
+Handle open_dataset(Handle const& parent, std::string const& path) {
+  keep_quiet();
+  return {H5Dopen2(parent.id(), path.c_str(), H5P_DEFAULT), H5Dclose, "find " + path};
+}
+
+std::vector<hsize_t> extent_of(Handle const& dataset) {
+  Handle const space(H5Dget_space(dataset.id()), H5Sclose, "look at a dataset");
+  int const dimensions = require(H5Sget_simple_extent_ndims(space.id()), "look at a dataset");
+  std::vector<hsize_t> extent(static_cast<std::size_t>(dimensions));
+  require(H5Sget_simple_extent_dims(space.id(), extent.data(), nullptr), "look at a dataset");
+  return extent;
+}
+
+template <class Number>
+bool holds(Handle const& dataset) {
+  Handle const type(H5Dget_type(dataset.id()), H5Tclose, "look at a dataset");
+  return H5Tequal(type.id(), native<Number>()) > 0;
+}
+
+template <class Number>
+std::vector<Number> read(Handle const& dataset, Part const& part) {
+  if (!holds<Number>(dataset)) throw Failure("a dataset holds numbers of another type than it should");
+  Handle const file_part = selection(dataset, part);
+  Handle const memory = memory_of(part);
+  std::vector<Number> numbers(size_of(part));
+  require(H5Dread(dataset.id(), native<Number>(), memory.id(), file_part.id(), H5P_DEFAULT, numbers.data()),
+          "read a dataset");
+  return numbers;
+}
+
+template <class Number>
+void write(Handle const& dataset, Part const& part, std::span<Number const> numbers) {
+  Handle const file_part = selection(dataset, part);
+  Handle const memory = memory_of(part);
+  require(H5Dwrite(dataset.id(), native<Number>(), memory.id(), file_part.id(), H5P_DEFAULT, numbers.data()),
+          "write a dataset");
+}
+
+template bool holds<double>(Handle const&);
+template bool holds<std::int32_t>(Handle const&);
+template bool holds<std::uint32_t>(Handle const&);
+template bool holds<std::uint64_t>(Handle const&);
+template std::vector<double> read(Handle const&, Part const&);
+template std::vector<std::int32_t> read(Handle const&, Part const&);
+template std::vector<std::uint32_t> read(Handle const&, Part const&);
+template std::vector<std::uint64_t> read(Handle const&, Part const&);
+template void write(Handle const&, Part const&, std::span<double const>);
+template void write(Handle const&, Part const&, std::span<std::uint64_t const>);
+
+}  // namespace gridlock::hdf5

@@ -1,0 +1,179 @@
+#include "gridlock/io/h5md.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/core/random.hpp"
+#include "gridlock/io/file.hpp"
+#include "unit/io/temporary_directory.hpp"
+
+namespace gridlock {
+namespace {
+
+H5mdSettings settings() {
+  return {.agents = "ants",
+          .configuration = "[run]\nsteps = 3  # Ångström\n",
+          .version = "1.2.3",
+          .author = "A. Nobody",
+          .observables = {{"energy", "mass"}, {"order", ""}}};
+}
+
+/// A frame of agents of a kind nobody has, every number of it random.
+H5mdFrame random_frame(std::uint64_t step, std::size_t agents) {
+  RandomStream random(7, step, 0, Purpose::start_position);
+  Frame frame{.box = Box(2.0, 3.0, Edge::periodic), .clock = {step, 0.5 * static_cast<double>(step)}, .seed = 11};
+  std::vector<double> x, y, heading;
+  std::vector<std::int32_t> image_x, image_y;
+  std::vector<std::uint32_t> kind;
+  std::vector<std::uint64_t> mother;
+  for (std::size_t i = 0; i < agents; ++i) {
+    frame.ids.push_back((std::uint64_t{step % 3} << 32) + 2 * i);
+    x.push_back(static_cast<double>(random.bits()) * 1e-19);
+    y.push_back(-static_cast<double>(random.bits()));
+    image_x.push_back(static_cast<std::int32_t>(random.bits()));
+    image_y.push_back(0);
+    heading.push_back(i == 0 ? std::numeric_limits<double>::infinity() : -0.0);
+    kind.push_back(static_cast<std::uint32_t>(random.bits()));
+    mother.push_back(random.bits());
+  }
+  frame.columns = {{"x", x},       {"y", y},          {"image_x", image_x}, {"image_y", image_y}, {"heading", heading},
+                   {"kind", kind}, {"mother", mother}};
+  return {
+      .frame = std::move(frame), .observables = {1.5 * static_cast<double>(step), 0.25}, .state_hash = random.bits()};
+}
+
+void expect_same(H5mdFrame const& read, H5mdFrame const& written) {
+  EXPECT_EQ(read.frame, written.frame);
+  EXPECT_EQ(read.observables, written.observables);
+  EXPECT_EQ(read.state_hash, written.state_hash);
+}
+
+TEST(H5md, GivesBackEveryBitOfEveryFrame) {
+  for (std::uint64_t const compression : {0, 1, 9}) {
+    TemporaryDirectory const directory;
+    H5mdSettings head = settings();
+    head.compression = compression;
+    std::vector<H5mdFrame> frames;
+    for (std::uint64_t step = 0; step < 70; ++step) frames.push_back(random_frame(step, 70));
+    H5mdWriter writer = H5mdWriter::create(directory / "t.h5", head, frames[0].frame);
+    for (H5mdFrame const& frame : frames) writer.write(frame);
+    H5mdReader const reader(directory / "t.h5");
+    ASSERT_EQ(reader.frame_count(), frames.size());
+    for (std::size_t k = 0; k < frames.size(); ++k) expect_same(reader.frame(k), frames[k]);
+  }
+}
+
+TEST(H5md, KeepsWhatTheTrajectoryIsOf) {
+  TemporaryDirectory const directory;
+  H5mdWriter const writer = H5mdWriter::create(directory / "t.h5", settings(), random_frame(0, 3).frame);
+  H5mdReader const reader(directory / "t.h5");
+  EXPECT_EQ(reader.settings().agents, "ants");
+  EXPECT_EQ(reader.settings().configuration, settings().configuration);
+  EXPECT_EQ(reader.settings().version, "1.2.3");
+  EXPECT_EQ(reader.settings().author, "A. Nobody");
+  ASSERT_EQ(reader.settings().observables.size(), 2U);
+  EXPECT_EQ(reader.settings().observables[0].name, "energy");
+  EXPECT_EQ(reader.settings().observables[0].unit, "mass");
+  EXPECT_EQ(reader.frame_count(), 0U);
+}
+
+TEST(H5md, FollowsAPopulationThatGrowsShrinksAndDiesOut) {
+  TemporaryDirectory const directory;
+  std::vector<std::size_t> const sizes{0, 5, 300, 64, 65, 0, 1, 1000};
+  H5mdWriter writer = H5mdWriter::create(directory / "t.h5", settings(), random_frame(0, sizes[0]).frame);
+  for (std::size_t k = 0; k < sizes.size(); ++k) writer.write(random_frame(k, sizes[k]));
+  H5mdReader const reader(directory / "t.h5");
+  for (std::size_t k = 0; k < sizes.size(); ++k) expect_same(reader.frame(k), random_frame(k, sizes[k]));
+}
+
+TEST(H5md, FramesLargerThanAChunkAreWholeOnAnyNumberOfCores) {
+  TemporaryDirectory const directory;
+  H5mdFrame const frame = random_frame(1, 140'000);
+  H5mdWriter writer = H5mdWriter::create(directory / "t.h5", settings(), frame.frame);
+  writer.write(frame);
+  expect_same(H5mdReader(directory / "t.h5").frame(0), frame);
+}
+
+TEST(H5md, GoesOnWhereItStopped) {
+  TemporaryDirectory const directory;
+  H5mdFrame const first = random_frame(0, 10);
+  H5mdWriter::create(directory / "t.h5", settings(), first.frame).write(first);
+  H5mdWriter writer = H5mdWriter::append(directory / "t.h5", first.frame);
+  EXPECT_EQ(writer.frame_count(), 1U);
+  EXPECT_EQ(writer.last_step(), 0U);
+  EXPECT_EQ(writer.state_hash_at(0), first.state_hash);
+  EXPECT_EQ(writer.state_hash_at(1), std::nullopt);
+  writer.write(random_frame(4, 12));
+  H5mdReader const reader(directory / "t.h5");
+  expect_same(reader.frame(0), first);
+  expect_same(reader.frame(1), random_frame(4, 12));
+}
+
+TEST(H5md, RefusesAFrameOfOtherColumns) {
+  TemporaryDirectory const directory;
+  H5mdWriter writer = H5mdWriter::create(directory / "t.h5", settings(), random_frame(0, 5).frame);
+  H5mdFrame other = random_frame(0, 5);
+  other.frame.columns.pop_back();
+  EXPECT_THROW(writer.write(other), RunFailure);
+  EXPECT_THROW(H5mdWriter::append(directory / "t.h5", Frame{.columns = {{"smell", std::vector<double>{}}}}), Error);
+}
+
+TEST(H5md, SaysWhatCannotBeReadOrWritten) {
+  TemporaryDirectory const directory;
+  EXPECT_THROW(H5mdReader(directory / "nothing.h5"), Error);
+  write_file(directory / "text.h5", "this is no HDF5 file, whatever its name says\n");
+  try {
+    H5mdReader const reader(directory / "text.h5");
+    FAIL();
+  } catch (Error const& error) {
+    EXPECT_NE(error.problems()[0].what.find("text.h5"), std::string::npos);
+    EXPECT_EQ(error.problems()[0].file, (directory / "text.h5").string());
+  }
+  EXPECT_THROW(H5mdWriter::create(directory / "no" / "t.h5", settings(), random_frame(0, 5).frame), RunFailure);
+}
+
+/// Reads all there is; the frames that come out must be right.
+bool is_read_rightly_or_refused(std::filesystem::path const& file, std::vector<H5mdFrame> const& frames) {
+  try {
+    H5mdReader const reader(file);
+    for (std::size_t k = 0; k < std::min(reader.frame_count(), frames.size()); ++k) {
+      H5mdFrame const frame = reader.frame(k);
+      if (frame.frame != frames[k].frame || frame.observables != frames[k].observables) return false;
+    }
+  } catch (Error const&) {
+    return true;
+  }
+  return true;
+}
+
+TEST(H5md, DamageIsRefusedAndNeverReadAsSomethingElse) {
+  TemporaryDirectory const directory;
+  std::vector<H5mdFrame> frames;
+  for (std::uint64_t step = 0; step < 3; ++step) frames.push_back(random_frame(step, 40));
+  H5mdWriter writer = H5mdWriter::create(directory / "t.h5", settings(), frames[0].frame);
+  for (H5mdFrame const& frame : frames) writer.write(frame);
+  std::string const whole = read_file(directory / "t.h5");
+  RandomStream random(20, 0, 0, Purpose::start_position);
+  for (int round = 0; round < 120; ++round) {
+    std::string damaged = whole;
+    if (round % 4 == 0) {
+      damaged.resize(random.below(whole.size()));
+    } else {
+      for (int flip = 0; flip <= round % 5; ++flip)
+        damaged[random.below(whole.size())] ^= static_cast<char>(1U << random.below(8));
+    }
+    std::ofstream(directory / "damaged.h5", std::ios::binary) << damaged;
+    EXPECT_TRUE(is_read_rightly_or_refused(directory / "damaged.h5", frames)) << "round " << round;
+  }
+}
+
+}  // namespace
+}  // namespace gridlock
