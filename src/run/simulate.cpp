@@ -33,8 +33,9 @@ std::uint64_t steps_per_chunk(EngineSettings const& settings, State const& state
 }  // namespace
 
 DiskExperiment::DiskExperiment(Setup setup)
-    : state_(std::move(setup.state)),
-      engine_(make_engine(setup.configuration.engine, state_)),
+    : engine_settings_(setup.configuration.engine),
+      state_(std::move(setup.state)),
+      engine_(make_engine(engine_settings_, state_)),
       observables_(make_observables(setup.configuration.observe, {state_, tally_})) {}
 
 std::vector<Count> DiskExperiment::counts() const {
@@ -75,6 +76,8 @@ std::vector<Distribution> DiskExperiment::distributions() const {
 
 void DiskExperiment::carry(Archive& archive) {
   carry_inside(archive, "state", [&] { gridlock::carry(archive, state_); });
+  // Made only to see whether an engine could work with it: a file can hold anything.
+  if (archive.is_restoring()) static_cast<void>(make_engine(engine_settings_, state_));
   carry_inside(archive, "tally", [&] { gridlock::carry(archive, tally_); });
   carry_inside(archive, "engine", [&] { engine_->carry(archive, state_); });
   for (std::size_t k = 0; k < observables_.size(); ++k) {

@@ -32,6 +32,7 @@ class DiskExperiment final : public Experiment {
   void carry(Archive& archive) override;
 
  private:
+  EngineSettings engine_settings_;
   State state_;
   Tally tally_;
   std::unique_ptr<Engine> engine_;
