@@ -25,6 +25,10 @@ void add_check(CLI::App& app, ExitCode& exit_code);
 void add_explain(CLI::App& app, ExitCode& exit_code);
 void add_info(CLI::App& app, ExitCode& exit_code);
 void add_plot(CLI::App& app, ExitCode& exit_code);
+void add_export(CLI::App& app, ExitCode& exit_code);
+
+/// The trajectory meant by the directory of a run, or by its own name.
+std::filesystem::path trajectory_file(std::string const& path);
 
 /// A configuration file and the `--set` options on top of it: what run, sweep and check have in common.
 struct ConfigurationOptions {

@@ -1,0 +1,47 @@
+#include "gridlock/io/export.hpp"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <memory>
+
+#include "verbs.hpp"
+
+namespace fs = std::filesystem;
+
+fs::path trajectory_file(std::string const& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored) ? fs::path(path) / "trajectory.h5" : fs::path(path);
+}
+
+void add_export(CLI::App& app, ExitCode& exit_code) {
+  struct Options {
+    std::string path;
+    std::string format;
+    std::string output;
+    std::size_t every = 1;
+  };
+  CLI::App* const verb = app.add_subcommand("export", "Turn a trajectory into extended XYZ, VTK or CSV");
+  auto const options = std::make_shared<Options>();
+  verb->add_option("PATH", options->path, "Directory of a run, or a trajectory (.h5)")->required();
+  verb->add_option("--to", options->format, "xyz (OVITO, ASE), vtk (ParaView) or csv")
+      ->required()
+      ->check(CLI::IsMember({"xyz", "vtk", "csv"}));
+  verb->add_option("-o,--output", options->output, "File to write; left out: beside the trajectory")->type_name("FILE");
+  verb->add_option("--every", options->every, "Take one of so many frames")->check(CLI::PositiveNumber);
+  verb->callback([options, &exit_code] {
+    static std::map<std::string, std::pair<gridlock::ExportFormat, char const*>> const formats{
+        {"xyz", {gridlock::ExportFormat::xyz, ".xyz"}},
+        {"vtk", {gridlock::ExportFormat::vtk, ".pvd"}},
+        {"csv", {gridlock::ExportFormat::csv, ".csv"}}};
+    auto const [format, extension] = formats.at(options->format);
+    fs::path const source = trajectory_file(options->path);
+    fs::path const file =
+        options->output.empty() ? fs::path(source).replace_extension(extension) : fs::path(options->output);
+    gridlock::H5mdReader const trajectory(source);
+    auto const files =
+        gridlock::export_trajectory(trajectory, {.format = format, .file = file, .every = options->every});
+    fmt::print("{}\n", files.front().string());
+    exit_code = ExitCode::good;
+  });
+}

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+#include "gridlock/io/h5md.hpp"
+
+namespace gridlock {
+
+/// What a trajectory is turned into.
+enum class ExportFormat {
+  xyz,  ///< extended XYZ, all frames in one file: OVITO, ASE
+  vtk,  ///< a .pvd file that lists a .vtp file for each frame, in a directory beside it: ParaView
+  csv,  ///< one row for each agent of each frame: step, time, id and the columns
+};
+
+struct ExportSettings {
+  ExportFormat format = ExportFormat::xyz;
+  std::filesystem::path file;  ///< with the extension .xyz, .pvd or .csv
+  std::size_t every = 1;       ///< every how many frames one is taken
+};
+
+/// Writes the frames of a trajectory in another format; returns the files, the one to open first.
+/// Errors: Error for damage, RunFailure where a file cannot be written. Cost: one frame in memory.
+std::vector<std::filesystem::path> export_trajectory(H5mdReader const& trajectory, ExportSettings const& settings);
+
+}  // namespace gridlock

@@ -1,0 +1,65 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <string>
+
+#include "program.hpp"
+
+namespace gridlock::test {
+namespace {
+
+std::string const source = GRIDLOCK_SOURCE_DIR;
+
+Outcome gridlock_in(Workplace const& workplace, std::vector<std::string> const& arguments) {
+  return Process(GRIDLOCK_PROGRAM, arguments, workplace.path()).wait();
+}
+
+bool have_readers() {
+  return std::system("/usr/bin/python3 -c 'import h5py, MDAnalysis, ase, vtk, matplotlib' 2>/dev/null") == 0;
+}
+
+void run_with_frames(Workplace const& workplace) {
+  Outcome const outcome = gridlock_in(
+      workplace, {"run", source + "/scenes/paper.toml", "--set", "disks.count=100", "--set", "run.steps=60", "--set",
+                  "observe.every=20", "--set", "trajectory.every=20", "--no-pictures", "-o", "run"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+}
+
+TEST(Trajectories, AndTheirExportsSayTheSameInMdanalysisAseAndVtk) {
+  if (!have_readers()) GTEST_SKIP() << "the readers are not installed: ./dev install";
+  Workplace const workplace;
+  run_with_frames(workplace);
+  for (char const* format : {"xyz", "vtk", "csv"}) {
+    Outcome const outcome = gridlock_in(workplace, {"export", "run", "--to", format});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+  Outcome const check =
+      Process("/usr/bin/python3", {source + "/tests/reference/read_trajectory_files.py", "run", "4"}, workplace.path())
+          .wait();
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+}
+
+TEST(Trajectories, AreReadByTheExample) {
+  if (!have_readers()) GTEST_SKIP() << "the readers are not installed: ./dev install";
+  Workplace const workplace;
+  run_with_frames(workplace);
+  Outcome const outcome =
+      Process("/usr/bin/python3", {source + "/examples/read_trajectory.py", "run/trajectory.h5"}, workplace.path())
+          .wait();
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("4 frames from step 0 to 60"), std::string::npos) << outcome.out;
+  EXPECT_TRUE(fs::exists(workplace / "run/trajectory_read.png"));
+}
+
+TEST(Trajectories, ThatAreNoneAreRefusedByName) {
+  Workplace const workplace;
+  write(workplace / "text.h5", "no trajectory");
+  for (char const* name : {"text.h5", "nothing.h5"}) {
+    Outcome const outcome = gridlock_in(workplace, {"export", name, "--to", "csv"});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_NE(outcome.err.find(name), std::string::npos) << outcome.err;
+  }
+}
+
+}  // namespace
+}  // namespace gridlock::test
