@@ -46,6 +46,7 @@ ExitCode run_command_line(int argc, char** argv) {
   add_info(app, exit_code);
   add_plot(app, exit_code);
   add_export(app, exit_code);
+  add_movie(app, exit_code);
   app.footer("Start with:  gridlock paper --quick    or    gridlock explain");
   try {
     app.parse(argc, argv);

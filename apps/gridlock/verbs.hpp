@@ -26,6 +26,7 @@ void add_explain(CLI::App& app, ExitCode& exit_code);
 void add_info(CLI::App& app, ExitCode& exit_code);
 void add_plot(CLI::App& app, ExitCode& exit_code);
 void add_export(CLI::App& app, ExitCode& exit_code);
+void add_movie(CLI::App& app, ExitCode& exit_code);
 
 /// The trajectory meant by the directory of a run, or by its own name.
 std::filesystem::path trajectory_file(std::string const& path);

@@ -35,13 +35,10 @@ double neighbour_distance(State const& state) {
   return std::min(reach, 0.5 * std::min(state.box.width(), state.box.height()));
 }
 
-}  // namespace
-
-std::optional<BondOrientationOrder> bond_orientation_order(State const& state) {
-  std::size_t const n = state.disks.size();
-  if (n == 0) return std::nullopt;
+/// ψ6 of each disk.
+std::vector<std::complex<double>> bond_orientations(State const& state) {
   double const reach = neighbour_distance(state);
-  std::vector<Bonds> bonds(n);
+  std::vector<Bonds> bonds(state.disks.size());
   for_each_pair(state, grid_for_reach(state, reach), reach, [&](std::size_t i, std::size_t j, Vector separation) {
     if (!(squared_length(separation) > 0.0)) return;
     // Six is even: the direction back gives the same number.
@@ -51,16 +48,33 @@ std::optional<BondOrientationOrder> bond_orientation_order(State const& state) {
     bonds[i].count += 1.0;
     bonds[j].count += 1.0;
   });
+  std::vector<std::complex<double>> orders;
+  orders.reserve(bonds.size());
+  for (Bonds const& of_disk : bonds) {
+    orders.push_back(of_disk.count > 0.0 ? of_disk.sum / of_disk.count : std::complex<double>{});
+  }
+  return orders;
+}
+
+}  // namespace
+
+std::optional<BondOrientationOrder> bond_orientation_order(State const& state) {
+  if (state.disks.size() == 0) return std::nullopt;
   std::complex<double> global;
   double local = 0.0;
-  for (Bonds const& of_disk : bonds) {
-    if (!(of_disk.count > 0.0)) continue;
-    std::complex<double> const order = of_disk.sum / of_disk.count;
+  for (std::complex<double> const order : bond_orientations(state)) {
     global += order;
     local += std::abs(order);
   }
-  auto const count = static_cast<double>(n);
+  auto const count = static_cast<double>(state.disks.size());
   return BondOrientationOrder{.global = std::abs(global) / count, .local = local / count};
+}
+
+std::vector<double> local_bond_orientation_orders(State const& state) {
+  std::vector<double> values;
+  if (state.disks.size() == 0) return values;
+  for (std::complex<double> const order : bond_orientations(state)) values.push_back(std::abs(order));
+  return values;
 }
 
 void BondOrientation::begin(Moment const&) {

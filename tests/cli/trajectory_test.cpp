@@ -51,6 +51,24 @@ TEST(Trajectories, AreReadByTheExample) {
   EXPECT_TRUE(fs::exists(workplace / "run/trajectory_read.png"));
 }
 
+TEST(Trajectories, BecomeMoviesInEveryColour) {
+  if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "ffmpeg is not installed: ./dev install";
+  Workplace const workplace;
+  run_with_frames(workplace);
+  for (std::string const colour : {"displacement", "psi6", "speed", "neighbourhood", "radius", "mass"}) {
+    Outcome const outcome =
+        gridlock_in(workplace, {"movie", "run", "--colour", colour, "--width", "201", "-o", colour + ".mp4"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    std::string const count =
+        "test $(ffprobe -v error -count_frames -select_streams v:0 -show_entries "
+        "stream=nb_read_frames -of csv=p=0 " +
+        (workplace / (colour + ".mp4")).string() + ") = 4";
+    EXPECT_EQ(std::system(count.c_str()), 0) << colour;
+  }
+  EXPECT_EQ(gridlock_in(workplace, {"movie", "run", "--colour", "smell"}).exit_code, 2);
+  EXPECT_FALSE(fs::exists(workplace / "run/trajectory.mp4.frames"));
+}
+
 TEST(Trajectories, ThatAreNoneAreRefusedByName) {
   Workplace const workplace;
   write(workplace / "text.h5", "no trajectory");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "gridlock/observe/averaging_observable.hpp"
 #include "gridlock/observe/structure_schedule.hpp"
@@ -27,6 +28,9 @@ struct BondOrientationOrder {
 /// Absent for no disks. Cost: O(N), about 0.2 µs a disk.
 /// Source: D. R. Nelson & B. I. Halperin (1979), doi:10.1103/PhysRevB.19.2457.
 std::optional<BondOrientationOrder> bond_orientation_order(State const& state);
+
+/// |ψ6(j)| of each disk, in the order of the rows.
+std::vector<double> local_bond_orientation_orders(State const& state);
 
 /// bond_orientation_order() along a run: the columns global_bond_orientation_order and local_bond_orientation_order,
 /// averaged over the samples the StructureSchedule measures; the others have empty cells.
