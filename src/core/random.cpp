@@ -43,6 +43,20 @@ double RandomStream::normal() {
   }
 }
 
+double RandomStream::exponential() {
+  // A falling run u1 ≥ u2 ≥ … of odd length accepts u1 as the part after the point; every rejection adds 1.
+  for (double whole = 0.0;; whole += 1.0) {
+    double const first = uniform();
+    double last = first;
+    bool is_odd = true;
+    for (double next = uniform(); next <= last; next = uniform()) {
+      last = next;
+      is_odd = !is_odd;
+    }
+    if (is_odd) return whole + first;
+  }
+}
+
 Vector RandomStream::in_unit_disk() {
   for (;;) {
     Vector const p{2.0 * uniform() - 1.0, 2.0 * uniform() - 1.0};

@@ -1,6 +1,6 @@
 // Who may include whom, as ARCHITECTURE.md says:
 //
-//     core ← grid ← { lattice, engine, observe } ← run ← study ← apps
+//     core ← grid ← { lattice, engine, observe, model } ← run ← study ← apps
 //     core ← io ← run
 //
 // The siblings in braces do not include one another, save for engine/engine.hpp.
@@ -27,8 +27,9 @@ std::map<std::string, std::set<std::string>> const allowed{
     {"engine", {"core", "grid", "engine"}},
     {"observe", {"core", "grid", "observe"}},
     {"model", {"core", "grid", "model"}},
+    {"models", {"core", "grid", "model", "models"}},
     {"protocol", {"core", "grid", "lattice", "engine", "observe", "model", "protocol"}},
-    {"run", {"core", "grid", "io", "lattice", "engine", "observe", "model", "protocol", "run"}},
+    {"run", {"core", "grid", "io", "lattice", "engine", "observe", "model", "models", "protocol", "run"}},
     {"study", {"core", "grid", "io", "lattice", "engine", "observe", "model", "protocol", "run", "study"}},
     {"apps", {"core", "grid", "io", "lattice", "engine", "observe", "model", "protocol", "run", "study", "apps"}},
 };

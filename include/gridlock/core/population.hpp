@@ -6,9 +6,12 @@
 #include <limits>
 #include <span>
 #include <tuple>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "gridlock/core/archive.hpp"
+#include "gridlock/core/column_set.hpp"
 
 namespace gridlock {
 
@@ -30,17 +33,27 @@ class Population {
  public:
   static constexpr std::size_t not_found = std::numeric_limits<std::size_t>::max();
 
+  using Values = std::tuple<typename Columns::type...>;  ///< one value per column, in the order they are declared
+  using AllValues = ColumnSet<Columns...>;
+
+  /// Whether there is such a column.
+  template <class Column>
+  static constexpr bool has = (std::is_same_v<Column, Columns> || ...);
+
   [[nodiscard]] std::size_t size() const { return ids_.size(); }
   [[nodiscard]] bool empty() const { return ids_.empty(); }
 
   template <class Column>
   [[nodiscard]] std::span<typename Column::type> column() {
-    return std::get<Storage<Column>>(columns_).values;
+    return rows_.template values<Column>();
   }
   template <class Column>
   [[nodiscard]] std::span<typename Column::type const> column() const {
-    return std::get<Storage<Column>>(columns_).values;
+    return rows_.template values<Column>();
   }
+
+  /// All columns at once.
+  [[nodiscard]] AllValues const& values() const { return rows_; }
 
   /// The Id of each row.
   [[nodiscard]] std::span<Id const> ids() const { return ids_; }
@@ -87,18 +100,41 @@ class Population {
     slots_[slot_of(ids_[last])].index = static_cast<std::uint32_t>(index);
     ids_[index] = ids_[last];
     ids_.pop_back();
-    (move_last_into<Columns>(index), ...);
+    rows_.copy(index, rows_, last);
+    rows_.resize(last);
     Slot& slot = slots_[slot_of(id)];
     slot.is_alive = false;
     ++slot.generation;
     free_slots_.push_back(static_cast<std::uint32_t>(slot_of(id)));
   }
 
+  /// Gives every agent the values of its row in `rows`, and leaves the old ones there. Cost: O(1).
+  /// Contract: as many rows (asserted).
+  void exchange(AllValues& rows) {
+    assert(rows.size() == size());
+    std::swap(rows_, rows);
+  }
+
+  /// The same agents in another order: row k is that of agent ids[k] with the values rows[k]; the old order is left in
+  /// `ids` and `rows`. No Id is found again before find_again() has been told of every row. Cost: O(1).
+  /// Contract: `ids` are those of this population (not checked).
+  void reorder(std::vector<Id>& ids, AllValues& rows) {
+    assert(rows.size() == size() && ids.size() == size());
+    std::swap(ids_, ids);
+    std::swap(rows_, rows);
+  }
+  /// After reorder(): lets the Ids of rows first … end − 1 be found. Threads may share the rows out among them.
+  void find_again(std::size_t first, std::size_t end) {
+    for (std::size_t row = first; row < end; ++row) {
+      slots_[slot_of(ids_[row])].index = static_cast<std::uint32_t>(row);
+    }
+  }
+
   /// Carries agents, the order of their rows, and the names that are used up, so that the agents born afterwards get the
   /// same Ids. Errors: Error where what is restored is no population.
   void carry(Archive& archive) {
     archive.visit("id", ids_);
-    (archive.visit(Columns::name, std::get<Storage<Columns>>(columns_).values), ...);
+    (archive.visit(Columns::name, rows_.template values<Columns>()), ...);
     std::vector<std::uint32_t> generations;
     for (Slot const& slot : slots_) generations.push_back(slot.generation);
     archive.visit("generation_of_slot", generations);
@@ -109,14 +145,10 @@ class Population {
   void reserve(std::size_t agents) {
     ids_.reserve(agents);
     slots_.reserve(agents);
-    (std::get<Storage<Columns>>(columns_).values.reserve(agents), ...);
+    (rows_.template values<Columns>().reserve(agents), ...);
   }
 
  private:
-  template <class Column>
-  struct Storage {
-    std::vector<typename Column::type> values;
-  };
   struct Slot {
     std::uint32_t index = 0;
     std::uint32_t generation = 0;
@@ -140,11 +172,11 @@ class Population {
     slots_[slot].index = static_cast<std::uint32_t>(size());
     slots_[slot].is_alive = true;
     ids_.push_back(id);
-    (std::get<Storage<Columns>>(columns_).values.push_back(values), ...);
+    (rows_.template values<Columns>().push_back(values), ...);
   }
 
   void restore_slots(Archive& archive, std::vector<std::uint32_t> const& generations) {
-    archive.require(((std::get<Storage<Columns>>(columns_).values.size() == ids_.size()) && ...),
+    archive.require(((rows_.template values<Columns>().size() == ids_.size()) && ...),
                     "the columns of the agents differ in length");
     slots_.assign(generations.size(), {});
     for (std::size_t slot = 0; slot < slots_.size(); ++slot) slots_[slot].generation = generations[slot];
@@ -158,14 +190,7 @@ class Population {
     for (std::uint32_t const slot : free_slots_) archive.require(slot < slots_.size(), "a free name does not exist");
   }
 
-  template <class Column>
-  void move_last_into(std::size_t index) {
-    auto& values = std::get<Storage<Column>>(columns_).values;
-    values[index] = values.back();
-    values.pop_back();
-  }
-
-  std::tuple<Storage<Columns>...> columns_;
+  AllValues rows_;
   std::vector<Id> ids_;
   std::vector<Slot> slots_;
   std::vector<std::uint32_t> free_slots_;

@@ -229,5 +229,24 @@ TEST(RandomStream, PurposesKeepTheirNumbers) {
   EXPECT_EQ(static_cast<int>(Purpose::paper_study), 4);
 }
 
+TEST(RandomStream, ExponentialNumbersHaveMeanVarianceAndTailOfTheExponentialDistribution) {
+  constexpr int n = 200'000;
+  RandomStream random(3, 0, 0, Purpose::model_step);
+  double sum = 0.0;
+  double squares = 0.0;
+  int beyond_three = 0;
+  for (int k = 0; k < n; ++k) {
+    double const t = random.exponential();
+    sum += t;
+    squares += t * t;
+    beyond_three += t > 3.0 ? 1 : 0;
+  }
+  // Five standard errors: of the mean 1/√n, of ⟨t²⟩ = 2 with ⟨t⁴⟩ = 24 √20/√n, of P(t > 3) = e⁻³ √(p(1−p)/n).
+  EXPECT_NEAR(sum / n, 1.0, 5.0 / std::sqrt(n));
+  EXPECT_NEAR(squares / n, 2.0, 5.0 * std::sqrt(20.0 / n));
+  double const p = std::exp(-3.0);
+  EXPECT_NEAR(static_cast<double>(beyond_three) / n, p, 5.0 * std::sqrt(p * (1.0 - p) / n));
+}
+
 }  // namespace
 }  // namespace gridlock

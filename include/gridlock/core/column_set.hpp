@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <tuple>
+#include <vector>
+
+namespace gridlock {
+
+/// The values of many agents without their names: a contiguous column for each property, all of the same length.
+template <class... Columns>
+class ColumnSet {
+ public:
+  [[nodiscard]] std::size_t size() const { return size_of<Columns...>(); }
+
+  void resize(std::size_t rows) { (values<Columns>().resize(rows), ...); }
+
+  /// Row `to` becomes what row `from` of `other` is. Other rows may be copied by other threads at the same time.
+  void copy(std::size_t to, ColumnSet const& other, std::size_t from) {
+    ((values<Columns>()[to] = other.template values<Columns>()[from]), ...);
+  }
+
+  template <class Column>
+  [[nodiscard]] std::vector<typename Column::type>& values() {
+    return std::get<Storage<Column>>(columns_).values;
+  }
+  template <class Column>
+  [[nodiscard]] std::vector<typename Column::type> const& values() const {
+    return std::get<Storage<Column>>(columns_).values;
+  }
+
+ private:
+  /// The tag makes columns of one type different members of the tuple.
+  template <class Column>
+  struct Storage {
+    std::vector<typename Column::type> values;
+  };
+
+  template <class First, class... Others>
+  [[nodiscard]] std::size_t size_of() const {
+    return values<First>().size();
+  }
+
+  std::tuple<Storage<Columns>...> columns_;
+};
+
+}  // namespace gridlock

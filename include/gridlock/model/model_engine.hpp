@@ -1,0 +1,224 @@
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "gridlock/core/frame.hpp"
+#include "gridlock/core/thread_team.hpp"
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/model/cell_order.hpp"
+#include "gridlock/model/open_world.hpp"
+#include "gridlock/model/turn.hpp"
+
+namespace gridlock {
+
+/// How a model is stepped; nothing of it changes the bits.
+struct ModelEngineSettings {
+  std::uint64_t threads = 1;       ///< of a synchronous model; 0: all cores
+  std::uint64_t verify_every = 0;  ///< steps between two in which searches are compared with brute force; 0: never
+};
+
+/// Throws Error where agents cannot search that far in the box.
+void require_reach(Box const& box, double reach, std::string_view model);
+
+/// Carries a world on, step by step, with a grid whose cells fit the model's reach.
+///
+/// A model is a struct with
+///
+///     static constexpr std::string_view name, documentation;
+///     static constexpr Schedule schedule;
+///     using Agents = Population<X, Y, …>;            its columns
+///     double reach() const;                          how far an agent looks
+///     double time_step() const;
+///     void start(World<Model>&) const;               puts the first agents into the box
+///     void turn(Turn<Model>&) const;                 synchronous, sequential: what an agent does in a step
+///     void step(OpenWorld<Model>&) const;            events: what happens in a step
+///     void observe(World<Model> const&, Observations&) const;
+///     void describe(SettingVisitor&);                its settings
+///
+/// and, if it likes, `static constexpr std::array<std::string_view, n> events`, the names of what it counts.
+///
+/// The bits do not depend on the number of threads, on chunks, or on the order of the rows. Neighbours are visited cell
+/// by cell, in a cell in the order of the Ids as they were when the step began, so that sums over them round alike.
+/// Cost: synchronous, about 25 ns an agent and step besides searches and the model's own work.
+template <class Model>
+class ModelEngine {
+ public:
+  ModelEngine(Model model, Box const& box, ModelEngineSettings const& settings)
+      : model_(std::move(model)), settings_(settings), team_(settings.threads) {
+    require_reach(box, model_.reach(), Model::name);
+  }
+
+  [[nodiscard]] Model const& model() const { return model_; }
+
+  /// Errors: RunFailure where a verified search differs from brute force, or what the model throws.
+  void advance(World<Model>& world, Horizon const& horizon) {
+    while (world.clock.step < horizon.step && world.clock.time < horizon.time) {
+      prepare(world);
+      if constexpr (Model::schedule == Schedule::synchronous) {
+        step_synchronously(world);
+      } else if constexpr (Model::schedule == Schedule::sequential) {
+        step_in_turns(world);
+      } else {
+        OpenWorld<Model> open(world, grid_, is_verified(world));
+        model_.step(open);
+      }
+      ++world.clock.step;
+      world.clock.time += model_.time_step();
+    }
+  }
+
+ private:
+  using AllValues = typename World<Model>::Agents::AllValues;
+
+  [[nodiscard]] bool is_verified(World<Model> const& world) const {
+    return settings_.verify_every > 0 && world.clock.step % settings_.verify_every == 0;
+  }
+
+  /// Brings the grid into the form that the state alone decides.
+  void prepare(World<Model>& world) {
+    // A power of two, so that the cells change seldom while agents come and go.
+    layout_ =
+        layout_for_reach(world.box, model_.reach(), std::bit_ceil(std::max<std::size_t>(16, world.agents.size())));
+    if constexpr (Model::schedule == Schedule::synchronous) {
+      put_in_cell_order(world);
+    } else {
+      std::vector<std::size_t> const rows = rows_in_order(world.agents.ids());
+      auto const x = world.agents.template column<X>();
+      auto const y = world.agents.template column<Y>();
+      grid_ = PackedGrid(layout_);
+      for (std::size_t const row : rows) grid_.insert(row, {x[row], y[row]});
+    }
+  }
+
+  void put_in_cell_order(World<Model>& world) {
+    auto& agents = world.agents;
+    order_.sort(layout_, agents.template column<X>(), agents.template column<Y>(), agents.ids(), team_);
+    std::size_t const count = agents.size();
+    spare_.resize(count);
+    spare_ids_.resize(count);
+    values_.resize(count);
+    // The present values go through a spare set of columns, since nothing can be read and replaced at the same time.
+    agents.exchange(values_);
+    for_each_stretch_of_rows(count, [&](std::size_t first, std::size_t end) {
+      for (std::size_t row = first; row < end; ++row) {
+        std::size_t const from = order_.rows()[row];
+        spare_.copy(row, values_, from);
+        spare_ids_[row] = agents.ids()[from];
+      }
+    });
+    agents.reorder(spare_ids_, spare_);
+    for_each_stretch_of_rows(count, [&](std::size_t first, std::size_t end) { agents.find_again(first, end); });
+  }
+
+  template <class Take>
+  void for_each_stretch_of_rows(std::size_t rows, Take take) {
+    std::size_t const parts = team_.size() == 1 ? 1 : 4 * team_.size();
+    team_.for_each(parts, [&](std::size_t part) { take(part * rows / parts, (part + 1) * rows / parts); });
+  }
+
+  void step_synchronously(World<Model>& world) {
+    values_.resize(world.agents.size());
+    // Bands of whole rows of cells; how many there are changes nothing, since all requests are sorted afterwards.
+    auto const cell_rows = static_cast<std::size_t>(layout_.rows());
+    std::size_t const bands = team_.size() == 1 ? 1 : std::min(cell_rows, 16 * team_.size());
+    requests_.resize(bands);
+    team_.for_each(bands, [&](std::size_t band) {
+      take_turns_of_rows(world, requests_[band], static_cast<int>(band * cell_rows / bands),
+                         static_cast<int>((band + 1) * cell_rows / bands));
+    });
+    world.agents.exchange(values_);
+    settle<Model>(world, requests_);
+  }
+
+  void take_turns_of_rows(World<Model>& world, Requests<Model>& requests, int first_row, int end_row) {
+    Surroundings<Model> around{.world = world,
+                               .requests = requests,
+                               .next = &values_,
+                               .reach = model_.reach(),
+                               .is_verified = is_verified(world)};
+    // The present values stay readable through the population; what comes after the step is written to values_.
+    for (int cell_row = first_row; cell_row < end_row; ++cell_row) {
+      for (int column = 0; column < layout_.columns(); ++column) {
+        auto const cell = static_cast<std::size_t>(cell_row * layout_.columns() + column);
+        std::size_t const end = order_.first_of(cell + 1);
+        if (order_.first_of(cell) == end) continue;
+        look_around(around, column, cell_row);
+        for (std::size_t row = order_.first_of(cell); row < end; ++row) {
+          copy_present(world, row);
+          Turn<Model> turn(around, row);
+          model_.turn(turn);
+        }
+      }
+    }
+  }
+
+  void copy_present(World<Model> const& world, std::size_t row) { values_.copy(row, world.agents.values(), row); }
+
+  /// The stretches of rows that the block of cells around a cell consists of.
+  void look_around(Surroundings<Model>& around, int column, int row) const {
+    int const columns = layout_.columns();
+    int const rows = layout_.rows();
+    around.is_at_edge = column == 0 || column + 1 == columns || row == 0 || row + 1 == rows || columns < 4 || rows < 4;
+    around.stretch_count = 0;
+    around.candidates = 0;
+    auto const add = [&](int r, int first, int end) {
+      auto const base = static_cast<std::size_t>(r) * static_cast<std::size_t>(columns);
+      typename Surroundings<Model>::Stretch const stretch{order_.first_of(base + static_cast<std::size_t>(first)),
+                                                          order_.first_of(base + static_cast<std::size_t>(end))};
+      around.stretches[around.stretch_count++] = stretch;
+      around.candidates += stretch.end - stretch.first;
+    };
+    auto const add_row = [&](int r) {
+      if (!layout_.is_periodic() || (column > 0 && column + 1 < columns)) {
+        add(r, std::max(0, column - 1), std::min(columns, column + 2));
+      } else if (columns <= 3) {
+        add(r, 0, columns);
+      } else {
+        bool const is_first = column == 0;
+        add(r, is_first ? columns - 1 : 0, is_first ? columns : 1);
+        add(r, is_first ? 0 : columns - 2, is_first ? 2 : columns);
+      }
+    };
+    if (!layout_.is_periodic()) {
+      for (int r = std::max(0, row - 1); r < std::min(rows, row + 2); ++r) add_row(r);
+    } else if (rows <= 3) {
+      for (int r = 0; r < rows; ++r) add_row(r);
+    } else {
+      for (int const r : {row == 0 ? rows - 1 : row - 1, row, row + 1 == rows ? 0 : row + 1}) add_row(r);
+    }
+  }
+
+  void step_in_turns(World<Model>& world) {
+    requests_.resize(1);
+    Surroundings<Model> around{.world = world,
+                               .requests = requests_.front(),
+                               .grid = &grid_,
+                               .reach = model_.reach(),
+                               .is_verified = is_verified(world)};
+    for (std::size_t const row : rows_in_order(world.agents.ids())) {
+      Turn<Model> turn(around, row);
+      model_.turn(turn);
+    }
+    settle<Model>(world, requests_);
+  }
+
+  Model model_;
+  ModelEngineSettings settings_;
+  ThreadTeam team_;
+  CellLayout layout_;
+  CellOrder order_;
+  PackedGrid grid_;
+  AllValues values_;
+  AllValues spare_;
+  std::vector<Id> spare_ids_;
+  std::vector<Requests<Model>> requests_;
+};
+
+}  // namespace gridlock

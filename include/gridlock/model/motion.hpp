@@ -1,0 +1,41 @@
+#pragma once
+
+#include <algorithm>
+
+#include "gridlock/core/box.hpp"
+#include "gridlock/core/disks.hpp"
+
+namespace gridlock {
+
+/// The directions in which a way was turned back by walls.
+struct Bounce {
+  bool x = false;
+  bool y = false;
+};
+
+/// Where a way from `p` ends: on the other side of a periodic box, mirrored at a wall.
+/// Contract: the way is shorter than the sides of the box.
+struct Motion {
+  Vector end;
+  int crossed_x = 0;  ///< see Box::wrap()
+  int crossed_y = 0;
+  Bounce bounce;
+};
+
+inline Motion motion(Box const& box, Vector p, Vector way) {
+  Motion motion{.end = p + way};
+  if (box.is_periodic()) {
+    motion.end = box.wrap(motion.end, motion.crossed_x, motion.crossed_y);
+    return motion;
+  }
+  auto const mirror = [](double& coordinate, double side, bool& is_turned) {
+    is_turned = coordinate < 0.0 || coordinate > side;
+    if (coordinate < 0.0) coordinate = -coordinate;
+    if (coordinate > side) coordinate = std::max(0.0, side - (coordinate - side));
+  };
+  mirror(motion.end.x, box.width(), motion.bounce.x);
+  mirror(motion.end.y, box.height(), motion.bounce.y);
+  return motion;
+}
+
+}  // namespace gridlock

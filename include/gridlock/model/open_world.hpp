@@ -1,0 +1,126 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "gridlock/grid/packed_grid.hpp"
+#include "gridlock/model/motion.hpp"
+#include "gridlock/model/verify.hpp"
+#include "gridlock/model/world.hpp"
+
+namespace gridlock {
+
+/// The world in the hands of a model of events: every birth, death and move takes effect at once.
+///
+/// Cost of each: O(1). Contract: an Id passed in is alive (asserted), points lie in the box, searches go no farther than
+/// the model's reach.
+template <class Model>
+class OpenWorld {
+ public:
+  using Agents = typename World<Model>::Agents;
+
+  OpenWorld(World<Model>& world, PackedGrid& grid, bool is_verified)
+      : world_(world), grid_(grid), is_verified_(is_verified) {}
+
+  [[nodiscard]] Box const& box() const { return world_.box; }
+  [[nodiscard]] Clock const& clock() const { return world_.clock; }
+  [[nodiscard]] std::size_t size() const { return world_.agents.size(); }
+  /// The agent of a row below size(): where a row drawn at random gives everybody the same chance.
+  [[nodiscard]] Id agent_in_row(std::size_t row) const { return world_.agents.ids()[row]; }
+  [[nodiscard]] bool contains(Id id) const { return world_.agents.contains(id); }
+
+  template <class Column>
+  [[nodiscard]] typename Column::type get(Id id) const {
+    return world_.agents.template column<Column>()[world_.agents.index_of(id)];
+  }
+  template <class Column>
+  void set(Id id, typename Column::type value) {
+    world_.agents.template column<Column>()[world_.agents.index_of(id)] = value;
+  }
+  [[nodiscard]] Vector position(Id id) const { return {get<X>(id), get<Y>(id)}; }
+
+  /// Random numbers for all events of this step.
+  [[nodiscard]] RandomStream random() const { return {world_.seed, world_.clock.step, 0, Purpose::model_step}; }
+
+  /// A newborn agent with these values, one per column in the order they are declared.
+  template <class... Values>
+  Id add(Values... values) {
+    Id const id = world_.agents.add(values...);
+    std::size_t const row = size() - 1;
+    grid_.insert(row, position_of_row(row));
+    return id;
+  }
+  void remove(Id id) {
+    std::size_t const row = world_.agents.index_of(id);
+    std::size_t const last = size() - 1;
+    grid_.erase(row);
+    // The last row takes the place of the one that is gone.
+    if (row != last) {
+      grid_.erase(last);
+      grid_.insert(row, position_of_row(last));
+    }
+    world_.agents.remove(id);
+  }
+  void move_to(Id id, Vector p) {
+    std::size_t const row = world_.agents.index_of(id);
+    world_.agents.template column<X>()[row] = p.x;
+    world_.agents.template column<Y>()[row] = p.y;
+    grid_.move(row, p);
+  }
+
+  /// The agent nearest to `p` among those nearer than `reach`, ties to the lower Id; `except` is none of them.
+  [[nodiscard]] std::optional<Id> nearest(Vector p, double reach, std::optional<Id> except = {}) const {
+    double nearest = reach * reach;
+    std::optional<Id> found;
+    for_each_row_within(p, reach, except, [&](std::size_t row, double squared_distance) {
+      Id const id = world_.agents.ids()[row];
+      if (squared_distance < nearest || (found && squared_distance == nearest && id < *found)) {
+        nearest = squared_distance;
+        found = id;
+      }
+    });
+    return found;
+  }
+  /// Calls visit(id) for every agent nearer to `p` than `reach`, in the order of the Ids.
+  template <class Visit>
+  void for_each_neighbour(Vector p, double reach, Visit visit) const {
+    std::vector<Id> ids;
+    for_each_row_within(p, reach, {}, [&](std::size_t row, double) { ids.push_back(world_.agents.ids()[row]); });
+    std::ranges::sort(ids);
+    for (Id const id : ids) visit(id);
+  }
+
+  void count(std::size_t event) { ++world_.events[event]; }
+
+ private:
+  [[nodiscard]] Vector position_of_row(std::size_t row) const {
+    return {world_.agents.template column<X>()[row], world_.agents.template column<Y>()[row]};
+  }
+
+  template <class Visit>
+  void for_each_row_within(Vector p, double reach, std::optional<Id> except, Visit visit) const {
+    std::size_t const left_out = except ? world_.agents.index_of(*except) : Agents::not_found;
+    std::vector<Id> found;
+    grid_.for_each_candidate(p, reach, [&](std::size_t row) {
+      double const squared_distance = squared_length(world_.box.displacement(p, position_of_row(row)));
+      if (row == left_out || !(squared_distance < reach * reach)) return;
+      if (is_verified_) found.push_back(world_.agents.ids()[row]);
+      visit(row, squared_distance);
+    });
+    if (is_verified_) {
+      verify_search(world_, p, reach, std::move(found), [&](std::size_t row) { return row != left_out; });
+    }
+  }
+
+  World<Model>& world_;
+  PackedGrid& grid_;
+  bool is_verified_;
+};
+
+}  // namespace gridlock

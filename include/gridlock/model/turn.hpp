@@ -1,0 +1,223 @@
+#pragma once
+
+#include <array>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "gridlock/grid/packed_grid.hpp"
+#include "gridlock/model/motion.hpp"
+#include "gridlock/model/requests.hpp"
+#include "gridlock/model/verify.hpp"
+
+namespace gridlock {
+
+/// An agent as another one sees it from where it stands.
+template <class Model>
+class Neighbour {
+ public:
+  using Agents = typename World<Model>::Agents;
+
+  Neighbour(World<Model>& world, Requests<Model>& requests, std::size_t row, Vector seen_from)
+      : world_(world), requests_(requests), row_(row), seen_from_(seen_from) {}
+
+  [[nodiscard]] Id id() const { return world_.agents.ids()[row_]; }
+  /// As it was before the step in a synchronous model, as it is now in all others.
+  template <class Column>
+  [[nodiscard]] typename Column::type get() const {
+    return world_.agents.template column<Column>()[row_];
+  }
+  [[nodiscard]] Vector position() const { return {get<X>(), get<Y>()}; }
+  /// The vector from the point of the search to this agent, to its nearest image in a periodic box.
+  [[nodiscard]] Vector separation() const { return world_.box.displacement(seen_from_, position()); }
+
+  /// Changes another agent, which is not for synchronous models: two could change it at the same time.
+  template <class Column>
+  void set(typename Column::type value) const requires(Model::schedule == Schedule::sequential) {
+    world_.agents.template column<Column>()[row_] = value;
+  }
+  /// Lets it die at the end of the step. More than one may do so.
+  void kill() const { requests_.deaths.push_back(id()); }
+
+ private:
+  World<Model>& world_;
+  Requests<Model>& requests_;
+  std::size_t row_;
+  Vector seen_from_;
+};
+
+/// What all agents of a part of the world have in common while they take their turns.
+///
+/// Not for models, which see a Turn.
+template <class Model>
+struct Surroundings {
+  World<Model>& world;
+  Requests<Model>& requests;
+  typename World<Model>::Agents::AllValues* next = nullptr;  ///< synchronous: what the agents will be after the step
+  PackedGrid* grid = nullptr;                                ///< sequential: who is where now
+  double reach = 0.0;                                        ///< the model's
+  bool is_verified = false;                                  ///< whether searches are compared with a look at everybody
+
+  struct Stretch {
+    std::size_t first;
+    std::size_t end;
+  };
+  /// Synchronous: the rows that stand in the block of cells around the agent, and whether it touches an edge.
+  std::array<Stretch, 6> stretches{};
+  std::size_t stretch_count = 0;
+  std::size_t candidates = 0;
+  bool is_at_edge = true;
+};
+
+/// What an agent can do when it is its turn.
+///
+/// In a synchronous model get() and all neighbours are as they were before the step, and set() and moves are what the
+/// agent will be after it. In a sequential model everything takes effect at once, save for births and deaths: these
+/// come at the end of the step, in an order that the state alone decides.
+template <class Model>
+class Turn {
+ public:
+  using Agents = typename World<Model>::Agents;
+
+  Turn(Surroundings<Model>& surroundings, std::size_t row) : around_(surroundings), row_(row) {}
+
+  [[nodiscard]] Id id() const { return world().agents.ids()[row_]; }
+  [[nodiscard]] Box const& box() const { return world().box; }
+  [[nodiscard]] Clock const& clock() const { return world().clock; }
+  /// How many agents there were when the step began.
+  [[nodiscard]] std::size_t population() const { return world().agents.size(); }
+  [[nodiscard]] Vector position() const { return {get<X>(), get<Y>()}; }
+
+  template <class Column>
+  [[nodiscard]] typename Column::type get() const {
+    return world().agents.template column<Column>()[row_];
+  }
+  template <class Column>
+  void set(typename Column::type value) {
+    if constexpr (Model::schedule == Schedule::synchronous) {
+      around_.next->template values<Column>()[row_] = value;
+    } else {
+      around_.world.agents.template column<Column>()[row_] = value;
+    }
+  }
+
+  /// Walks from position() by `way`: into the next image of a periodic box, mirrored at walls. Says which walls turned
+  /// it back, so that the model can turn its heading too. Columns ImageX and ImageY are kept.
+  /// Contract: the way is shorter than the sides of the box.
+  Bounce move_by(Vector way) {
+    Motion const to = motion(box(), position(), way);
+    if constexpr (Agents::template has<ImageX>) {
+      set<ImageX>(get<ImageX>() + to.crossed_x);
+      set<ImageY>(get<ImageY>() + to.crossed_y);
+    }
+    move_to(to.end);
+    return to.bounce;
+  }
+  /// Goes to a point of the box.
+  void move_to(Vector p) {
+    set<X>(p.x);
+    set<Y>(p.y);
+    if constexpr (Model::schedule == Schedule::sequential) around_.grid->move(row_, p);
+  }
+
+  /// Random numbers of this agent in this step; those of different purposes 0, 1, 2 … are independent.
+  [[nodiscard]] RandomStream random(std::uint64_t purpose = 0) const {
+    return {world().seed, world().clock.step, id(), purpose_of_turn(purpose)};
+  }
+
+  /// Calls visit(neighbour) for every other agent nearer than `reach`, which is at most the model's own.
+  template <class Visit>
+  void for_each_neighbour(double reach, Visit visit) const {
+    for_each_neighbour(position(), reach, visit);
+  }
+  /// The same around another point: in a synchronous model one from which the neighbours within `reach` are also within
+  /// the model's reach of the agent.
+  template <class Visit>
+  void for_each_neighbour(Vector p, double reach, Visit visit) const {
+    Requests<Model>& requests = around_.requests;
+    std::size_t const first = requests.found_top;
+    if constexpr (Model::schedule == Schedule::synchronous) {
+      find_in_stretches(p, reach);
+    } else {
+      find_in_grid(p, reach);
+    }
+    if (around_.is_verified) verify(p, reach, first);
+    // Rows are copied out by index: a search within a search may make the stack longer.
+    for (std::size_t k = first; k < requests.found_top; ++k) {
+      visit(Neighbour<Model>(around_.world, requests, requests.found[k], p));
+    }
+    requests.found_top = first;
+  }
+
+  /// Another agent with these values, one per column in the order they are declared, from the next step on.
+  template <class... Values>
+  void give_birth(Values... values) {
+    around_.requests.births.push_back({id(), births_++, {values...}});
+  }
+  /// Dies at the end of the step.
+  void die() { around_.requests.deaths.push_back(id()); }
+  /// Counts an event of the model, see `Model::events`.
+  void count(std::size_t event) { ++around_.requests.events[event]; }
+
+ private:
+  [[nodiscard]] World<Model> const& world() const { return around_.world; }
+
+  void find_in_stretches(Vector p, double reach) const {
+    Requests<Model>& requests = around_.requests;
+    if (requests.found.size() < requests.found_top + around_.candidates + 1) {
+      requests.found.resize(2 * (requests.found_top + around_.candidates + 1));
+    }
+    if (around_.is_at_edge) {
+      find_in_stretches(reach, [&](Vector q) { return world().box.displacement(p, q); });
+    } else {
+      // Away from the edges the nearest image is the agent itself.
+      find_in_stretches(reach, [&](Vector q) { return q - p; });
+    }
+  }
+  /// Whether a candidate is near is as good as random: every one is written, and only the count depends on the answer.
+  template <class Displacement>
+  void find_in_stretches(double reach, Displacement displacement) const {
+    Requests<Model>& requests = around_.requests;
+    auto const x = world().agents.template column<X>().data();
+    auto const y = world().agents.template column<Y>().data();
+    std::uint32_t* const found = requests.found.data();
+    std::size_t top = requests.found_top;
+    double const squared_reach = reach * reach;
+    for (std::size_t s = 0; s < around_.stretch_count; ++s) {
+      for (std::size_t row = around_.stretches[s].first; row < around_.stretches[s].end; ++row) {
+        found[top] = static_cast<std::uint32_t>(row);
+        bool const is_near = squared_length(displacement({x[row], y[row]})) < squared_reach;
+        top += static_cast<std::size_t>(is_near & (row != row_));
+      }
+    }
+    requests.found_top = top;
+  }
+
+  void find_in_grid(Vector p, double reach) const {
+    Requests<Model>& requests = around_.requests;
+    requests.found.resize(requests.found_top);
+    around_.grid->for_each_candidate(p, reach, [&](std::size_t row) {
+      Vector const separation = world().box.displacement(
+          p, {world().agents.template column<X>()[row], world().agents.template column<Y>()[row]});
+      if (row != row_ && squared_length(separation) < reach * reach) {
+        requests.found.push_back(static_cast<std::uint32_t>(row));
+      }
+    });
+    requests.found_top = requests.found.size();
+  }
+
+  void verify(Vector p, double reach, std::size_t first) const {
+    std::vector<Id> ids;
+    for (std::size_t k = first; k < around_.requests.found_top; ++k) {
+      ids.push_back(world().agents.ids()[around_.requests.found[k]]);
+    }
+    verify_search(world(), p, reach, std::move(ids), [&](std::size_t row) { return row != row_; });
+  }
+
+  Surroundings<Model>& around_;
+  std::size_t row_;
+  std::uint64_t births_ = 0;
+};
+
+}  // namespace gridlock

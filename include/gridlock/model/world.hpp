@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "gridlock/core/random.hpp"
+#include "gridlock/core/state.hpp"
+
+namespace gridlock {
+
+/// How the agents of a model take their turns.
+enum class Schedule {
+  synchronous,  ///< all at once: everybody sees the world as it was before the step, and changes only itself
+  sequential,   ///< one after the other in the order of the Ids; everybody sees what the others have just done
+  events,       ///< no turns: the model carries the whole world through a step, one event after the other
+};
+
+/// The names of what is counted in a model, `Model::events`; none where it declares none.
+template <class Model>
+constexpr std::span<std::string_view const> event_names() {
+  if constexpr (requires { Model::events; }) {
+    return Model::events;
+  } else {
+    return {};
+  }
+}
+
+/// How often each event has happened, in the order of `Model::events`.
+template <class Model>
+using EventCounts = std::array<std::uint64_t, event_names<Model>().size()>;
+
+/// The agents of a model and the box they live in, with what has happened to them since the start.
+template <class Model>
+struct World {
+  using Agents = typename Model::Agents;
+
+  Box box;
+  Agents agents;
+  Clock clock;
+  std::uint64_t seed = 0;
+  EventCounts<Model> events{};  ///< no part of the state: nothing depends on it
+
+  /// Random numbers for agent `number` of the start.
+  [[nodiscard]] RandomStream start_random(std::uint64_t number) const {
+    return {seed, 0, number, Purpose::model_start};
+  }
+  /// A point anywhere in the box.
+  [[nodiscard]] Vector anywhere(RandomStream& random) const {
+    double const x = random.uniform() * box.width();
+    return {x, random.uniform() * box.height()};
+  }
+};
+
+/// The bitwise identity of all agents; equal to that of a State where the agents are Disks.
+template <class Model>
+std::uint64_t hash(World<Model> const& world) {
+  return hash(world.box, world.clock, world.seed, world.agents);
+}
+
+template <class Model>
+void carry(Archive& archive, World<Model>& world) {
+  carry_inside(archive, "box", [&] { carry(archive, world.box); });
+  carry_inside(archive, "clock", [&] { carry(archive, world.clock); });
+  archive.visit("seed", world.seed);
+  carry_inside(archive, "agents", [&] { world.agents.carry(archive); });
+  carry_inside(archive, "events", [&] {
+    for (std::size_t k = 0; k < world.events.size(); ++k) archive.visit(event_names<Model>()[k], world.events[k]);
+  });
+}
+
+}  // namespace gridlock

@@ -1,0 +1,136 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <numbers>
+#include <string_view>
+
+#include "gridlock/model/model.hpp"
+
+namespace gridlock {
+
+struct Health {
+  using type = std::uint32_t;
+  static constexpr char const* name = "health";
+};
+
+/// Walkers that catch a disease from those near them and recover: susceptible → infected → recovered, with births and
+/// deaths.
+///
+/// In a step of length dt a susceptible agent with k infected ones within the radius is infected with probability
+/// 1 − (1 − β dt)^k, an infected one recovers with probability γ dt, everybody dies with probability μ dt and has a
+/// susceptible child beside it with probability μ dt too, if the population is below its bound. The smaller dt, the
+/// nearer to rates in continuous time. Where walkers mix fast, the numbers follow dS/dt = −β n S I/N …, with n = N π r²/A
+/// agents within reach (Kermack & McKendrick 1927, doi:10.1098/rspa.1927.0118).
+struct Epidemic {
+  static constexpr std::string_view name = "epidemic";
+  static constexpr std::string_view documentation = "Walkers that infect those near them and recover.";
+  static constexpr Schedule schedule = Schedule::synchronous;
+  static constexpr std::array<std::string_view, 4> events{"infections", "recoveries", "births", "deaths"};
+  enum State : std::uint32_t { susceptible, infected, recovered };
+  using Agents = Population<X, Y, VelocityX, VelocityY, Health>;
+
+  std::uint64_t count = 2000;
+  double infected_at_start = 0.01;
+  double radius = 0.02;
+  double speed = 0.05;
+  double turning_rate = 1.0;
+  double infection_rate = 1.0;
+  double recovery_rate = 0.2;
+  double turnover_rate = 0.0;
+  std::uint64_t most_agents = 10'000'000;
+  double step_length = 0.05;
+
+  void describe(SettingVisitor& visitor) {
+    auto const rate = [&](std::string_view key, std::string_view text, double& value) {
+      visitor.visit({.key = key, .unit = "1 / time", .documentation = text, .least = 0.0}, value);
+    };
+    visitor.visit({.key = "count", .documentation = "Agents at the start.", .least = 1, .most = 2e9}, count);
+    visitor.visit({.key = "infected_at_start", .documentation = "Share of them.", .least = 0.0, .most = 1.0},
+                  infected_at_start);
+    visitor.visit({.key = "radius",
+                   .unit = "length",
+                   .documentation = "How far the disease reaches.",
+                   .least = 0.0,
+                   .least_is_allowed = false},
+                  radius);
+    visitor.visit({.key = "speed", .unit = "length / time", .documentation = "Of every walker.", .least = 0.0}, speed);
+    rate("turning_rate", "How often a walker takes a new direction.", turning_rate);
+    rate("infection_rate", "β, for each infected agent within the radius.", infection_rate);
+    rate("recovery_rate", "γ, of each infected agent.", recovery_rate);
+    rate("turnover_rate", "μ: births and deaths, each, of each agent.", turnover_rate);
+    visitor.visit({.key = "most_agents", .documentation = "Nobody is born above it.", .least = 1, .most = 2e9},
+                  most_agents);
+    visitor.visit({.key = "step_length",
+                   .unit = "time",
+                   .documentation = "dt; every rate times dt is a probability and should be small.",
+                   .least = 0.0,
+                   .least_is_allowed = false},
+                  step_length);
+  }
+
+  [[nodiscard]] double reach() const { return radius; }
+  [[nodiscard]] double time_step() const { return step_length; }
+
+  void start(World<Epidemic>& world) const {
+    auto const sick = static_cast<std::uint64_t>(infected_at_start * static_cast<double>(count) + 0.5);
+    for (std::uint64_t n = 0; n < count; ++n) {
+      RandomStream random = world.start_random(n);
+      Vector const p = world.anywhere(random);
+      Vector const v = speed * direction(2.0 * std::numbers::pi * random.uniform());
+      world.agents.add(p.x, p.y, v.x, v.y, n < sick ? infected : susceptible);
+    }
+  }
+
+  void turn(Turn<Epidemic>& self) const {
+    RandomStream random = self.random();
+    std::uint32_t const health = self.get<Health>();
+    if (health == susceptible) {
+      meet_others(self, random);
+    } else if (health == infected && random.uniform() < recovery_rate * step_length) {
+      self.set<Health>(recovered);
+      self.count(1);
+    }
+    walk(self, random);
+    if (turnover_rate > 0.0) come_and_go(self, random);
+  }
+
+  void observe(World<Epidemic> const& world, Observations& seen) const {
+    seen.add_counts<Health>(world.agents, {"susceptible", "infected", "recovered"});
+  }
+
+ private:
+  void meet_others(Turn<Epidemic>& self, RandomStream& random) const {
+    double escape = 1.0;
+    self.for_each_neighbour(radius, [&](Neighbour<Epidemic> const& other) {
+      if (other.get<Health>() == infected) escape *= 1.0 - infection_rate * step_length;
+    });
+    if (escape < 1.0 && random.uniform() >= escape) {
+      self.set<Health>(infected);
+      self.count(0);
+    }
+  }
+
+  void walk(Turn<Epidemic>& self, RandomStream& random) const {
+    Vector v{self.get<VelocityX>(), self.get<VelocityY>()};
+    if (random.uniform() < turning_rate * step_length) v = speed * direction(2.0 * std::numbers::pi * random.uniform());
+    Bounce const bounce = self.move_by(step_length * v);
+    self.set<VelocityX>(bounce.x ? -v.x : v.x);
+    self.set<VelocityY>(bounce.y ? -v.y : v.y);
+  }
+
+  void come_and_go(Turn<Epidemic>& self, RandomStream& random) const {
+    if (random.uniform() < turnover_rate * step_length && self.population() < most_agents) {
+      Vector const v = speed * direction(2.0 * std::numbers::pi * random.uniform());
+      Vector const p = self.position();
+      self.give_birth(p.x, p.y, v.x, v.y, static_cast<std::uint32_t>(susceptible));
+      self.count(2);
+    }
+    if (random.uniform() < turnover_rate * step_length) {
+      self.die();
+      self.count(3);
+    }
+  }
+};
+
+}  // namespace gridlock

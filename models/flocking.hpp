@@ -1,0 +1,147 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <string_view>
+
+#include "gridlock/model/model.hpp"
+
+namespace gridlock {
+
+struct HeadingX {
+  using type = double;
+  static constexpr char const* name = "heading_x";
+};
+struct HeadingY {
+  using type = double;
+  static constexpr char const* name = "heading_y";
+};
+
+enum class FlockingRule { vicsek, boids };
+
+/// Agents of constant speed that turn to where their neighbours go, all at once.
+///
+/// Vicsek: x' = x + v θ, θ' = direction of Σ θ_j over all within the radius, the agent among them, turned by an angle
+/// uniform in [−η/2, η/2] (Vicsek et al. 1995, doi:10.1103/PhysRevLett.75.1226).
+/// Boids: v' = (v + c·mean(r_j) − s·mean(r_j, those nearer than the separation) + a·mean(v_j)) / 2, made a unit vector,
+/// x' = x + speed·v', as the public comparison of agent frameworks declares it; there agents act one after the other.
+struct Flocking {
+  static constexpr std::string_view name = "flocking";
+  static constexpr std::string_view documentation = "Agents that turn to where their neighbours go.";
+  static constexpr Schedule schedule = Schedule::synchronous;
+  using Agents = Population<X, Y, HeadingX, HeadingY>;
+
+  std::uint64_t count = 400;
+  FlockingRule rule = FlockingRule::vicsek;
+  double radius = 1.0;
+  double speed = 0.03;
+  double noise = 1.0;
+  double separation = 1.0;
+  double cohesion_factor = 0.03;
+  double separation_factor = 0.015;
+  double alignment_factor = 0.05;
+
+  void describe(SettingVisitor& visitor) {
+    static constexpr std::array<std::string_view, 2> rules{"vicsek", "boids"};
+    visitor.visit({.key = "count", .documentation = "Agents.", .least = 1, .most = 2e9}, count);
+    visit_enum(visitor, {.key = "rule", .documentation = "Alignment with noise, or alignment, cohesion, separation."},
+               rules, rule);
+    visitor.visit({.key = "radius",
+                   .unit = "length",
+                   .documentation = "How far an agent sees.",
+                   .least = 0.0,
+                   .least_is_allowed = false},
+                  radius);
+    visitor.visit({.key = "speed", .unit = "length / step", .documentation = "Of every agent.", .least = 0.0}, speed);
+    visitor.visit({.key = "noise",
+                   .unit = "radian",
+                   .documentation = "η of vicsek: headings turn by a random angle in [−η/2, η/2].",
+                   .least = 0.0,
+                   .most = 2.0 * std::numbers::pi},
+                  noise);
+    visitor.visit(
+        {.key = "separation", .unit = "length", .documentation = "Boids nearer than this keep apart.", .least = 0.0},
+        separation);
+    visitor.visit({.key = "cohesion_factor", .documentation = "How much boids come together."}, cohesion_factor);
+    visitor.visit({.key = "separation_factor", .documentation = "How much boids keep apart."}, separation_factor);
+    visitor.visit({.key = "alignment_factor", .documentation = "How much boids turn to the others' way."},
+                  alignment_factor);
+  }
+
+  [[nodiscard]] double reach() const { return radius; }
+  [[nodiscard]] double time_step() const { return 1.0; }
+
+  void start(World<Flocking>& world) const {
+    for (std::uint64_t n = 0; n < count; ++n) {
+      RandomStream random = world.start_random(n);
+      Vector const p = world.anywhere(random);
+      Vector const heading = direction(2.0 * std::numbers::pi * random.uniform());
+      world.agents.add(p.x, p.y, heading.x, heading.y);
+    }
+  }
+
+  void turn(Turn<Flocking>& self) const {
+    if (rule == FlockingRule::vicsek) {
+      align(self);
+    } else {
+      flock(self);
+    }
+  }
+
+  /// The order v_a = |Σ θ| / N: 1 where all go one way, about 1/√N where nobody agrees.
+  static double order(World<Flocking> const& world) {
+    Vector sum;
+    for (std::size_t row = 0; row < world.agents.size(); ++row) {
+      sum = sum + Vector{world.agents.column<HeadingX>()[row], world.agents.column<HeadingY>()[row]};
+    }
+    return std::sqrt(squared_length(sum)) / static_cast<double>(world.agents.size());
+  }
+  void observe(World<Flocking> const& world, Observations& seen) const {
+    seen.add("order", order(world), "|Σ heading| / N: 1 where all go one way.");
+  }
+
+ private:
+  static Vector heading_of(auto const& agent) {
+    return {agent.template get<HeadingX>(), agent.template get<HeadingY>()};
+  }
+  static void turn_to(Turn<Flocking>& self, Vector heading) {
+    self.set<HeadingX>(heading.x);
+    self.set<HeadingY>(heading.y);
+  }
+
+  void align(Turn<Flocking>& self) const {
+    Vector const heading = heading_of(self);
+    Vector sum = heading;
+    self.for_each_neighbour(radius, [&](Neighbour<Flocking> const& other) { sum = sum + heading_of(other); });
+    double const length = std::sqrt(squared_length(sum));
+    Vector const mean = length > 0.0 ? (1.0 / length) * sum : heading;
+    RandomStream random = self.random();
+    turn_to(self, rotated(mean, direction(noise * (random.uniform() - 0.5))));
+    self.move_by(speed * heading);
+  }
+
+  void flock(Turn<Flocking>& self) const {
+    double neighbours = 0.0;
+    Vector together;
+    Vector apart;
+    Vector along;
+    self.for_each_neighbour(radius, [&](Neighbour<Flocking> const& other) {
+      Vector const way = other.separation();
+      neighbours += 1.0;
+      together = together + way;
+      if (squared_length(way) < separation * separation) apart = apart - way;
+      along = along + heading_of(other);
+    });
+    double const share = 1.0 / std::max(neighbours, 1.0);
+    Vector const wish = heading_of(self) + (share * cohesion_factor) * together + (share * separation_factor) * apart +
+                        (share * alignment_factor) * along;
+    double const length = std::sqrt(squared_length(wish));
+    Vector const heading = length > 0.0 ? (1.0 / length) * wish : heading_of(self);
+    turn_to(self, heading);
+    self.move_by(speed * heading);
+  }
+};
+
+}  // namespace gridlock

@@ -1,0 +1,93 @@
+#include "gridlock/model/cell_order.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace gridlock {
+
+namespace {
+
+constexpr std::size_t rows_per_stretch = 2048;
+
+/// Parts of the cells that are sorted on their own; enough for any team, and few enough that looking for the rows of a
+/// part costs little.
+std::size_t parts_for(ThreadTeam const& team) { return team.size() == 1 ? 1 : 4 * team.size(); }
+
+/// Agents of one cell are few and mostly in order.
+void sort_by_id(std::span<std::uint32_t> rows, std::span<Id const> ids) {
+  if (rows.size() > 32) {
+    std::ranges::sort(rows, {}, [&](std::uint32_t row) { return ids[row]; });
+    return;
+  }
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    std::uint32_t const row = rows[k];
+    Id const id = ids[row];
+    std::size_t hole = k;
+    for (; hole > 0 && ids[rows[hole - 1]] > id; --hole) rows[hole] = rows[hole - 1];
+    rows[hole] = row;
+  }
+}
+
+}  // namespace
+
+template <class Visit>
+void CellOrder::for_each_row_in_cells(std::uint32_t first_cell, std::uint32_t end_cell, Visit visit) const {
+  for (std::size_t s = 0; s < stretches_.size(); ++s) {
+    if (stretches_[s].most < first_cell || stretches_[s].least >= end_cell) continue;
+    std::size_t const end = std::min(cell_.size(), (s + 1) * rows_per_stretch);
+    for (std::size_t row = s * rows_per_stretch; row < end; ++row) {
+      if (cell_[row] >= first_cell && cell_[row] < end_cell) visit(static_cast<std::uint32_t>(row), cell_[row]);
+    }
+  }
+}
+
+void CellOrder::sort(CellLayout const& layout, std::span<double const> x, std::span<double const> y,
+                     std::span<Id const> ids, ThreadTeam& team) {
+  std::size_t const agents = ids.size();
+  auto const cells = static_cast<std::size_t>(layout.count());
+  cell_.resize(agents);
+  rows_.resize(agents);
+  first_.resize(cells + 1);
+  stretches_.resize((agents + rows_per_stretch - 1) / rows_per_stretch);
+  std::size_t const parts = parts_for(team);
+
+  team.for_each(parts, [&](std::size_t part) {
+    for (std::size_t s = part * stretches_.size() / parts; s < (part + 1) * stretches_.size() / parts; ++s) {
+      Stretch stretch{.least = static_cast<std::uint32_t>(cells), .most = 0};
+      for (std::size_t row = s * rows_per_stretch; row < std::min(agents, (s + 1) * rows_per_stretch); ++row) {
+        auto const cell = static_cast<std::uint32_t>(layout.cell_of({x[row], y[row]}));
+        cell_[row] = cell;
+        stretch.least = std::min(stretch.least, cell);
+        stretch.most = std::max(stretch.most, cell);
+      }
+      stretches_[s] = stretch;
+    }
+  });
+
+  auto const first_cell = [&](std::size_t part) { return static_cast<std::uint32_t>(part * cells / parts); };
+  // Every part counts its own cells and afterwards fills them, so that no two threads write to one place.
+  team.for_each(parts, [&](std::size_t part) {
+    std::uint32_t const first = first_cell(part);
+    std::uint32_t const end = first_cell(part + 1);
+    std::fill(first_.begin() + first, first_.begin() + end, 0U);
+    for_each_row_in_cells(first, end, [&](std::uint32_t, std::uint32_t cell) { ++first_[cell]; });
+  });
+  std::exclusive_scan(first_.begin(), first_.end() - 1, first_.begin(), 0U);
+  first_[cells] = static_cast<std::uint32_t>(agents);
+  team.for_each(parts, [&](std::size_t part) {
+    std::uint32_t const first = first_cell(part);
+    std::uint32_t const end = first_cell(part + 1);
+    // first_[cell] runs on to the end of its cell while it is filled, and is set back behind it.
+    for_each_row_in_cells(first, end, [&](std::uint32_t row, std::uint32_t cell) { rows_[first_[cell]++] = row; });
+  });
+  std::shift_right(first_.begin(), first_.end() - 1, 1);
+  first_[0] = 0;
+  first_[cells] = static_cast<std::uint32_t>(agents);
+  team.for_each(parts, [&](std::size_t part) {
+    for (std::size_t cell = first_cell(part); cell < first_cell(part + 1); ++cell) {
+      sort_by_id(std::span(rows_).subspan(first_[cell], first_[cell + 1] - first_[cell]), ids);
+    }
+  });
+}
+
+}  // namespace gridlock

@@ -1,0 +1,40 @@
+#include "gridlock/core/thread_team.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace gridlock {
+namespace {
+
+TEST(ThreadTeam, CarriesOutEveryPartOnceWhateverItsSize) {
+  for (std::uint64_t const threads : {1, 2, 3, 8}) {
+    ThreadTeam team(threads);
+    EXPECT_EQ(team.size(), threads);
+    for (std::size_t const parts : {0, 1, 2, 7, 100}) {
+      std::vector<int> times(parts);
+      team.for_each(parts, [&](std::size_t part) { ++times[part]; });
+      EXPECT_EQ(times, std::vector<int>(parts, 1));
+    }
+  }
+}
+
+TEST(ThreadTeam, ThrowsOnWhatTheLowestFailingPartThrewAndGoesOnWorking) {
+  ThreadTeam team(3);
+  try {
+    team.for_each(50, [](std::size_t part) {
+      if (part >= 20) throw std::runtime_error(std::to_string(part));
+    });
+    FAIL() << "nothing was thrown";
+  } catch (std::runtime_error const& error) {
+    EXPECT_EQ(std::string(error.what()), "20");
+  }
+  int done = 0;
+  team.for_each(1, [&](std::size_t) { ++done; });
+  EXPECT_EQ(done, 1);
+}
+
+}  // namespace
+}  // namespace gridlock
