@@ -60,7 +60,7 @@ std::vector<std::byte> shuffled(std::span<std::byte const> raw, std::size_t widt
 std::vector<std::byte> deflated_chunk(ChunkSource const& source, int level) {
   assert(source.bytes.size() <= source.capacity * source.width);
   if (!source.keeps_fill && is_all_fill(source)) return {};
-  std::vector<std::byte> const raw = filled_up(source);
+  std::vector<std::byte> raw = filled_up(source);
   if (level == 0) return raw;
   std::vector<std::byte> const planes = shuffled(raw, source.width);
   libdeflate_compressor* const compressor = compressor_of(level);

@@ -100,7 +100,7 @@ class VtkArrays {
     if constexpr (std::is_same_v<Number, std::int32_t>) return "Int32";
     if constexpr (std::is_same_v<Number, std::uint32_t>) return "UInt32";
     if constexpr (std::is_same_v<Number, std::uint64_t>) return "UInt64";
-    if constexpr (std::is_same_v<Number, std::int64_t>) return "Int64";
+    return "Int64";
   }
 
   template <class Number>

@@ -164,7 +164,8 @@ void H5mdReader::Trajectory::read_columns(Element const& element, std::size_t k,
       part.count.push_back(1);
     }
     FrameColumn column{.name = std::move(name), .values = {}};
-    auto const read_as = [&]<class Number>(Number) {
+    auto const read_as = [&](auto zero) {
+      using Number = decltype(zero);
       if (hdf5::holds<Number>(values)) column.values = hdf5::read<Number>(values, part);
       return hdf5::holds<Number>(values);
     };

@@ -21,7 +21,6 @@ namespace {
 
 using hdf5::Access;
 using hdf5::Handle;
-using hdf5::Part;
 
 /// Frames below this many numbers are not worth waking other threads for.
 constexpr std::size_t least_parallel_numbers = 100'000;

@@ -34,7 +34,7 @@ class Handle {
  public:
   using Close = herr_t (*)(hid_t);
   Handle() = default;
-  Handle(hid_t id, Close close, std::string const& what) : id_(require(id, what)), close_(close) {}
+  Handle(hid_t id, Close closing, std::string const& what) : id_(require(id, what)), close_(closing) {}
   ~Handle() { reset(); }
   Handle(Handle&& other) noexcept : id_(other.id_), close_(other.close_) { other.id_ = -1; }
   Handle& operator=(Handle&& other) noexcept {
