@@ -14,6 +14,13 @@ namespace {
 
 void print_setup(gridlock::Setup const& setup) {
   gridlock::State const& state = setup.state;
+  if (setup.configuration.is_of_model()) {
+    auto const experiment = gridlock::make_experiment(setup);
+    fmt::print("model {}: {} agents, {} box {} × {}, step {:.6g} of time\n", setup.configuration.model.kind,
+               experiment->agents(), state.box.is_periodic() ? "periodic" : "walled", state.box.width(),
+               state.box.height(), experiment->time_step());
+    return;
+  }
   auto const [smallest, largest] = gridlock::radius_range(state.disks);
   fmt::print("{} disks, packing fraction {:.6g}, radius {:.6g}{}, {} box {} × {}, engine {}, step {:.6g} of time\n",
              state.disks.size(), gridlock::covered_area(state.disks) / state.box.area(), smallest,

@@ -161,7 +161,37 @@ void require_end(Configuration const& configuration, State const& state) {
                .key = "run.collisions_per_disk"});
 }
 
+std::string names_of(ModelKinds const& kinds) {
+  std::string names;
+  for (auto const& kind : kinds.all()) names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", kind->name());
+  return names;
+}
+
+/// A model brings its own agents and settings; of the disks' tables only engine.threads means anything to it.
+Setup set_up_model(Configuration configuration) {
+  ModelKind const* const kind = configuration.models.find(configuration.model.kind);
+  if (kind == nullptr) {
+    throw Error({.what = fmt::format("there is no model \"{}\"", configuration.model.kind),
+                 .hint = fmt::format("the models are {}", names_of(configuration.models)),
+                 .key = "model.kind"});
+  }
+  if (configuration.run.collisions_per_disk) {
+    throw Error({.what = "the length of a run of a model cannot be given in collisions",
+                 .hint = "give run.steps or run.time",
+                 .key = "run.collisions_per_disk"});
+  }
+  if (!configuration.run.steps && !configuration.run.time) configuration.run.steps = default_steps;
+  Setup setup;
+  setup.state = {.box = make_box(configuration.box), .seed = configuration.run.seed};
+  kind->check(setup.state.box);
+  setup.configuration = std::move(configuration);
+  return setup;
+}
+
 Setup set_up(Configuration configuration, std::filesystem::path const& directory, IsGiven const& is_given) {
+  if (configuration.is_of_model()) return set_up_model(std::move(configuration));
+  // What is run is decided: the settings of models would only fill its resolved configuration.
+  configuration.models.clear();
   require_memory(configuration);
   Setup setup;
   bool const is_from_file = configuration.disks.start == StartKind::file || !configuration.disks.file.empty();
@@ -214,20 +244,43 @@ void describe(CheckpointSettings& settings, SettingVisitor& visitor) {
                 settings.every_steps);
 }
 
+void describe(ModelSettings& settings, SettingVisitor& visitor) {
+  visitor.visit({.key = "kind",
+                 .documentation = "The model to run, such as \"flocking\"; its settings stand in a table of that name.",
+                 .default_note = "none: hard disks"},
+                settings.kind);
+  visitor.visit({.key = "verify_every",
+                 .documentation = "Steps between two in which every neighbour search is compared with a look at all "
+                                  "agents; 0 for none."},
+                settings.verify_every);
+}
+
 void describe(Configuration& configuration, SettingVisitor& visitor) {
   auto const table = [&](std::string_view name, std::string_view documentation, auto& settings) {
     visitor.enter(name, documentation);
     describe(settings, visitor);
     visitor.leave();
   };
-  table("box", "The rectangle the disks live in.", configuration.box);
-  table("disks", "How many disks, how large, and where they start.", configuration.disks);
-  table("velocities", "How fast the disks are at the start.", configuration.velocities);
-  table("engine", "How the disks move.", configuration.engine);
+  bool const is_of_model = configuration.is_of_model();
+  table("box", "The rectangle the agents live in.", configuration.box);
+  if (!is_of_model) {
+    table("disks", "How many disks, how large, and where they start.", configuration.disks);
+    table("velocities", "How fast the disks are at the start.", configuration.velocities);
+  }
+  table("engine", is_of_model ? "Of a model only the threads." : "How the disks move.", configuration.engine);
   table("run", "How long the run lasts, and its seed.", configuration.run);
   table("observe", "What is measured, and how often.", configuration.observe);
   table("checkpoint", "When a run saves itself on the way.", configuration.checkpoint);
   table("trajectory", "Which moments of a run are kept in trajectory.h5.", configuration.trajectory);
+  if (!configuration.models.all().empty()) {
+    table("model", "Another model instead of the disks.", configuration.model);
+  }
+  for (auto const& kind : configuration.models.all()) {
+    if (is_of_model && kind->name() != configuration.model.kind) continue;
+    visitor.enter(kind->name(), kind->documentation());
+    kind->describe(visitor);
+    visitor.leave();
+  }
 }
 
 Describe describing(Configuration& configuration) {

@@ -111,7 +111,24 @@ void draw_states(Artist& artist) {
                 .title = fmt::format("after {} steps", last.clock.step - setup.state.clock.step)});
 }
 
+/// A run of a model: every column of its series against time.
+void draw_model_run(Artist& artist) {
+  Table const series = read_csv(artist.path_of("series.csv"));
+  for (std::string const& name : series.names()) {
+    if (name == "step" || name == "time") continue;
+    artist.plot({.name = name,
+                 .x = {.label = "time"},
+                 .y = {.label = name, .least = 0.0},
+                 .curves = {{.file = "series.csv", .x = "time", .y = name}},
+                 .key = PlotKey::none});
+  }
+}
+
 void draw_run(Artist& artist) {
+  if (SettingsFile::from_path(artist.path_of("config.resolved.toml")).is_given("model.kind")) {
+    draw_model_run(artist);
+    return;
+  }
   draw_states(artist);
   artist.plot({.name = "displacement",
                .title = "Mean displacement from the start",

@@ -58,8 +58,10 @@ std::string summary_json(Setup const& setup, RunRecord const& record, Frame cons
   json["start_hash"] = fmt::format("{:016x}", hash(setup.state));
   json["state_hash"] = fmt::format("{:016x}", record.state_hash);
   json["seed"] = frame.seed;
-  json["engine"] = setup.configuration.engine.kind;
-  json["disks"] = record.agents;
+  Configuration const& configuration = setup.configuration;
+  json[configuration.is_of_model() ? "model" : "engine"] =
+      configuration.is_of_model() ? configuration.model.kind : configuration.engine.kind;
+  json[configuration.is_of_model() ? "agents_at_end" : "disks"] = record.agents;
   if (auto const packing_fraction = packing_fraction_of(frame)) json["packing_fraction"] = *packing_fraction;
   json["steps"] = record.steps;
   json["step"] = record.clock.step;

@@ -13,6 +13,9 @@ namespace {
 /// Cells and disks looked at between two looks at the clock and at Ctrl-C: a few tenths of a second.
 constexpr double looks_per_chunk = 1e8;
 
+/// A step of 10⁶ agents takes a tenth of a second, one of a few a microsecond.
+constexpr std::uint64_t model_steps_per_chunk = 8;
+
 /// Steps between two looks at the clock, from the set-up alone: nothing that is timed may reach the dynamics.
 std::uint64_t steps_per_chunk(EngineSettings const& settings, State const& state) {
   double const disks = std::max(1.0, static_cast<double>(state.disks.size()));
@@ -85,14 +88,21 @@ void DiskExperiment::carry(Archive& archive) {
   }
 }
 
-std::unique_ptr<Experiment> make_experiment(Setup setup) { return std::make_unique<DiskExperiment>(std::move(setup)); }
+std::unique_ptr<Experiment> make_experiment(Setup setup) {
+  Configuration const& configuration = setup.configuration;
+  if (!configuration.is_of_model()) return std::make_unique<DiskExperiment>(std::move(setup));
+  return configuration.models.find(configuration.model.kind)
+      ->make(setup.state.box, setup.state.seed,
+             {.threads = configuration.engine.threads, .verify_every = configuration.model.verify_every});
+}
 
 RunPlan plan_of(Setup const& setup) {
   Configuration const& configuration = setup.configuration;
   return {.horizon = horizon_of(setup),
           .sample_every = configuration.observe.every,
           .discard = configuration.observe.discard,
-          .steps_per_chunk = steps_per_chunk(configuration.engine, setup.state)};
+          .steps_per_chunk =
+              configuration.is_of_model() ? model_steps_per_chunk : steps_per_chunk(configuration.engine, setup.state)};
 }
 
 RunResult simulate(Setup setup, OnProgress const& on_progress) {

@@ -14,6 +14,7 @@
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/lattice/start.hpp"
 #include "gridlock/observe/observable.hpp"
+#include "gridlock/run/model_kind.hpp"
 #include "gridlock/run/trajectory.hpp"
 
 namespace gridlock {
@@ -34,6 +35,13 @@ struct CheckpointSettings {
 };
 void describe(CheckpointSettings& settings, SettingVisitor& visitor);
 
+/// The settings `[model]`: which model is run, where it is not the disks.
+struct ModelSettings {
+  std::string kind;                ///< empty: disks
+  std::uint64_t verify_every = 0;  ///< steps between two in which neighbour searches are compared with brute force
+};
+void describe(ModelSettings& settings, SettingVisitor& visitor);
+
 /// Everything a run is made from, one member per table of the TOML file.
 struct Configuration {
   BoxSettings box;
@@ -44,7 +52,12 @@ struct Configuration {
   ObserveSettings observe;
   CheckpointSettings checkpoint;
   TrajectorySettings trajectory;
+  ModelSettings model;
+  ModelKinds models = shipped_models();  ///< each described in a table of its own
+
+  [[nodiscard]] bool is_of_model() const { return !model.kind.empty(); }
 };
+/// All tables; for a run of a model those that matter to it.
 void describe(Configuration& configuration, SettingVisitor& visitor);
 
 /// describe() of a configuration as the io layer takes it.

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "gridlock/core/setting.hpp"
+#include "gridlock/run/model_experiment.hpp"
+
+namespace gridlock {
+
+/// A kind of model with its settings, whatever it is: what `model.kind` names.
+class ModelKind {
+ public:
+  ModelKind() = default;
+  ModelKind& operator=(ModelKind const&) = delete;
+  virtual ~ModelKind() = default;
+
+  [[nodiscard]] virtual std::string_view name() const = 0;
+  [[nodiscard]] virtual std::string_view documentation() const = 0;
+  virtual void describe(SettingVisitor& visitor) = 0;
+  [[nodiscard]] virtual std::unique_ptr<ModelKind> copy() const = 0;
+  /// Refuses a box the model cannot live in. Errors: Error.
+  virtual void check(Box const& box) const = 0;
+  [[nodiscard]] virtual std::unique_ptr<Experiment> make(Box const& box, std::uint64_t seed,
+                                                         ModelEngineSettings const& settings) const = 0;
+
+ protected:
+  ModelKind(ModelKind const&) = default;
+};
+
+/// The kind a model is.
+template <class Model>
+class ModelKindOf final : public ModelKind {
+ public:
+  [[nodiscard]] std::string_view name() const override { return Model::name; }
+  [[nodiscard]] std::string_view documentation() const override { return Model::documentation; }
+  void describe(SettingVisitor& visitor) override { model_.describe(visitor); }
+  [[nodiscard]] std::unique_ptr<ModelKind> copy() const override { return std::make_unique<ModelKindOf>(*this); }
+  void check(Box const& box) const override { require_reach(box, model_.reach(), Model::name); }
+  [[nodiscard]] std::unique_ptr<Experiment> make(Box const& box, std::uint64_t seed,
+                                                 ModelEngineSettings const& settings) const override {
+    return std::make_unique<ModelExperiment<Model>>(model_, box, seed, settings);
+  }
+
+ private:
+  Model model_;
+};
+
+/// Kinds of model, each with its own settings; copies are independent.
+class ModelKinds {
+ public:
+  ModelKinds() = default;
+  ModelKinds(ModelKinds const& other) {
+    for (auto const& kind : other.kinds_) kinds_.push_back(kind->copy());
+  }
+  ModelKinds(ModelKinds&&) = default;
+  ModelKinds& operator=(ModelKinds other) {
+    std::swap(kinds_, other.kinds_);
+    return *this;
+  }
+  ~ModelKinds() = default;
+
+  template <class Model>
+  void add() {
+    kinds_.push_back(std::make_unique<ModelKindOf<Model>>());
+  }
+
+  [[nodiscard]] std::vector<std::unique_ptr<ModelKind>> const& all() const { return kinds_; }
+  /// The kind of that name, or nothing.
+  [[nodiscard]] ModelKind const* find(std::string_view name) const {
+    for (auto const& kind : kinds_) {
+      if (kind->name() == name) return kind.get();
+    }
+    return nullptr;
+  }
+  void clear() { kinds_.clear(); }
+
+ private:
+  std::vector<std::unique_ptr<ModelKind>> kinds_;
+};
+
+/// Those of the folder models/: what a Configuration knows from the start.
+ModelKinds shipped_models();
+
+}  // namespace gridlock

@@ -1,0 +1,16 @@
+#include "gridlock/run/model_kind.hpp"
+#include "models/catalyst.hpp"
+#include "models/epidemic.hpp"
+#include "models/flocking.hpp"
+
+namespace gridlock {
+
+ModelKinds shipped_models() {
+  ModelKinds kinds;
+  kinds.add<Flocking>();
+  kinds.add<Epidemic>();
+  kinds.add<Catalyst>();
+  return kinds;
+}
+
+}  // namespace gridlock
