@@ -14,14 +14,17 @@ function(run_step)
   message("${output}")
 endfunction()
 
-# The program is the one the README shows.
-file(READ ${SOURCE_DIRECTORY}/README.md readme)
-string(FIND "${readme}" "```cpp\n" start)
-string(SUBSTRING "${readme}" ${start} -1 readme)
-string(SUBSTRING "${readme}" 7 -1 readme)
-string(FIND "${readme}" "```" end)
-string(SUBSTRING "${readme}" 0 ${end} program)
-file(WRITE ${WORK_DIRECTORY}/consumer/main.cpp "${program}")
+# The programs are those that the README and the page on models show.
+foreach(document README.md docs/models.md)
+  file(READ ${SOURCE_DIRECTORY}/${document} text)
+  string(FIND "${text}" "```cpp\n" start)
+  string(SUBSTRING "${text}" ${start} -1 text)
+  string(SUBSTRING "${text}" 7 -1 text)
+  string(FIND "${text}" "```" end)
+  string(SUBSTRING "${text}" 0 ${end} program)
+  get_filename_component(name ${document} NAME_WE)
+  file(WRITE ${WORK_DIRECTORY}/consumer/${name}.cpp "${program}")
+endforeach()
 configure_file(${SOURCE_DIRECTORY}/tests/package/consumer.cmake ${WORK_DIRECTORY}/consumer/CMakeLists.txt COPYONLY)
 
 run_step(${CMAKE_COMMAND} --install ${BUILD_DIRECTORY} --prefix ${WORK_DIRECTORY}/prefix)
@@ -29,5 +32,6 @@ run_step(${CMAKE_COMMAND} -G ${GENERATOR} -S ${WORK_DIRECTORY}/consumer -B ${WOR
          -DCMAKE_PREFIX_PATH=${WORK_DIRECTORY}/prefix -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=Release
          -DCMAKE_EXE_LINKER_FLAGS=${LINKER_FLAGS})
 run_step(${CMAKE_COMMAND} --build ${WORK_DIRECTORY}/build)
-run_step(${WORK_DIRECTORY}/build/consumer)
+run_step(${WORK_DIRECTORY}/build/consumer_README)
+run_step(${WORK_DIRECTORY}/build/consumer_models)
 run_step(${WORK_DIRECTORY}/prefix/bin/gridlock --version)
