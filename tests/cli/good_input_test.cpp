@@ -285,7 +285,9 @@ TEST(Documentation, EveryRelativeLinkLeadsSomewhere) {
   }
   std::regex const link(R"(\]\(([^)#:]+)\))");
   for (fs::path const& page : pages) {
-    std::string const text = text_of(page);
+    // What looks like a link in a listing is a lambda.
+    static std::regex const listing("```[^`]*```");
+    std::string const text = std::regex_replace(text_of(page), listing, "");
     for (std::sregex_iterator match(text.begin(), text.end(), link), end; match != end; ++match) {
       EXPECT_TRUE(fs::exists(page.parent_path() / (*match)[1].str())) << page << ": " << (*match)[1];
     }
