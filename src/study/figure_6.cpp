@@ -70,7 +70,8 @@ void draw_fan(Study& study, std::vector<Ensemble> const& ensembles, bool is_loga
     auto const place = std::ranges::find(densities, ensemble.packing_fraction) - densities.begin();
     std::string label = fmt::format("{:.2f}", ensemble.packing_fraction);
     if (ensemble.start == StartKind::triangular) label += " (triangular)";
-    if (!is_first_engine) label += ", " + ensemble.engine.label;
+    // The other engines' curves stand next to the ones named in the key.
+    if (!is_first_engine) label.clear();
     plot.curves.push_back(
         {.label = label,
          .file = "figure_6.csv",
@@ -135,7 +136,12 @@ Chapter figure_6(Study& study) {
                   "{} steps of 0.1 diameters per v_max. Starts on the square lattice up to its closest packing π/4 = "
                   "0.785, above on the triangular one. Bands are one standard error over {} seeds.",
                   study.extent().disks, study.extent().steps, study.extent().seeds));
-  chapter.drawings.push_back({{"figure_6.svg"}, "Mean displacement against time."});
+  std::string caption = "Mean displacement against time.";
+  for (std::size_t k = 1; k < study.extent().engines.size(); ++k) {
+    caption +=
+        fmt::format(" Dashed: {}, from the same starts for the same physical time.", study.extent().engines[k].label);
+  }
+  chapter.drawings.push_back({{"figure_6.svg"}, caption});
   chapter.drawings.push_back({{"figure_6_logarithmic.svg"},
                               "The same on logarithmic axes, which show what the dense systems do: they rattle in "
                               "their cages, and most still creep on."});

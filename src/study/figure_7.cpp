@@ -464,4 +464,8 @@ Chapter figure_7(Study& study) {
   return chapter;
 }
 
+std::string crossing_text(Study const& study, PaperEngine const& engine, StartKind start) {
+  return crossing_text(crossing_at(study, engine, start, 1.0));
+}
+
 }  // namespace gridlock

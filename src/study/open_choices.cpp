@@ -348,4 +348,15 @@ Chapter open_choices(Study& study) {
   return chapter;
 }
 
+Standstills standstills_under(Study const& study, Contact contact) {
+  Standstills sum;
+  for (Ensemble const& ensemble : rule_ensembles(study.extent())) {
+    if (!has_steps(study.extent(), ensemble) || ensemble.contact != contact) continue;
+    EnsembleResult const result(study, ensemble);
+    sum.arrested += result.arrested();
+    sum.runs += result.seeds();
+  }
+  return sum;
+}
+
 }  // namespace gridlock

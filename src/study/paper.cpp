@@ -132,8 +132,12 @@ struct Part {
 };
 
 constexpr Part parts[] = {
-    {4, nullptr, figure_4},       {5, nullptr, nullptr},  // measured on its own, before anything runs beside it
-    {6, plan_figure_6, figure_6}, {7, plan_figure_7, figure_7}, {std::nullopt, plan_open_choices, open_choices},
+    {4, nullptr, figure_4},
+    {5, nullptr, nullptr},  // measured on its own, before anything runs beside it
+    {6, plan_figure_6, figure_6},
+    {7, plan_figure_7, figure_7},
+    {std::nullopt, plan_open_choices, open_choices},
+    {std::nullopt, nullptr, physics_or_step},
 };
 
 /// The study in progress.
