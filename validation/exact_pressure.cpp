@@ -1,7 +1,7 @@
 // The pressure of small periodic systems from long runs of the engine `exact`, against published values, with the audit
 // on: too long for the tests.
 //
-//     gridlock_bench_exact_pressure [millions of collisions per system]        default: 200
+//     gridlock_validate_exact_pressure [millions of collisions per system]        default: 200
 //
 // Published: Li et al. 2022, P* = βPσ² of N hard disks in a periodic square box.
 
