@@ -99,8 +99,8 @@ class PackedTurns {
     Block const& home = std::as_const(grid_).block_of(i);
     Around const around = around_of(home);
     // A cell away from the edge means a way and a contact distance away.
-    bool const is_far_from_edge = static_cast<unsigned>(home.column - 1) < inner_columns_ &&
-                                  static_cast<unsigned>(home.row - 1) < inner_rows_;
+    bool const is_far_from_edge =
+        static_cast<unsigned>(home.column - 1) < inner_columns_ && static_cast<unsigned>(home.row - 1) < inner_rows_;
     return {.near = find_near(i, home, around),
             .disk = static_cast<std::uint32_t>(i),
             .is_far_from_edge = is_far_from_edge,

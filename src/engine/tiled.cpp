@@ -1,10 +1,5 @@
 #include "tiled.hpp"
 
-#include <tbb/global_control.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <iterator>
 #include <limits>
@@ -197,44 +192,11 @@ class Steps {
 
 }  // namespace
 
-/// The threads asked for; more of them than cores are allowed, so that bits can be compared anywhere.
-class TiledEngine::Threads {
- public:
-  explicit Threads(std::uint64_t threads) : arena_(number(threads)) {
-    int const cores = tbb::info::default_concurrency();
-    // Without it oneTBB would start no more threads than there are cores, and say so on the terminal.
-    auto const wanted = static_cast<std::size_t>(number(threads));
-    if (number(threads) > cores) more_than_cores_.emplace(tbb::global_control::max_allowed_parallelism, wanted);
-  }
-
-  template <class Take>
-  void for_each(std::size_t first, std::size_t end, Take take) {
-    if (end - first < 2 || arena_.max_concurrency() == 1) {
-      for (std::size_t n = first; n < end; ++n) take(n);
-      return;
-    }
-    arena_.execute([&] { tbb::parallel_for(first, end, take); });
-  }
-
- private:
-  static int number(std::uint64_t threads) {
-    return threads == 0 ? tbb::info::default_concurrency() : static_cast<int>(std::min<std::uint64_t>(threads, 1024));
-  }
-
-  tbb::task_arena arena_;
-  std::optional<tbb::global_control> more_than_cores_;
-};
-
 TiledEngine::TiledEngine(EngineSettings const& settings, State const& state)
-    : settings_(settings),
-      duration_(step_duration(settings, state)),
-      box_(state.box),
-      threads_(std::make_unique<Threads>(settings.threads)) {
+    : settings_(settings), duration_(step_duration(settings, state)), box_(state.box), team_(settings.threads) {
   require_room_for_turns(settings, state);
   lay_out(state);
 }
-
-TiledEngine::~TiledEngine() = default;
 
 void TiledEngine::lay_out(State const& state) {
   // Room for disks of twice the speed that the time step refers to, whatever the disks do now: the cells must be the
@@ -256,8 +218,9 @@ void TiledEngine::advance(State& state, Tally& tally, Horizon const& horizon) {
   while (is_short_of_horizon()) {
     Steps steps(state, settings_, duration_, layout_, tiling_);
     for (std::uint64_t n = 0; n < steps_between_sorts && is_short_of_horizon(); ++n) {
-      steps.take_step(tally,
-                      [&](std::size_t first, std::size_t end, auto take) { threads_->for_each(first, end, take); });
+      steps.take_step(tally, [&](std::size_t first, std::size_t end, auto take) {
+        team_.for_each(end - first, [&](std::size_t part) { take(first + part); });
+      });
       try {
         steps.require_no_jumps(state);
       } catch (RunFailure const&) {

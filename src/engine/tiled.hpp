@@ -1,7 +1,6 @@
 #pragma once
 
-#include <memory>
-
+#include "gridlock/core/thread_team.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/grid/tiling.hpp"
@@ -17,14 +16,11 @@ namespace gridlock {
 class TiledEngine final : public Engine {
  public:
   TiledEngine(EngineSettings const& settings, State const& state);
-  ~TiledEngine() override;
 
   void advance(State& state, Tally& tally, Horizon const& horizon) override;
   [[nodiscard]] double time_step() const override { return duration_; }
 
  private:
-  class Threads;
-
   void lay_out(State const& state);
 
   EngineSettings settings_;
@@ -32,7 +28,7 @@ class TiledEngine final : public Engine {
   Box box_;  ///< the box layout_ was made for
   CellLayout layout_;
   Tiling tiling_;
-  std::unique_ptr<Threads> threads_;
+  ThreadTeam team_;
 };
 
 }  // namespace gridlock
