@@ -1,0 +1,21 @@
+# gnuplot docs/performance.gp, from the root of the repository: the plots of docs/performance.md from the committed results.
+set datafile separator ','
+set terminal svg size 800,560 font 'DejaVu Sans,14' background '#ffffff'
+set grid lc rgb '#dddddd'
+results = 'benchmarks/results/paper_rule.csv'
+row(name, density) = sprintf('< awk -F, ''$2=="%s" && $4==%s'' %s', name, density, results)
+set logscale xy
+set xlabel 'number of disks N'
+set ylabel 'ns per disk and step'
+set key top left
+set yrange [20:1200]
+set format x '10^{%T}'
+set output 'docs/images/performance_n.svg'
+set title 'The paper''s rule, one core, cost against N'
+plot row('lists finest k', '0.7') using 3:5 with linespoints title 'linked lists, finest k, φ = 0.7', \
+     row('lists finest k', '0.3') using 3:5 with linespoints title 'linked lists, finest k, φ = 0.3', \
+     row('stepped', '0.7') using 3:5 with linespoints title 'stepped, φ = 0.7', \
+     row('stepped', '0.3') using 3:5 with linespoints title 'stepped, φ = 0.3', \
+     row('tiled 1 thread', '0.7') using 3:5 with linespoints title 'tiled, φ = 0.7', \
+     row('tiled 1 thread', '0.3') using 3:5 with linespoints title 'tiled, φ = 0.3', \
+     row('tiled 2 threads (wall)', '0.7') using 3:5 with linespoints title 'tiled, 2 threads, wall time, φ = 0.7'
