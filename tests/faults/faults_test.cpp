@@ -32,9 +32,10 @@ struct Kind {
 void PrintTo(Kind const& kind, std::ostream* stream) { *stream << kind.name; }
 
 std::string toml_of(Kind const& kind) {
-  return std::string(kind.settings) +
-         "\n[disks]\ncount = 144\npacking_fraction = 0.6\n[observe]\nevery = 50\nstructure_every = 4\n"
-         "[checkpoint]\nevery_seconds = 0.01\n";
+  bool const is_model = std::string(kind.settings).find("model.kind") != std::string::npos;
+  std::string const disks = "[disks]\ncount = 144\npacking_fraction = 0.6\n";
+  return std::string(kind.settings) + "\n" + (is_model ? "" : disks) +
+         "[observe]\nevery = 50\nstructure_every = 4\n[checkpoint]\nevery_seconds = 0.01\n";
 }
 
 std::string summary_without_times(fs::path const& directory) {
@@ -125,7 +126,11 @@ INSTANTIATE_TEST_SUITE_P(
     Engines, Faults,
     testing::Values(Kind{"stepped", "run.steps = 9000"}, Kind{"linked", "run.steps = 5000\nengine.grid = \"linked\""},
                     Kind{"tiled", "run.steps = 9000\nengine.kind = \"tiled\"\nengine.threads = 2"},
-                    Kind{"exact", "run.steps = 12000\nengine.kind = \"exact\"\nbox.edge = \"periodic\""}),
+                    Kind{"exact", "run.steps = 12000\nengine.kind = \"exact\"\nbox.edge = \"periodic\""},
+                    Kind{"births_and_deaths",
+                         "run.steps = 3000\nmodel.kind = \"epidemic\"\nepidemic.count = 500\n"
+                         "epidemic.turnover_rate = 0.02\nengine.threads = 2"},
+                    Kind{"events", "run.steps = 300\nmodel.kind = \"catalyst\"\ncatalyst.hop_rate = 20.0"}),
     [](auto const& instance) { return std::string(instance.param.name); });
 
 Kind const quick{"quick", "run.steps = 6000"};
