@@ -115,7 +115,7 @@ class MemberReader final : public nlohmann::json_sax<Json> {
   bool parse_error(std::size_t, std::string const&, nlohmann::detail::exception const&) override { return false; }
 
  private:
-  bool add(Member value) { return is_inside_ && members.try_emplace(key_, std::move(value)).second; }
+  bool add(Member&& value) { return is_inside_ && members.try_emplace(key_, std::move(value)).second; }
 
   bool is_inside_ = false;
   std::string key_;

@@ -33,8 +33,10 @@ char const* to_text(Ending ending) {
 }
 
 Run::Run(Experiment& experiment, RunPlan const& plan)
-    : experiment_(experiment), plan_(plan), first_(experiment.clock()) {
-  columns_ = {{"step", "", "Whole time steps since the clock was started."}, {"time", "time", "Physical time."}};
+    : experiment_(experiment),
+      plan_(plan),
+      first_(experiment.clock()),
+      columns_{{"step", "", "Whole time steps since the clock was started."}, {"time", "time", "Physical time."}} {
   std::ranges::move(experiment_.columns(), std::back_inserter(columns_));
   series_.add_column(columns_.front().name, std::vector<std::uint64_t>{});
   for (std::size_t k = 1; k < columns_.size(); ++k) series_.add_column(columns_[k].name, std::vector<double>{});

@@ -35,7 +35,7 @@ std::uint64_t steps_per_chunk(EngineSettings const& settings, State const& state
 
 }  // namespace
 
-DiskExperiment::DiskExperiment(Setup setup)
+DiskExperiment::DiskExperiment(Setup&& setup)
     : engine_settings_(setup.configuration.engine),
       state_(std::move(setup.state)),
       engine_(make_engine(engine_settings_, state_)),

@@ -23,9 +23,10 @@ void restore(std::string const& bytes, char const* engine) {
   configuration.run.steps = 100;
   configuration.observe.pair_correlation_bins = 3;
   configuration.observe.speed_bins = 3;
-  gridlock::Setup const setup = set_up(configuration);
-  DiskExperiment experiment(setup);
-  Run run(experiment, plan_of(setup));
+  gridlock::Setup setup = set_up(configuration);
+  RunPlan const plan = plan_of(setup);
+  DiskExperiment experiment(std::move(setup));
+  Run run(experiment, plan);
   try {
     from_checkpoint(bytes, "fuzz", [&](Archive& archive) { run.carry(archive); });
     static_cast<void>(run.record());

@@ -144,9 +144,9 @@ class ModelEngine {
                                .reach = model_.reach(),
                                .is_verified = is_verified(world)};
     // The present values stay readable through the population; what comes after the step is written to values_.
+    auto cell = static_cast<std::size_t>(first_row) * static_cast<std::size_t>(layout_.columns());
     for (int cell_row = first_row; cell_row < end_row; ++cell_row) {
-      for (int column = 0; column < layout_.columns(); ++column) {
-        auto const cell = static_cast<std::size_t>(cell_row * layout_.columns() + column);
+      for (int column = 0; column < layout_.columns(); ++column, ++cell) {
         std::size_t const end = order_.first_of(cell + 1);
         if (order_.first_of(cell) == end) continue;
         look_around(around, column, cell_row);

@@ -50,8 +50,7 @@ bool settle(World<Model>& world, std::span<Requests<Model>> parts) {
     part.clear();
   }
   std::ranges::sort(deaths);
-  auto const repeated = std::ranges::unique(deaths);
-  deaths.erase(repeated.begin(), repeated.end());
+  deaths.erase(std::unique(deaths.begin(), deaths.end()), deaths.end());
   std::ranges::sort(births, [](Birth const& a, Birth const& b) {
     return std::tie(a.parent, a.number) < std::tie(b.parent, b.number);
   });

@@ -12,7 +12,7 @@ namespace gridlock {
 class DiskExperiment final : public Experiment {
  public:
   /// Errors: those of make_engine().
-  explicit DiskExperiment(Setup setup);
+  explicit DiskExperiment(Setup&& setup);
 
   [[nodiscard]] State const& state() const { return state_; }
   [[nodiscard]] Tally const& tally() const { return tally_; }
