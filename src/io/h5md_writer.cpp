@@ -24,6 +24,7 @@ using hdf5::Handle;
 
 /// Frames below this many numbers are not worth waking other threads for.
 constexpr std::size_t least_parallel_numbers = 100'000;
+constexpr std::size_t room_for_indices = 64 * 1024;
 
 hid_t native_of(FrameValues const& values) {
   return std::visit([](auto const& numbers) { return hdf5::native<std::remove_cvref_t<decltype(numbers[0])>>(); },
@@ -198,6 +199,7 @@ class H5mdWriter::Trajectory {
   void add_chunks(std::string const& dataset, FrameValues const& values, std::optional<hsize_t> component);
   void gather_chunks(Frame const& frame);
   void deflate_chunks();
+  [[nodiscard]] std::size_t most_bytes_of_frame() const;
   void put_values(Handle const& file, H5mdFrame const& frame);
   void put_chunks(Handle const& file, std::size_t agents);
   template <class Number>
@@ -317,6 +319,13 @@ void H5mdWriter::Trajectory::deflate_chunks() {
   }
 }
 
+/// Numbers that cannot be deflated grow by less than a hundredth; the indices of the chunks need the rest.
+std::size_t H5mdWriter::Trajectory::most_bytes_of_frame() const {
+  std::size_t bytes = 0;
+  for (Chunk const& chunk : chunks_) bytes += chunk.source.capacity * chunk.source.width;
+  return bytes + bytes / 100 + room_for_indices;
+}
+
 template <class Number>
 void H5mdWriter::Trajectory::put(Handle const& file, std::string const& path, Number value) const {
   Handle const dataset = hdf5::open_dataset(file, path);
@@ -367,6 +376,7 @@ void H5mdWriter::Trajectory::write(H5mdFrame const& frame) {
   add_chunks(group_ + "/id/value", ids, std::nullopt);
   for (std::size_t k = first_of_ids; k < chunks_.size(); ++k) chunks_[k].source.fill = h5md::absent_id;
 
+  hdf5::reserve(path_, most_bytes_of_frame());
   Handle file = hdf5::open_file(path_, Access::append);
   // A frame that was cut short may have left other numbers where this one has none but the fill value.
   bool const was_cut_short = hdf5::extent_of(hdf5::open_dataset(file, group_ + "/id/value"))[0] > frame_count();

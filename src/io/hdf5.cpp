@@ -1,10 +1,15 @@
 #include "io/hdf5.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <functional>
 #include <numeric>
+#include <system_error>
 #include <utility>
 
 namespace gridlock::hdf5 {
@@ -12,7 +17,12 @@ namespace gridlock::hdf5 {
 namespace {
 
 /// HDF5 prints its errors by itself, on every thread, unless told not to.
-void keep_quiet() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+void keep_quiet() {
+  // Where a file could not be closed for a full disk, the end of the program would close it again and crash. All that is
+  // opened here is closed here.
+  [[maybe_unused]] static herr_t const once = H5dont_atexit();
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
 
 Handle access_list() {
   keep_quiet();
@@ -79,7 +89,26 @@ void fail(std::string const& what) {
   throw Failure(fmt::format("cannot {}{}{}", what, reason.empty() ? "" : ": ", reason));
 }
 
+void reserve(std::filesystem::path const& path, std::size_t bytes) {
+  auto const fail_for = [](int error) {
+    throw Failure("cannot write to the file: " + std::generic_category().message(error));
+  };
+  int const file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (file < 0) fail_for(errno);
+  struct stat status {};
+  int error = ::fstat(file, &status) == 0 ? 0 : errno;
+  if (error == 0 && ::fallocate(file, 0, status.st_size, static_cast<off_t>(bytes)) != 0 && errno != EOPNOTSUPP) {
+    error = errno;
+    // Part of the room may be there.
+    if (::ftruncate(file, status.st_size) != 0) error = errno;
+  }
+  ::close(file);
+  if (error != 0) fail_for(error);
+}
+
 Handle create_file(std::filesystem::path const& path) {
+  constexpr std::size_t least_bytes = 32 * 1024;
+  reserve(path, least_bytes);
   Handle const list = access_list();
   return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, list.id()), H5Fclose, "create the file"};
 }

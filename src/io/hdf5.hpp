@@ -2,6 +2,7 @@
 
 #include <hdf5.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -79,6 +80,9 @@ enum class Access {
   append,  ///< in the order that keeps the file readable whenever the process ends
 };
 
+/// Makes room behind the end of a file, which begins to exist with it, for so many bytes, which the next H5Fclose gives back where they are not used: on a
+/// full disk this fails before HDF5 has begun to write, which does not recover from it.
+void reserve(std::filesystem::path const& path, std::size_t bytes);
 Handle create_file(std::filesystem::path const& path);
 Handle open_file(std::filesystem::path const& path, Access access);
 /// Makes a file whose writer was killed fit to be opened again.

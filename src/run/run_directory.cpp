@@ -165,7 +165,13 @@ class RunInDirectory {
     });
     if (ending == Ending::interrupted) save();
     RunRecord record = run_.record();
-    write_results(directory_, setup_, record, experiment_->frame());
+    try {
+      write_results(directory_, setup_, record, experiment_->frame());
+    } catch (RunFailure const& failure) {
+      // A full disk ends the run first and keeps its results out next: the first reason is the one to tell.
+      if (record.failure.empty()) throw;
+      throw RunFailure(fmt::format("{}; then {}", record.failure, failure.what()));
+    }
     if (ending == Ending::finished) remove_checkpoints(directory_);
     log_.note(fmt::format("{} at step {} after {:.1f} s, state hash {:016x}{}{}", to_text(ending), record.clock.step,
                           record.seconds, record.state_hash, record.failure.empty() ? "" : ": ", record.failure));

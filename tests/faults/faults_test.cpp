@@ -3,13 +3,16 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cstdlib>
 #include <random>
+#include <regex>
 #include <thread>
 
 #include "cli/program.hpp"
+#include "gridlock/io/h5md.hpp"
 
 namespace {
 
@@ -27,15 +30,19 @@ unsigned seed() { return static_cast<unsigned>(number_from("GRIDLOCK_FAULT_SEED"
 struct Kind {
   char const* name;
   char const* settings;
+  bool keeps_frames = true;
 };
 
 void PrintTo(Kind const& kind, std::ostream* stream) { *stream << kind.name; }
+
+constexpr int frame_every = 150;
 
 std::string toml_of(Kind const& kind) {
   bool const is_model = std::string(kind.settings).find("model.kind") != std::string::npos;
   std::string const disks = "[disks]\ncount = 144\npacking_fraction = 0.6\n";
   return std::string(kind.settings) + "\n" + (is_model ? "" : disks) +
-         "[observe]\nevery = 50\nstructure_every = 4\n[checkpoint]\nevery_seconds = 0.01\n";
+         "[observe]\nevery = 50\nstructure_every = 4\n[checkpoint]\nevery_seconds = 0.01\n" +
+         (kind.keeps_frames ? "[trajectory]\nevery = " + std::to_string(frame_every) + "\n" : "");
 }
 
 std::string summary_without_times(fs::path const& directory) {
@@ -47,7 +54,8 @@ std::string summary_without_times(fs::path const& directory) {
 /// The run as nothing happened to it, and how long it takes.
 class WholeRun {
  public:
-  WholeRun(Kind const& kind, fs::path const& workplace) : directory_(workplace / "whole") {
+  WholeRun(Kind const& kind, fs::path const& workplace)
+      : directory_(workplace / "whole"), keeps_frames_(kind.keeps_frames) {
     write(workplace / "run.toml", toml_of(kind));
     auto const start = std::chrono::steady_clock::now();
     Outcome const outcome =
@@ -63,10 +71,20 @@ class WholeRun {
     for (char const* name : {"series.csv", "final.xyz", "speed_distribution.csv", "pair_correlation.csv"}) {
       EXPECT_EQ(text_of(directory_ / name), text_of(other / name)) << name;
     }
+    if (!keeps_frames_) return;
+    gridlock::H5mdReader const frames(directory_ / "trajectory.h5");
+    gridlock::H5mdReader const same(other / "trajectory.h5");
+    ASSERT_EQ(frames.frame_count(), same.frame_count());
+    ASSERT_GT(frames.frame_count(), 2U);
+    for (std::size_t k = 0; k < frames.frame_count(); ++k) {
+      EXPECT_EQ(frames.frame(k).frame, same.frame(k).frame) << "frame " << k;
+      EXPECT_EQ(frames.frame(k).state_hash, same.frame(k).state_hash) << "frame " << k;
+    }
   }
 
  private:
   fs::path directory_;
+  bool keeps_frames_;
   double milliseconds_ = 0.0;
 };
 
@@ -75,11 +93,51 @@ bool is_finished(fs::path const& directory) {
   return text.find("\"ending\": \"finished\"") != std::string::npos;
 }
 
+/// The trajectories as the signals left them, for an independent reader at the end.
+class StoppedTrajectories {
+ public:
+  explicit StoppedTrajectories(fs::path directory) : directory_(std::move(directory)) {
+    fs::create_directories(directory_);
+  }
+
+  /// Every frame before the last checkpoint has to be there; the one of its own step is due after it.
+  void keep(fs::path const& run) {
+    if (!fs::exists(run / "trajectory.h5")) return;
+    gridlock::H5mdReader const reader(run / "trajectory.h5");
+    EXPECT_GE(reader.frame_count(), (last_checkpoint(text_of(run / "run.log")) + frame_every - 1) / frame_every);
+    std::string const name = std::to_string(++files_) + ".h5";
+    fs::copy(run / "trajectory.h5", directory_ / name);
+    list_ += name + " " + std::to_string(reader.frame_count()) + "\n";
+  }
+
+  void expect_readable_by_h5py() const {
+    ASSERT_GT(files_, 0);
+    write(directory_ / "list.txt", list_);
+    std::string const script = std::string(GRIDLOCK_SOURCE_DIR) + "/tests/reference/read_stopped_trajectories.py";
+    Outcome const outcome = Process("/usr/bin/python3", {script, std::to_string(frame_every)}, directory_).wait();
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(outcome.out, std::to_string(files_) + " trajectories read\n");
+  }
+
+ private:
+  static std::uint64_t last_checkpoint(std::string const& log) {
+    std::regex const line("checkpoint at step ([0-9]+)");
+    std::uint64_t step = 0;
+    for (std::sregex_iterator it(log.begin(), log.end(), line), end; it != end; ++it) step = std::stoull((*it)[1]);
+    return step;
+  }
+
+  fs::path directory_;
+  std::string list_;
+  int files_ = 0;
+};
+
 class Faults : public testing::TestWithParam<Kind> {
  protected:
   void stop_at_random_moments(int signal) {
     Workplace const workplace;
     WholeRun const whole(GetParam(), workplace.path());
+    StoppedTrajectories trajectories(workplace / "stopped");
     std::mt19937 random(seed());
     std::uniform_real_distribution<double> moment(1.0, 1.1 * whole.milliseconds());
     int stopped = 0;
@@ -88,16 +146,19 @@ class Faults : public testing::TestWithParam<Kind> {
       fs::remove_all(workplace / "run");
       Process const first(GRIDLOCK_PROGRAM, {"run", "run.toml", "-o", "run", "-q", "--no-pictures"}, workplace.path());
       stopped += stop(first, signal, moment(random));
+      trajectories.keep(workplace / "run");
       // The second, third … time in the middle of a resumed run.
       for (int again = 0; again < 3 && !is_finished(workplace / "run"); ++again) {
         if (!fs::exists(workplace / "run" / "config.resolved.toml")) break;
         Process const next(GRIDLOCK_PROGRAM, {"resume", "run", "-q", "--no-pictures"}, workplace.path());
         stopped += stop(next, signal, moment(random));
+        trajectories.keep(workplace / "run");
       }
       finish(workplace.path());
       whole.expect_same(workplace / "run");
       if (HasFailure()) FAIL() << "attempt " << attempt << " of GRIDLOCK_FAULT_SEED=" << seed();
     }
+    trajectories.expect_readable_by_h5py();
   }
 
  private:
@@ -135,17 +196,22 @@ INSTANTIATE_TEST_SUITE_P(
 
 Kind const quick{"quick", "run.steps = 6000"};
 
+/// Waits for the second checkpoint of a run.
+void await_checkpoints(fs::path const& run) {
+  for (int wait = 0; wait < 5000 && !fs::exists(run / "checkpoint.previous.gridlock"); ++wait) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ASSERT_TRUE(fs::exists(run / "checkpoint.previous.gridlock"));
+}
+
 /// A run that was terminated in the middle, with a checkpoint and the previous one.
 void leave_half_a_run(fs::path const& workplace) {
   write(workplace / "run.toml", toml_of(quick));
   Process const process(GRIDLOCK_PROGRAM, {"run", "run.toml", "-o", "run", "-q", "--no-pictures"}, workplace);
-  for (int wait = 0; wait < 2000 && !fs::exists(workplace / "run" / "checkpoint.previous.gridlock"); ++wait) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
+  await_checkpoints(workplace / "run");
   process.signal(SIGTERM);
   EXPECT_EQ(process.wait().exit_code, 1);
   ASSERT_TRUE(fs::exists(workplace / "run" / "checkpoint.gridlock"));
-  ASSERT_TRUE(fs::exists(workplace / "run" / "checkpoint.previous.gridlock"));
 }
 
 TEST(DamagedCheckpoint, IsRefusedAndThePreviousOneUsedSayingSo) {
@@ -199,7 +265,7 @@ Outcome limited(std::string const& limit, Arguments const& arguments, fs::path c
 
 TEST(FullDisk, LeavesARunThatResumesToTheSameBitsOnceThereIsRoom) {
   Workplace const workplace;
-  WholeRun const whole(quick, workplace.path());
+  WholeRun const whole({"without_frames", "run.steps = 6000", false}, workplace.path());
   // No file may grow beyond 4 KiB: too little for a checkpoint and for the results.
   Outcome const full =
       limited("trap '' XFSZ; ulimit -f 4", {"run", "run.toml", "-o", "run", "--no-pictures"}, workplace.path());
@@ -212,13 +278,70 @@ TEST(FullDisk, LeavesARunThatResumesToTheSameBitsOnceThereIsRoom) {
   whole.expect_same(workplace / "run");
 }
 
+Kind const longer{"longer", "run.steps = 30000"};
+
+TEST(FullDisk, KeepsOutTheFirstFrameWithAPlainReason) {
+  Workplace const workplace;
+  write(workplace / "run.toml", toml_of({"quick", "run.steps = 6000"}));
+  Outcome const full =
+      limited("trap '' XFSZ; ulimit -f 4", {"run", "run.toml", "-o", "run", "--no-pictures"}, workplace.path());
+  EXPECT_EQ(full.exit_code, 1) << full.err;
+  EXPECT_EQ(full.err.find("error: cannot write run/trajectory.h5: cannot write to the file: File too large"), 0U)
+      << full.err;
+}
+
+TEST(FullDisk, FilledUpByOthersInTheMiddleEndsTheRunWhichResumesToTheSameBits) {
+  Workplace const workplace;
+  WholeRun const whole(longer, workplace.path());
+  // A small disk of its own, which goes with the shell.
+  write(workplace / "script", R"(
+mount -t tmpfs -o size=8m tmpfs disk || exit 77
+"$1" run run.toml -o disk/run --no-pictures &
+for wait in {1..1000}; do [ -e disk/run/checkpoint.previous.gridlock ] || sleep 0.01; done
+head -c 9m /dev/zero >disk/others 2>/dev/null
+wait $!; echo "run $?"
+rm disk/others
+"$1" resume disk/run -q --no-pictures; echo "resume $?"
+cp -r disk/run run
+)");
+  fs::create_directories(workplace / "disk");
+  Outcome const outcome =
+      Process("/usr/bin/unshare", {"--map-root-user", "--mount", "/bin/bash", "script", GRIDLOCK_PROGRAM},
+              workplace.path())
+          .wait();
+  if (outcome.exit_code == 77 || outcome.err.find("unshare failed") != std::string::npos) {
+    GTEST_SKIP() << "no disk can be mounted here: " << outcome.err;
+  }
+  EXPECT_EQ(outcome.out, "run 1\nresume 0\n") << outcome.err;
+  EXPECT_NE(outcome.err.find("No space left on device"), std::string::npos) << outcome.err;
+  whole.expect_same(workplace / "run");
+}
+
+TEST(ReadOnlyDirectory, EndsTheRunWhichResumesToTheSameBits) {
+  Workplace const workplace;
+  WholeRun const whole(longer, workplace.path());
+  // Root may write anywhere, unless it gives that up.
+  std::string const limit = geteuid() == 0 ? "exec setpriv --bounding-set -dac_override,-dac_read_search \"$0\" \"$@\""
+                                           : "exec \"$0\" \"$@\"";
+  Process const process("/bin/bash", {"-c", limit, GRIDLOCK_PROGRAM, "run", "run.toml", "-o", "run", "--no-pictures"},
+                        workplace.path());
+  await_checkpoints(workplace / "run");
+  fs::permissions(workplace / "run", fs::perms::owner_read | fs::perms::owner_exec);
+  Outcome const outcome = process.wait();
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_NE(outcome.err.find("Permission denied"), std::string::npos) << outcome.err;
+  fs::permissions(workplace / "run", fs::perms::owner_all);
+  EXPECT_FALSE(is_finished(workplace / "run"));
+  Outcome const resumed = gridlock::test::gridlock({"resume", "run", "-q", "--no-pictures"}, workplace.path());
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+  whole.expect_same(workplace / "run");
+}
+
 TEST(VanishedDirectory, EndsTheRunWithTheReason) {
   Workplace const workplace;
   write(workplace / "run.toml", toml_of({"long", "run.steps = 1_000_000"}));
   Process const process(GRIDLOCK_PROGRAM, {"run", "run.toml", "-o", "run", "--no-pictures"}, workplace.path());
-  for (int wait = 0; wait < 2000 && !fs::exists(workplace / "run" / "checkpoint.gridlock"); ++wait) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
+  await_checkpoints(workplace / "run");
   // Root may write into directories it may not write into, so they are taken away altogether.
   fs::rename(workplace / "run", workplace / "elsewhere");
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -232,9 +355,7 @@ TEST(TwoProcesses, DoNotWorkInOneDirectory) {
   Workplace const workplace;
   write(workplace / "run.toml", toml_of({"long", "run.steps = 1_000_000"}));
   Process const first(GRIDLOCK_PROGRAM, {"run", "run.toml", "-o", "run", "--no-pictures"}, workplace.path());
-  for (int wait = 0; wait < 2000 && !fs::exists(workplace / "run" / "checkpoint.gridlock"); ++wait) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
+  await_checkpoints(workplace / "run");
   fs::create_directories(workplace / "other");
   Outcome const second =
       Process(GRIDLOCK_PROGRAM, {"resume", (workplace / "run").string()}, workplace / "other").wait();

@@ -1,0 +1,22 @@
+"""Opens with h5py the trajectories whose writers were stopped, and looks at every frame that list.txt promises."""
+import sys
+
+import h5py
+import numpy as np
+
+every = int(sys.argv[1])
+count = 0
+for line in open("list.txt"):
+    name, frames = line.split()
+    with h5py.File(name, "r", swmr=True) as file:
+        (agents,) = file["particles"].values()
+        steps = agents["id/step"]
+        assert len(steps) >= int(frames), (name, len(steps), frames)
+        for k in range(int(frames)):
+            assert steps[k] == k * every, (name, k, steps[k])
+            present = agents["id/value"][k] != agents["id/value"].fillvalue
+            position = agents["position/value"][k][present]
+            assert np.isfinite(position).all() and (position[:, :2] >= 0).all(), (name, k)
+            assert (position[:, :2] <= agents["box/edges/value"][k].diagonal()[:2]).all(), (name, k)
+    count += 1
+print(count, "trajectories read")
