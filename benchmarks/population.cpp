@@ -5,6 +5,7 @@
 #include <fstream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "gridlock/core/random.hpp"
 #include "gridlock/grid/packed_grid.hpp"
@@ -59,14 +60,32 @@ int main() {
       open.add(1000.0 * places.uniform(), 1000.0 * places.uniform());
     }
   };
+  // The same deaths and births, a thousand of each known at a time.
+  std::vector<Id> dying(1000);
+  std::vector<Points::Agents::Values> newborn(dying.size());
+  auto const churn_known = [&](std::size_t times) {
+    for (std::size_t k = 0; k < times; k += dying.size()) {
+      // One of every thousandth of the rows, so that nobody is drawn twice.
+      for (std::size_t n = 0; n < dying.size(); ++n) {
+        dying[n] = open.agent_in_row(n * (agents / dying.size()) + places.next() % (agents / dying.size()));
+      }
+      for (auto& values : newborn) values = {1000.0 * places.uniform(), 1000.0 * places.uniform()};
+      open.remove_all(dying);
+      open.add_all(newborn);
+    }
+  };
   print_header();
   race("population", agents, 0.0, 6,
        {{.name = "one birth and one death",
          .items = 1e6,
          .run = [&] { churn(1'000'000); },
+         .result = [&] { return hash(world); }},
+        {.name = "a thousand known beforehand",
+         .items = 1e6,
+         .run = [&] { churn_known(1'000'000); },
          .result = [&] { return hash(world); }}});
   double const before = resident();
-  churn(100'000'000);
+  churn_known(100'000'000);
   std::printf("# memory before and after 1e8 births and deaths: %.1f and %.1f MiB\n", before / 1024.0,
               resident() / 1024.0);
 }

@@ -131,7 +131,7 @@ void PackedGrid::move_all(std::span<double const> x, std::span<double const> y) 
   // Agents in no order: the line of one is on its way while others are moved.
   constexpr std::size_t ahead = 16;
   for (std::size_t i = 0; i < place_.size(); ++i) {
-    if (i + ahead < place_.size() && place_[i + ahead] != none) __builtin_prefetch(&block_of(i + ahead), 1);
+    if (i + ahead < place_.size()) prefetch_block_of(i + ahead);
     if (place_[i] != none) move(i, {x[i], y[i]});
   }
 }

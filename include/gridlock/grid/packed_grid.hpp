@@ -8,8 +8,10 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "gridlock/core/look_ahead.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/grid/float4.hpp"
 
@@ -84,6 +86,34 @@ class PackedGrid {
     take_out(agent);
     place_[agent] = none;
     --size_;
+  }
+
+  /// The agent `from` is called `to` from now on, which nobody is called yet; it stays where it is.
+  void rename(std::size_t from, std::size_t to) {
+    assert(contains(from) && to < place_.size() && place_[to] == none);
+    block_of(from).agent[slot_of(from)] = static_cast<std::uint32_t>(to);
+    place_[to] = std::exchange(place_[from], none);
+  }
+
+  // Ask for memory that will be needed soon, so that births and deaths of many agents do not wait for one another.
+
+  /// For erase() and move(): what says where an agent is, and when that has had time to come, the block it is in.
+  void prefetch(std::size_t agent) const { gridlock::prefetch(place_.data() + agent); }
+  void prefetch_block_of(std::size_t agent) const {
+    if (place_[agent] != none) gridlock::prefetch(&block_of(agent));
+  }
+  /// And when the block has come: who takes the place of the agent.
+  void prefetch_successor_of(std::size_t agent) const {
+    if (place_[agent] == none) return;
+    Block const& block = block_of(agent);
+    if (block.next != none) gridlock::prefetch(&blocks_[block.next]);
+    if (block.count > 0) gridlock::prefetch(place_.data() + block.agent[block.count - 1]);
+  }
+  /// For insert(): the cell of a point.
+  void prefetch_cell_of(Vector p) const { gridlock::prefetch(&block_at(layout_.column_of(p.x), layout_.row_of(p.y))); }
+  void prefetch_second_block_of(Vector p) const {
+    Block const& block = block_at(layout_.column_of(p.x), layout_.row_of(p.y));
+    if (block.next != none) gridlock::prefetch(&blocks_[block.next]);
   }
 
   /// Agents of cells more than two cells apart may be moved by different threads at once.

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "gridlock/core/look_ahead.hpp"
 #include "gridlock/model/world.hpp"
 
 namespace gridlock {
@@ -54,7 +55,10 @@ bool settle(World<Model>& world, std::span<Requests<Model>> parts) {
   std::ranges::sort(births, [](Birth const& a, Birth const& b) {
     return std::tie(a.parent, a.number) < std::tie(b.parent, b.number);
   });
-  for (Id const id : deaths) world.agents.remove(id);
+  carry_out_with_look_ahead(
+      deaths.size(), [&](std::size_t k) { world.agents.prefetch(deaths[k]); },
+      [&](std::size_t k) { world.agents.prefetch_row(deaths[k]); },
+      [&](std::size_t k) { world.agents.remove(deaths[k]); });
   for (Birth const& birth : births) {
     std::apply([&](auto... values) { world.agents.add(values...); }, birth.values);
   }
