@@ -34,6 +34,14 @@ Handle access_list() {
   return list;
 }
 
+/// A kill may cut a write in two where it crosses a page of memory. Metadata that are written again in their place must
+/// not cross one, or their checksum is lost: the parts of an index have 2048 bytes at most, headers less than 512.
+Handle writer_access_list(hsize_t alignment) {
+  Handle list = access_list();
+  require(H5Pset_alignment(list.id(), 1, alignment), "choose the alignment");
+  return list;
+}
+
 Handle text_type(std::size_t length) {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "describe a text");
   require(H5Tset_size(type.id(), std::max<std::size_t>(length, 1)), "describe a text");
@@ -109,15 +117,16 @@ void reserve(std::filesystem::path const& path, std::size_t bytes) {
 Handle create_file(std::filesystem::path const& path) {
   constexpr std::size_t least_bytes = 32 * 1024;
   reserve(path, least_bytes);
-  Handle const list = access_list();
+  Handle const list = writer_access_list(512);
   return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, list.id()), H5Fclose, "create the file"};
 }
 
 Handle open_file(std::filesystem::path const& path, Access access) {
-  Handle const list = access_list();
   if (access == Access::append) {
+    Handle const list = writer_access_list(2048);
     return {H5Fopen(path.c_str(), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, list.id()), H5Fclose, "open the file"};
   }
+  Handle const list = access_list();
   // A torn read of a page that is just being written is tried again, each time after twice as long, 1 ms in all; the 100
   // times of HDF5 itself would never end on a damaged file.
   require(H5Pset_metadata_read_attempts(list.id(), 20), "choose how often to read again");

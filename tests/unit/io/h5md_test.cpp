@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <string>
 #include <variant>
 #include <vector>
@@ -115,6 +116,25 @@ TEST(H5md, GoesOnWhereItStopped) {
   H5mdReader const reader(directory / "t.h5");
   expect_same(reader.frame(0), first);
   expect_same(reader.frame(1), random_frame(4, 12));
+}
+
+// A kill cuts a write in two where it crosses a page, and what is cut in two loses its checksum.
+TEST(H5md, NothingThatIsWrittenAgainInItsPlaceCrossesAPage) {
+  TemporaryDirectory const directory;
+  H5mdSettings const head = settings();
+  H5mdWriter writer = H5mdWriter::create(directory / "t.h5", head, random_frame(0, 20).frame);
+  for (std::uint64_t step = 0; step < 350; ++step) writer.write(random_frame(step, 20 + step % 9));
+  std::string const bytes = read_file(directory / "t.h5");
+  // The signatures of HDF5 for object headers, and for the heads and nodes of B-trees and extensible arrays.
+  std::map<std::string, std::size_t> const sizes{{"OHDR", 512}, {"BTHD", 512}, {"BTLF", 2048}, {"BTIN", 2048},
+                                                 {"EAHD", 512}, {"EAIB", 512}, {"EADB", 2048}};
+  for (auto const& [signature, size] : sizes) {
+    std::size_t found = 0;
+    for (std::size_t at = bytes.find(signature); at != std::string::npos; at = bytes.find(signature, at + 1), ++found) {
+      EXPECT_LE(at % 4096 + size, 4096U) << signature << " at " << at;
+    }
+    EXPECT_GT(found, 3U) << signature;
+  }
 }
 
 TEST(H5md, RefusesAFrameOfOtherColumns) {
