@@ -384,9 +384,9 @@ void H5mdWriter::Trajectory::write(H5mdFrame const& frame) {
   deflate_chunks();
   put_chunks(file, frame.frame.size());
   put_values(file, frame);
+  put(file, group_ + "/id/time", frame.frame.clock.time);
   // The frame counts from the moment its step is there, so that goes to the file after all the rest.
   hdf5::flush(file);
-  put(file, group_ + "/id/time", frame.frame.clock.time);
   put(file, group_ + "/id/step", frame.frame.clock.step);
   hdf5::flush(file);
   file.close("write to the file");

@@ -35,7 +35,9 @@ Handle access_list() {
 }
 
 /// A kill may cut a write in two where it crosses a page of memory. Metadata that are written again in their place must
-/// not cross one, or their checksum is lost: the parts of an index have 2048 bytes at most, headers less than 512.
+/// not cross one, or their checksum is lost.
+constexpr hsize_t most_header_bytes = 512;     ///< of what a file begins with
+constexpr hsize_t most_metadata_bytes = 2048;  ///< of what a frame adds: nodes of the indices of its chunks
 Handle writer_access_list(hsize_t alignment) {
   Handle list = access_list();
   require(H5Pset_alignment(list.id(), 1, alignment), "choose the alignment");
@@ -117,13 +119,13 @@ void reserve(std::filesystem::path const& path, std::size_t bytes) {
 Handle create_file(std::filesystem::path const& path) {
   constexpr std::size_t least_bytes = 32 * 1024;
   reserve(path, least_bytes);
-  Handle const list = writer_access_list(512);
+  Handle const list = writer_access_list(most_header_bytes);
   return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, list.id()), H5Fclose, "create the file"};
 }
 
 Handle open_file(std::filesystem::path const& path, Access access) {
   if (access == Access::append) {
-    Handle const list = writer_access_list(2048);
+    Handle const list = writer_access_list(most_metadata_bytes);
     return {H5Fopen(path.c_str(), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, list.id()), H5Fclose, "open the file"};
   }
   Handle const list = access_list();
@@ -140,12 +142,13 @@ Handle open_file(std::filesystem::path const& path, Access access) {
 }
 
 void repair_file(std::filesystem::path const& path) {
-  Handle const list = access_list();
-  // What h5clear does: the mark of the dead writer goes, and new data begin behind all that it had written.
+  Handle const list = writer_access_list(most_metadata_bytes);
+  // What h5clear does: the mark of the dead writer goes, and new data begin behind all that it had written. In the mode of
+  // the writer, so that a kill in here leaves a file that readers open too.
   bool const yes = true;
   require(H5Pset(list.id(), "clear_status_flags", &yes), "repair the file");
   require(H5Pset(list.id(), "skip_eof_check", &yes), "repair the file");
-  Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, list.id()), H5Fclose, "repair the file");
+  Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, list.id()), H5Fclose, "repair the file");
   require(H5Fincrement_filesize(file.id(), 0), "repair the file");
   file.close("repair the file");
 }

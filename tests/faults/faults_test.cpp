@@ -296,7 +296,7 @@ TEST(FullDisk, FilledUpByOthersInTheMiddleEndsTheRunWhichResumesToTheSameBits) {
   // A small disk of its own, which goes with the shell.
   write(workplace / "script", R"(
 mount -t tmpfs -o size=8m tmpfs disk || exit 77
-"$1" run run.toml -o disk/run --no-pictures &
+"$1" run run.toml -o disk/run -q --no-pictures &
 for wait in {1..1000}; do [ -e disk/run/checkpoint.previous.gridlock ] || sleep 0.01; done
 head -c 9m /dev/zero >disk/others 2>/dev/null
 wait $!; echo "run $?"

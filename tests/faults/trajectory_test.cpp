@@ -27,13 +27,12 @@ H5mdFrame frame_at(std::uint64_t step) {
   H5mdFrame result{.frame = {.box = Box(1.0, 1.0, Edge::wall), .clock = {step, 0.1 * static_cast<double>(step)}},
                    .observables = {static_cast<double>(step)},
                    .state_hash = step};
-  std::vector<double> x, y;
-  for (std::size_t i = 0; i < agents; ++i) {
-    result.frame.ids.push_back(i);
-    x.push_back(static_cast<double>(random.bits()));
-    y.push_back(static_cast<double>(random.bits()));
+  for (std::size_t i = 0; i < agents; ++i) result.frame.ids.push_back(i);
+  for (char const* name : {"x", "y", "velocity_x", "velocity_y", "radius", "mass"}) {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < agents; ++i) values.push_back(static_cast<double>(random.bits()));
+    result.frame.columns.push_back({name, std::move(values)});
   }
-  result.frame.columns = {{"x", x}, {"y", y}};
   return result;
 }
 
