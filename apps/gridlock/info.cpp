@@ -3,9 +3,12 @@
 #include <nlohmann/json.hpp>
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
+#include "gridlock/io/h5md.hpp"
 #include "gridlock/io/table.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/run/run_directory.hpp"
@@ -73,11 +76,46 @@ void print_frame(fs::path const& path) {
   fmt::print("  state_hash {:016x}\n", gridlock::hash(state));
 }
 
+void print_trajectory(fs::path const& path) {
+  gridlock::H5mdReader const reader(path);
+  gridlock::H5mdSettings const& settings = reader.settings();
+  fmt::print("a trajectory of {} frames of {} in {}\n", reader.frame_count(), settings.agents, path.string());
+  if (reader.frame_count() > 0) {
+    gridlock::H5mdFrame const first = reader.frame(0);
+    gridlock::H5mdFrame const last = reader.frame(reader.frame_count() - 1);
+    gridlock::Box const& box = last.frame.box;
+    std::vector<std::string> columns;
+    for (gridlock::FrameColumn const& column : last.frame.columns) columns.push_back(column.name);
+    fmt::print("  {} box {} × {}, {} agents first, {} last\n", box.is_periodic() ? "periodic" : "walled", box.width(),
+               box.height(), first.frame.size(), last.frame.size());
+    fmt::print("  steps {} to {}, time {} to {}\n", first.frame.clock.step, last.frame.clock.step,
+               first.frame.clock.time, last.frame.clock.time);
+    fmt::print("  columns: {}\n  last state_hash {:016x}\n", fmt::join(columns, ", "), last.state_hash);
+  }
+  std::vector<std::string> observables;
+  for (gridlock::H5mdObservable const& observable : settings.observables) observables.push_back(observable.name);
+  fmt::print("  observables: {}\n  written by gridlock {}\n", fmt::join(observables, ", "), settings.version);
+}
+
+/// A run that goes on or was stopped has a log, and no summary yet.
+void print_unfinished_run(fs::path const& directory) {
+  std::string const log = gridlock::read_file(directory / "run.log");
+  std::size_t const end = log.find_last_not_of('\n');
+  std::size_t const start = end == std::string::npos ? 0 : log.rfind('\n', end) + 1;
+  fmt::print("a run of gridlock in {} without results yet; the last line of its log is\n  {}\n", directory.string(),
+             log.substr(start, end + 1 - start));
+  fmt::print("gridlock resume {} goes on where no process works on it\n", directory.string());
+}
+
 ExitCode info(fs::path const& path) {
   if (is_there(path / "summary.json")) {
     print_run(path / "summary.json");
   } else if (is_there(path / "sweep.csv")) {
     print_sweep(path);
+  } else if (is_there(path / "run.log")) {
+    print_unfinished_run(path);
+  } else if (path.extension() == ".h5") {
+    print_trajectory(path);
   } else if (path.filename() == "summary.json") {
     print_run(path);
   } else if (path.extension() == ".csv") {
@@ -87,7 +125,7 @@ ExitCode info(fs::path const& path) {
   } else {
     throw gridlock::Error({.what = is_there(path) ? fmt::format("{} is nothing that gridlock writes", path.string())
                                                   : fmt::format("there is no {}", path.string()),
-                           .hint = "name the directory of a run or sweep, an .xyz or a .csv file"});
+                           .hint = "name the directory of a run or sweep, an .xyz, .csv or .h5 file"});
   }
   return ExitCode::good;
 }
@@ -95,8 +133,9 @@ ExitCode info(fs::path const& path) {
 }  // namespace
 
 void add_info(CLI::App& app, ExitCode& exit_code) {
-  CLI::App* const verb = app.add_subcommand("info", "Say what a result is: a run, a sweep, a table, a state");
+  CLI::App* const verb =
+      app.add_subcommand("info", "Say what a result is: a run, a sweep, a table, a state, a trajectory");
   auto const path = std::make_shared<std::string>();
-  verb->add_option("PATH", *path, "Directory of a run or sweep, .xyz or .csv file")->required();
+  verb->add_option("PATH", *path, "Directory of a run or sweep, .xyz, .csv or .h5 file")->required();
   verb->callback([path, &exit_code] { exit_code = info(*path); });
 }

@@ -39,6 +39,17 @@ TEST(Trajectories, AndTheirExportsSayTheSameInMdanalysisAseAndVtk) {
   EXPECT_EQ(check.exit_code, 0) << check.err;
 }
 
+TEST(Trajectories, SayWhatTheyHold) {
+  Workplace const workplace;
+  run_with_frames(workplace);
+  Outcome const outcome = gridlock_in(workplace, {"info", "run/trajectory.h5"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  for (char const* line : {"a trajectory of 4 frames of disks in run/trajectory.h5",
+                           "walled box 1 × 1, 100 agents first", "steps 0 to 60", "radius", "mean_displacement"}) {
+    EXPECT_NE(outcome.out.find(line), std::string::npos) << outcome.out;
+  }
+}
+
 TEST(Trajectories, AreReadByTheExample) {
   if (!have_readers()) GTEST_SKIP() << "the readers are not installed: ./dev install";
   Workplace const workplace;

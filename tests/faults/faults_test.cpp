@@ -150,7 +150,7 @@ class Faults : public testing::TestWithParam<Kind> {
       // The second, third … time in the middle of a resumed run.
       for (int again = 0; again < 3 && !is_finished(workplace / "run"); ++again) {
         if (!fs::exists(workplace / "run" / "config.resolved.toml")) break;
-        Process const next(GRIDLOCK_PROGRAM, {"resume", "run", "-q", "--no-pictures"}, workplace.path());
+        Process const next(GRIDLOCK_PROGRAM, resuming(), workplace.path());
         stopped += stop(next, signal, moment(random));
         trajectories.keep(workplace / "run");
       }
@@ -169,11 +169,19 @@ class Faults : public testing::TestWithParam<Kind> {
     return process.wait().exit_code == 0 ? 0 : 1;
   }
 
+  /// Where the kind has threads at all, on another number of them than it was begun with.
+  static Arguments resuming() {
+    Arguments arguments{"resume", "run", "-q", "--no-pictures"};
+    bool const has_threads = std::string(GetParam().settings).find("threads") != std::string::npos;
+    if (has_threads) arguments.insert(arguments.end(), {"--threads", "3"});
+    return arguments;
+  }
+
   static void finish(fs::path const& workplace) {
     if (is_finished(workplace / "run")) return;
     bool const has_begun = fs::exists(workplace / "run" / "config.resolved.toml");
-    Arguments const arguments = has_begun ? Arguments{"resume", "run", "-q", "--no-pictures"}
-                                          : Arguments{"run", "run.toml", "-o", "run", "-q", "--no-pictures"};
+    Arguments const arguments =
+        has_begun ? resuming() : Arguments{"run", "run.toml", "-o", "run", "-q", "--no-pictures"};
     Outcome const outcome = gridlock::test::gridlock(arguments, workplace);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   }
@@ -212,6 +220,18 @@ void leave_half_a_run(fs::path const& workplace) {
   process.signal(SIGTERM);
   EXPECT_EQ(process.wait().exit_code, 1);
   ASSERT_TRUE(fs::exists(workplace / "run" / "checkpoint.gridlock"));
+}
+
+TEST(UnfinishedRun, SaysWhereItStands) {
+  Workplace const workplace;
+  write(workplace / "run.toml", toml_of({"long", "run.steps = 1_000_000"}));
+  Process const process(GRIDLOCK_PROGRAM, {"run", "run.toml", "-o", "run", "-q", "--no-pictures"}, workplace.path());
+  await_checkpoints(workplace / "run");
+  process.signal(SIGKILL);
+  process.wait();
+  Outcome const outcome = gridlock::test::gridlock({"info", "run"}, workplace.path());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("checkpoint at step"), std::string::npos) << outcome.out;
 }
 
 TEST(DamagedCheckpoint, IsRefusedAndThePreviousOneUsedSayingSo) {
