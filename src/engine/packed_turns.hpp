@@ -81,7 +81,7 @@ class PackedTurns {
 
   /// Whether the disk stays, and meets only disks, within the cells next to its own during its turn.
   [[nodiscard]] bool is_local(std::size_t i, double squared_speed) const {
-    double const way = shorter_side_ * (1.0 - 1e-9) - reach_.contact(view_.radius[i]) - reach_.rounding();
+    double const way = shorter_side_ * (1.0 - 1e-9) - reach_.contact(view_.disks[i].radius) - reach_.rounding();
     return way > 0.0 && squared_speed * duration_ * duration_ <= way * way;
   }
 
@@ -117,19 +117,19 @@ class PackedTurns {
     } else {
       take_among<EdgeOfTurn::may_be_met>(turn, tally);
     }
-    grid_.move(turn.disk, view_.position(turn.disk));
+    grid_.move(turn.disk, view_.disks[turn.disk].position);
   }
 
   /// The turn of any disk.
   void take_any(std::size_t i, Tally& tally) {
-    double const distance = reach_.of(view_.radius[i], squared_length(view_.velocity(i)));
+    double const distance = reach_.of(view_.disks[i].radius, squared_length(view_.disks[i].velocity));
     int const columns = layout_.columns_within(distance);
     int const rows = layout_.rows_within(distance);
     int const cell = grid_.cell_of(i);
     take_turn(view_, i, tally, [&](Partner& partner) {
       grid_.for_each_in_block(cell, columns, rows, [&](std::size_t j) { partner.consider(j); });
     });
-    grid_.move(i, view_.position(i));
+    grid_.move(i, view_.disks[i].position);
   }
 
  private:
@@ -157,11 +157,11 @@ class PackedTurns {
   }
 
   [[nodiscard]] std::uint64_t find_near(std::size_t i, Block const& home, Around const& around) const {
-    Vector const v = view_.velocity(i);
-    double const contact = reach_.contact(view_.radius[i]);
+    Vector const v = view_.disks[i].velocity;
+    double const contact = reach_.contact(view_.disks[i].radius);
     double const squared_reach = contact * contact + duration_ * duration_ * squared_length(v);
     auto const limit = static_cast<float>(squared_reach * limit_per_area_) + limit_error_;
-    PackedGrid::LocalPoint const p = grid_.local(view_.position(i) + duration_ * v, home.column, home.row);
+    PackedGrid::LocalPoint const p = grid_.local(view_.disks[i].position + duration_ * v, home.column, home.row);
     float const left = p.x + grid_.local_width();
     float const right = p.x - grid_.local_width();
     float const below = p.y + grid_.local_height();

@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
 #include <string>
-#include <vector>
 
+#include "engine/hot_disks.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/linked_grid.hpp"
 #include "gridlock/grid/validate.hpp"
@@ -18,14 +16,6 @@
 namespace gridlock {
 
 namespace {
-
-/// Rows in the order of their Ids, the order in which disks take their turns.
-std::vector<std::size_t> rows_by_id(Disks const& disks) {
-  std::vector<std::size_t> rows(disks.size());
-  std::iota(rows.begin(), rows.end(), std::size_t{0});
-  std::ranges::sort(rows, {}, [ids = disks.ids()](std::size_t row) { return ids[row]; });
-  return rows;
-}
 
 void require_bounds(EngineSettings const& settings, State const& state) {
   if (!(std::isfinite(settings.time_step) && settings.time_step > 0.0)) {
@@ -123,46 +113,49 @@ void SteppedEngine::advance(State& state, Tally& tally, Horizon const& horizon) 
 }
 
 template <class TakeTurn>
-void SteppedEngine::take_turns(State& state, Tally& tally, Horizon const& horizon, TakeTurn take) const {
-  std::vector<std::size_t> const order = rows_by_id(state.disks);
-  auto const radius = state.disks.column<Radius>();
+void SteppedEngine::take_turns(State& state, HotDisks& disks, Tally& tally, Horizon const& horizon,
+                               TakeTurn take) const {
   double const smallest = radius_range(state.disks).smallest;
   double const substep = duration_ / static_cast<double>(settings_.substeps);
   while (state.clock.step < horizon.step && state.clock.time < horizon.time &&
          tally.pair_collisions < horizon.pair_collisions) {
-    for (std::size_t const i : order) {
-      double const squared_speed = squared_length(velocity(state.disks, i));
-      if (!is_short(squared_speed * substep * substep, radius[i] + smallest)) {
-        throw_long_substep(state, i, std::sqrt(squared_speed) * substep);
+    for (std::size_t i = 0; i < disks.size(); ++i) {
+      double const squared_speed = squared_length(disks[i].velocity);
+      if (!is_short(squared_speed * substep * substep, disks[i].radius + smallest)) {
+        disks.write_back(state);
+        throw_long_substep(state, disks[i].row_in_state, std::sqrt(squared_speed) * substep);
       }
       take(i, squared_speed);
     }
     ++state.clock.step;
     state.clock.time += duration_;
   }
+  disks.write_back(state);
 }
 
 void SteppedEngine::advance_on_lists(State& state, Tally& tally, Horizon const& horizon) const {
-  TurnView const view = view_for_turns(state, settings_, duration_);
-  LinkedGrid grid(layout_, view.x, view.y);
+  HotDisks disks(state, rows_by_id(state.disks));
+  TurnView const view = disks.view(state.box, settings_, duration_);
+  auto grid = grid_of<LinkedGrid>(layout_, disks);
   Reach const reach(state.box, radius_range(state.disks).largest, duration_, settings_.substeps);
-  take_turns(state, tally, horizon, [&](std::size_t i, double squared_speed) {
-    double const distance = reach.of(view.radius[i], squared_speed);
+  take_turns(state, disks, tally, horizon, [&](std::size_t i, double squared_speed) {
+    double const distance = reach.of(disks[i].radius, squared_speed);
     int const columns = layout_.columns_within(distance);
     int const rows = layout_.rows_within(distance);
     int const cell = grid.cell_of(i);
     take_turn(view, i, tally, [&](Partner& partner) {
       grid.for_each_in_block(cell, columns, rows, [&](std::size_t j) { partner.consider(j); });
     });
-    grid.move(i, view.position(i));
+    grid.move(i, disks[i].position);
   });
 }
 
 void SteppedEngine::advance_packed(State& state, Tally& tally, Horizon const& horizon) const {
-  TurnView const view = view_for_turns(state, settings_, duration_);
-  PackedGrid grid(layout_, view.x, view.y);
+  HotDisks disks(state, rows_by_id(state.disks));
+  TurnView const view = disks.view(state.box, settings_, duration_);
+  auto grid = grid_of<PackedGrid>(layout_, disks);
   PackedTurns turns(view, grid, radius_range(state.disks), duration_);
-  take_turns(state, tally, horizon, [&](std::size_t i, double squared_speed) {
+  take_turns(state, disks, tally, horizon, [&](std::size_t i, double squared_speed) {
     if (turns.is_local(i, squared_speed)) {
       turns.take(turns.prepare(i), tally);
     } else {

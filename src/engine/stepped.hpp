@@ -21,6 +21,8 @@ inline bool is_short(double squared_way, double contact) { return squared_way < 
 /// start; for the packed grid see packed_layout().
 CellLayout stepped_layout(EngineSettings const& settings, State const& state);
 
+class HotDisks;
+
 /// The paper's rule, disk after disk in the order of their Ids: on the paper's linked lists, the readable reference every
 /// faster version is measured against, or on the packed grid, which gives the same bits.
 ///
@@ -35,10 +37,12 @@ class SteppedEngine final : public Engine {
  private:
   void advance_on_lists(State& state, Tally& tally, Horizon const& horizon) const;
   void advance_packed(State& state, Tally& tally, Horizon const& horizon) const;
-  /// Calls take(i, squared_speed) for each disk in the order of the Ids, step after step to the horizon.
+  /// Calls take(i, squared_speed) for each disk in the order of its row, step after step to the horizon, and writes all
+  /// of them back.
   /// Errors: RunFailure for a disk that has become so fast that a sub-step could jump over another.
   template <class TakeTurn>
-  void take_turns(State& state, Tally& tally, Horizon const& horizon, TakeTurn take) const;
+  void take_turns(State& state, HotDisks& disks, Tally& tally, Horizon const& horizon, TakeTurn take) const;
+
   EngineSettings settings_;
   double duration_;
   Box box_;  ///< the box layout_ was made for

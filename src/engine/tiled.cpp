@@ -7,7 +7,8 @@
 #include <span>
 #include <utility>
 
-#include "engine/tiled/hot_disks.hpp"
+#include "engine/hot_disks.hpp"
+#include "engine/tiled/fetch_ahead.hpp"
 #include "engine/tiled/waiting.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/packed_grid.hpp"
@@ -73,20 +74,23 @@ class Steps {
       : tiling_(tiling),
         disks_(state, rows_by_turn(state, layout, tiling)),
         view_(disks_.view(state.box, settings, duration)),
-        grid_(layout, view_.x, view_.y),
+        grid_(grid_of<PackedGrid>(layout, disks_)),
         turns_(view_, grid_, radius_range(state.disks), duration),
         smallest_radius_(radius_range(state.disks).smallest),
         group_size_(goes_around_box(layout, tiling) ? 1 : most_in_group),
         has_turned_(state.disks.size() + 1, 0),
-        results_(tiling.tiles().size()) {}
+        results_(tiling.tiles().size()) {
+    for (std::size_t k = 0; k < disks_.size(); ++k) rank_.push_back(disks_[k].rank);
+    rank_.push_back(std::numeric_limits<std::uint32_t>::max());
+  }
 
-  /// All disks take their turns. `for_each(first, end, take)` calls take(tile) for each, in any order or at once.
+  /// All disks take their turns. `for_each(parts, take)` calls take(part) for each, in any order or at once.
   template <class ForEach>
-  void take_step(Tally& tally, ForEach for_each) {
+  void take_step(std::vector<Tiling::Round> const& rounds, Tally& tally, ForEach for_each) {
     flag_ ^= 1;
-    has_turned_[disks_.nobody()] = flag_;
-    for (std::size_t colour = 0; colour < Tiling::colours; ++colour) {
-      for_each(tiling_.first_of(colour), tiling_.first_of(colour + 1), [&](std::size_t tile) { take_tile(tile); });
+    has_turned_.back() = flag_;
+    for (Tiling::Round const& round : rounds) {
+      for_each(round.size(), [&](std::size_t part) { take_part(round[part]); });
     }
     // One after the other and in a fixed order: sums of floating point numbers depend on it.
     for (TileResult& result : results_) {
@@ -101,8 +105,8 @@ class Steps {
   void require_no_jumps(State const& state) const {
     for (TileResult const& result : results_) {
       if (!result.too_fast) continue;
-      double const way = std::sqrt(squared_length(view_.velocity(*result.too_fast))) * view_.substep;
-      throw_long_substep(state, disks_.row_in_state(*result.too_fast), way);
+      double const way = std::sqrt(squared_length(disks_[*result.too_fast].velocity)) * view_.substep;
+      throw_long_substep(state, disks_[*result.too_fast].row_in_state, way);
     }
   }
 
@@ -118,15 +122,20 @@ class Steps {
     return layout.is_periodic() && (tile.end_column == layout.columns() || tile.end_row == layout.rows());
   }
 
-  void take_tile(std::size_t index) {
-    TileResult& result = results_[index];
+  void take_part(Tiling::Part const& part) {
     static thread_local Waiting waiting;
-    find_waiting(tiling_.tiles()[index], waiting);
-    waiting.for_each_group([&](std::span<std::uint32_t const> rows) {
-      for (std::size_t first = 0; first < rows.size(); first += group_size_) {
-        take_group(rows.subspan(first, std::min(group_size_, rows.size() - first)), result);
-      }
-    });
+    FetchAhead ahead(grid_, view_);
+    auto const tile = [&](std::size_t k) { return k < part.size() ? &tiling_.tiles()[part[k]] : nullptr; };
+    for (std::size_t k = 0; k < part.size(); ++k) {
+      find_waiting(*tile(k), waiting);
+      ahead.aim(tile(k + 1), tile(k + 2), waiting.size());
+      TileResult& result = results_[part[k]];
+      waiting.for_each_group([&](std::span<std::uint32_t const> rows) {
+        for (std::size_t first = 0; first < rows.size(); first += group_size_) {
+          take_group(rows.subspan(first, std::min(group_size_, rows.size() - first)), result, ahead);
+        }
+      });
+    }
   }
 
   void find_waiting(Tiling::Tile const& tile, Waiting& waiting) const {
@@ -139,7 +148,7 @@ class Steps {
             static_cast<std::size_t>(3 * ((row - tile.first_row) % 3) + (column - tile.first_column) % 3);
         PackedGrid::Block const& block = grid_.block_at(column, row);
         if (block.next == PackedGrid::none) {
-          waiting.add_block(of_class, block, disks_.ids(), disks_.nobody(), is_waiting);
+          waiting.add_block(of_class, block, rank_, nobody(), is_waiting);
           continue;
         }
         std::vector<std::uint32_t> rows;
@@ -147,36 +156,41 @@ class Steps {
           std::copy_if(part->agent.begin(), part->agent.begin() + part->count, std::back_inserter(rows), is_waiting);
           if (part->next == PackedGrid::none) break;
         }
-        std::ranges::sort(rows, {}, [&](std::uint32_t i) { return view_.id[i]; });
+        std::ranges::sort(rows, {}, [&](std::uint32_t i) { return rank_[i]; });
         waiting.add_sorted(of_class, rows);
       }
     }
   }
 
   /// The turns of disks without a common neighbour.
-  void take_group(std::span<std::uint32_t const> rows, TileResult& result) {
+  void take_group(std::span<std::uint32_t const> rows, TileResult& result, FetchAhead& ahead) {
     std::array<PackedTurns::Prepared, most_in_group> prepared;
     std::size_t count = 0;
     for (std::uint32_t const i : rows) {
       has_turned_[i] = flag_;
       // A local disk is short of a contact distance in the whole step, so in each sub-step too.
-      if (turns_.is_local(i, squared_length(view_.velocity(i)))) {
+      if (turns_.is_local(i, squared_length(disks_[i].velocity))) {
         prepared[count++] = turns_.prepare(i);
       } else {
         result.too_fast_for_tile.push_back(i);
       }
     }
-    for (std::size_t n = 0; n < count; ++n) turns_.take(prepared[n], result.tally);
+    for (std::size_t n = 0; n < count; ++n) {
+      turns_.take(prepared[n], result.tally);
+      ahead.step();
+    }
   }
 
   void take_late(std::uint32_t i, TileResult& result) {
-    double const squared_speed = squared_length(view_.velocity(i));
-    if (is_short(squared_speed * view_.substep * view_.substep, view_.radius[i] + smallest_radius_)) {
+    double const squared_speed = squared_length(disks_[i].velocity);
+    if (is_short(squared_speed * view_.substep * view_.substep, disks_[i].radius + smallest_radius_)) {
       turns_.take_any(i, result.tally);
     } else if (!result.too_fast) {
       result.too_fast = i;
     }
   }
+
+  [[nodiscard]] std::uint32_t nobody() const { return static_cast<std::uint32_t>(disks_.size()); }
 
   Tiling const& tiling_;
   HotDisks disks_;
@@ -187,6 +201,7 @@ class Steps {
   std::size_t group_size_;
   std::uint8_t flag_ = 0;
   std::vector<std::uint8_t> has_turned_;
+  std::vector<std::uint32_t> rank_;
   std::vector<TileResult> results_;
 };
 
@@ -204,6 +219,7 @@ void TiledEngine::lay_out(State const& state) {
   double const way_at_speed = settings_.time_step * 2.0 * radius_range(state.disks).smallest;
   layout_ = packed_layout(state, 2.0 * way_at_speed);
   tiling_ = Tiling(layout_);
+  rounds_ = tiling_.rounds(team_.size());
 }
 
 void TiledEngine::advance(State& state, Tally& tally, Horizon const& horizon) {
@@ -218,9 +234,7 @@ void TiledEngine::advance(State& state, Tally& tally, Horizon const& horizon) {
   while (is_short_of_horizon()) {
     Steps steps(state, settings_, duration_, layout_, tiling_);
     for (std::uint64_t n = 0; n < steps_between_sorts && is_short_of_horizon(); ++n) {
-      steps.take_step(tally, [&](std::size_t first, std::size_t end, auto take) {
-        team_.for_each(end - first, [&](std::size_t part) { take(first + part); });
-      });
+      steps.take_step(rounds_, tally, [&](std::size_t parts, auto take) { team_.for_each(parts, take); });
       try {
         steps.require_no_jumps(state);
       } catch (RunFailure const&) {

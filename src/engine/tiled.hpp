@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "gridlock/core/thread_team.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/cell_layout.hpp"
@@ -27,8 +29,9 @@ class TiledEngine final : public Engine {
   double duration_;
   Box box_;  ///< the box layout_ was made for
   CellLayout layout_;
-  Tiling tiling_;
   ThreadTeam team_;
+  Tiling tiling_;
+  std::vector<Tiling::Round> rounds_;  ///< for this team
 };
 
 }  // namespace gridlock

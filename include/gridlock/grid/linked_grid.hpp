@@ -30,6 +30,11 @@ class LinkedGrid {
   [[nodiscard]] int cell_of(std::size_t agent) const { return cell_[agent]; }
   [[nodiscard]] bool contains(std::size_t agent) const { return agent < cell_.size() && cell_[agent] != outside; }
 
+  /// Room for agents 0 … agents − 1.
+  void reserve(std::size_t agents) {
+    if (agents > cell_.size()) grow(agents);
+  }
+
   void insert(std::size_t agent, Vector p) {
     if (agent >= cell_.size()) grow(agent + 1);
     assert(cell_[agent] == outside);

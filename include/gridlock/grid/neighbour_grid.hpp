@@ -14,6 +14,7 @@ namespace gridlock {
 ///
 /// - insert, erase, move: O(1), one agent appears, disappears, is somewhere else. A grid may copy the point, so move()
 ///   follows every motion, also one within a cell.
+/// - reserve(agents): makes room for agents 0 … agents − 1, so that inserting them costs no more than that.
 /// - move_all(x, y): agent i of all that are held is at (x[i], y[i]).
 /// - for_each_in_cell, for_each_in_block: the agents of one cell, or of a block of cells around it.
 /// - for_each_candidate(p, reach, visit): calls visit(j) once for every agent nearer to p than `reach`, p lying in the
@@ -31,6 +32,7 @@ concept NeighbourGrid = requires(Grid grid, Grid const same, std::size_t agent, 
   { same.contains(agent) } -> std::same_as<bool>;
   { same.cell_of(agent) } -> std::same_as<int>;
   { same.is_consistent() } -> std::same_as<bool>;
+  grid.reserve(agent);
   grid.insert(agent, p);
   grid.erase(agent);
   grid.move(agent, p);

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "gridlock/core/large_array.hpp"
 #include "gridlock/core/look_ahead.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/grid/float4.hpp"
@@ -72,6 +73,11 @@ class PackedGrid {
   [[nodiscard]] int cell_of(std::size_t agent) const {
     Block const& block = block_of(agent);
     return block.row * layout_.columns() + block.column;
+  }
+
+  /// Room for agents 0 … agents − 1.
+  void reserve(std::size_t agents) {
+    if (agents > place_.size()) grow(agents);
   }
 
   void insert(std::size_t agent, Vector p) {
@@ -277,7 +283,7 @@ class PackedGrid {
   double locals_per_length_ = 1.0;
   float local_width_ = 1.0F;
   float local_height_ = 1.0F;
-  std::vector<Block> blocks_;         ///< of the cells, then the further ones
+  LargeArray<Block> blocks_;          ///< of the cells, then the further ones
   std::vector<std::uint32_t> place_;  ///< of an agent: block · slots + slot
   std::uint32_t first_free_ = none;   ///< of a list, by `next`, of further blocks not in use
   Lock further_blocks_;               ///< guards the growth of blocks_ and the list

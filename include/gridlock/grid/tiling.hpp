@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "gridlock/grid/cell_layout.hpp"
@@ -34,7 +35,27 @@ class Tiling {
   /// The tiles of a colour are first_of(colour) … first_of(colour + 1) − 1.
   [[nodiscard]] std::size_t first_of(std::size_t colour) const { return first_of_[colour]; }
 
+  /// Numbers of tiles, to be visited one after the other.
+  using Part = std::vector<std::uint32_t>;
+  /// Parts that may be carried out at once: no cell is touched from two of them.
+  using Round = std::vector<Part>;
+  /// All tiles, round after round, for a number of threads. Whatever that number, of two tiles that touch the same cell
+  /// the one of the lower colour comes first, so that the result is the same as going colour by colour.
+  ///
+  /// Where there are enough tiles, a part is a band of rows of tiles, in which colours 2 and 3 of a row follow as soon
+  /// as the rows of colours 0 and 1 on both sides are done: going colour by colour would bring all of a large system
+  /// from memory four times.
+  [[nodiscard]] std::vector<Round> rounds(std::size_t threads) const;
+
  private:
+  [[nodiscard]] std::uint32_t number_of(std::size_t column, std::size_t row) const;
+  /// Adds one row of tiles, both colours.
+  void add_row(std::size_t row, Part& part) const;
+  [[nodiscard]] std::vector<Round> rounds_by_colour(std::size_t threads) const;
+  [[nodiscard]] std::vector<Round> rounds_by_band(std::size_t bands) const;
+
+  std::size_t columns_ = 0;
+  std::size_t rows_ = 0;
   std::vector<Tile> tiles_;
   std::array<std::size_t, colours + 1> first_of_{};
 };

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/exact/large_array.hpp"
 #include "engine/exact/moving_disk.hpp"
+#include "gridlock/core/large_array.hpp"
 
 namespace gridlock::exact {
 

@@ -5,10 +5,10 @@
 
 #include "engine/exact/calendar.hpp"
 #include "engine/exact/fetch_pipeline.hpp"
-#include "engine/exact/large_array.hpp"
 #include "engine/exact/moving_disk.hpp"
 #include "engine/exact/prediction.hpp"
 #include "engine/exact/slot_cells.hpp"
+#include "gridlock/core/large_array.hpp"
 #include "gridlock/core/state.hpp"
 #include "gridlock/engine/engine.hpp"
 

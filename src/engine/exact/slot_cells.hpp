@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/exact/large_array.hpp"
 #include "engine/exact/moving_disk.hpp"
 #include "gridlock/core/box.hpp"
+#include "gridlock/core/large_array.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 
 namespace gridlock::exact {

@@ -39,21 +39,21 @@ class Waiting {
   /// Adds the disks of a cell that fits one block. Which slots wait is as good as random, so nothing depends on it but
   /// what is written. `nobody` is a row that is not waiting and has the largest Id.
   template <class IsWaiting>
-  void add_block(std::size_t of_class, PackedGrid::Block const& block, std::vector<Id> const& ids, std::uint32_t nobody,
-                 IsWaiting is_waiting) {
-    std::array<Id, PackedGrid::slots> id;
+  void add_block(std::size_t of_class, PackedGrid::Block const& block, std::vector<std::uint32_t> const& ids,
+                 std::uint32_t nobody, IsWaiting is_waiting) {
+    std::array<std::uint32_t, PackedGrid::slots> id;
     std::array<std::uint32_t, PackedGrid::slots> row;
     std::size_t count = 0;
     for (std::uint32_t s = 0; s < PackedGrid::slots; ++s) {
       std::uint32_t const candidate = s < block.count ? block.agent[s] : nobody;
       bool const waits = is_waiting(candidate);
       row[s] = candidate;
-      id[s] = ids[candidate] | (waits ? Id{0} : std::numeric_limits<Id>::max());
+      id[s] = ids[candidate] | (waits ? std::uint32_t{0} : std::numeric_limits<std::uint32_t>::max());
       count += waits ? 1 : 0;
     }
     auto const order = [&](std::size_t a, std::size_t b) {
       bool const is_wrong = id[b] < id[a];
-      Id const low = is_wrong ? id[b] : id[a];
+      std::uint32_t const low = is_wrong ? id[b] : id[a];
       id[b] = is_wrong ? id[a] : id[b];
       id[a] = low;
       std::uint32_t const low_row = is_wrong ? row[b] : row[a];
@@ -77,6 +77,14 @@ class Waiting {
     std::vector<Level>& levels = classes_[of_class];
     while (levels.size() < rows.size()) levels.push_back({.rows = std::vector<std::uint32_t>(levels[0].rows.size())});
     for (std::size_t n = 0; n < rows.size(); ++n) levels[n].rows[levels[n].size++] = rows[n];
+  }
+
+  [[nodiscard]] std::size_t size() const {
+    std::size_t sum = 0;
+    for (std::vector<Level> const& levels : classes_) {
+      for (Level const& level : levels) sum += level.size;
+    }
+    return sum;
   }
 
   /// Calls visit(rows) for every class and level, in the order of the turns.

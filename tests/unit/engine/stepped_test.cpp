@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 
+#include "engine/hot_disks.hpp"
 #include "engine/turn.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
@@ -349,8 +350,9 @@ TEST(Scatter, ReversesTheNormalPartOfTheRelativeVelocityAndKeepsTheRest) {
     Vector const p = momentum(state.disks);
     double const energy = kinetic_energy(state.disks);
     Tally tally;
-    TurnView const view = view_for_turns(state, {}, 0.1);
-    scatter(view, 0, 1, tally);
+    HotDisks disks(state, rows_by_id(state.disks));
+    scatter(disks.view(state.box, {}, 0.1), 0, 1, tally);
+    disks.write_back(state);
     Vector const after = velocity(state.disks, 0) - velocity(state.disks, 1);
     double const length = std::sqrt(squared_length(b));
     double const rounding = 1e-14;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <vector>
 
 namespace gridlock {
@@ -60,6 +62,78 @@ TEST_P(TilingOf, TilesOfOneColourNeverTouchTheSameCell) {
       }
     }
   }
+}
+
+/// When each tile is visited, and where.
+struct Turn {
+  std::size_t round, part, place;
+};
+
+/// Tiles that touch the same cell, itself included, for every cell.
+std::vector<std::vector<std::size_t>> tiles_at_cells(CellLayout const& layout, Tiling const& tiling) {
+  std::vector<std::vector<std::size_t>> at(static_cast<std::size_t>(layout.count()));
+  std::vector<int> const owner = owners(layout, tiling);
+  for (int cell = 0; cell < layout.count(); ++cell) {
+    auto& tiles = at[static_cast<std::size_t>(cell)];
+    layout.for_each_cell_in_block(cell, 1, 1, [&](int c) {
+      auto const tile = static_cast<std::size_t>(owner[static_cast<std::size_t>(c)]);
+      if (std::ranges::find(tiles, tile) == tiles.end()) tiles.push_back(tile);
+    });
+  }
+  return at;
+}
+
+/// Fails unless every tile is in `rounds` once, and of two tiles that touch the same cell the one of the lower colour
+/// comes before the other: in an earlier round, or earlier in the same part.
+void expect_order_of_colours(CellLayout const& layout, Tiling const& tiling, std::vector<Tiling::Round> const& rounds) {
+  std::vector<Turn> turn(tiling.tiles().size());
+  std::vector<int> visits(turn.size(), 0);
+  for (std::size_t r = 0; r < rounds.size(); ++r) {
+    for (std::size_t p = 0; p < rounds[r].size(); ++p) {
+      for (std::size_t k = 0; k < rounds[r][p].size(); ++k) {
+        ++visits[rounds[r][p][k]];
+        turn[rounds[r][p][k]] = {r, p, k};
+      }
+    }
+  }
+  for (int const n : visits) ASSERT_EQ(n, 1);
+  // Tiles are numbered colour by colour, and tiles of one colour never touch the same cell: see above.
+  for (std::vector<std::size_t> const& tiles : tiles_at_cells(layout, tiling)) {
+    for (std::size_t const a : tiles) {
+      for (std::size_t const b : tiles) {
+        if (a >= b) continue;
+        bool const is_before =
+            turn[a].round < turn[b].round ||
+            (turn[a].round == turn[b].round && turn[a].part == turn[b].part && turn[a].place < turn[b].place);
+        ASSERT_TRUE(is_before) << layout.columns() << " × " << layout.rows() << ", tiles " << a << " and " << b;
+      }
+    }
+  }
+}
+
+TEST_P(TilingOf, RoundsForAnyNumberOfThreadsKeepTheOrderOfColours) {
+  for (int columns : {1, 2, 5, 8, 9, 13, 24}) {
+    for (int rows : {1, 2, 4, 7, 33, 66, 131}) {
+      for (int const size : {2, 3}) {
+        CellLayout const layout(Box(1.0, 1.0, GetParam()), columns, rows);
+        Tiling const tiling(layout, size);
+        for (std::size_t const threads : {1, 2, 3}) {
+          SCOPED_TRACE(threads);
+          ASSERT_NO_FATAL_FAILURE(expect_order_of_colours(layout, tiling, tiling.rounds(threads)));
+        }
+      }
+    }
+  }
+}
+
+TEST(TilingRounds, GoByBandsInLargeSystemsAndGiveEveryThreadWorkInSmallOnes) {
+  Tiling const large(CellLayout(Box(1.0, 1.0, Edge::wall), 24, 40 * 12));
+  EXPECT_EQ(large.rounds(1).at(0).size(), 1U);
+  EXPECT_EQ(large.rounds(2).size(), 2U);
+  EXPECT_GE(large.rounds(2).at(0).size(), 8U);
+  Tiling const small(CellLayout(Box(1.0, 1.0, Edge::wall), 48, 48));
+  ASSERT_EQ(small.rounds(2).size(), Tiling::colours);
+  for (Tiling::Round const& round : small.rounds(2)) EXPECT_EQ(round.size(), 4U);
 }
 
 INSTANTIATE_TEST_SUITE_P(Edges, TilingOf, testing::Values(Edge::wall, Edge::periodic),

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace gridlock::exact {
+namespace gridlock {
 
 /// Memory for `bytes` bytes, in huge pages where the system has them: with small pages, a run of a million disks spends
 /// much of its time looking up addresses. Errors: std::bad_alloc.
@@ -27,4 +27,4 @@ struct LargePageAllocator {
 template <class Value>
 using LargeArray = std::vector<Value, LargePageAllocator<Value>>;
 
-}  // namespace gridlock::exact
+}  // namespace gridlock

@@ -1,4 +1,4 @@
-#include "large_array.hpp"
+#include "gridlock/core/large_array.hpp"
 
 #include <new>
 
@@ -6,7 +6,7 @@
 #include <sys/mman.h>
 #endif
 
-namespace gridlock::exact {
+namespace gridlock {
 
 namespace {
 
@@ -30,4 +30,4 @@ void* allocate_large(std::size_t bytes) {
 
 void free_large(void* memory, std::size_t bytes) noexcept { ::operator delete(memory, alignment_of(bytes)); }
 
-}  // namespace gridlock::exact
+}  // namespace gridlock

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include "engine/turn.hpp"
+#include "gridlock/core/large_array.hpp"
+#include "gridlock/core/state.hpp"
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/grid/neighbour_grid.hpp"
+
+namespace gridlock {
+
+/// Rows in the order of their Ids, the order in which disks take their turns in `stepped`.
+inline std::vector<std::uint32_t> rows_by_id(Disks const& disks) {
+  std::vector<std::uint32_t> rows(disks.size());
+  std::iota(rows.begin(), rows.end(), std::uint32_t{0});
+  auto const ids = disks.ids();
+  if (!std::ranges::is_sorted(ids)) std::ranges::sort(rows, {}, [&](std::uint32_t row) { return ids[row]; });
+  return rows;
+}
+
+/// The disks of a state side by side, in an order of the engine's own, while they take their turns.
+class HotDisks {
+ public:
+  /// `order[k]` is the row of the state that comes to row k.
+  HotDisks(State const& state, std::span<std::uint32_t const> order) : disks_(order.size()) {
+    Disks const& from = state.disks;
+    std::vector<std::uint32_t> const by_id = rows_by_id(from);
+    std::vector<std::uint32_t> rank(by_id.size());
+    for (std::uint32_t n = 0; n < by_id.size(); ++n) rank[by_id[n]] = n;
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      std::uint32_t const row = order[k];
+      disks_[k] = {.position = position(from, row),
+                   .velocity = velocity(from, row),
+                   .radius = from.column<Radius>()[row],
+                   .mass = from.column<Mass>()[row],
+                   .image_x = from.column<ImageX>()[row],
+                   .image_y = from.column<ImageY>()[row],
+                   .rank = rank[row],
+                   .row_in_state = row};
+    }
+  }
+
+  [[nodiscard]] std::size_t size() const { return disks_.size(); }
+  [[nodiscard]] DiskInTurn const& operator[](std::size_t k) const { return disks_[k]; }
+
+  TurnView view(Box const& box, EngineSettings const& settings, double duration) {
+    return {.box = box,
+            .disks = disks_,
+            .substep = duration / static_cast<double>(settings.substeps),
+            .substeps = settings.substeps,
+            .contact = settings.contact};
+  }
+
+  void write_back(State& state) const {
+    Disks& to = state.disks;
+    auto const x = to.column<X>();
+    auto const y = to.column<Y>();
+    auto const velocity_x = to.column<VelocityX>();
+    auto const velocity_y = to.column<VelocityY>();
+    auto const image_x = to.column<ImageX>();
+    auto const image_y = to.column<ImageY>();
+    for (DiskInTurn const& disk : disks_) {
+      std::size_t const row = disk.row_in_state;
+      x[row] = disk.position.x;
+      y[row] = disk.position.y;
+      velocity_x[row] = disk.velocity.x;
+      velocity_y[row] = disk.velocity.y;
+      image_x[row] = disk.image_x;
+      image_y[row] = disk.image_y;
+    }
+  }
+
+ private:
+  LargeArray<DiskInTurn> disks_;
+};
+
+/// A grid that holds every disk where it is.
+template <NeighbourGrid Grid>
+Grid grid_of(CellLayout const& layout, HotDisks const& disks) {
+  Grid grid(layout);
+  grid.reserve(disks.size());
+  for (std::size_t k = 0; k < disks.size(); ++k) grid.insert(k, disks[k].position);
+  return grid;
+}
+
+}  // namespace gridlock
