@@ -55,6 +55,18 @@ State fluid(std::uint64_t columns, std::uint64_t rows, double packing_fraction, 
   return state;
 }
 
+/// Equal disks of diameter 1 on a square lattice of a spacing between walls, with Maxwell velocities.
+State maxwellian_between_walls(std::uint64_t columns, std::uint64_t rows, double spacing) {
+  State state{.box = Box(static_cast<double>(columns) * spacing, static_cast<double>(rows) * spacing, Edge::wall)};
+  for (std::uint64_t i = 0; i < columns * rows; ++i) {
+    RandomStream random(13, 0, i, Purpose::start_velocity);
+    state.disks.add((static_cast<double>(i % columns) + 0.5) * spacing,
+                    (static_cast<double>(i / columns) + 0.5) * spacing, random.normal(), random.normal(), 0.5, 1.0, 0,
+                    0);
+  }
+  return state;
+}
+
 /// kT of a periodic system at rest as a whole: K/(N − 1) in two dimensions with the momentum taken out.
 double temperature(State const& state) {
   return kinetic_energy(state.disks) / static_cast<double>(state.disks.size() - 1);
@@ -245,6 +257,82 @@ TEST(ExactPhysics, TheSteppedRuleConvergesToItWithTheFirstPowerOfTheTimeStep) {
   };
   double const order = std::log2(difference(0.0125) / difference(0.0125 / 64.0)) / 6.0;
   EXPECT_NEAR(order, 1.0, 0.1);
+}
+
+// A wall keeps the centres away and orders the disks beside it. To first order in the diameter over the side, at the mean
+// density N/A of the box, scaled particle theory gives  β P_wall = ρ [Z + (2R/L) (1 + η)/(1 − η)²].
+TEST(ExactPhysics, WallsArePressedByTheBulkAndByWhatTheyKeepOut) {
+  struct Case {
+    double packing_fraction;
+    double compressibility;  // as in Fluid
+  };
+  for (auto const& [packing_fraction, compressibility] :
+       {Case{0.10, 1.236144}, Case{0.30, 2.063261}, Case{0.50, 4.106364}}) {
+    std::uint64_t const count = 256;
+    State state = maxwellian_between_walls(16, 16, std::sqrt(pi / 4.0 / packing_fraction));
+    double const side = state.box.width();
+    auto const engine = make_engine({.kind = "exact"}, state);
+    Tally tally;
+    std::vector<double> pressures;
+    double const kt = kinetic_energy(state.disks) / static_cast<double>(count);
+    double const block = 30.0 / packing_fraction;
+    for (int b = 0; b <= 40; ++b) {
+      Tally const before = tally;
+      engine->advance(state, tally, {.time = block * (b + 1)});
+      double impulse = 0.0;
+      for (std::size_t wall = 0; wall < 4; ++wall) impulse += tally.wall_impulse[wall] - before.wall_impulse[wall];
+      if (b > 0) pressures.push_back(impulse / (4.0 * side * block * kt));
+    }
+    Estimate const pressure = estimate(pressures);
+    double const density = static_cast<double>(count) / (side * side);
+    double const kept_out = (1.0 + packing_fraction) / ((1.0 - packing_fraction) * (1.0 - packing_fraction)) / side;
+    double const next_order = kept_out * kept_out;
+    EXPECT_LT(pressure.error, 0.2 * density * kept_out) << "cannot tell the wall from the bulk";
+    EXPECT_NEAR(pressure.mean, density * (compressibility + kept_out), 3.5 * pressure.error + density * next_order)
+        << "η = " << packing_fraction;
+  }
+}
+
+// Disks of diameter 1 in a channel their centres are free over a width ε < √3/2 of: they cannot pass one another, and the
+// length for each at a longitudinal force F is that of a chain of neighbours, from the largest eigenvalue of its transfer
+// operator (D. A. Kofke & A. J. Post 1993, doi:10.1063/1.464967), computed once. The ends change F by a part in N.
+struct ChannelCase {
+  double width;
+  double force;  // β F
+  double length;
+};
+
+class Channel : public testing::TestWithParam<ChannelCase> {};
+
+INSTANTIATE_TEST_SUITE_P(WidthsAndForces, Channel,
+                         testing::Values(ChannelCase{0.3, 1.0, 1.99232529}, ChannelCase{0.5, 1.0, 1.97772573},
+                                         ChannelCase{0.8, 1.0, 1.93511282}, ChannelCase{0.3, 5.0, 1.19187848},
+                                         ChannelCase{0.5, 5.0, 1.17354423}, ChannelCase{0.8, 5.0, 1.08429674}));
+
+TEST_P(Channel, OfDisksInASingleFilePressesOnItsEndsAsTheTransferOperatorSays) {
+  auto const [width, force, length] = GetParam();
+  std::uint64_t const count = 200;
+  State state{.box = Box(static_cast<double>(count) * length, 1.0 + width, Edge::wall)};
+  for (std::uint64_t i = 0; i < count; ++i) {
+    RandomStream random(11, 0, i, Purpose::start_velocity);
+    double const y = 0.5 + (i % 2 == 0 ? 0.001 : 0.999) * width;
+    state.disks.add((static_cast<double>(i) + 0.5) * length, y, random.normal(), random.normal(), 0.5, 1.0, 0, 0);
+  }
+  double const kt = kinetic_energy(state.disks) / static_cast<double>(count);
+  auto const engine = make_engine({.kind = "exact"}, state);
+  Tally tally;
+  std::vector<double> forces;
+  double const block = 300.0;
+  for (int b = 0; b <= 30; ++b) {
+    Tally const before = tally;
+    engine->advance(state, tally, {.time = 400.0 + b * block});
+    double const impulse = tally.wall_impulse[Tally::left] + tally.wall_impulse[Tally::right] -
+                           before.wall_impulse[Tally::left] - before.wall_impulse[Tally::right];
+    if (b > 0) forces.push_back(impulse / (2.0 * block * kt));
+  }
+  Estimate const measured = estimate(forces);
+  EXPECT_LT(measured.error, 0.015 * force);
+  EXPECT_NEAR(measured.mean, force, 3.5 * measured.error + force / static_cast<double>(count));
 }
 
 // Dilute disks: D = 1.0274(8) kT/(m Γ) with Γ the collisions per disk and time. From the mean-squared displacement
