@@ -7,11 +7,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <utility>
 #include <vector>
 
 #include "gridlock/grid/packed_grid.hpp"
+#include "gridlock/grid/packed_layout.hpp"
 #include "turn.hpp"
 
 namespace gridlock {
@@ -38,25 +38,6 @@ class Reach {
   double duration_;
   double rounding_;
 };
-
-/// The widest cell that never holds more than four centres of disks that do not overlap: five centres a diameter apart
-/// need a square with sides of √2 diameters.
-inline double widest_for_four(double smallest_radius) {
-  return 2.0 * std::numbers::sqrt2 * smallest_radius * (1.0 - 1e-6);
-}
-
-/// The cells of a packed grid for turns: a 3×3 block is enough for disks that cover `way` in a step, and where that
-/// leaves a choice a cell is no wider than widest_for_four(), so that equal disks never need a second block.
-inline CellLayout packed_layout(State const& state, double way) {
-  RadiusRange const radii = radius_range(state.disks);
-  Box const& box = state.box;
-  CellLayout const finest = layout_for_reach(box, 2.0 * radii.largest + way, state.disks.size());
-  double const widest = widest_for_four(radii.smallest);
-  auto const cells = [&](double side, int most) {
-    return static_cast<std::uint64_t>(std::min(std::floor(side / widest) + 1.0, static_cast<double>(most)));
-  };
-  return {box, cells(box.width(), finest.columns()), cells(box.height(), finest.rows())};
-}
 
 /// Turns on a packed grid: the candidates of a disk are found once a turn, and only those it may really meet.
 ///

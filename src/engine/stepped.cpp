@@ -89,7 +89,7 @@ CellLayout stepped_layout(EngineSettings const& settings, State const& state) {
   }
   double const way = largest_speed(state.disks) * duration;
   // A quarter more, since the fastest disk of the start does not stay the fastest.
-  if (settings.grid == GridKind::packed) return packed_layout(state, 1.25 * way);
+  if (settings.grid == GridKind::packed) return packed_layout(state.box, state.disks, 1.25 * way);
   double const reach = 2.0 * radius_range(state.disks).largest + way;
   return layout_for_reach(state.box, reach, state.disks.size());
 }

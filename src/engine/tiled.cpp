@@ -9,9 +9,9 @@
 
 #include "engine/hot_disks.hpp"
 #include "engine/tiled/fetch_ahead.hpp"
-#include "engine/tiled/waiting.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/packed_grid.hpp"
+#include "gridlock/grid/waiting.hpp"
 #include "packed_turns.hpp"
 #include "stepped.hpp"
 #include "turn.hpp"
@@ -127,7 +127,7 @@ class Steps {
     FetchAhead ahead(grid_, view_);
     auto const tile = [&](std::size_t k) { return k < part.size() ? &tiling_.tiles()[part[k]] : nullptr; };
     for (std::size_t k = 0; k < part.size(); ++k) {
-      find_waiting(*tile(k), waiting);
+      waiting.find(grid_, *tile(k), rank_, [&](std::uint32_t i) { return has_turned_[i] != flag_; });
       ahead.aim(tile(k + 1), tile(k + 2), waiting.size());
       TileResult& result = results_[part[k]];
       waiting.for_each_group([&](std::span<std::uint32_t const> rows) {
@@ -135,30 +135,6 @@ class Steps {
           take_group(rows.subspan(first, std::min(group_size_, rows.size() - first)), result, ahead);
         }
       });
-    }
-  }
-
-  void find_waiting(Tiling::Tile const& tile, Waiting& waiting) const {
-    auto const third = [](int cells) { return static_cast<std::size_t>((cells + 2) / 3); };
-    waiting.clear(third(tile.end_column - tile.first_column) * third(tile.end_row - tile.first_row));
-    auto const is_waiting = [&](std::uint32_t i) { return has_turned_[i] != flag_; };
-    for (int row = tile.first_row; row < tile.end_row; ++row) {
-      for (int column = tile.first_column; column < tile.end_column; ++column) {
-        auto const of_class =
-            static_cast<std::size_t>(3 * ((row - tile.first_row) % 3) + (column - tile.first_column) % 3);
-        PackedGrid::Block const& block = grid_.block_at(column, row);
-        if (block.next == PackedGrid::none) {
-          waiting.add_block(of_class, block, rank_, nobody(), is_waiting);
-          continue;
-        }
-        std::vector<std::uint32_t> rows;
-        for (PackedGrid::Block const* part = &block;; part = &grid_.next_of(*part)) {
-          std::copy_if(part->agent.begin(), part->agent.begin() + part->count, std::back_inserter(rows), is_waiting);
-          if (part->next == PackedGrid::none) break;
-        }
-        std::ranges::sort(rows, {}, [&](std::uint32_t i) { return rank_[i]; });
-        waiting.add_sorted(of_class, rows);
-      }
     }
   }
 
@@ -190,8 +166,6 @@ class Steps {
     }
   }
 
-  [[nodiscard]] std::uint32_t nobody() const { return static_cast<std::uint32_t>(disks_.size()); }
-
   Tiling const& tiling_;
   HotDisks disks_;
   TurnView view_;
@@ -217,7 +191,7 @@ void TiledEngine::lay_out(State const& state) {
   // Room for disks of twice the speed that the time step refers to, whatever the disks do now: the cells must be the
   // same for a run and for its continuation from a file, since the order of the turns depends on them.
   double const way_at_speed = settings_.time_step * 2.0 * radius_range(state.disks).smallest;
-  layout_ = packed_layout(state, 2.0 * way_at_speed);
+  layout_ = packed_layout(state.box, state.disks, 2.0 * way_at_speed);
   tiling_ = Tiling(layout_);
   rounds_ = tiling_.rounds(team_.size());
 }

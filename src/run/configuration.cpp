@@ -183,7 +183,7 @@ Setup set_up_model(Configuration configuration) {
   if (!configuration.run.steps && !configuration.run.time) configuration.run.steps = default_steps;
   Setup setup;
   setup.state = {.box = make_box(configuration.box), .seed = configuration.run.seed};
-  kind->check(setup.state.box);
+  kind->check(setup.state.box, configuration.run.seed);
   setup.configuration = std::move(configuration);
   return setup;
 }

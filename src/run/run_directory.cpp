@@ -70,7 +70,8 @@ std::string summary_json(Setup const& setup, RunRecord const& record, Frame cons
   json["timing"] = {{"seconds", record.seconds}, {"agent_steps_per_second", record.agent_steps_per_second()}};
   json["tally"] = to_json(record.counts);
   for (auto const& [name, estimate, unit] : record.results) {
-    Json& entry = json[name];
+    // A model may call what it observes "time" or "seed".
+    Json& entry = json[json.contains(name) ? "mean_" + name : name];
     entry["value"] = estimate.value;
     entry["error"] = estimate.error ? Json(*estimate.error) : Json();
     if (!unit.empty()) entry["unit"] = unit;

@@ -1,5 +1,6 @@
 #include "gridlock/run/model_kind.hpp"
 #include "models/catalyst.hpp"
+#include "models/colloid.hpp"
 #include "models/epidemic.hpp"
 #include "models/flocking.hpp"
 
@@ -10,6 +11,8 @@ ModelKinds shipped_models() {
   kinds.add<Flocking>();
   kinds.add<Epidemic>();
   kinds.add<Catalyst>();
+  kinds.add<Colloid>();
+  kinds.add<TiledColloid>();
   return kinds;
 }
 

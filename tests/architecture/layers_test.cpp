@@ -27,7 +27,7 @@ std::map<std::string, std::set<std::string>> const allowed{
     {"engine", {"core", "grid", "engine"}},
     {"observe", {"core", "grid", "observe"}},
     {"model", {"core", "grid", "model"}},
-    {"models", {"core", "grid", "model", "models"}},
+    {"models", {"core", "grid", "lattice", "model", "models"}},
     {"protocol", {"core", "grid", "lattice", "engine", "observe", "model", "protocol"}},
     {"run", {"core", "grid", "io", "lattice", "engine", "observe", "model", "models", "protocol", "run"}},
     {"study", {"core", "grid", "io", "lattice", "engine", "observe", "model", "protocol", "run", "study"}},

@@ -9,15 +9,12 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
-#include <cstdlib>
-#include <fstream>
-#include <map>
 #include <ostream>
-#include <sstream>
+#include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "golden/table.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/validate.hpp"
 #include "gridlock/lattice/start.hpp"
@@ -77,12 +74,6 @@ std::vector<Scene> scenes() {
 
 constexpr std::uint64_t seed = 20;
 
-/// The hashes of a scene before the first and after the last step.
-struct Hashes {
-  std::string start;
-  std::string end;
-};
-
 /// Settings that must not change a bit.
 struct Variant {
   std::uint64_t threads = 0;
@@ -109,44 +100,6 @@ Hashes run(Scene const& scene, std::string const& engine, Variant const& variant
   EXPECT_GT(tally.pair_collisions, 0U) << "a scene in which nothing happens proves nothing";
   return {start, fmt::format("{:016x}", hash(state))};
 }
-
-/// The committed table: scene and engine → hashes.
-class Table {
- public:
-  static Table read() {
-    Table table;
-    std::ifstream file(path());
-    std::string line;
-    std::getline(file, line);  // the names of the columns
-    while (std::getline(file, line)) {
-      std::stringstream fields(line);
-      std::string scene;
-      std::string engine;
-      Hashes hashes;
-      std::getline(fields, scene, ',');
-      std::getline(fields, engine, ',');
-      std::getline(fields, hashes.start, ',');
-      std::getline(fields, hashes.end, ',');
-      table.rows[{scene, engine}] = hashes;
-    }
-    return table;
-  }
-
-  void write() const {
-    std::ofstream file(path());
-    file << "scene,engine,start,end\n";
-    for (auto const& [name, hashes] : rows) {
-      file << name.first << ',' << name.second << ',' << hashes.start << ',' << hashes.end << '\n';
-    }
-  }
-
-  std::map<std::pair<std::string, std::string>, Hashes> rows;
-
- private:
-  static std::string path() { return std::string(GRIDLOCK_SOURCE_DIR) + "/tests/golden/hashes.csv"; }
-};
-
-bool is_writing() { return std::getenv("GRIDLOCK_WRITE_GOLDEN") != nullptr; }
 
 struct Row {
   Scene scene;
@@ -175,31 +128,16 @@ TEST_P(Golden, GivesTheBitsOfTheTable) {
     EXPECT_EQ(run(row.scene, row.engine, variant).end, now.end)
         << variant.threads << " threads, grid " << static_cast<int>(variant.grid);
   }
-  Table table = Table::read();
-  if (is_writing()) {
-    table.rows[{row.scene.name, row.engine}] = now;
-    table.write();
-    return;
-  }
-  auto const found = table.rows.find({row.scene.name, row.engine});
-  ASSERT_NE(found, table.rows.end()) << "no row for " << row << " yet; see the top of this file";
-  EXPECT_EQ(now.start, found->second.start) << "already the start differs";
-  EXPECT_EQ(now.end, found->second.end);
+  Table("hashes.csv").expect({row.scene.name, row.engine}, now);
 }
 
 std::string row_name(testing::TestParamInfo<Row> const& row) { return row.param.scene.name + "_" + row.param.engine; }
 INSTANTIATE_TEST_SUITE_P(Scenes, Golden, testing::ValuesIn(rows()), row_name);
 
 TEST(GoldenTable, HasNoRowsOfScenesOrEnginesThatAreGone) {
-  std::map<std::pair<std::string, std::string>, int> known;
-  for (Row const& row : rows()) known[{row.scene.name, row.engine}] = 1;
-  Table table = Table::read();
-  if (is_writing()) {
-    std::erase_if(table.rows, [&](auto const& entry) { return !known.contains(entry.first); });
-    table.write();
-    return;
-  }
-  for (auto const& [name, hashes] : table.rows) EXPECT_TRUE(known.contains(name)) << name.first << " " << name.second;
+  std::set<Table::Name> known;
+  for (Row const& row : rows()) known.emplace(row.scene.name, row.engine);
+  Table("hashes.csv").expect_only(known);
 }
 
 }  // namespace

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,6 +57,95 @@ TEST(ModelThreads, FlocksAreTheSameOnAnyNumberOfThreads) {
                    Box(100.0, 100.0, Edge::periodic));
 }
 
+struct Coins {
+  using type = std::uint32_t;
+  static constexpr char const* name = "coins";
+};
+
+/// Agents that wander, hand a coin to their nearest neighbour, split when they are rich and die when they are poor: each
+/// turn changes what the next ones see, so that any other order gives other bits. No coin is lost.
+template <Schedule order>
+struct Market {
+  static constexpr std::string_view name = "market";
+  static constexpr Schedule schedule = order;
+  static constexpr std::array<std::string_view, 3> events{"gifts", "births", "deaths"};
+  using Agents = Population<X, Y, VelocityX, Coins>;
+
+  double step = 0.02;
+
+  [[nodiscard]] double reach() const { return 0.1; }
+  [[nodiscard]] double time_step() const { return 0.5; }
+  void start(World<Market>& world) const {
+    for (std::uint64_t n = 0; n < 900; ++n) {
+      RandomStream random = world.start_random(n);
+      Vector const p = world.anywhere(random);
+      world.agents.add(p.x, p.y, random.uniform(), static_cast<std::uint32_t>(random.below(4)));
+    }
+  }
+  void turn(Turn<Market>& self) const {
+    RandomStream random = self.random();
+    // Sums round in the order of the neighbours; a walk and a search from its end stay within the reach.
+    Bounce const bounce = self.move_by(step * random.in_unit_disk());
+    double sum = bounce.x ? -self.template get<VelocityX>() : self.template get<VelocityX>();
+    std::optional<Neighbour<Market>> nearest;
+    self.for_each_neighbour(reach() - step, [&](Neighbour<Market> const& other) {
+      sum += 0.1 * other.template get<VelocityX>();
+      double const distance = squared_length(other.separation());
+      double const so_far = nearest ? squared_length(nearest->separation()) : 1.0;
+      if (distance < so_far || (distance == so_far && other.id() < nearest->id())) nearest.emplace(other);
+    });
+    self.template set<VelocityX>(sum / (1.0 + sum * sum));
+    std::uint32_t const coins = self.template get<Coins>();
+    if (nearest && coins > 0) {
+      nearest->template set<Coins>(nearest->template get<Coins>() + 1);
+      self.template set<Coins>(coins - 1);
+      self.count(0);
+    }
+    if (coins > 3) {
+      self.template set<Coins>(self.template get<Coins>() - 2);
+      self.give_birth(self.position().x, self.position().y, sum, 2U);
+      self.count(1);
+    } else if (coins == 0 && random.below(6) == 0) {
+      self.die();
+      self.count(2);
+    }
+  }
+};
+
+template <Schedule order>
+void expect_market_to_live(Box const& box) {
+  World<Market<order>> world = started(Market<order>{}, box);
+  ModelEngine<Market<order>>({}, box, {.verify_every = 7}).advance(world, {.step = 60});
+  for (std::uint64_t const count : world.events) EXPECT_GT(count, 20U) << "little happens";
+  EXPECT_GT(world.agents.size(), 50U);
+  EXPECT_GT(std::ranges::max(world.agents.ids()) >> 32, 0U) << "no name of a dead agent was taken over";
+}
+
+TEST(ModelThreads, TurnsTileByTileAreTheSameOnAnyNumberOfThreads) {
+  for (Box const& box : {Box(2.7, 2.9, Edge::periodic), Box(3.0, 1.5, Edge::wall), Box(0.25, 4.0, Edge::periodic)}) {
+    expect_same_bits(Market<Schedule::tiled>{}, box);
+    expect_market_to_live<Schedule::tiled>(box);
+  }
+}
+
+TEST(ModelSequence, TurnsOneAfterTheOtherDoNotDependOnChunksThreadsOrTheOrderOfRows) {
+  for (Box const& box : {Box(2.7, 2.9, Edge::periodic), Box(3.0, 1.5, Edge::wall), Box(0.25, 4.0, Edge::periodic)}) {
+    expect_same_bits(Market<Schedule::sequential>{}, box);
+    expect_market_to_live<Schedule::sequential>(box);
+  }
+}
+
+TEST(ModelSequence, LaterAgentsSeeWhatEarlierOnesHaveDone) {
+  // A coin goes round: 0 hands its only one to its only neighbour, which hands it back in the same step.
+  Box const box(1.0, 1.0, Edge::wall);
+  World<Market<Schedule::sequential>> world{.box = box, .seed = 1};
+  world.agents.add(0.50, 0.5, 0.0, 1U);
+  world.agents.add(0.52, 0.5, 0.0, 0U);
+  ModelEngine<Market<Schedule::sequential>>({.step = 0.0}, box, {}).advance(world, {.step = 1});
+  EXPECT_EQ(world.events[0], 2U);
+  EXPECT_EQ(world.agents.column<Coins>()[world.agents.index_of(0)], 1U);
+}
+
 TEST(ModelSearch, MissesNobodyInAnyBox) {
   for (Edge const edge : {Edge::wall, Edge::periodic}) {
     for (double const side : {2.0, 2.5, 3.1, 4.2, 5.0, 9.7}) {
@@ -77,6 +169,20 @@ TEST(ModelBox, APeriodicBoxInWhichAnAgentCouldSeeTwoImagesIsRefused) {
   EXPECT_NO_THROW(ModelEngine<Flocking>({}, Box(1.9, 5.0, Edge::wall), {}));
 }
 
+/// Each has a child far away in every step.
+struct Settlers {
+  static constexpr std::string_view name = "settlers";
+  static constexpr Schedule schedule = Schedule::synchronous;
+  using Agents = Population<X, Y>;
+  [[nodiscard]] double reach() const { return 1.0; }
+  [[nodiscard]] double time_step() const { return 1.0; }
+  void turn(Turn<Settlers>& self) const {
+    RandomStream random = self.random();
+    double const x = 1000.0 * random.uniform();
+    self.give_birth(x, 1000.0 * random.uniform());
+  }
+};
+
 /// Each has a child beside itself in every step, or all die.
 struct Tribe {
   static constexpr std::string_view name = "tribe";
@@ -94,6 +200,17 @@ struct Tribe {
     }
   }
 };
+
+TEST(ModelPopulation, OneGrowsToAMillion) {
+  Box const box(1000.0, 1000.0, Edge::periodic);
+  World<Settlers> world{.box = box, .seed = 1};
+  world.agents.add(500.0, 500.0);
+  ModelEngine<Settlers>({}, box, {.threads = 2}).advance(world, {.step = 20});
+  EXPECT_EQ(world.agents.size(), std::size_t{1} << 20);
+  for (Id const id : {Id{0}, Id{1}, Id{1} << 19, (Id{1} << 20) - 1}) {
+    EXPECT_EQ(world.agents.ids()[world.agents.index_of(id)], id);
+  }
+}
 
 TEST(ModelPopulation, EveryoneMayDieAndOneMayBecomeMany) {
   Box const box(1.0, 1.0, Edge::periodic);

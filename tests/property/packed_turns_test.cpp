@@ -110,7 +110,7 @@ TEST(PackedLayout, HoldsAtMostFourEqualDisksInACellAndTheWholeReachInABlock) {
                                       .packing_fraction = 0.3 + 0.4 * random.uniform(),
                                       .seed = seed});
     double const sigma = 2.0 * radius_range(state.disks).largest;
-    CellLayout const layout = packed_layout(state, 0.2 * sigma);
+    CellLayout const layout = packed_layout(state.box, state.disks, 0.2 * sigma);
     double const reach = 1.2 * sigma;
     bool const is_small = layout.columns() <= 3 || layout.rows() <= 3;
     if (!is_small) {

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -12,6 +13,8 @@
 #include "gridlock/core/frame.hpp"
 #include "gridlock/core/thread_team.hpp"
 #include "gridlock/engine/engine.hpp"
+#include "gridlock/grid/tiling.hpp"
+#include "gridlock/grid/waiting.hpp"
 #include "gridlock/model/cell_order.hpp"
 #include "gridlock/model/open_world.hpp"
 #include "gridlock/model/turn.hpp"
@@ -20,7 +23,7 @@ namespace gridlock {
 
 /// How a model is stepped; nothing of it changes the bits.
 struct ModelEngineSettings {
-  std::uint64_t threads = 1;       ///< of a synchronous model; 0: all cores
+  std::uint64_t threads = 1;       ///< of a synchronous or tiled model; 0: all cores
   std::uint64_t verify_every = 0;  ///< steps between two in which searches are compared with brute force; 0: never
 };
 
@@ -37,12 +40,18 @@ void require_reach(Box const& box, double reach, std::string_view model);
 ///     double reach() const;                          how far an agent looks
 ///     double time_step() const;
 ///     void start(World<Model>&) const;               puts the first agents into the box
-///     void turn(Turn<Model>&) const;                 synchronous, sequential: what an agent does in a step
+///     void turn(Turn<Model>&) const;                 synchronous, sequential, tiled: what an agent does in a step
 ///     void step(OpenWorld<Model>&) const;            events: what happens in a step
 ///     void observe(World<Model> const&, Observations&) const;
 ///     void describe(SettingVisitor&);                its settings
 ///
-/// and, if it likes, `static constexpr std::array<std::string_view, n> events`, the names of what it counts.
+/// and, if it likes, `static constexpr std::array<std::string_view, n> events`, the names of what it counts. reach() and
+/// time_step() may take the World they are asked for.
+///
+/// In a tiled model nobody looks or goes farther than the reach from where its turn began. A model in which a few do says
+/// so in `bool is_local(Turn<Model> const&, double room) const`, with room the shorter side of a cell: those that are not
+/// take their turns one after the other at the end of the step. The order of turns follows from the cells; a model may
+/// fix them in `CellLayout cells(World<Model> const&) const`.
 ///
 /// The bits do not depend on the number of threads, on chunks, or on the order of the rows. Neighbours are visited cell
 /// by cell, in a cell in the order of the Ids as they were when the step began, so that sums over them round alike.
@@ -52,7 +61,7 @@ class ModelEngine {
  public:
   ModelEngine(Model model, Box const& box, ModelEngineSettings const& settings)
       : model_(std::move(model)), settings_(settings), team_(settings.threads) {
-    require_reach(box, model_.reach(), Model::name);
+    if constexpr (requires { model_.reach(); }) require_reach(box, model_.reach(), Model::name);
   }
 
   [[nodiscard]] Model const& model() const { return model_; }
@@ -65,12 +74,14 @@ class ModelEngine {
         step_synchronously(world);
       } else if constexpr (Model::schedule == Schedule::sequential) {
         step_in_turns(world);
+      } else if constexpr (Model::schedule == Schedule::tiled) {
+        step_in_tiles(world);
       } else {
         OpenWorld<Model> open(world, grid_, is_verified(world));
         model_.step(open);
       }
       ++world.clock.step;
-      world.clock.time += model_.time_step();
+      world.clock.time += time_step_;
     }
   }
 
@@ -83,11 +94,19 @@ class ModelEngine {
 
   /// Brings the grid into the form that the state alone decides.
   void prepare(World<Model>& world) {
-    // A power of two, so that the cells change seldom while agents come and go.
-    layout_ =
-        layout_for_reach(world.box, model_.reach(), std::bit_ceil(std::max<std::size_t>(16, world.agents.size())));
+    reach_ = reach_of(model_, world);
+    time_step_ = time_step_of(model_, world);
+    if constexpr (requires { model_.cells(world); }) {
+      layout_ = model_.cells(world);
+    } else {
+      // A power of two, so that the cells change seldom while agents come and go.
+      layout_ = layout_for_reach(world.box, reach_, std::bit_ceil(std::max<std::size_t>(16, world.agents.size())));
+    }
     if constexpr (Model::schedule == Schedule::synchronous) {
       put_in_cell_order(world);
+    } else if constexpr (Model::schedule == Schedule::tiled) {
+      put_in_cell_order(world);
+      grid_ = PackedGrid(layout_, world.agents.template column<X>(), world.agents.template column<Y>());
     } else {
       std::vector<std::size_t> const rows = rows_in_order(world.agents.ids());
       auto const x = world.agents.template column<X>();
@@ -141,7 +160,8 @@ class ModelEngine {
     Surroundings<Model> around{.world = world,
                                .requests = requests,
                                .next = &values_,
-                               .reach = model_.reach(),
+                               .reach = reach_,
+                               .time_step = time_step_,
                                .is_verified = is_verified(world)};
     // The present values stay readable through the population; what comes after the step is written to values_.
     auto cell = static_cast<std::size_t>(first_row) * static_cast<std::size_t>(layout_.columns());
@@ -200,7 +220,8 @@ class ModelEngine {
     Surroundings<Model> around{.world = world,
                                .requests = requests_.front(),
                                .grid = &grid_,
-                               .reach = model_.reach(),
+                               .reach = reach_,
+                               .time_step = time_step_,
                                .is_verified = is_verified(world)};
     for (std::size_t const row : rows_in_order(world.agents.ids())) {
       Turn<Model> turn(around, row);
@@ -209,9 +230,80 @@ class ModelEngine {
     settle<Model>(world, requests_);
   }
 
+  void step_in_tiles(World<Model>& world) {
+    tiling_ = Tiling(layout_);
+    ids_.assign(world.agents.ids().begin(), world.agents.ids().end());
+    ids_.push_back(std::numeric_limits<Id>::max());
+    has_turned_.assign(world.agents.size(), 0);
+    has_turned_.push_back(1);
+    // Searches that are compared with a look at everybody have to take turns with everybody.
+    std::vector<Tiling::Round> const rounds = tiling_.rounds(is_verified(world) ? 1 : team_.size());
+    std::size_t parts = 0;
+    for (Tiling::Round const& round : rounds) parts = std::max(parts, round.size());
+    requests_.resize(parts);
+    late_.resize(tiling_.tiles().size());
+    for (Tiling::Round const& round : rounds) {
+      team_.for_each(round.size(), [&](std::size_t part) {
+        for (std::uint32_t const tile : round[part]) take_turns_of_tile(world, tile, requests_[part]);
+      });
+    }
+    take_late_turns(world);
+    settle<Model>(world, requests_);
+  }
+
+  void take_turns_of_tile(World<Model>& world, std::uint32_t tile, Requests<Model>& requests) {
+    Surroundings<Model> around{.world = world,
+                               .requests = requests,
+                               .grid = &grid_,
+                               .reach = reach_,
+                               .time_step = time_step_,
+                               .is_verified = is_verified(world),
+                               .is_confined = true};
+    static thread_local Waiting waiting;
+    waiting.find(grid_, tiling_.tiles()[tile], ids_, [&](std::uint32_t row) { return has_turned_[row] == 0; });
+    waiting.for_each_group([&](std::span<std::uint32_t const> rows) {
+      for (std::uint32_t const row : rows) {
+        has_turned_[row] = 1;
+        Turn<Model> turn(around, row);
+        if (is_local(turn)) {
+          model_.turn(turn);
+        } else {
+          late_[tile].push_back(row);
+        }
+      }
+    });
+  }
+
+  [[nodiscard]] bool is_local(Turn<Model> const& turn) const {
+    if constexpr (requires { model_.is_local(turn, 0.0); }) {
+      return model_.is_local(turn, std::min(layout_.cell_width(), layout_.cell_height()));
+    } else {
+      return true;
+    }
+  }
+
+  /// In the order of the tiles, however many threads have found them.
+  void take_late_turns(World<Model>& world) {
+    Surroundings<Model> around{.world = world,
+                               .requests = requests_.front(),
+                               .grid = &grid_,
+                               .reach = reach_,
+                               .time_step = time_step_,
+                               .is_verified = is_verified(world)};
+    for (std::vector<std::uint32_t>& rows : late_) {
+      for (std::uint32_t const row : rows) {
+        Turn<Model> turn(around, row);
+        model_.turn(turn);
+      }
+      rows.clear();
+    }
+  }
+
   Model model_;
   ModelEngineSettings settings_;
   ThreadTeam team_;
+  double reach_ = 0.0;
+  double time_step_ = 0.0;
   CellLayout layout_;
   CellOrder order_;
   PackedGrid grid_;
@@ -219,6 +311,10 @@ class ModelEngine {
   AllValues spare_;
   std::vector<Id> spare_ids_;
   std::vector<Requests<Model>> requests_;
+  Tiling tiling_;
+  std::vector<Id> ids_;                           ///< tiled: of all rows, and of nobody
+  std::vector<std::uint8_t> has_turned_;          ///< tiled: by row
+  std::vector<std::vector<std::uint32_t>> late_;  ///< tiled: of each tile the rows of agents that are not local
 };
 
 }  // namespace gridlock

@@ -34,7 +34,7 @@ class Neighbour {
 
   /// Changes another agent, which is not for synchronous models: two could change it at the same time.
   template <class Column>
-  void set(typename Column::type value) const requires(Model::schedule == Schedule::sequential) {
+  void set(typename Column::type value) const requires(Model::schedule != Schedule::synchronous) {
     world_.agents.template column<Column>()[row_] = value;
   }
   /// Lets it die at the end of the step. More than one may do so.
@@ -55,8 +55,9 @@ struct Surroundings {
   World<Model>& world;
   Requests<Model>& requests;
   typename World<Model>::Agents::AllValues* next = nullptr;  ///< synchronous: what the agents will be after the step
-  PackedGrid* grid = nullptr;                                ///< sequential: who is where now
+  PackedGrid* grid = nullptr;                                ///< sequential, tiled: who is where now
   double reach = 0.0;                                        ///< the model's
+  double time_step = 0.0;                                    ///< the model's
   bool is_verified = false;                                  ///< whether searches are compared with a look at everybody
 
   struct Stretch {
@@ -68,23 +69,30 @@ struct Surroundings {
   std::size_t stretch_count = 0;
   std::size_t candidates = 0;
   bool is_at_edge = true;
+  /// Tiled: whether others take their turns at the same time, so that nobody may look beyond the cells next to its own.
+  bool is_confined = false;
 };
 
 /// What an agent can do when it is its turn.
 ///
 /// In a synchronous model get() and all neighbours are as they were before the step, and set() and moves are what the
-/// agent will be after it. In a sequential model everything takes effect at once, save for births and deaths: these
+/// agent will be after it. In a sequential or tiled model everything takes effect at once, save for births and deaths: these
 /// come at the end of the step, in an order that the state alone decides.
 template <class Model>
 class Turn {
  public:
   using Agents = typename World<Model>::Agents;
 
-  Turn(Surroundings<Model>& surroundings, std::size_t row) : around_(surroundings), row_(row) {}
+  Turn(Surroundings<Model>& surroundings, std::size_t row) : around_(surroundings), row_(row) {
+    if constexpr (Model::schedule == Schedule::tiled) home_ = around_.grid->cell_of(row_);
+  }
 
   [[nodiscard]] Id id() const { return world().agents.ids()[row_]; }
   [[nodiscard]] Box const& box() const { return world().box; }
   [[nodiscard]] Clock const& clock() const { return world().clock; }
+  /// What the model says of its world in this step.
+  [[nodiscard]] double reach() const { return around_.reach; }
+  [[nodiscard]] double time_step() const { return around_.time_step; }
   /// How many agents there were when the step began.
   [[nodiscard]] std::size_t population() const { return world().agents.size(); }
   [[nodiscard]] Vector position() const { return {get<X>(), get<Y>()}; }
@@ -118,7 +126,7 @@ class Turn {
   void move_to(Vector p) {
     set<X>(p.x);
     set<Y>(p.y);
-    if constexpr (Model::schedule == Schedule::sequential) around_.grid->move(row_, p);
+    if constexpr (Model::schedule != Schedule::synchronous) around_.grid->move(row_, p);
   }
 
   /// Random numbers of this agent in this step; those of different purposes 0, 1, 2 … are independent.
@@ -197,13 +205,18 @@ class Turn {
   void find_in_grid(Vector p, double reach) const {
     Requests<Model>& requests = around_.requests;
     requests.found.resize(requests.found_top);
-    around_.grid->for_each_candidate(p, reach, [&](std::size_t row) {
+    auto const consider = [&](std::size_t row) {
       Vector const separation = world().box.displacement(
           p, {world().agents.template column<X>()[row], world().agents.template column<Y>()[row]});
       if (row != row_ && squared_length(separation) < reach * reach) {
         requests.found.push_back(static_cast<std::uint32_t>(row));
       }
-    });
+    };
+    if (around_.is_confined) {
+      around_.grid->for_each_in_block(home_, 1, 1, consider);
+    } else {
+      around_.grid->for_each_candidate(p, reach, consider);
+    }
     requests.found_top = requests.found.size();
   }
 
@@ -217,6 +230,7 @@ class Turn {
 
   Surroundings<Model>& around_;
   std::size_t row_;
+  int home_ = 0;  ///< tiled: the cell in which the turn began
   std::uint64_t births_ = 0;
 };
 

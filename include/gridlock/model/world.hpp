@@ -15,6 +15,7 @@ namespace gridlock {
 enum class Schedule {
   synchronous,  ///< all at once: everybody sees the world as it was before the step, and changes only itself
   sequential,   ///< one after the other in the order of the Ids; everybody sees what the others have just done
+  tiled,        ///< the same tile by tile, see Tiling and Waiting: far from one another many take their turns at once
   events,       ///< no turns: the model carries the whole world through a step, one event after the other
 };
 
@@ -53,6 +54,24 @@ struct World {
     return {x, random.uniform() * box.height()};
   }
 };
+
+/// How far an agent of the model searches, and the physical time of a step: numbers of the model alone, or of its world.
+template <class Model>
+double reach_of(Model const& model, World<Model> const& world) {
+  if constexpr (requires { model.reach(world); }) {
+    return model.reach(world);
+  } else {
+    return model.reach();
+  }
+}
+template <class Model>
+double time_step_of(Model const& model, World<Model> const& world) {
+  if constexpr (requires { model.time_step(world); }) {
+    return model.time_step(world);
+  } else {
+    return model.time_step();
+  }
+}
 
 /// The bitwise identity of all agents; equal to that of a State where the agents are Disks.
 template <class Model>

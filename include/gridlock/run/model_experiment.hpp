@@ -30,7 +30,7 @@ class ModelExperiment final : public Experiment {
   [[nodiscard]] World<Model> const& world() const { return world_; }
 
   [[nodiscard]] Clock clock() const override { return world_.clock; }
-  [[nodiscard]] double time_step() const override { return engine_.model().time_step(); }
+  [[nodiscard]] double time_step() const override { return time_step_of(engine_.model(), world_); }
   [[nodiscard]] std::size_t agents() const override { return world_.agents.size(); }
   [[nodiscard]] std::uint64_t state_hash() const override { return hash(world_); }
   [[nodiscard]] std::vector<Count> counts() const override {

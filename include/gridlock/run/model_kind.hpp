@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "gridlock/core/error.hpp"
 #include "gridlock/core/setting.hpp"
 #include "gridlock/run/model_experiment.hpp"
 
@@ -22,8 +23,8 @@ class ModelKind {
   [[nodiscard]] virtual std::string_view documentation() const = 0;
   virtual void describe(SettingVisitor& visitor) = 0;
   [[nodiscard]] virtual std::unique_ptr<ModelKind> copy() const = 0;
-  /// Refuses a box the model cannot live in. Errors: Error.
-  virtual void check(Box const& box) const = 0;
+  /// Refuses a box the model cannot live in, and a start it cannot make. Errors: Error.
+  virtual void check(Box const& box, std::uint64_t seed) const = 0;
   [[nodiscard]] virtual std::unique_ptr<Experiment> make(Box const& box, std::uint64_t seed,
                                                          ModelEngineSettings const& settings) const = 0;
 
@@ -39,7 +40,22 @@ class ModelKindOf final : public ModelKind {
   [[nodiscard]] std::string_view documentation() const override { return Model::documentation; }
   void describe(SettingVisitor& visitor) override { model_.describe(visitor); }
   [[nodiscard]] std::unique_ptr<ModelKind> copy() const override { return std::make_unique<ModelKindOf>(*this); }
-  void check(Box const& box) const override { require_reach(box, model_.reach(), Model::name); }
+  void check(Box const& box, std::uint64_t seed) const override {
+    if constexpr (requires { model_.reach(); }) {
+      require_reach(box, model_.reach(), Model::name);
+    } else {
+      World<Model> world{.box = box, .seed = seed};
+      try {
+        model_.start(world);
+      } catch (Error const& error) {
+        // What is wrong with the start is one of the model's own settings.
+        std::vector<Problem> problems = error.problems();
+        for (Problem& problem : problems) problem.key = std::string(Model::name) + "." + problem.key;
+        throw Error(std::move(problems));
+      }
+      require_reach(box, model_.reach(world), Model::name);
+    }
+  }
   [[nodiscard]] std::unique_ptr<Experiment> make(Box const& box, std::uint64_t seed,
                                                  ModelEngineSettings const& settings) const override {
     return std::make_unique<ModelExperiment<Model>>(model_, box, seed, settings);

@@ -1,0 +1,184 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/grid/packed_layout.hpp"
+#include "gridlock/lattice/start.hpp"
+#include "gridlock/model/model.hpp"
+
+namespace gridlock {
+
+/// The hard disks of J.-X. Shen's paper as a model like any other: the bits are those of the engine `stepped` in the
+/// order of the Ids and those of `tiled` tile by tile, so that the engines prove the model interface and the other way
+/// round. The engines are faster; this is the rule on one page.
+///
+/// In its turn a disk tries `substeps` steps of v dt/substeps. One that would cross a wall turns that component of v back
+/// and ends the turn. One that would overlap a disk ends it too, and the two scatter elastically along the line between
+/// their present centres; of several the disk scatters off the one nearest to the point it tried, ties to the lower Id.
+template <Schedule order>
+struct ColloidInOrder {
+  using Self = ColloidInOrder;
+  using Agents = Disks;
+  static constexpr Schedule schedule = order;
+  static constexpr std::string_view name = order == Schedule::tiled ? "colloid_tiled" : "colloid";
+  static constexpr std::string_view documentation =
+      order == Schedule::tiled ? "The same, tile by tile on any number of threads: the bits of the engine tiled."
+                               : "The paper's hard disks as a model: the bits of the engine stepped.";
+  static constexpr std::array<std::string_view, 3> events{"pair_collisions", "wall_hits", "blocked_turns"};
+
+  DisksSettings disks{.count = 841, .packing_fraction = 0.5};
+  VelocitySettings velocities;
+  double step_length = 0.1;
+  std::uint64_t substeps = 5;
+  Contact contact = Contact::always;
+
+  void describe(SettingVisitor& visitor) {
+    static constexpr std::array<std::string_view, 2> contacts{"always", "approaching"};
+    visitor.visit({.key = "step_length",
+                   .unit = "σ / velocities.max",
+                   .documentation = "Length of a time step, σ being the smallest diameter.",
+                   .least = 0.0,
+                   .least_is_allowed = false},
+                  step_length);
+    visitor.visit({.key = "substeps", .documentation = "Moves tried in a turn.", .least = 1}, substeps);
+    visit_enum(visitor,
+               {.key = "contact", .documentation = "Who scatters: every pair that meets, or pairs that approach."},
+               contacts, contact);
+    visitor.enter("disks", "How many disks, how large, and where they start.");
+    gridlock::describe(disks, visitor);
+    visitor.leave();
+    visitor.enter("velocities", "How fast the disks are at the start.");
+    gridlock::describe(velocities, visitor);
+    visitor.leave();
+  }
+
+  /// The largest contact distance.
+  [[nodiscard]] double reach(World<Self> const& world) const { return 2.0 * radius_range(world.agents).largest; }
+  [[nodiscard]] double time_step(World<Self> const& world) const {
+    double const diameter = 2.0 * radius_range(world.agents).smallest;
+    return step_length * diameter / (velocities.max > 0.0 ? velocities.max : 1.0);
+  }
+  /// Tiled: room for disks of twice the speed that the step length refers to.
+  [[nodiscard]] CellLayout cells(World<Self> const& world) const requires(order == Schedule::tiled) {
+    double const way_at_speed = step_length * 2.0 * radius_range(world.agents).smallest;
+    return packed_layout(world.box, world.agents, 2.0 * way_at_speed);
+  }
+  /// Tiled: the few disks that are faster still wait for the end of the step.
+  [[nodiscard]] bool is_local(Turn<Self> const& self, double room) const requires(order == Schedule::tiled) {
+    double const rounding = static_cast<double>(substeps) * std::numeric_limits<double>::epsilon() *
+                            std::max(self.box().width(), self.box().height());
+    double const way = room * (1.0 - 1e-9) - largest_contact(self) - rounding;
+    return way > 0.0 && squared_length(velocity(self)) * self.time_step() * self.time_step() <= way * way;
+  }
+
+  void start(World<Self>& world) const {
+    State state = make_start(world.box, disks, world.seed);
+    draw_velocities(state, velocities);
+    world.agents = std::move(state.disks);
+  }
+
+  void turn(Turn<Self>& self) const {
+    double const substep = self.time_step() / static_cast<double>(substeps);
+    require_short(self, substep);
+    Vector const way = substep * velocity(self);
+    Vector here = self.position();
+    int crossed_x = 0;
+    int crossed_y = 0;
+    for (std::uint64_t m = 0; m < substeps; ++m) {
+      Vector trial = here + way;
+      if (hits_wall(self, trial)) break;
+      int trial_crossed_x = crossed_x;
+      int trial_crossed_y = crossed_y;
+      // Wrapping rounds, so it comes before the look at others: what is looked at is what is kept.
+      trial = self.box().wrap(trial, trial_crossed_x, trial_crossed_y);
+      if (auto const partner = overlapped(self, trial)) {
+        scatter(self, here, *partner);
+        break;
+      }
+      here = trial;
+      crossed_x = trial_crossed_x;
+      crossed_y = trial_crossed_y;
+    }
+    self.template set<ImageX>(self.template get<ImageX>() + crossed_x);
+    self.template set<ImageY>(self.template get<ImageY>() + crossed_y);
+    self.move_to(here);
+  }
+
+  void observe(World<Self> const& world, Observations& seen) const {
+    seen.add("coverage", covered_area(world.agents) / world.box.area(), "Σ π R² / area.");
+    seen.add("kinetic_energy", kinetic_energy(world.agents), "½ Σ m v².");
+  }
+
+ private:
+  static Vector velocity(auto const& disk) { return {disk.template get<VelocityX>(), disk.template get<VelocityY>()}; }
+  static void set_velocity(auto& disk, Vector v) {
+    disk.template set<VelocityX>(v.x);
+    disk.template set<VelocityY>(v.y);
+  }
+  /// Exact: half of twice the largest radius.
+  static double largest_contact(Turn<Self> const& self) { return self.template get<Radius>() + 0.5 * self.reach(); }
+
+  /// A disk that covers a contact distance in one sub-step could come out behind the one it should have met.
+  static void require_short(Turn<Self> const& self, double substep) {
+    double const radius = self.template get<Radius>();
+    if (squared_length(velocity(self)) * substep * substep < radius * radius) return;
+    throw RunFailure("step " + std::to_string(self.clock().step) + ": disk " + std::to_string(self.id()) +
+                     " covers more than its radius in one sub-step and could jump over another\n  hint: use a smaller "
+                     "step_length or more substeps");
+  }
+
+  static bool hits_wall(Turn<Self>& self, Vector trial) {
+    if (self.box().is_periodic()) return false;
+    double const r = self.template get<Radius>();
+    bool const turns_x = trial.x < r || trial.x > self.box().width() - r;
+    bool const turns_y = trial.y < r || trial.y > self.box().height() - r;
+    Vector const v = velocity(self);
+    if (turns_x || turns_y) {
+      set_velocity(self, {turns_x ? -v.x : v.x, turns_y ? -v.y : v.y});
+      self.count(1);
+      self.count(2);
+    }
+    return turns_x || turns_y;
+  }
+
+  static std::optional<Neighbour<Self>> overlapped(Turn<Self> const& self, Vector trial) {
+    double nearest = std::numeric_limits<double>::infinity();
+    std::optional<Neighbour<Self>> partner;
+    self.for_each_neighbour(trial, largest_contact(self), [&](Neighbour<Self> const& other) {
+      double const contact = self.template get<Radius>() + other.template get<Radius>();
+      double const distance = squared_length(other.separation());
+      if (!(distance < contact * contact) || distance > nearest) return;
+      if (distance == nearest && other.id() > partner->id()) return;
+      nearest = distance;
+      partner.emplace(other);
+    });
+    return partner;
+  }
+
+  /// Δv_i = −(2 m_j / (m_i + m_j)) (w·b / b²) b and the opposite impulse for j, with w = v_i − v_j and b = r_j − r_i.
+  void scatter(Turn<Self>& self, Vector here, Neighbour<Self> const& other) const {
+    self.count(2);
+    Vector const b = self.box().displacement(here, other.position());
+    double const approach = dot(velocity(self) - velocity(other), b);
+    if (contact == Contact::approaching && !(approach > 0.0)) return;
+    double const m_i = self.template get<Mass>();
+    double const m_j = other.template get<Mass>();
+    double const along = 2.0 * approach / ((m_i + m_j) * squared_length(b));
+    set_velocity(self, velocity(self) + (-m_j * along) * b);
+    set_velocity(other, velocity(other) + (m_i * along) * b);
+    self.count(0);
+  }
+};
+
+using Colloid = ColloidInOrder<Schedule::sequential>;
+using TiledColloid = ColloidInOrder<Schedule::tiled>;
+
+}  // namespace gridlock

@@ -1,0 +1,138 @@
+// The paper's disks as a model take the turns of the engines: in the order of the Ids those of `stepped`, tile by tile
+// those of `tiled`, to the last bit.
+
+#include "models/colloid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "gridlock/engine/engine.hpp"
+#include "reference/random_scene.hpp"
+
+namespace gridlock {
+namespace {
+
+using reference::random_scene;
+using reference::SceneSettings;
+
+struct Case {
+  std::string name;
+  SceneSettings scene;
+  double step_length = 0.1;
+  std::uint64_t substeps = 5;
+  double fastest = 1.0;  ///< how much faster every seventh disk is
+
+  friend std::ostream& operator<<(std::ostream& out, Case const& c) {
+    return out << c.scene << ", step length " << c.step_length << ", sub-steps " << c.substeps;
+  }
+};
+
+std::vector<Case> cases() {
+  SceneSettings const dense{.count = 400, .packing_fraction = 0.7};
+  SceneSettings const mixture{.edge = Edge::periodic,
+                              .width = 1.7,
+                              .height = 0.9,
+                              .count = 300,
+                              .packing_fraction = 0.5,
+                              .smallest_ratio = 0.3,
+                              .heaviest_mass = 5.0};
+  SceneSettings const many{.edge = Edge::periodic, .width = 2.0, .count = 1500, .packing_fraction = 0.6};
+  std::vector<Case> all{
+      {.name = "dense", .scene = dense},
+      {.name = "mixture", .scene = mixture, .step_length = 0.3, .substeps = 3},
+      {.name = "many", .scene = many},
+      {.name = "some_fast", .scene = dense, .fastest = 12.0},
+      {.name = "some_fast_around", .scene = mixture, .fastest = 6.0},
+      {.name = "alone", .scene = {.count = 1, .packing_fraction = 0.05}},
+      {.name = "few_around", .scene = {.edge = Edge::periodic, .count = 3, .packing_fraction = 0.1}},
+  };
+  for (std::uint64_t const seed : {11, 12, 13, 14}) {
+    SceneSettings const random{.edge = seed % 2 == 0 ? Edge::wall : Edge::periodic,
+                               .width = 0.4 * static_cast<double>(seed % 4 + 1),
+                               .count = 40 * (seed - 9),
+                               .smallest_ratio = 0.5,
+                               .seed = seed};
+    all.push_back({.name = "random_" + std::to_string(seed), .scene = random});
+  }
+  return all;
+}
+
+class ColloidOn : public testing::TestWithParam<Case> {
+ protected:
+  static constexpr std::uint64_t steps = 40;
+
+  /// The state after the steps of the engine, and what happened in them.
+  struct End {
+    std::uint64_t hash;
+    Tally tally;
+  };
+
+  static State start() {
+    State state = random_scene(GetParam().scene);
+    for (std::size_t i = 0; i < state.disks.size(); i += 7) state.disks.column<VelocityX>()[i] *= GetParam().fastest;
+    return state;
+  }
+  static End end_of_engine(std::string const& kind, Contact contact) {
+    State state = start();
+    EngineSettings const settings{.kind = kind,
+                                  .time_step = GetParam().step_length,
+                                  .speed = 1.0,
+                                  .substeps = GetParam().substeps,
+                                  .contact = contact,
+                                  .threads = 1};
+    Tally tally;
+    make_engine(settings, state)->advance(state, tally, {.step = steps});
+    return {hash(state), tally};
+  }
+  template <class Model>
+  static void expect_the_same(End const& expected, Contact contact, ModelEngineSettings const& settings) {
+    Model model;
+    model.step_length = GetParam().step_length;
+    model.substeps = GetParam().substeps;
+    model.contact = contact;
+    State state = start();
+    World<Model> world{.box = state.box, .agents = state.disks, .clock = state.clock, .seed = state.seed};
+    ModelEngine<Model> engine(model, world.box, settings);
+    engine.advance(world, {.step = steps / 2});
+    engine.advance(world, {.step = steps});
+    EXPECT_EQ(hash(world), expected.hash) << settings.threads << " threads";
+    EXPECT_EQ(world.events[0], expected.tally.pair_collisions);
+    EXPECT_EQ(world.events[2], expected.tally.blocked_turns);
+  }
+};
+
+TEST_P(ColloidOn, OneAfterTheOtherHasTheBitsOfTheEngineStepped) {
+  for (Contact const contact : {Contact::always, Contact::approaching}) {
+    End const expected = end_of_engine("stepped", contact);
+    EXPECT_GE(expected.tally.pair_collisions, GetParam().scene.count > 20 ? 20U : 0U) << "little happens";
+    expect_the_same<Colloid>(expected, contact, {.verify_every = 13});
+  }
+}
+
+TEST_P(ColloidOn, TileByTileOnAnyNumberOfThreadsHasTheBitsOfTheEngineTiled) {
+  for (Contact const contact : {Contact::always, Contact::approaching}) {
+    End const expected = end_of_engine("tiled", contact);
+    for (std::uint64_t const threads : {1, 2, 3, 8}) {
+      expect_the_same<TiledColloid>(expected, contact, {.threads = threads, .verify_every = 13});
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, ColloidOn, testing::ValuesIn(cases()),
+                         [](auto const& one) { return one.param.name; });
+
+TEST(Colloid, ADiskThatCouldJumpOverAnotherEndsTheRun) {
+  Colloid model;
+  model.step_length = 3.0;
+  World<Colloid> world{.box = Box(1.0, 1.0, Edge::wall), .seed = 1};
+  model.start(world);
+  ModelEngine<Colloid> engine(model, world.box, {});
+  EXPECT_THROW(engine.advance(world, {.step = 100}), RunFailure);
+}
+
+}  // namespace
+}  // namespace gridlock
