@@ -167,6 +167,26 @@ std::string names_of(ModelKinds const& kinds) {
   return names;
 }
 
+/// A table of something that is not run would be left out without a word.
+void refuse_tables_of_others(Configuration const& configuration, IsGiven const& is_given) {
+  std::string const& model = configuration.model.kind;
+  for (auto const& other : configuration.models.all()) {
+    if (other->name() == model || !is_given(other->name())) continue;
+    std::string const run = model.empty() ? "the disks are run" : fmt::format("the model \"{}\" is run", model);
+    throw Error({.what = fmt::format("[{}] means nothing here: {}", other->name(), run),
+                 .hint = fmt::format("set model.kind = \"{}\", or take the table out", other->name()),
+                 .key = std::string(other->name())});
+  }
+  if (model.empty()) return;
+  for (char const* table : {"disks", "velocities"}) {
+    if (!is_given(table)) continue;
+    throw Error(
+        {.what = fmt::format("[{}] means nothing to the model \"{}\"", table, model),
+         .hint = fmt::format("its agents are set in [{}]; gridlock explain {} lists what there is", model, model),
+         .key = table});
+  }
+}
+
 /// A model brings its own agents and settings; of the disks' tables only engine.threads means anything to it.
 Setup set_up_model(Configuration configuration) {
   ModelKind const* const kind = configuration.models.find(configuration.model.kind);
@@ -189,7 +209,12 @@ Setup set_up_model(Configuration configuration) {
 }
 
 Setup set_up(Configuration configuration, std::filesystem::path const& directory, IsGiven const& is_given) {
-  if (configuration.is_of_model()) return set_up_model(std::move(configuration));
+  if (configuration.is_of_model()) {
+    Setup setup = set_up_model(std::move(configuration));
+    refuse_tables_of_others(setup.configuration, is_given);
+    return setup;
+  }
+  refuse_tables_of_others(configuration, is_given);
   // What is run is decided: the settings of models would only fill its resolved configuration.
   configuration.models.clear();
   require_memory(configuration);

@@ -61,6 +61,10 @@ TEST_P(BadInput, IsRefusedWithPlaceAndHintAndLeavesNothingBehind) {
 std::vector<Mistake> const mistakes_in_settings{
     {"UnknownKey", "[disks]\ncuont = 10\n", {"cuont", "bad.toml:2:1", "count"}},
     {"UnknownTable", "[dissk]\ncount = 10\n", {"dissk", "bad.toml:1", "disks"}},
+    {"UnknownModel", "[model]\nkind = \"flock\"\n", {"flock", "bad.toml:2", "flocking"}},
+    {"DisksForAModel", "model.kind = \"flocking\"\n[disks]\ncount = 10\n", {"[disks]", "bad.toml:2", "[flocking]"}},
+    {"ModelThatIsNotRun", "[flocking]\nnoise = 0.1\n", {"[flocking]", "bad.toml:1", "model.kind"}},
+    {"OtherModel", "model.kind = \"flocking\"\n[epidemic]\n", {"[epidemic]", "bad.toml:2", "model.kind"}},
     {"TextForNumber", "[disks]\npacking_fraction = \"dense\"\n", {"packing_fraction", "bad.toml:2:20"}},
     {"NumberForText", "[disks]\nstart = 3\n", {"start", "bad.toml:2"}},
     {"NumberForTrue", "[velocities]\nredraw = 1\n", {"redraw", "bad.toml:2"}},
