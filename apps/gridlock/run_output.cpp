@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <string>
+#include <string_view>
 
 #include "gridlock/run/pictures.hpp"
 
@@ -17,10 +19,10 @@ using Json = nlohmann::ordered_json;
 constexpr double seconds_between_lines = 0.2;
 
 /// The observables a first look asks for; summary.json has all of them.
-constexpr char const* headlines[] = {"mean_displacement", "mean_squared_displacement",
-                                     "kinetic_energy",    "compressibility_factor",
-                                     "wall_pressure",     "collision_rate",
-                                     "blocked_share"};
+constexpr std::string_view headlines[] = {"mean_displacement", "mean_squared_displacement",
+                                          "kinetic_energy",    "compressibility_factor",
+                                          "wall_pressure",     "collision_rate",
+                                          "blocked_share"};
 
 void print_line(Json const& json) {
   fmt::print("{}\n", json.dump());
@@ -43,13 +45,34 @@ Json to_json(gridlock::Progress const& progress) {
           {"observables", observables}};
 }
 
-void print_headlines(gridlock::RunRecord const& record) {
-  for (char const* name : headlines) {
-    auto const found = std::ranges::find(record.results, name, &gridlock::NamedEstimate::name);
-    if (found == record.results.end()) continue;
-    auto const& [value, error] = found->estimate;
-    fmt::print("  {:<26} {:.6g}{}{}\n", name, value, error ? fmt::format(" ± {:.2g}", *error) : "",
-               found->unit.empty() ? "" : "  " + found->unit);
+/// The first observables of the last sample that have a value, as far as they fit into a line.
+std::string sample_text(gridlock::Progress const& progress) {
+  constexpr int most = 2;
+  std::string text;
+  int shown = 0;
+  for (std::size_t k = 2; k < progress.last_sample.size() && shown < most; ++k) {
+    if (!std::isfinite(progress.last_sample[k])) continue;
+    text += fmt::format("  {} {:.4g}", progress.columns[k].name, progress.last_sample[k]);
+    ++shown;
+  }
+  return text;
+}
+
+void print_estimate(gridlock::NamedEstimate const& result) {
+  auto const& [value, error] = result.estimate;
+  fmt::print("  {:<26} {:.6g}{}{}\n", result.name, value, error ? fmt::format(" ± {:.2g}", *error) : "",
+             result.unit.empty() ? "" : "  " + result.unit);
+}
+
+bool is_headline(gridlock::NamedEstimate const& result) {
+  return std::ranges::find(headlines, result.name) != std::end(headlines);
+}
+
+/// The headlines of the disks; a model has few results, none of them there, and all are shown.
+void print_results(gridlock::RunRecord const& record) {
+  bool const has_headlines = std::ranges::any_of(record.results, is_headline);
+  for (gridlock::NamedEstimate const& result : record.results) {
+    if (!has_headlines || is_headline(result)) print_estimate(result);
   }
 }
 
@@ -83,9 +106,9 @@ void RunOutput::print_progress(gridlock::Progress const& progress) {
     last_json_ = progress.seconds;
     print_line(to_json(progress));
   } else if (!is_quiet_) {
-    line_->show(
-        progress.fraction, progress.seconds,
-        fmt::format("step {}  {}agent-steps/s", progress.clock.step, count_text(progress.agent_steps_per_second)));
+    line_->show(progress.fraction, progress.seconds,
+                fmt::format("step {}  {}agent-steps/s{}", progress.clock.step,
+                            count_text(progress.agent_steps_per_second), sample_text(progress)));
   }
 }
 
@@ -102,7 +125,7 @@ void RunOutput::print_end(gridlock::RunRecord const& record, std::filesystem::pa
   }
   fmt::print("{} {} steps of {} agents in {} ({}agent-steps/s)\n", gridlock::to_text(record.ending), record.steps,
              record.agents, duration_text(record.seconds), count_text(record.agent_steps_per_second()));
-  print_headlines(record);
+  print_results(record);
   fmt::print("  {:<26} {:016x}\nresults in {}\n", "state_hash", record.state_hash, directory.string());
 }
 
