@@ -78,17 +78,15 @@ class Steps {
         turns_(view_, grid_, radius_range(state.disks), duration),
         smallest_radius_(radius_range(state.disks).smallest),
         group_size_(goes_around_box(layout, tiling) ? 1 : most_in_group),
-        has_turned_(state.disks.size() + 1, 0),
         results_(tiling.tiles().size()) {
+    rank_.reserve(disks_.size());
     for (std::size_t k = 0; k < disks_.size(); ++k) rank_.push_back(disks_[k].rank);
-    rank_.push_back(std::numeric_limits<std::uint32_t>::max());
   }
 
   /// All disks take their turns. `for_each(parts, take)` calls take(part) for each, in any order or at once.
   template <class ForEach>
   void take_step(std::vector<Tiling::Round> const& rounds, Tally& tally, ForEach for_each) {
-    flag_ ^= 1;
-    has_turned_.back() = flag_;
+    marks_of_turned_ ^= all_slots;
     for (Tiling::Round const& round : rounds) {
       for_each(round.size(), [&](std::size_t part) { take_part(round[part]); });
     }
@@ -127,7 +125,9 @@ class Steps {
     FetchAhead ahead(grid_, view_);
     auto const tile = [&](std::size_t k) { return k < part.size() ? &tiling_.tiles()[part[k]] : nullptr; };
     for (std::size_t k = 0; k < part.size(); ++k) {
-      waiting.find(grid_, *tile(k), rank_, [&](std::uint32_t i) { return has_turned_[i] != flag_; });
+      waiting.find(grid_, *tile(k), rank_, [this](PackedGrid::Block const& block) {
+        return (block.marks ^ marks_of_turned_) & ((1U << block.count) - 1U);
+      });
       ahead.aim(tile(k + 1), tile(k + 2), waiting.size());
       TileResult& result = results_[part[k]];
       waiting.for_each_group([&](std::span<std::uint32_t const> rows) {
@@ -143,7 +143,7 @@ class Steps {
     std::array<PackedTurns::Prepared, most_in_group> prepared;
     std::size_t count = 0;
     for (std::uint32_t const i : rows) {
-      has_turned_[i] = flag_;
+      grid_.toggle_mark(i);
       // A local disk is short of a contact distance in the whole step, so in each sub-step too.
       if (turns_.is_local(i, squared_length(disks_[i].velocity))) {
         prepared[count++] = turns_.prepare(i);
@@ -173,9 +173,10 @@ class Steps {
   PackedTurns turns_;
   double smallest_radius_;
   std::size_t group_size_;
-  std::uint8_t flag_ = 0;
-  std::vector<std::uint8_t> has_turned_;
-  std::vector<std::uint32_t> rank_;
+  /// A disk has the mark of its last turn; what a mark says turns around with every step.
+  static constexpr unsigned all_slots = (1U << PackedGrid::slots) - 1U;
+  unsigned marks_of_turned_ = 0;     ///< what the marks are of those that have had their turn
+  std::vector<std::uint32_t> rank_;  ///< of DiskInTurn, side by side
   std::vector<TileResult> results_;
 };
 

@@ -36,7 +36,7 @@ PackedGrid::PackedGrid(CellLayout const& layout)
   locals_per_length_ = 1.0 / longer;
   local_width_ = static_cast<float>(layout.cell_width() / longer);
   local_height_ = static_cast<float>(layout.cell_height() / longer);
-  Block empty{.x = {}, .y = {}, .agent = {}, .next = none, .count = 0, .column = 0, .row = 0};
+  Block empty{.x = {}, .y = {}, .agent = {}, .next = none, .count = 0, .marks = 0, .column = 0, .row = 0};
   empty.x.fill(nowhere);
   empty.y.fill(nowhere);
   blocks_.reserve(blocks);
@@ -92,9 +92,19 @@ void PackedGrid::take_out(std::size_t agent) {
   store(hole.y, with_lane(load(hole.y), slot, top.y[last]));
   hole.agent[slot] = filler;
   place_[filler] = place;
+  unsigned const mark_of_filler = (top.marks >> last) & 1U;
+  hole.marks = static_cast<std::uint16_t>((hole.marks & ~(1U << slot)) | mark_of_filler << slot);
+  top.marks = static_cast<std::uint16_t>(top.marks & ~(1U << last));
   store(top.x, with_lane(load(top.x), last, nowhere));
   store(top.y, with_lane(load(top.y), last, nowhere));
   if (last == 0 && base.next != none) drop_second_block(base);
+}
+
+void PackedGrid::move_to_cell(std::size_t agent, Vector p, int column, int row) {
+  unsigned const mark = (block_of(agent).marks >> place_[agent] % slots) & 1U;
+  take_out(agent);
+  put(agent, p, column, row);
+  block_of(agent).marks |= static_cast<std::uint16_t>(mark << place_[agent] % slots);
 }
 
 std::uint32_t PackedGrid::add_block(Block& base) {
@@ -111,6 +121,7 @@ std::uint32_t PackedGrid::add_block(Block& base) {
   block.x.fill(nowhere);
   block.y.fill(nowhere);
   block.count = 0;
+  block.marks = 0;
   block.column = base.column;
   block.row = base.row;
   block.next = base.next;
@@ -152,6 +163,7 @@ bool PackedGrid::is_consistent() const {
       for (std::uint32_t s = 0; s < slots; ++s) {
         bool const is_empty = block.x[s] == nowhere && block.y[s] == nowhere;
         if (is_empty != (s >= block.count)) return false;
+        if (is_empty && ((block.marks >> s) & 1U) != 0) return false;
         if (!is_empty && place_[block.agent[s]] != index * slots + s) return false;
       }
       // A loop in a chain would go on for ever: more agents than there are proves it.

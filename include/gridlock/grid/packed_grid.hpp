@@ -50,7 +50,8 @@ class PackedGrid {
     std::array<float, slots> y;
     std::array<std::uint32_t, slots> agent;
     std::uint32_t next;   ///< the next block of this cell, or none
-    std::uint32_t count;  ///< the first `count` slots are taken
+    std::uint16_t count;  ///< the first `count` slots are taken
+    std::uint16_t marks;  ///< bit s belongs to the agent in slot s; 0 where there is none
     std::int32_t column;
     std::int32_t row;
   };
@@ -125,15 +126,21 @@ class PackedGrid {
   /// Agents of cells more than two cells apart may be moved by different threads at once.
   void move(std::size_t agent, Vector p) {
     assert(contains(agent));
-    int const column = layout_.column_of(p.x);
-    int const row = layout_.row_of(p.y);
     Block& block = block_of(agent);
-    if (column == block.column && row == block.row) {
-      write_place(block, place_[agent] % slots, local(p, column, row));
+    // The differences are exact where they are within [0, 1), so they say which cell column_of() and row_of() would.
+    double const x = p.x * layout_.columns_per_length() - block.column;
+    double const y = p.y * layout_.rows_per_length() - block.row;
+    if ((x >= 0.0) & (x < 1.0) & (y >= 0.0) & (y < 1.0)) {
+      LocalPoint const inside{static_cast<float>(x) * local_width_, static_cast<float>(y) * local_height_};
+      write_lanes(block, place_[agent] % slots, inside);
     } else {
-      take_out(agent);
-      put(agent, p, column, row);
+      move_to_cell(agent, p, layout_.column_of(p.x), layout_.row_of(p.y));
     }
+  }
+
+  /// Every agent has a mark, at first not set, that stays with it while it moves.
+  void toggle_mark(std::size_t agent) {
+    block_of(agent).marks ^= static_cast<std::uint16_t>(1U << place_[agent] % slots);
   }
 
   /// Agent i of all that are held is at (x[i], y[i]).
@@ -260,13 +267,17 @@ class PackedGrid {
     return p > 1.0F + farthest_outside ? 1.0F + farthest_outside : p;
   }
   static void write_place(Block& block, std::uint32_t slot, LocalPoint p) {
-    store(block.x, with_lane(load(block.x), slot, place(p.x)));
-    store(block.y, with_lane(load(block.y), slot, place(p.y)));
+    write_lanes(block, slot, {place(p.x), place(p.y)});
+  }
+  static void write_lanes(Block& block, std::uint32_t slot, LocalPoint p) {
+    store(block.x, with_lane(load(block.x), slot, p.x));
+    store(block.y, with_lane(load(block.y), slot, p.y));
   }
 
   void grow(std::size_t agents);
   void put(std::size_t agent, Vector p, int column, int row);
   void take_out(std::size_t agent);
+  void move_to_cell(std::size_t agent, Vector p, int column, int row);
   /// Links an empty block behind the first block of a cell.
   std::uint32_t add_block(Block& base);
   void drop_second_block(Block& base);

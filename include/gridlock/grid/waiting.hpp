@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <iterator>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -27,40 +26,34 @@ class Waiting {
  public:
   static constexpr std::size_t classes = 9;
 
-  /// Finds those of the tile. `ids` are the Ids of all rows, or numbers in the same order, and behind them the largest
-  /// number there is: that of a row of nobody, who never waits.
-  template <class Number, class IsWaiting>
-  void find(PackedGrid const& grid, Tiling::Tile const& tile, std::vector<Number> const& ids, IsWaiting is_waiting) {
+  /// Finds those of the tile. `ids` are the Ids of all rows, or numbers in the same order; waiting_slots(block) has bit s
+  /// set where the agent in slot s has not had its turn.
+  template <class Number, class WaitingSlots>
+  void find(PackedGrid const& grid, Tiling::Tile const& tile, std::vector<Number> const& ids,
+            WaitingSlots waiting_slots) {
     auto const third = [](int cells) { return static_cast<std::size_t>((cells + 2) / 3); };
     clear(third(tile.end_column - tile.first_column) * third(tile.end_row - tile.first_row));
-    auto const nobody = static_cast<std::uint32_t>(ids.size() - 1);
+    auto const in_chain = [&](PackedGrid::Block const& first) {
+      return rows_in_chain(grid, first, ids, waiting_slots);
+    };
     for (int row = tile.first_row; row < tile.end_row; ++row) {
+      auto const first_class = static_cast<std::size_t>(3 * ((row - tile.first_row) % 3));
+      std::size_t of_class = first_class;
       for (int column = tile.first_column; column < tile.end_column; ++column) {
-        auto const of_class =
-            static_cast<std::size_t>(3 * ((row - tile.first_row) % 3) + (column - tile.first_column) % 3);
         PackedGrid::Block const& block = grid.block_at(column, row);
         if (block.next == PackedGrid::none) {
-          add_block(of_class, block, ids, nobody, is_waiting);
-          continue;
+          add_block(of_class, block, waiting_slots(block));
+        } else if (!in_chain(block).empty()) {
+          add_chain(of_class, block);
         }
-        std::vector<std::uint32_t> rows;
-        for (PackedGrid::Block const* part = &block;; part = &grid.next_of(*part)) {
-          std::copy_if(part->agent.begin(), part->agent.begin() + part->count, std::back_inserter(rows), is_waiting);
-          if (part->next == PackedGrid::none) break;
-        }
-        std::ranges::sort(rows, {}, [&](std::uint32_t i) { return ids[i]; });
-        add_sorted(of_class, rows);
+        of_class = of_class == first_class + 2 ? first_class : of_class + 1;
       }
     }
+    sort_cells(ids, in_chain);
   }
 
-  [[nodiscard]] std::size_t size() const {
-    std::size_t sum = 0;
-    for (std::vector<Level> const& levels : classes_) {
-      for (Level const& level : levels) sum += level.size;
-    }
-    return sum;
-  }
+  /// Agents that wait.
+  [[nodiscard]] std::size_t size() const { return size_; }
 
   /// Calls visit(rows) for every class and level, in the order of the turns.
   template <class Visit>
@@ -73,7 +66,25 @@ class Waiting {
   }
 
  private:
+  /// The agents of a cell of any size that wait, in the order of their Ids.
+  template <class Number, class WaitingSlots>
+  static std::vector<std::uint32_t> rows_in_chain(PackedGrid const& grid, PackedGrid::Block const& first,
+                                                  std::vector<Number> const& ids, WaitingSlots waiting_slots) {
+    std::vector<std::uint32_t> rows;
+    for (PackedGrid::Block const* block = &first;; block = &grid.next_of(*block)) {
+      for (unsigned left = waiting_slots(*block); left != 0; left &= left - 1) {
+        rows.push_back(block->agent[first_of(left)]);
+      }
+      if (block->next == PackedGrid::none) break;
+    }
+    std::ranges::sort(rows, {}, [&](std::uint32_t i) { return ids[i]; });
+    return rows;
+  }
+
   void clear(std::size_t cells_of_class) {
+    size_ = 0;
+    crowded_size_ = 0;
+    if (crowded_.size() < classes * cells_of_class + 1) crowded_.resize(classes * cells_of_class + 1);
     for (std::vector<Level>& levels : classes_) {
       for (Level& level : levels) {
         level.size = 0;
@@ -84,54 +95,86 @@ class Waiting {
     }
   }
 
-  /// Adds the agents of a cell that fits one block. Which slots wait is as good as random, so nothing depends on it but
-  /// what is written.
-  template <class Number, class IsWaiting>
-  void add_block(std::size_t of_class, PackedGrid::Block const& block, std::vector<Number> const& ids,
-                 std::uint32_t nobody, IsWaiting is_waiting) {
-    std::array<Number, PackedGrid::slots> id;
-    std::array<std::uint32_t, PackedGrid::slots> row;
-    std::size_t count = 0;
-    for (std::uint32_t s = 0; s < PackedGrid::slots; ++s) {
-      std::uint32_t const candidate = s < block.count ? block.agent[s] : nobody;
-      bool const waits = is_waiting(candidate);
-      row[s] = candidate;
-      id[s] = ids[candidate] | (waits ? Number{0} : std::numeric_limits<Number>::max());
-      count += waits ? 1 : 0;
-    }
-    auto const order = [&](std::size_t a, std::size_t b) {
-      bool const is_wrong = id[b] < id[a];
-      Number const low = is_wrong ? id[b] : id[a];
-      id[b] = is_wrong ? id[a] : id[b];
-      id[a] = low;
-      std::uint32_t const low_row = is_wrong ? row[b] : row[a];
-      row[b] = is_wrong ? row[a] : row[b];
-      row[a] = low_row;
-    };
-    order(0, 1);
-    order(2, 3);
-    order(0, 2);
-    order(1, 3);
-    order(1, 2);
-    for (std::size_t n = 0; n < PackedGrid::slots; ++n) {
-      Level& level = classes_[of_class][n];
-      level.rows[level.size] = row[n];
-      level.size += n < count ? 1 : 0;
-    }
+  /// Adds the agents of a cell that fits one block, those whose bits are set. Which they are is as good as random, so
+  /// nothing depends on it but what is written. Cells in which several wait are left for sort_cells().
+  void add_block(std::size_t of_class, PackedGrid::Block const& block, unsigned slots_set) {
+    Level& level = classes_[of_class][0];
+    level.rows[level.size] = block.agent[first_of(slots_set | last_slot)];
+    crowded_[crowded_size_] = {&block, static_cast<std::uint32_t>(level.size), static_cast<std::uint16_t>(of_class),
+                               static_cast<std::uint16_t>(slots_set)};
+    crowded_size_ += (slots_set & (slots_set - 1)) != 0 ? 1 : 0;
+    level.size += slots_set != 0 ? 1 : 0;
+    size_ += slots_set != 0 ? 1 : 0;
   }
 
-  /// Adds the agents of a cell of any size, in the order of their Ids.
-  void add_sorted(std::size_t of_class, std::span<std::uint32_t const> rows) {
-    std::vector<Level>& levels = classes_[of_class];
-    while (levels.size() < rows.size()) levels.push_back({.rows = std::vector<std::uint32_t>(levels[0].rows.size())});
-    for (std::size_t n = 0; n < rows.size(); ++n) levels[n].rows[levels[n].size++] = rows[n];
+  /// Adds a cell of several blocks in which somebody waits.
+  void add_chain(std::size_t of_class, PackedGrid::Block const& first) {
+    Level& level = classes_[of_class][0];
+    crowded_[crowded_size_++] = {&first, static_cast<std::uint32_t>(level.size++), static_cast<std::uint16_t>(of_class),
+                                 0};
+    ++size_;
+  }
+
+  /// After the last cell: puts the agents of one cell in the order of their Ids. in_chain(first block) returns the rows of a
+  /// chain in this order.
+  template <class Number, class InChain>
+  void sort_cells(std::vector<Number> const& ids, InChain in_chain) {
+    for (Crowded const& cell : std::span(crowded_).first(crowded_size_)) {
+      if (cell.slots_set == 0) {
+        place_rows(cell, in_chain(*cell.block));
+        continue;
+      }
+      std::array<std::uint32_t, PackedGrid::slots> rows;
+      std::size_t count = 0;
+      for (unsigned left = cell.slots_set; left != 0; left &= left - 1)
+        rows[count++] = cell.block->agent[first_of(left)];
+      order(rows[0], rows[1], ids);
+      if (count > 2) {
+        for (std::size_t n = 2; n < count; ++n) {
+          for (std::size_t k = n; k > 0; --k) order(rows[k - 1], rows[k], ids);
+        }
+      }
+      place_rows(cell, std::span<std::uint32_t const>(rows).first(count));
+    }
   }
 
   struct Level {
     std::vector<std::uint32_t> rows;  ///< one more than can be, for what is written and not meant
     std::size_t size = 0;
   };
+  /// A cell in whose block several agents wait; in level 0 it has the place `place`.
+  struct Crowded {
+    PackedGrid::Block const* block;
+    std::uint32_t place;
+    std::uint16_t of_class;
+    std::uint16_t slots_set;
+  };
+  /// The rows of one cell to the levels of its class.
+  void place_rows(Crowded const& cell, std::span<std::uint32_t const> rows) {
+    std::vector<Level>& levels = classes_[cell.of_class];
+    while (levels.size() < rows.size()) levels.push_back({.rows = std::vector<std::uint32_t>(levels[0].rows.size())});
+    levels[0].rows[cell.place] = rows[0];
+    for (std::size_t n = 1; n < rows.size(); ++n) levels[n].rows[levels[n].size++] = rows[n];
+    size_ += rows.size() - 1;
+  }
+
+  static constexpr unsigned last_slot = 1U << (PackedGrid::slots - 1);
+
+  static std::size_t first_of(unsigned slots_set) { return static_cast<std::size_t>(std::countr_zero(slots_set)); }
+
+  template <class Number>
+  static void order(std::uint32_t& low, std::uint32_t& high, std::vector<Number> const& ids) {
+    std::uint32_t const a = low;
+    std::uint32_t const b = high;
+    bool const is_wrong = ids[b] < ids[a];
+    low = is_wrong ? b : a;
+    high = is_wrong ? a : b;
+  }
+
   std::array<std::vector<Level>, classes> classes_;
+  std::vector<Crowded> crowded_;  ///< one more than can be
+  std::size_t crowded_size_ = 0;
+  std::size_t size_ = 0;
 };
 
 }  // namespace gridlock

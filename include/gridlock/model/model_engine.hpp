@@ -233,9 +233,7 @@ class ModelEngine {
   void step_in_tiles(World<Model>& world) {
     tiling_ = Tiling(layout_);
     ids_.assign(world.agents.ids().begin(), world.agents.ids().end());
-    ids_.push_back(std::numeric_limits<Id>::max());
     has_turned_.assign(world.agents.size(), 0);
-    has_turned_.push_back(1);
     // Searches that are compared with a look at everybody have to take turns with everybody.
     std::vector<Tiling::Round> const rounds = tiling_.rounds(is_verified(world) ? 1 : team_.size());
     std::size_t parts = 0;
@@ -260,7 +258,13 @@ class ModelEngine {
                                .is_verified = is_verified(world),
                                .is_confined = true};
     static thread_local Waiting waiting;
-    waiting.find(grid_, tiling_.tiles()[tile], ids_, [&](std::uint32_t row) { return has_turned_[row] == 0; });
+    waiting.find(grid_, tiling_.tiles()[tile], ids_, [&](PackedGrid::Block const& block) {
+      unsigned slots = 0;
+      for (unsigned s = 0; s < block.count; ++s) {
+        slots |= (has_turned_[block.agent[s]] == 0 ? 1U : 0U) << s;
+      }
+      return slots;
+    });
     waiting.for_each_group([&](std::span<std::uint32_t const> rows) {
       for (std::uint32_t const row : rows) {
         has_turned_[row] = 1;
@@ -312,7 +316,7 @@ class ModelEngine {
   std::vector<Id> spare_ids_;
   std::vector<Requests<Model>> requests_;
   Tiling tiling_;
-  std::vector<Id> ids_;                           ///< tiled: of all rows, and of nobody
+  std::vector<Id> ids_;                           ///< tiled: of all rows
   std::vector<std::uint8_t> has_turned_;          ///< tiled: by row
   std::vector<std::vector<std::uint32_t>> late_;  ///< tiled: of each tile the rows of agents that are not local
 };

@@ -19,10 +19,12 @@ namespace gridlock {
 /// Only blocks of the next tile and its ring are read, which no other thread touches in this round.
 class FetchAhead {
  public:
-  FetchAhead(PackedGrid const& grid, TurnView const& view) : grid_(grid), disks_(view.disks.data()) {}
+  FetchAhead(PackedGrid const& grid, TurnView const& view)
+      : grid_(grid), disks_(view.disks.data()), is_worth_it_(view.disks.size() > few_disks) {}
 
   /// The tiles that follow, nullptr where there is none; step() will be called about `steps` times before they are due.
   void aim(Tiling::Tile const* next, Tiling::Tile const* after_next, std::size_t steps) {
+    if (!is_worth_it_) return;
     disk_walk_ = walk_of(next);
     block_walk_ = walk_of(after_next);
     cells_a_step_ = std::max(disk_walk_.cells(), block_walk_.cells()) / (steps + 1) + 1;
@@ -72,8 +74,12 @@ class FetchAhead {
   /// Into the second cache, which has room for a few tiles; the first one has none.
   static void fetch(void const* line) { __builtin_prefetch(line, 1, 2); }
 
+  /// That many disks and their blocks stay in the caches from step to step, some 3 MB.
+  static constexpr std::size_t few_disks = 25'000;
+
   PackedGrid const& grid_;
   DiskInTurn const* disks_;
+  bool is_worth_it_;
   Walk disk_walk_;
   Walk block_walk_;
   std::size_t cells_a_step_ = 0;

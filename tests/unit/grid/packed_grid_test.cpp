@@ -3,10 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/core/random.hpp"
 
 namespace gridlock {
 namespace {
@@ -124,10 +128,54 @@ TEST(PackedGrid, NearSlotsAreThoseWithinTheLimit) {
                           .agent = {},
                           .next = PackedGrid::none,
                           .count = 4,
+                          .marks = 0,
                           .column = 0,
                           .row = 0};
   EXPECT_EQ(PackedGrid::near_slots(block, {0.1F, 0.2F}, 0.011F), 0b0001U);
   EXPECT_EQ(PackedGrid::near_slots(block, {0.1F, 0.2F}, 0.5F), 0b0011U);
+}
+
+TEST(PackedGrid, MarksStayWithTheirAgentsWhileThoseMoveThroughCrowdedCells) {
+  // 40 agents in 3 × 3 cells: chains of blocks grow and shrink all the time.
+  CellLayout const layout(Box(1.0, 1.0, Edge::wall), 3, 3);
+  RandomStream random(7, 0, 0, Purpose::start_position);
+  PackedGrid grid(layout);
+  auto const& seen = std::as_const(grid);
+  std::vector<bool> is_marked(40, false);
+  for (std::size_t i = 0; i < is_marked.size(); ++i) grid.insert(i, {random.uniform(), random.uniform()});
+  for (int n = 0; n < 2000; ++n) {
+    std::size_t const i = random.below(is_marked.size());
+    if (random.below(2) == 0) {
+      grid.toggle_mark(i);
+      is_marked[i] = !is_marked[i];
+    } else {
+      grid.move(i, {random.uniform(), random.uniform()});
+    }
+    ASSERT_TRUE(grid.is_consistent());
+    for (std::size_t k = 0; k < is_marked.size(); ++k) {
+      ASSERT_EQ(((seen.block_of(k).marks >> seen.slot_of(k)) & 1U) != 0, is_marked[k]) << "agent " << k;
+    }
+  }
+}
+
+TEST(PackedGrid, AgentsOnTheEdgesOfCellsAreWhereTheLayoutSaysTheyAre) {
+  for (int const columns : {1, 3, 7, 49}) {
+    CellLayout const layout(Box(1.0, 2.0, Edge::periodic), columns, 2 * columns + 1);
+    PackedGrid grid(layout);
+    grid.insert(0, {0.5, 0.5});
+    for (int c = 0; c <= columns; ++c) {
+      double const edge = static_cast<double>(c) / columns;
+      for (double const x : {std::nextafter(edge, 0.0), edge, std::nextafter(edge, 1.0)}) {
+        // From the cell on the left, from the one on the right, and from within.
+        for (double const from : {edge - 0.5 / columns, edge + 0.5 / columns, x}) {
+          grid.move(0, {std::clamp(from, 0.0, 1.0), 2.0 * edge});
+          grid.move(0, {x, 2.0 * x});
+          ASSERT_EQ(grid.cell_of(0), layout.cell_of({x, 2.0 * x})) << columns << " columns, x = " << x;
+          ASSERT_TRUE(grid.is_consistent());
+        }
+      }
+    }
+  }
 }
 
 }  // namespace
