@@ -46,6 +46,11 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor) {
                  .least = 1.0,
                  .most = 1e6},
                 settings.speed_bins);
+  visitor.visit({.key = "velocity_origin_every",
+                 .unit = "samples",
+                 .documentation = "Samples between two origins of the velocity autocorrelation, and the length of its "
+                                  "curve; 0 for one origin and the curve of the whole run."},
+                settings.velocity_origin_every);
 }
 
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Moment const& start) {
@@ -55,7 +60,7 @@ std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const&
   observables.push_back(std::make_unique<Speed>(settings.speed_range, settings.speed_bins));
   observables.push_back(std::make_unique<Rates>());
   observables.push_back(std::make_unique<Pressure>());
-  observables.push_back(std::make_unique<VelocityAutocorrelation>());
+  observables.push_back(std::make_unique<VelocityAutocorrelation>(settings.velocity_origin_every));
   if (settings.structure_every > 0) {
     observables.push_back(std::make_unique<BondOrientation>(settings.structure_every));
     observables.push_back(std::make_unique<PairCorrelation>(settings.structure_every, settings.pair_correlation_range,

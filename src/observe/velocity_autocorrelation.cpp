@@ -8,7 +8,7 @@
 namespace gridlock {
 
 std::vector<ColumnInfo> VelocityAutocorrelation::columns() const {
-  return {{"velocity_autocorrelation", "", "Σ v(t₀)·v(t) / Σ v(t₀)² since the first sample that counts for averages."}};
+  return {{"velocity_autocorrelation", "", "Σ v(t₀)·v(t) / Σ v(t₀)² since the last origin t₀."}};
 }
 
 void VelocityAutocorrelation::begin(Moment const&) {
@@ -16,11 +16,13 @@ void VelocityAutocorrelation::begin(Moment const&) {
   rows_ = {};
   velocities_.clear();
   curve_.clear();
+  over_origins_.clear();
 }
 
 void VelocityAutocorrelation::set_origin(State const& state) {
   Disks const& disks = state.disks;
   has_origin_ = true;
+  samples_since_origin_ = 0;
   origin_time_ = state.clock.time;
   rows_ = RowsById(disks.ids());
   velocities_.assign(disks.size(), {});
@@ -29,8 +31,10 @@ void VelocityAutocorrelation::set_origin(State const& state) {
 
 void VelocityAutocorrelation::sample(Moment const& now, std::span<double> row, bool counts_for_average) {
   row[0] = no_value;
-  if (!has_origin_ && counts_for_average) set_origin(now.state);
-  if (!has_origin_) return;
+  if (!has_origin_ && !counts_for_average) return;
+  bool const is_origin_due = !has_origin_ || (origin_every_ > 0 && samples_since_origin_ == origin_every_);
+  if (is_origin_due) set_origin(now.state);
+  std::size_t const point = samples_since_origin_++;
   Disks const& disks = now.state.disks;
   auto const ids = disks.ids();
   // With the squares at the origin as weights, the ratio of sums is the normalised correlation.
@@ -44,26 +48,41 @@ void VelocityAutocorrelation::sample(Moment const& now, std::span<double> row, b
   auto const correlation = estimate_from(blocks);
   if (!correlation) return;
   row[0] = correlation->value;
-  curve_.push_back({now.state.clock.time - origin_time_, *correlation});
+  double const lag = now.state.clock.time - origin_time_;
+  if (point == curve_.size()) curve_.push_back({lag, *correlation});
+  // The last sample of a run may come early, and belongs to no point then.
+  bool const is_on_curve = point < curve_.size() && std::abs(lag - curve_[point].lag) <= 1e-9 * lag;
+  if (origin_every_ == 0 || !is_on_curve) return;
+  over_origins_.resize(curve_.size());
+  Block all;
+  for (Block const& block : blocks) all.add(block);
+  over_origins_[point].add(correlation->value, all.weight);
+}
+
+Estimate VelocityAutocorrelation::correlation_at(std::size_t place) const {
+  if (place < over_origins_.size() && over_origins_[place].samples() > 1) return *over_origins_[place].estimate();
+  return curve_[place].correlation;
 }
 
 std::vector<Distribution> VelocityAutocorrelation::distributions() const {
   if (curve_.empty()) return {};
   std::vector<double> lag, correlation, error;
-  for (Point const& point : curve_) {
-    lag.push_back(point.lag);
-    correlation.push_back(point.correlation.value);
-    error.push_back(point.correlation.error.value_or(no_value));
+  for (std::size_t k = 0; k < curve_.size(); ++k) {
+    Estimate const point = correlation_at(k);
+    lag.push_back(curve_[k].lag);
+    correlation.push_back(point.value);
+    error.push_back(point.error.value_or(no_value));
   }
   return {{.name = "velocity_autocorrelation",
-           .columns = {{"lag", "time", "Time since the first sample that counts for averages."},
-                       {"velocity_autocorrelation", "", "Σ v(t₀)·v(t) / Σ v(t₀)²."},
-                       {"error", "", "One standard error, from blocks of disks."}},
+           .columns = {{"lag", "time", "Time since an origin t₀."},
+                       {"velocity_autocorrelation", "", "Σ v(t₀)·v(t₀ + t) / Σ v(t₀)², over all origins."},
+                       {"error", "", "One standard error, from blocks of origins, or of disks where there is one."}},
            .columns_of_values = {std::move(lag), std::move(correlation), std::move(error)}}};
 }
 
 void VelocityAutocorrelation::carry(Archive& archive) {
   archive.visit("has_origin", has_origin_);
+  archive.visit("samples_since_origin", samples_since_origin_);
   archive.visit("origin_time", origin_time_);
   carry_inside(archive, "origin", [&] { rows_.carry(archive); });
   std::vector<double> velocities;
@@ -84,6 +103,11 @@ void VelocityAutocorrelation::carry(Archive& archive) {
     Estimate const correlation{curve[k + 1], std::isnan(curve[k + 2]) ? std::nullopt : std::optional(curve[k + 2])};
     curve_.push_back({curve[k], correlation});
   }
+  std::uint64_t points = over_origins_.size();
+  archive.visit("points", points);
+  archive.require(points == 0 || points == curve_.size(), "the curve and its averages differ in length");
+  over_origins_.resize(points);
+  gridlock::carry(archive, "over_origins", over_origins_);
 }
 
 }  // namespace gridlock

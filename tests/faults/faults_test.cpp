@@ -41,7 +41,8 @@ std::string toml_of(Kind const& kind) {
   bool const is_model = std::string(kind.settings).find("model.kind") != std::string::npos;
   std::string const disks = "[disks]\ncount = 144\npacking_fraction = 0.6\n";
   return std::string(kind.settings) + "\n" + (is_model ? "" : disks) +
-         "[observe]\nevery = 50\nstructure_every = 4\n[checkpoint]\nevery_seconds = 0.01\n" +
+         "[observe]\nevery = 50\nstructure_every = 4\nvelocity_origin_every = 20\n[checkpoint]\nevery_seconds = "
+         "0.01\n" +
          (kind.keeps_frames ? "[trajectory]\nevery = " + std::to_string(frame_every) + "\n" : "");
 }
 

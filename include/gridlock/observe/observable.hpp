@@ -88,6 +88,7 @@ struct ObserveSettings {
   std::uint64_t pair_correlation_bins = 250;
   double speed_range = 3.0;  ///< in root mean square speeds of the lightest disks
   std::uint64_t speed_bins = 60;
+  std::uint64_t velocity_origin_every = 0;  ///< samples between origins of the velocity autocorrelation; 0: one
 };
 void describe(ObserveSettings& settings, SettingVisitor& visitor);
 

@@ -1,27 +1,33 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "gridlock/core/vector.hpp"
+#include "gridlock/observe/block_average.hpp"
 #include "gridlock/observe/observable.hpp"
 #include "gridlock/observe/rows_by_id.hpp"
 
 namespace gridlock {
 
-/// How much of their velocity the disks remember since the first sample that counts for averages.
+/// How much of their velocity the disks remember after a time t.
 ///
 ///     velocity_autocorrelation(t) = Σ_i v_i(t₀)·v_i(t₀ + t) / Σ_i v_i(t₀)²          pure number, 1 at t = 0
 ///
-/// One origin t₀ only: the curve has the noise of N disks, not of a long average. The distribution
-/// "velocity_autocorrelation" lists it against t with errors from 16 blocks of disks with neighbouring Ids. The spacing
-/// of the curve is that of the samples, so choose observe.every well below the mean free time. Undefined at rest. Only
-/// disks alive since t₀ enter.
-/// Cost: one pass over the disks. Memory: 24 bytes a disk and 24 a sample.
+/// The first origin t₀ is the first sample that counts for averages. With origin_every = n every n-th sample from there is
+/// the next origin: the series shows the correlation with the last one, and the distribution "velocity_autocorrelation",
+/// n values of t, is the mean over origins with errors from blocks of them. With 0 there is one origin only: the curve
+/// has the noise of N disks, and errors from 16 blocks of disks with neighbouring Ids. The spacing of the curve is that
+/// of the samples, so choose observe.every well below the mean free time. Undefined at rest. Only disks alive since t₀
+/// enter.
+/// Cost: one pass over the disks. Memory: 24 bytes a disk, and 24 a sample or 550 for each of the n.
 /// Source: B. J. Alder & T. E. Wainwright (1970), doi:10.1103/PhysRevA.1.18.
 class VelocityAutocorrelation final : public Observable {
  public:
   static constexpr std::size_t disk_blocks = 16;
+
+  explicit VelocityAutocorrelation(std::uint64_t origin_every = 0) : origin_every_(origin_every) {}
 
   [[nodiscard]] std::vector<ColumnInfo> columns() const override;
   void begin(Moment const& start) override;
@@ -35,14 +41,18 @@ class VelocityAutocorrelation final : public Observable {
 
   struct Point {
     double lag;
-    Estimate correlation;
+    Estimate correlation;  ///< with the first origin
   };
+  [[nodiscard]] Estimate correlation_at(std::size_t place) const;
 
+  std::uint64_t origin_every_;
   bool has_origin_ = false;
+  std::uint64_t samples_since_origin_ = 0;
   double origin_time_ = 0.0;
   RowsById rows_;
   std::vector<Vector> velocities_;  ///< at the origin, in Id order
   std::vector<Point> curve_;
+  std::vector<BlockAverage> over_origins_;  ///< of the points of the curve, where there is more than one origin
 };
 
 }  // namespace gridlock

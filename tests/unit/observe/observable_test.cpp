@@ -158,8 +158,9 @@ TEST(ObserveSettings, DescribeEverySettingWithADefaultInItsBounds) {
   ObserveSettings settings;
   Collector collector;
   describe(settings, collector);
-  EXPECT_EQ(collector.keys, (std::set<std::string>{"every", "discard", "structure_every", "pair_correlation_range",
-                                                   "pair_correlation_bins", "speed_range", "speed_bins"}));
+  EXPECT_EQ(collector.keys,
+            (std::set<std::string>{"every", "discard", "structure_every", "pair_correlation_range",
+                                   "pair_correlation_bins", "speed_range", "speed_bins", "velocity_origin_every"}));
 }
 
 }  // namespace

@@ -54,6 +54,29 @@ TEST(VelocityAutocorrelation, StartsAtTheFirstSampleThatCounts) {
   EXPECT_EQ(correlation.distributions()[0].columns_of_values[0], (std::vector<double>{0.0, 2.5}));
 }
 
+TEST(VelocityAutocorrelation, AveragesOverOriginsAndTellsTheErrorFromTheirScatter) {
+  // Every origin is a state of its own, and in the sample after it all velocities are turned by the angle of that origin.
+  VelocityAutocorrelation correlation(2);
+  double const cosines[] = {0.0, 0.6, 0.8, 1.0};
+  State const state = maxwell_gas(50, 1);
+  correlation.begin({state, {}});
+  State now = state;
+  for (double const c : cosines) {
+    double const s = std::sqrt(1.0 - c * c);
+    EXPECT_DOUBLE_EQ(sample(correlation, now)[0], 1.0);
+    now.clock.time += 0.5;
+    State later = turned(now, {c, -s}, {s, c});
+    later.clock.time = now.clock.time;
+    EXPECT_NEAR(sample(correlation, later)[0], c, 1e-14);
+    now.clock.time += 0.5;
+  }
+  auto const columns = correlation.distributions()[0].columns_of_values;
+  EXPECT_EQ(columns[0], (std::vector<double>{0.0, 0.5}));
+  EXPECT_NEAR(columns[1][1], 0.6, 1e-14);
+  // √(Σ (c − 0.6)² / (4·3)) of the four.
+  EXPECT_NEAR(columns[2][1], std::sqrt((0.36 + 0.0 + 0.04 + 0.16) / 12.0), 1e-14);
+}
+
 TEST(VelocityAutocorrelation, OfIndependentVelocitiesIsZeroWithinItsError) {
   // The pull of 16 blocks is Student's t with 15 degrees of freedom, variance 15/13.
   double squares = 0.0;
