@@ -8,10 +8,16 @@
 
 void add_plot(CLI::App& app, ExitCode& exit_code) {
   CLI::App* const verb = app.add_subcommand("plot", "Draw the pictures of a run or sweep again from its data");
-  auto const directory = std::make_shared<std::string>();
-  verb->add_option("DIR", *directory, "Directory of a run or sweep")->required();
-  verb->callback([directory, &exit_code] {
-    gridlock::Pictures const pictures = gridlock::draw_results(*directory);
+  struct Options {
+    std::string directory;
+    std::string colour;
+  };
+  auto const options = std::make_shared<Options>();
+  verb->add_option("DIR", options->directory, "Directory of a run or sweep")->required();
+  verb->add_option("--colour", options->colour,
+                   "Of the agents at the end: psi6, speed, direction, neighbourhood, radius, or a column");
+  verb->callback([options, &exit_code] {
+    gridlock::Pictures const pictures = gridlock::draw_results(options->directory, options->colour);
     for (auto const& file : pictures.files) fmt::print("{}\n", file.string());
     for (auto const& note : pictures.notes) fmt::print(stderr, "note: {}\n", note);
     exit_code = ExitCode::good;

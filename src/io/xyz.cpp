@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -164,6 +165,7 @@ struct Row {
   double mass = 1.0;
   std::int32_t image_x = 0;
   std::int32_t image_y = 0;
+  std::size_t number = 0;  ///< from 0, as it stands in the file
   int line = 0;
 };
 
@@ -361,6 +363,7 @@ class XyzReader {
     }
     if (fields.size() % 3 != 0) refuse_attribute(attribute, "name:type:columns, repeated");
     roles_.clear();
+    other_at_.clear();
     for (std::size_t i = 0; i < fields.size(); i += 3) {
       auto const columns = parse_number<std::uint64_t>(fields[i + 2]);
       constexpr std::uint64_t most_columns = 1000;
@@ -369,11 +372,14 @@ class XyzReader {
                            in_quotes(fields[i + 2]), most_columns),
                "Properties is name:type:columns, repeated", attribute.column);
       }
+      bool const is_number = fields[i + 1] == "R" || fields[i + 1] == "I";
+      if (*columns == 1 && is_number) other_at_[roles_.size()] = std::string(fields[i]);
       add_property(attribute, fields[i], static_cast<std::size_t>(*columns));
     }
     if (!has(Role::x)) {
       refuse("the file has no positions: no pos among the Properties", "add pos:R:3 and the columns", attribute.column);
     }
+    std::erase_if(other_at_, [&](auto const& other) { return roles_[other.first] != Role::ignored; });
     frame_.has_velocities = has(Role::velocity_x);
     frame_.has_radii = has(Role::radius);
     has_ids_ = has(Role::id);
@@ -421,11 +427,14 @@ class XyzReader {
                "is the line cut off?", words.back().column);
       }
       rows_.push_back(row(words, i));
+      for (auto const& [column, name] : other_at_) {
+        others_.push_back(parse_number<double>(words[column].text).value_or(std::nan("")));
+      }
     }
   }
 
   [[nodiscard]] Row row(std::vector<Word> const& words, std::uint64_t number) const {
-    Row row{.id = number, .line = line_number_};
+    Row row{.id = number, .number = static_cast<std::size_t>(number), .line = line_number_};
     for (std::size_t c = 0; c < words.size(); ++c) {
       switch (roles_[c]) {
         case Role::ignored:
@@ -535,7 +544,19 @@ class XyzReader {
       if (!is_new) refuse_row(row, fmt::format("the id {} is given twice", row.id), "");
       last = &row;
     }
+    add_others();
     return std::move(frame_);
+  }
+
+  void add_others() {
+    std::ranges::stable_sort(rows_, {}, &Row::id);
+    std::size_t place = 0;
+    for (auto const& [column, name] : other_at_) {
+      std::vector<double> values;
+      for (Row const& row : rows_) values.push_back(others_[row.number * other_at_.size() + place]);
+      frame_.others.push_back({name, std::move(values)});
+      ++place;
+    }
   }
 
   [[noreturn]] void refuse_row(Row const& row, std::string what, std::string hint) {
@@ -558,6 +579,8 @@ class XyzReader {
   bool has_lattice_ = false;
   bool has_ids_ = false;
   std::vector<Role> roles_;
+  std::map<std::size_t, std::string> other_at_;  ///< columns that disks do not have, one number each, by their place
+  std::vector<double> others_;                   ///< row after row, those of other_at_
   std::vector<Row> rows_;
   XyzFrame frame_;
 };

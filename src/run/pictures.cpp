@@ -17,6 +17,7 @@
 #include "gridlock/io/table.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/run/configuration.hpp"
+#include "run/frame_picture.hpp"
 
 namespace gridlock {
 
@@ -30,9 +31,13 @@ class Artist {
   explicit Artist(fs::path directory) : directory_(std::move(directory)) {}
 
   void disks(std::string const& name, State const& state, PictureSettings const& settings) {
+    picture(name, [&](fs::path const& file) { draw_disks(state, settings, file); });
+  }
+
+  void picture(std::string const& name, std::function<void(fs::path const&)> const& draw) {
     for (char const* extension : {".svg", ".png"}) {
       fs::path const file = directory_ / (name + extension);
-      attempt(name, [&] { draw_disks(state, settings, file); }, {file});
+      attempt(name, [&] { draw(file); }, {file});
     }
   }
 
@@ -91,6 +96,40 @@ std::vector<double> displacements(State const& start, State const& state) {
   return values;
 }
 
+/// The last state of a run, with every column that its file has.
+Frame last_frame(fs::path const& file) {
+  XyzFrame const last = read_xyz(file);
+  Frame frame = frame_of(last.state);
+  std::erase_if(frame.columns, [&](FrameColumn const& column) {
+    // Of one moment nobody knows who has crossed an edge since when.
+    if (column.name == "mass" || column.name.starts_with("image_")) return true;
+    return (column.name.starts_with("velocity_") && !last.has_velocities) ||
+           (column.name == "radius" && !last.has_radii);
+  });
+  for (FrameColumn const& column : last.others) {
+    auto const& values = std::get<std::vector<double>>(column.values);
+    bool const are_kinds =
+        std::ranges::all_of(values, [](double v) { return v >= 0.0 && v < 1e9 && v == std::floor(v); });
+    if (are_kinds) {
+      frame.columns.push_back({column.name, std::vector<std::uint32_t>(values.begin(), values.end())});
+    } else {
+      frame.columns.push_back(column);
+    }
+  }
+  return frame;
+}
+
+/// The agents where they are at the end.
+void draw_last(Artist& artist, std::string const& colour) {
+  Frame const last = last_frame(artist.path_of("final.xyz"));
+  artist.picture("final", [&](fs::path const& file) {
+    FramePainter painter(last, colour);
+    painter.widen_bar(last);
+    painter.draw(last, PictureSettings{}.width, fmt::format("step {}, t = {:.4g}", last.clock.step, last.clock.time),
+                 file);
+  });
+}
+
 void draw_states(Artist& artist) {
   Setup const setup = set_up(SettingsFile::from_path(artist.path_of("config.resolved.toml")));
   std::uint64_t const cells = setup.configuration.engine.cells.value_or(0);
@@ -111,8 +150,9 @@ void draw_states(Artist& artist) {
                 .title = fmt::format("after {} steps", last.clock.step - setup.state.clock.step)});
 }
 
-/// A run of a model: every column of its series against time.
-void draw_model_run(Artist& artist) {
+/// A run of a model: its agents at the end, and every column of its series against time.
+void draw_model_run(Artist& artist, std::string const& colour) {
+  draw_last(artist, colour);
   Table const series = read_csv(artist.path_of("series.csv"));
   for (std::string const& name : series.names()) {
     if (name == "step" || name == "time") continue;
@@ -124,12 +164,13 @@ void draw_model_run(Artist& artist) {
   }
 }
 
-void draw_run(Artist& artist) {
+void draw_run(Artist& artist, std::string const& colour) {
   if (SettingsFile::from_path(artist.path_of("config.resolved.toml")).is_given("model.kind")) {
-    draw_model_run(artist);
+    draw_model_run(artist, colour);
     return;
   }
   draw_states(artist);
+  if (!colour.empty() && colour != "displacement") draw_last(artist, colour);
   artist.plot({.name = "displacement",
                .title = "Mean displacement from the start",
                .x = {.label = "time"},
@@ -243,10 +284,10 @@ void draw_sweep(Artist& artist) {
 
 }  // namespace
 
-Pictures draw_results(fs::path const& directory) {
+Pictures draw_results(fs::path const& directory, std::string const& colour) {
   Artist artist(directory);
   if (artist.has("config.resolved.toml") && artist.has("final.xyz")) {
-    draw_run(artist);
+    draw_run(artist, colour);
   } else if (artist.has("means.csv")) {
     draw_sweep(artist);
   } else {

@@ -80,6 +80,26 @@ TEST(Trajectories, BecomeMoviesInEveryColour) {
   EXPECT_FALSE(fs::exists(workplace / "run/trajectory.mp4.frames"));
 }
 
+TEST(Trajectories, OfAgentsWithoutARadiusBecomeMoviesAndPicturesByAnyColumn) {
+  if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "ffmpeg is not installed: ./dev install";
+  Workplace const workplace;
+  write(workplace / "walkers.toml",
+        "[model]\nkind = \"epidemic\"\n[epidemic]\ncount = 60\nturnover_rate = 0.5\n[run]\nsteps = 30\n"
+        "[trajectory]\nevery = 10\n");
+  ASSERT_EQ(gridlock_in(workplace, {"run", "walkers.toml", "-o", "run"}).exit_code, 0);
+  EXPECT_TRUE(fs::exists(workplace / "run/final.png"));
+  for (std::string const colour : {"health", "speed", "direction", "velocity_x"}) {
+    Outcome const movie =
+        gridlock_in(workplace, {"movie", "run", "--colour", colour, "--width", "201", "-o", colour + ".mp4"});
+    EXPECT_EQ(movie.exit_code, 0) << movie.err;
+  }
+  Outcome const plot = gridlock_in(workplace, {"plot", "run", "--colour", "direction"});
+  EXPECT_EQ(plot.exit_code, 0);
+  EXPECT_EQ(plot.err, "");
+  EXPECT_NE(plot.out.find("final.png"), std::string::npos) << plot.out;
+  EXPECT_NE(gridlock_in(workplace, {"plot", "run", "--colour", "smell"}).err.find("smell"), std::string::npos);
+}
+
 TEST(Trajectories, ThatAreNoneAreRefusedByName) {
   Workplace const workplace;
   write(workplace / "text.h5", "no trajectory");

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "gridlock/core/frame.hpp"
 #include "gridlock/core/state.hpp"
@@ -36,12 +37,14 @@ struct XyzFrame {
   State state;
   bool has_velocities = false;  ///< where not, all are 0
   bool has_radii = false;       ///< where not, all are 0 and the caller has to give them
+  /// The other columns that hold one number for each row, in the order of the ids; nan where there is none.
+  std::vector<FrameColumn> others = {};
 };
 
 /// Reads a file of extended XYZ with one frame.
 ///
 /// Columns may stand in any order, Properties names them: pos is needed; velo, radius, masses, image and id are left
-/// out at will (0; 0; 1; 0; the number of the row from 0); others are skipped. Time, step and seed default to 0, pbc to
+/// out at will (0; 0; 1; 0; the number of the row from 0); others mean nothing to disks. Time, step and seed default to 0, pbc to
 /// periodic as the format has it. Rows come back in the order of their ids.
 /// Errors: Error with line and column for anything damaged, not orthogonal, not in the plane, not finite or ambiguous;
 /// never a crash, and never more memory than a small multiple of the file's size.

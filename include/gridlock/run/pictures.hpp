@@ -14,10 +14,12 @@ struct Pictures {
 
 /// Draws the pictures of a finished run or sweep from the files of its directory alone, each as SVG and PNG.
 ///
-/// A run: start, final (coloured by displacement), displacement, speed_distribution, pair_correlation. A sweep: the
+/// A run: start, final (coloured by displacement), displacement, speed_distribution, pair_correlation. A run of a model:
+/// final, and every column of its series. A sweep: the
 /// means of a few observables against the swept number with the most values, one curve for each combination of the
 /// others. Plots keep their gnuplot script beside them.
 /// Errors: Error where the directory holds neither; a picture that cannot be drawn is only noted.
-Pictures draw_results(std::filesystem::path const& directory);
+/// `colour` is that of the picture final, see MovieSettings; a file of one moment knows no displacement of a model's agents.
+Pictures draw_results(std::filesystem::path const& directory, std::string const& colour = {});
 
 }  // namespace gridlock

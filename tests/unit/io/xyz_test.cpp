@@ -292,5 +292,19 @@ TEST(Xyz, AseReadsPositionsCellEdgesAndColumns) {
   EXPECT_NEAR(velocity(frame.state.disks, 0).x, 1.0 / 3.0, 1e-8);
 }
 
+TEST(Xyz, ColumnsThatDisksDoNotHaveComeInTheOrderOfTheIds) {
+  // The first Id is the larger one, though its slot is the smaller one.
+  XyzFrame const frame = parse_xyz(
+      "2\nLattice=\"1 0 0 0 1 0 0 0 1\" Properties=pos:R:2:health:I:1:name:S:1:id:I:1:force:R:2:heat:R:1\n"
+      "0.1 0.1 7 a 4294967296 1 2 0.5\n0.2 0.2 8 b 1 3 4 unknown\n",
+      "two.xyz");
+  ASSERT_EQ(frame.others.size(), 2U) << "words and columns side by side are left out";
+  EXPECT_EQ(frame.others[0], (FrameColumn{"health", std::vector<double>{8.0, 7.0}}));
+  EXPECT_EQ(frame.others[1].name, "heat");
+  auto const& heat = std::get<std::vector<double>>(frame.others[1].values);
+  EXPECT_TRUE(std::isnan(heat[0]));
+  EXPECT_EQ(heat[1], 0.5);
+}
+
 }  // namespace
 }  // namespace gridlock

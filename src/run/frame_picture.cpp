@@ -1,0 +1,140 @@
+#include "run/frame_picture.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/io/picture.hpp"
+#include "gridlock/observe/bond_orientation.hpp"
+
+namespace gridlock {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<double> numbers_of(Frame const& frame, std::string const& name) {
+  FrameColumn const* const column = frame.find(name);
+  if (column == nullptr) {
+    throw Error(Problem{.what = fmt::format("the agents have no column \"{}\"", name),
+                        .hint = "a trajectory keeps those of trajectory.columns; the colours are displacement, psi6, "
+                                "speed, direction, neighbourhood, radius or a column",
+                        .key = "--colour"});
+  }
+  return std::visit([](auto const& values) { return std::vector<double>(values.begin(), values.end()); },
+                    column->values);
+}
+
+std::vector<double> numbers_or(Frame const& frame, std::string const& name, double otherwise) {
+  return frame.find(name) == nullptr ? std::vector<double>(frame.size(), otherwise) : numbers_of(frame, name);
+}
+
+/// How the column of the motion along x begins: "velocity", or "heading" where agents only know where they go.
+std::string motion_of(Frame const& frame) { return frame.find("heading_x") == nullptr ? "velocity" : "heading"; }
+
+/// The agents of a frame as disks, row by row; their names are of no concern to a picture.
+State disks_of(Frame const& frame, double mark) {
+  State state{.box = frame.box, .disks = {}, .clock = frame.clock, .seed = frame.seed};
+  auto const x = numbers_of(frame, "x"), y = numbers_of(frame, "y"), radius = numbers_or(frame, "radius", mark);
+  auto const vx = numbers_or(frame, "velocity_x", 0.0), vy = numbers_or(frame, "velocity_y", 0.0);
+  for (std::size_t i = 0; i < frame.size(); ++i) state.disks.add(x[i], y[i], vx[i], vy[i], radius[i], 1.0, 0, 0);
+  return state;
+}
+
+/// How far each agent has come since the first frame; nan for one that was not there.
+std::vector<double> displacements(Frame const& first, Frame const& frame) {
+  auto const along = [&](char const* name, char const* image, double side) {
+    std::vector<double> const then = numbers_of(first, name), now = numbers_of(frame, name);
+    std::vector<double> const image_then = numbers_or(first, image, 0.0), image_now = numbers_or(frame, image, 0.0);
+    std::vector<double> way(frame.size(), std::nan(""));
+    for (std::size_t i = 0; i < frame.size(); ++i) {
+      auto const found = std::ranges::lower_bound(first.ids, frame.ids[i]);
+      if (found == first.ids.end() || *found != frame.ids[i]) continue;
+      auto const j = static_cast<std::size_t>(found - first.ids.begin());
+      way[i] = now[i] - then[j] + side * (image_now[i] - image_then[j]);
+    }
+    return way;
+  };
+  std::vector<double> result = along("x", "image_x", frame.box.width());
+  std::vector<double> const y = along("y", "image_y", frame.box.height());
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] = std::sqrt(result[i] * result[i] + y[i] * y[i]);
+  return result;
+}
+
+/// A third of the way to the next agent, but neither a dot that nobody sees nor a blot.
+double mark_for(Frame const& frame) {
+  double const spacing = std::sqrt(frame.box.area() / std::max(1.0, static_cast<double>(frame.size())));
+  double const side = frame.box.side();
+  return std::clamp(0.33 * spacing, 0.0015 * side, 0.008 * side);
+}
+
+}  // namespace
+
+std::string usual_colour(Frame const& frame) {
+  if (frame.find("radius") != nullptr && frame.find("image_x") != nullptr) return "displacement";
+  for (auto column = frame.columns.rbegin(); column != frame.columns.rend(); ++column) {
+    if (std::holds_alternative<std::vector<std::uint32_t>>(column->values)) return column->name;
+  }
+  bool const has_radius = frame.find("radius") != nullptr;
+  return has_radius || frame.find(motion_of(frame) + "_x") == nullptr ? "radius" : "direction";
+}
+
+FramePainter::FramePainter(Frame first, std::string colour)
+    : first_(std::move(first)),
+      colour_(colour.empty() ? usual_colour(first_) : std::move(colour)),
+      mark_(mark_for(first_)) {
+  if (colour_ == "psi6") most_ = 1.0;
+  if (colour_ == "direction") {
+    least_ = -std::numbers::pi;
+    most_ = std::numbers::pi;
+  }
+}
+
+std::vector<double> FramePainter::values_of(Frame const& frame) const {
+  if (colour_ == "displacement") return displacements(first_, frame);
+  if (colour_ == "psi6") return local_bond_orientation_orders(disks_of(frame, mark_));
+  if (colour_ != "speed" && colour_ != "direction") return numbers_of(frame, colour_);
+  std::string const motion = colour_ == "speed" ? "velocity" : motion_of(frame);
+  std::vector<double> values = numbers_of(frame, motion + "_x");
+  std::vector<double> const y = numbers_of(frame, motion + "_y");
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = colour_ == "speed" ? std::sqrt(values[i] * values[i] + y[i] * y[i]) : std::atan2(y[i], values[i]);
+  }
+  return values;
+}
+
+void FramePainter::widen_bar(Frame const& frame) {
+  if (!has_bar() || colour_ == "psi6" || colour_ == "direction") return;
+  for (double const value : values_of(frame)) {
+    if (!std::isfinite(value)) continue;
+    least_ = std::min(least_, value);
+    most_ = std::max(most_, value);
+  }
+}
+
+void FramePainter::draw(Frame const& frame, std::uint32_t width, std::string const& title, fs::path const& file) const {
+  State const state = disks_of(frame, mark_);
+  PictureSettings picture{.width = width, .title = title};
+  std::vector<double> values;
+  if (has_bar()) {
+    values = values_of(frame);
+    picture.colouring = Colouring::values;
+    picture.values = values;
+    picture.least = least_;
+    picture.most = most_;
+    picture.bar_label = colour_ == "psi6" ? "|ψ6|" : colour_;
+  } else if (colour_ == "neighbourhood") {
+    double const side = 2.0 * radius_range(state.disks).largest;
+    auto const cells = [side](double length) { return static_cast<std::uint64_t>(std::max(1.0, length / side)); };
+    picture.colouring = Colouring::neighbourhood;
+    picture.columns = cells(state.box.width());
+    picture.rows = cells(state.box.height());
+  }
+  draw_disks(state, picture, file);
+}
+
+}  // namespace gridlock

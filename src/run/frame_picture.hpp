@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "gridlock/core/frame.hpp"
+
+namespace gridlock {
+
+/// The colour of a frame where none was asked for: displacement for disks that count the edges they cross, the last
+/// column of whole numbers such as a species, the radius, the direction of motion, or one colour for all.
+std::string usual_colour(Frame const& frame);
+
+/// Draws frames of one run, of disks or of any other agents. Agents without a radius get a round mark, in every frame of
+/// the size that suits the first one.
+class FramePainter {
+ public:
+  /// `colour` is displacement (from the first frame), psi6, speed, direction (of the velocity or heading, in radians),
+  /// neighbourhood (the grid cell), radius, or a column; empty: usual_colour().
+  FramePainter(Frame first, std::string colour);
+
+  /// Whether colours stand for numbers on a bar.
+  [[nodiscard]] bool has_bar() const { return colour_ != "radius" && colour_ != "neighbourhood"; }
+  /// Lets the bar reach over the numbers of this frame too. Errors: Error where the frame has not what the colour needs.
+  void widen_bar(Frame const& frame);
+  /// Errors: those of widen_bar() and of draw_disks().
+  void draw(Frame const& frame, std::uint32_t width, std::string const& title, std::filesystem::path const& file) const;
+
+ private:
+  [[nodiscard]] std::vector<double> values_of(Frame const& frame) const;
+
+  Frame first_;
+  std::string colour_;
+  double mark_;  ///< the radius of agents that have none
+  double least_ = 0.0;
+  double most_ = 0.0;
+};
+
+}  // namespace gridlock
