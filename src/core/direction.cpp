@@ -1,6 +1,8 @@
 #include "gridlock/core/direction.hpp"
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
@@ -8,31 +10,30 @@ namespace gridlock {
 
 namespace {
 
-/// Taylor's series to x¹⁷ and x¹⁶ on |x| ≤ π/4, where the first term left out is below 1e-18.
-double sine_near_zero(double x) {
+/// Two numbers that are added and multiplied in one instruction on every 64-bit processor, each rounded as IEEE 754 asks.
+using Double2 = double __attribute__((vector_size(16)));
+
+/// Taylor's series of sine and cosine to x¹⁷ and x¹⁶ on |x| ≤ π/4, where the first term left out is below 1e-18.
+Vector direction_near_zero(double x) {
+  // Side by side, since each step of one series waits for the step before.
+  constexpr std::array<Double2, 8> terms{Double2{1.0 / 20922789888000.0, 1.0 / 355687428096000.0},
+                                         Double2{-1.0 / 87178291200.0, -1.0 / 1307674368000.0},
+                                         Double2{1.0 / 479001600.0, 1.0 / 6227020800.0},
+                                         Double2{-1.0 / 3628800.0, -1.0 / 39916800.0},
+                                         Double2{1.0 / 40320.0, 1.0 / 362880.0},
+                                         Double2{-1.0 / 720.0, -1.0 / 5040.0},
+                                         Double2{1.0 / 24.0, 1.0 / 120.0},
+                                         Double2{-0.5, -1.0 / 6.0}};
   double const s = x * x;
-  double sum = 1.0 / 355687428096000.0;
-  sum = sum * s - 1.0 / 1307674368000.0;
-  sum = sum * s + 1.0 / 6227020800.0;
-  sum = sum * s - 1.0 / 39916800.0;
-  sum = sum * s + 1.0 / 362880.0;
-  sum = sum * s - 1.0 / 5040.0;
-  sum = sum * s + 1.0 / 120.0;
-  sum = sum * s - 1.0 / 6.0;
-  return x + x * s * sum;
+  Double2 sum = terms[0];
+  for (std::size_t k = 1; k < terms.size(); ++k) sum = sum * s + terms[k];
+  return {1.0 + s * sum[0], x + x * s * sum[1]};
 }
 
-double cosine_near_zero(double x) {
-  double const s = x * x;
-  double sum = 1.0 / 20922789888000.0;
-  sum = sum * s - 1.0 / 87178291200.0;
-  sum = sum * s + 1.0 / 479001600.0;
-  sum = sum * s - 1.0 / 3628800.0;
-  sum = sum * s + 1.0 / 40320.0;
-  sum = sum * s - 1.0 / 720.0;
-  sum = sum * s + 1.0 / 24.0;
-  sum = sum * s - 0.5;
-  return 1.0 + s * sum;
+/// The nearest whole number, for numbers below 2⁵¹: beside so large a number there is no room for a fraction.
+double nearest_whole(double x) {
+  constexpr double large = 0x1.8p52;
+  return (x + large) - large;
 }
 
 }  // namespace
@@ -42,14 +43,13 @@ Vector direction(double angle) {
   // π/2 in two parts, the first with so few bits that its multiples are exact.
   constexpr double quarter_high = 1.57079632673412561417;
   constexpr double quarter_low = 6.07710050650619224932e-11;
-  double const quarters = std::floor(angle * quarters_per_radian + 0.5);
+  double const quarters = nearest_whole(angle * quarters_per_radian);
   if (!(std::abs(quarters) < 1e9)) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     return {nan, nan};
   }
   double const rest = (angle - quarters * quarter_high) - quarters * quarter_low;
-  double const c = cosine_near_zero(rest);
-  double const s = sine_near_zero(rest);
+  auto const [c, s] = direction_near_zero(rest);
   switch (static_cast<std::int64_t>(quarters) & 3) {
     case 0:
       return {c, s};

@@ -194,6 +194,61 @@ TEST(Flocking, OrderFallsWithNoiseAndGrowsWithDensity) {
   EXPECT_GT(mean_order(2.0, 4.0), mean_order(2.0, 0.3) + 0.2);
 }
 
+/// The shares of susceptible and infected agents that dS/dt = −b S I, dI/dt = b S I − g I lead to, by Heun's method.
+struct Shares {
+  double susceptible;
+  double infected;
+};
+Shares sir_after(double time, double b, double g, Shares at) {
+  constexpr double h = 0.001;
+  for (auto left = static_cast<int>(std::lround(time / h)); left > 0; --left) {
+    double const infections = b * at.susceptible * at.infected;
+    double const change = infections - g * at.infected;
+    Shares const next{at.susceptible - h * infections, at.infected + h * change};
+    double const next_infections = b * next.susceptible * next.infected;
+    double const next_change = next_infections - g * next.infected;
+    at.susceptible -= 0.5 * h * (infections + next_infections);
+    at.infected += 0.5 * h * (change + next_change);
+  }
+  return at;
+}
+
+TEST(Epidemic, ItsCourseIsThatOfTheSirEquations) {
+  // Well mixed: b = β N π r²/A. Many are infected at the start, so that chance plays a small part.
+  Epidemic const model{.count = 10'000,
+                       .infected_at_start = 0.1,
+                       .radius = 0.02,
+                       .speed = 4.0,
+                       .infection_rate = 0.05,
+                       .recovery_rate = 0.2,
+                       .step_length = 0.05};
+  double const b = model.infection_rate * 10'000.0 * disk_area(model.radius);
+  std::vector<double> const times{2.0, 5.0, 8.0, 16.0};
+  std::vector<std::vector<double>> susceptible(times.size());
+  std::vector<std::vector<double>> infected(times.size());
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    World<Epidemic> world = start_of(model, Box(1.0, 1.0, Edge::periodic), seed);
+    ModelEngine<Epidemic> engine(model, world.box, {.threads = 2});
+    for (std::size_t k = 0; k < times.size(); ++k) {
+      engine.advance(world, {.step = static_cast<std::uint64_t>(std::lround(times[k] / model.step_length))});
+      auto const share = [&](Epidemic::State state) {
+        return static_cast<double>(
+                   std::ranges::count(world.agents.column<Health>(), static_cast<std::uint32_t>(state))) /
+               10'000.0;
+      };
+      susceptible[k].push_back(share(Epidemic::susceptible));
+      infected[k].push_back(share(Epidemic::infected));
+    }
+  }
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    Shares const expected = sir_after(times[k], b, model.recovery_rate, {0.9, 0.1});
+    Mean const s = mean_of(susceptible[k]);
+    Mean const i = mean_of(infected[k]);
+    EXPECT_NEAR(s.value, expected.susceptible, 5.0 * s.error + 0.005) << "at " << times[k];
+    EXPECT_NEAR(i.value, expected.infected, 5.0 * i.error + 0.005) << "at " << times[k];
+  }
+}
+
 TEST(Epidemic, ItsFinalSizeIsThatOfTheSirEquations) {
   // Well mixed: R∞ = S₀ (1 − e^{−R₀ r}) with r = 1 − S∞/N; ln(S∞/S₀) = −R₀ (1 − S∞/N), R₀ = β n/γ, n = Nπr²/A.
   Epidemic const model{.count = 5000,
