@@ -1,0 +1,46 @@
+// How many bytes a disk takes: the state alone, and the most that was in use while `tiled` took steps.
+// gridlock_bench_memory N PHI STEPS runs one size.
+
+#include <sys/resource.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/lattice/start.hpp"
+
+namespace gridlock::benchmark {
+namespace {
+
+/// The most memory this process has held so far, in bytes.
+double peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+void weigh(std::size_t n, double packing_fraction, std::uint64_t steps) {
+  auto const per_disk = [&](double bytes) { return bytes / static_cast<double>(n); };
+  State state = make_start(Box(1.0, 1.0, Edge::wall), {.count = n, .packing_fraction = packing_fraction}, 1);
+  draw_velocities(state, {});
+  double const at_start = peak_bytes();
+  Tally tally;
+  make_engine({.kind = "tiled", .threads = 1}, state)->advance(state, tally, {.step = steps});
+  std::printf("memory,%zu,%.2g,%.1f,%.1f\n", n, packing_fraction, per_disk(at_start), per_disk(peak_bytes()));
+  std::fflush(stdout);
+}
+
+}  // namespace
+}  // namespace gridlock::benchmark
+
+int main(int argc, char** argv) {
+  std::printf("benchmark,n,packing_fraction,bytes_per_disk_after_start,bytes_per_disk_at_most\n");
+  if (argc > 3) {
+    gridlock::benchmark::weigh(std::strtoull(argv[1], nullptr, 10), std::strtod(argv[2], nullptr),
+                               std::strtoull(argv[3], nullptr, 10));
+    return 0;
+  }
+  // The most ever held can only grow: the emptiest system, which has the most cells for each disk, comes last.
+  for (double const packing_fraction : {0.7, 0.5, 0.3}) gridlock::benchmark::weigh(1'000'000, packing_fraction, 2);
+}
