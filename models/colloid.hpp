@@ -153,9 +153,9 @@ struct ColloidInOrder {
     double nearest = std::numeric_limits<double>::infinity();
     std::optional<Neighbour<Self>> partner;
     self.for_each_neighbour(trial, largest_contact(self), [&](Neighbour<Self> const& other) {
-      double const contact = self.template get<Radius>() + other.template get<Radius>();
+      double const touching = self.template get<Radius>() + other.template get<Radius>();
       double const distance = squared_length(other.separation());
-      if (!(distance < contact * contact) || distance > nearest) return;
+      if (!(distance < touching * touching) || distance > nearest) return;
       if (distance == nearest && other.id() > partner->id()) return;
       nearest = distance;
       partner.emplace(other);

@@ -122,8 +122,7 @@ TEST_P(ColloidOn, TileByTileOnAnyNumberOfThreadsHasTheBitsOfTheEngineTiled) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, ColloidOn, testing::ValuesIn(cases()),
-                         [](auto const& one) { return one.param.name; });
+INSTANTIATE_TEST_SUITE_P(Scenes, ColloidOn, testing::ValuesIn(cases()), [](auto const& one) { return one.param.name; });
 
 TEST(Colloid, ADiskThatCouldJumpOverAnotherEndsTheRun) {
   Colloid model;

@@ -59,7 +59,6 @@ TEST(ModelThreads, FlocksAreTheSameOnAnyNumberOfThreads) {
 
 struct Coins {
   using type = std::uint32_t;
-  static constexpr char const* name = "coins";
 };
 
 /// Agents that wander, hand a coin to their nearest neighbour, split when they are rich and die when they are poor: each

@@ -19,7 +19,7 @@ namespace gridlock {
 namespace {
 
 struct Marked {
-  static constexpr Schedule schedule = Schedule::events;
+  [[maybe_unused]] static constexpr Schedule schedule = Schedule::events;
   using Agents = Population<Mass, Y, X>;  // in an order of its own
 };
 
