@@ -24,7 +24,7 @@ using hdf5::Handle;
 
 /// Frames below this many numbers are not worth waking other threads for.
 constexpr std::size_t least_parallel_numbers = 100'000;
-constexpr std::size_t room_for_indices = 64 * 1024;
+constexpr std::size_t room_for_indices = 65536;
 
 hid_t native_of(FrameValues const& values) {
   return std::visit([](auto const& numbers) { return hdf5::native<std::remove_cvref_t<decltype(numbers[0])>>(); },

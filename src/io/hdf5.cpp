@@ -117,7 +117,7 @@ void reserve(std::filesystem::path const& path, std::size_t bytes) {
 }
 
 Handle create_file(std::filesystem::path const& path) {
-  constexpr std::size_t least_bytes = 32 * 1024;
+  constexpr std::size_t least_bytes = 32768;
   reserve(path, least_bytes);
   Handle const list = writer_access_list(most_header_bytes);
   return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, list.id()), H5Fclose, "create the file"};
