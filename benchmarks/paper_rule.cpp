@@ -83,8 +83,8 @@ void race_over_k(std::size_t n, double packing_fraction) {
   std::vector<Contestant> contestants;
   for (int halvings = 0; halvings < 6; ++halvings) {
     auto const k = static_cast<std::uint64_t>(finest / std::pow(2.0, halvings));
-    if (k < 3) break;
-    // About a billion checks: in a cell there are 4^halvings disks and more.
+    // Some 4^halvings disks a cell: a step must not take minutes.
+    if (k < 3 || std::pow(4.0, halvings) * static_cast<double>(n) > 1.2e7) break;
     double const budget = 4e6 / static_cast<double>(n) / std::pow(4.0, halvings);
     auto const steps = static_cast<std::uint64_t>(std::max(1.0, budget));
     contestants.push_back(contestant("lists k=" + std::to_string(k), start, linked(k), steps));

@@ -19,3 +19,14 @@ plot row('lists finest k', '0.7') using 3:5 with linespoints title 'linked lists
      row('tiled 1 thread', '0.7') using 3:5 with linespoints title 'tiled, φ = 0.7', \
      row('tiled 1 thread', '0.3') using 3:5 with linespoints title 'tiled, φ = 0.3', \
      row('tiled 2 threads (wall)', '0.7') using 3:5 with linespoints title 'tiled, 2 threads, wall time, φ = 0.7'
+
+# The paper's Figure 5: cost against the number of cells a side.
+over_k(n) = sprintf('< awk -F, ''$1=="paper_rule_over_k" && $3==%s { sub("lists k=", "", $2); print $2 "," $5 }'' %s', n, results)
+set output 'docs/images/performance_k.svg'
+set title 'The paper''s rule on linked lists, one core, cost against k, φ = 0.7'
+set xlabel 'cells a side k'
+set key top right
+set yrange [100:100000]
+plot over_k('100') using 1:2 with linespoints title 'N = 100', \
+     over_k('841') using 1:2 with linespoints title 'N = 841', \
+     over_k('10000') using 1:2 with linespoints title 'N = 10^4'
