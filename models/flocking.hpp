@@ -112,13 +112,15 @@ struct Flocking {
   }
 
   void align(Turn<Flocking>& self) const {
+    // First, so that the processor works on it while it waits for the neighbours.
+    RandomStream random = self.random();
+    Vector const turned = direction(noise * (random.uniform() - 0.5));
     Vector const heading = heading_of(self);
     Vector sum = heading;
     self.for_each_neighbour(radius, [&](Neighbour<Flocking> const& other) { sum = sum + heading_of(other); });
     double const length = std::sqrt(squared_length(sum));
     Vector const mean = length > 0.0 ? (1.0 / length) * sum : heading;
-    RandomStream random = self.random();
-    turn_to(self, rotated(mean, direction(noise * (random.uniform() - 0.5))));
+    turn_to(self, rotated(mean, turned));
     self.move_by(speed * heading);
   }
 

@@ -6,22 +6,14 @@
 
 namespace gridlock {
 
-RandomStream::RandomStream(std::uint64_t seed, std::uint64_t step, Id id, Purpose purpose)
-    : seed_(seed), stream_{step, id, static_cast<std::uint64_t>(purpose)} {}
-
-std::uint64_t RandomStream::bits() {
-  if (used_ == numbers_.size()) {
-    r123::Philox4x64 const philox;
-    r123::Philox4x64::ctr_type const counter{{block_++, stream_[0], stream_[1], stream_[2]}};
-    r123::Philox4x64::key_type const key{{seed_, 0}};
-    auto const output = philox(counter, key);
-    for (unsigned n = 0; n < numbers_.size(); ++n) numbers_[n] = output[n];
-    used_ = 0;
-  }
-  return numbers_[used_++];
+void RandomStream::draw_block() {
+  r123::Philox4x64 const philox;
+  r123::Philox4x64::ctr_type const counter{{block_++, stream_[0], stream_[1], stream_[2]}};
+  r123::Philox4x64::key_type const key{{seed_, 0}};
+  auto const output = philox(counter, key);
+  for (unsigned n = 0; n < numbers_.size(); ++n) numbers_[n] = output[n];
+  used_ = 0;
 }
-
-double RandomStream::uniform() { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
 
 std::uint64_t RandomStream::below(std::uint64_t bound) {
   // Numbers under the remainder of 2⁶⁴ / bound would make the low residues more likely: draw again.

@@ -2,7 +2,8 @@
 
 #include <cstddef>
 #include <tuple>
-#include <vector>
+
+#include "gridlock/core/large_array.hpp"
 
 namespace gridlock {
 
@@ -20,11 +21,11 @@ class ColumnSet {
   }
 
   template <class Column>
-  [[nodiscard]] std::vector<typename Column::type>& values() {
+  [[nodiscard]] LargeArray<typename Column::type>& values() {
     return std::get<Storage<Column>>(columns_).values;
   }
   template <class Column>
-  [[nodiscard]] std::vector<typename Column::type> const& values() const {
+  [[nodiscard]] LargeArray<typename Column::type> const& values() const {
     return std::get<Storage<Column>>(columns_).values;
   }
 
@@ -32,7 +33,7 @@ class ColumnSet {
   /// The tag makes columns of one type different members of the tuple.
   template <class Column>
   struct Storage {
-    std::vector<typename Column::type> values;
+    LargeArray<typename Column::type> values;
   };
 
   template <class First, class... Others>

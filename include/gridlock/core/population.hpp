@@ -137,7 +137,7 @@ class Population {
   /// The same agents in another order: row k is that of agent ids[k] with the values rows[k]; the old order is left in
   /// `ids` and `rows`. No Id is found again before find_again() has been told of every row. Cost: O(1).
   /// Contract: `ids` are those of this population (not checked).
-  void reorder(std::vector<Id>& ids, AllValues& rows) {
+  void reorder(LargeArray<Id>& ids, AllValues& rows) {
     assert(rows.size() == size() && ids.size() == size());
     std::swap(ids_, ids);
     std::swap(rows_, rows);
@@ -152,8 +152,8 @@ class Population {
   /// Carries agents, the order of their rows, and the names that are used up, so that the agents born afterwards get the
   /// same Ids. Errors: Error where what is restored is no population.
   void carry(Archive& archive) {
-    archive.visit("id", ids_);
-    (archive.visit(Columns::name, rows_.template values<Columns>()), ...);
+    carry(archive, "id", ids_);
+    (carry(archive, Columns::name, rows_.template values<Columns>()), ...);
     std::vector<std::uint32_t> generations;
     for (Slot const& slot : slots_) generations.push_back(slot.generation);
     archive.visit("generation_of_slot", generations);
@@ -195,6 +195,13 @@ class Population {
     (rows_.template values<Columns>().push_back(values), ...);
   }
 
+  template <class Value>
+  static void carry(Archive& archive, char const* name, LargeArray<Value>& values) {
+    std::vector<Value> plain(values.begin(), values.end());
+    archive.visit(name, plain);
+    if (archive.is_restoring()) values.assign(plain.begin(), plain.end());
+  }
+
   void restore_slots(Archive& archive, std::vector<std::uint32_t> const& generations) {
     archive.require(((rows_.template values<Columns>().size() == ids_.size()) && ...),
                     "the columns of the agents differ in length");
@@ -210,8 +217,8 @@ class Population {
   }
 
   AllValues rows_;
-  std::vector<Id> ids_;
-  std::vector<Slot> slots_;
+  LargeArray<Id> ids_;
+  LargeArray<Slot> slots_;
   std::vector<std::uint32_t> free_slots_;
 };
 

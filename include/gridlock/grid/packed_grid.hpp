@@ -294,10 +294,10 @@ class PackedGrid {
   double locals_per_length_ = 1.0;
   float local_width_ = 1.0F;
   float local_height_ = 1.0F;
-  LargeArray<Block> blocks_;          ///< of the cells, then the further ones
-  std::vector<std::uint32_t> place_;  ///< of an agent: block · slots + slot
-  std::uint32_t first_free_ = none;   ///< of a list, by `next`, of further blocks not in use
-  Lock further_blocks_;               ///< guards the growth of blocks_ and the list
+  LargeArray<Block> blocks_;         ///< of the cells, then the further ones
+  LargeArray<std::uint32_t> place_;  ///< of an agent: block · slots + slot
+  std::uint32_t first_free_ = none;  ///< of a list, by `next`, of further blocks not in use
+  Lock further_blocks_;              ///< guards the growth of blocks_ and the list
   std::size_t size_ = 0;
 };
 

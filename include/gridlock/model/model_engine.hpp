@@ -189,8 +189,8 @@ class ModelEngine {
     around.candidates = 0;
     auto const add = [&](int r, int first, int end) {
       auto const base = static_cast<std::size_t>(r) * static_cast<std::size_t>(columns);
-      typename Surroundings<Model>::Stretch const stretch{order_.first_of(base + static_cast<std::size_t>(first)),
-                                                          order_.first_of(base + static_cast<std::size_t>(end))};
+      Stretch const stretch{order_.first_of(base + static_cast<std::size_t>(first)),
+                            order_.first_of(base + static_cast<std::size_t>(end))};
       around.stretches[around.stretch_count++] = stretch;
       around.candidates += stretch.end - stretch.first;
     };
@@ -312,7 +312,7 @@ class ModelEngine {
   PackedGrid grid_;
   AllValues values_;
   AllValues spare_;
-  std::vector<Id> spare_ids_;
+  LargeArray<Id> spare_ids_;
   std::vector<Requests<Model>> requests_;
   Tiling tiling_;
   std::vector<Id> ids_;                           ///< tiled: of all rows

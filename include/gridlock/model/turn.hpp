@@ -4,10 +4,13 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "gridlock/grid/packed_grid.hpp"
 #include "gridlock/model/motion.hpp"
+#include "gridlock/model/near_rows.hpp"
 #include "gridlock/model/requests.hpp"
 #include "gridlock/model/verify.hpp"
 
@@ -60,10 +63,6 @@ struct Surroundings {
   double time_step = 0.0;                                    ///< the model's
   bool is_verified = false;                                  ///< whether searches are compared with a look at everybody
 
-  struct Stretch {
-    std::size_t first;
-    std::size_t end;
-  };
   /// Synchronous: the rows that stand in the block of cells around the agent, and whether it touches an edge.
   std::array<Stretch, 6> stretches{};
   std::size_t stretch_count = 0;
@@ -173,33 +172,16 @@ class Turn {
 
   void find_in_stretches(Vector p, double reach) const {
     Requests<Model>& requests = around_.requests;
-    if (requests.found.size() < requests.found_top + around_.candidates + 1) {
-      requests.found.resize(2 * (requests.found_top + around_.candidates + 1));
-    }
-    if (around_.is_at_edge) {
-      find_in_stretches(reach, [&](Vector q) { return world().box.displacement(p, q); });
-    } else {
-      // Away from the edges the nearest image is the agent itself.
-      find_in_stretches(reach, [&](Vector q) { return q - p; });
-    }
-  }
-  /// Whether a candidate is near is as good as random: every one is written, and only the count depends on the answer.
-  template <class Displacement>
-  void find_in_stretches(double reach, Displacement displacement) const {
-    Requests<Model>& requests = around_.requests;
-    auto const x = world().agents.template column<X>().data();
-    auto const y = world().agents.template column<Y>().data();
-    std::uint32_t* const found = requests.found.data();
-    std::size_t top = requests.found_top;
-    double const squared_reach = reach * reach;
-    for (std::size_t s = 0; s < around_.stretch_count; ++s) {
-      for (std::size_t row = around_.stretches[s].first; row < around_.stretches[s].end; ++row) {
-        found[top] = static_cast<std::uint32_t>(row);
-        bool const is_near = squared_length(displacement({x[row], y[row]})) < squared_reach;
-        top += static_cast<std::size_t>(is_near & (row != row_));
-      }
-    }
-    requests.found_top = top;
+    std::size_t const room = requests.found_top + around_.candidates + near_rows_slack;
+    if (requests.found.size() < room) requests.found.resize(2 * room);
+    requests.found_top += find_near_rows({.x = world().agents.template column<X>().data(),
+                                          .y = world().agents.template column<Y>().data(),
+                                          .p = p,
+                                          .squared_reach = reach * reach,
+                                          .left_out = row_,
+                                          .box = around_.is_at_edge ? &world().box : nullptr},
+                                         std::span(around_.stretches).first(around_.stretch_count),
+                                         requests.found.data() + requests.found_top);
   }
 
   void find_in_grid(Vector p, double reach) const {

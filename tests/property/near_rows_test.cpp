@@ -1,0 +1,96 @@
+// The search of synchronous models: the same rows whether eight candidates are looked at at a time or one, and those
+// that the definition asks for; and the order of the rows that it relies on.
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+#include <vector>
+
+#include "gridlock/core/random.hpp"
+#include "gridlock/model/cell_order.hpp"
+#include "model/near_rows_ways.hpp"
+
+namespace gridlock {
+namespace {
+
+using Way = std::size_t (*)(NearRowsSearch const&, std::span<Stretch const>, std::uint32_t*);
+
+std::vector<std::uint32_t> found_by(Way way, NearRowsSearch const& search, std::vector<Stretch> const& stretches,
+                                    std::size_t candidates) {
+  std::vector<std::uint32_t> found(candidates + near_rows_slack);
+  found.resize(way(search, stretches, found.data()));
+  return found;
+}
+
+RC_GTEST_PROP(NearRows, AreThoseOfTheDefinitionInTheOrderOfTheStretchesOneOrEightAtATime, ()) {
+  auto const count = *rc::gen::inRange<std::size_t>(1, 80);
+  RandomStream random(*rc::gen::arbitrary<std::uint64_t>(), 0, 0, Purpose::start_position);
+  Box const box(2.0, 3.0, *rc::gen::element(Edge::wall, Edge::periodic));
+  std::vector<double> x(count);
+  std::vector<double> y(count);
+  for (std::size_t row = 0; row < count; ++row) {
+    // Some at the very same place, some exactly at the reach.
+    x[row] = static_cast<double>(random.below(9)) / 4.0;
+    y[row] = random.below(2) == 0 ? static_cast<double>(random.below(12)) / 4.0 : 3.0 * random.uniform();
+  }
+  std::vector<Stretch> stretches;
+  std::size_t candidates = 0;
+  for (std::size_t first = 0; first < count;) {
+    std::size_t const end = std::min<std::size_t>(count, first + random.below(20));
+    stretches.push_back({first, end});
+    candidates += end - first;
+    first = end + random.below(3);
+  }
+  std::size_t const self = random.below(count);
+  NearRowsSearch const search{.x = x.data(),
+                              .y = y.data(),
+                              .p = {x[self], y[self]},
+                              .squared_reach = 0.25,
+                              .left_out = self,
+                              .box = *rc::gen::arbitrary<bool>() ? &box : nullptr};
+  std::vector<std::uint32_t> expected;
+  for (Stretch const& stretch : stretches) {
+    for (std::size_t row = stretch.first; row < stretch.end; ++row) {
+      Vector const q{x[row], y[row]};
+      Vector const separation = search.box != nullptr ? box.displacement(search.p, q) : q - search.p;
+      if (row != self && squared_length(separation) < 0.25) expected.push_back(static_cast<std::uint32_t>(row));
+    }
+  }
+  RC_ASSERT(found_by(find_near_rows_plainly, search, stretches, candidates) == expected);
+  RC_ASSERT(found_by(find_near_rows, search, stretches, candidates) == expected);
+  if (can_find_near_rows_with_avx512()) {
+    RC_ASSERT(found_by(find_near_rows_with_avx512, search, stretches, candidates) == expected);
+  }
+}
+
+RC_GTEST_PROP(CellOrder, IsThatOfTheCellsAndInACellThatOfTheIdsHoweverManyShareOne, ()) {
+  auto const count = *rc::gen::inRange<std::size_t>(0, 400);
+  auto const side = *rc::gen::inRange<std::uint64_t>(1, 7);  // one cell for all, or many
+  RandomStream random(*rc::gen::arbitrary<std::uint64_t>(), 0, 0, Purpose::start_position);
+  CellLayout const layout(Box(1.0, 1.0, Edge::wall), side, side);
+  std::vector<double> x(count);
+  std::vector<double> y(count);
+  std::vector<Id> ids(count);
+  std::iota(ids.begin(), ids.end(), Id{0});
+  for (std::size_t row = 0; row < count; ++row) {
+    x[row] = random.uniform();
+    y[row] = random.uniform();
+    // In order but for a few, or in no order at all.
+    if (random.below(4) == 0 || side < 3) std::swap(ids[row], ids[random.below(count)]);
+  }
+  std::vector<std::uint32_t> expected(count);
+  std::iota(expected.begin(), expected.end(), 0U);
+  std::ranges::sort(expected, {}, [&](std::uint32_t row) {
+    return std::tuple(layout.cell_of({x[row], y[row]}), ids[row]);
+  });
+  ThreadTeam team(*rc::gen::element(1, 2, 3));
+  CellOrder order;
+  order.sort(layout, x, y, ids, team);
+  RC_ASSERT(std::vector<std::uint32_t>(order.rows().begin(), order.rows().end()) == expected);
+}
+
+}  // namespace
+}  // namespace gridlock
