@@ -111,6 +111,7 @@ void ExactEngine::advance(State& state, Tally& tally, Horizon const& horizon) {
     if (target == next_step_time_) {
       ++state.clock.step;
       next_step_time_ += duration_;
+      if (horizon.stops_here()) break;
     }
   }
   dynamics_->write(state.clock.time - start_time_, state);

@@ -129,6 +129,7 @@ void SteppedEngine::take_turns(State& state, HotDisks& disks, Tally& tally, Hori
     }
     ++state.clock.step;
     state.clock.time += duration_;
+    if (horizon.stops_here()) break;
   }
   disks.write_back(state);
 }

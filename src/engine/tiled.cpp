@@ -206,9 +206,10 @@ void TiledEngine::advance(State& state, Tally& tally, Horizon const& horizon) {
     return state.clock.step < horizon.step && state.clock.time < horizon.time &&
            tally.pair_collisions < horizon.pair_collisions;
   };
-  while (is_short_of_horizon()) {
+  bool is_stopped = false;
+  while (is_short_of_horizon() && !is_stopped) {
     Steps steps(state, settings_, duration_, layout_, tiling_);
-    for (std::uint64_t n = 0; n < steps_between_sorts && is_short_of_horizon(); ++n) {
+    for (std::uint64_t n = 0; n < steps_between_sorts && is_short_of_horizon() && !is_stopped; ++n) {
       steps.take_step(rounds_, tally, [&](std::size_t parts, auto take) { team_.for_each(parts, take); });
       try {
         steps.require_no_jumps(state);
@@ -218,6 +219,7 @@ void TiledEngine::advance(State& state, Tally& tally, Horizon const& horizon) {
       }
       ++state.clock.step;
       state.clock.time += duration_;
+      is_stopped = horizon.stops_here();
     }
     steps.write_back(state);
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <exception>
 #include <iterator>
 #include <string>
 #include <type_traits>
@@ -11,14 +12,6 @@
 #include "gridlock/core/error.hpp"
 
 namespace gridlock {
-
-namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-}  // namespace
 
 char const* to_text(Ending ending) {
   switch (ending) {
@@ -42,22 +35,19 @@ Run::Run(Experiment& experiment, RunPlan const& plan)
   for (std::size_t k = 1; k < columns_.size(); ++k) series_.add_column(columns_[k].name, std::vector<double>{});
 }
 
-Ending Run::go_on(OnProgress const& on_progress) {
-  double const seconds_before = seconds_;
-  auto const start = std::chrono::steady_clock::now();
-  auto const note_time = [&] { seconds_ = seconds_before + seconds_since(start); };
+Ending Run::go_on(OnProgress const& on_progress, Interlude const& interlude) {
+  seconds_before_ = seconds_;
+  went_on_ = std::chrono::steady_clock::now();
   ending_ = Ending::interrupted;
   try {
-    for (bool goes_on = true; goes_on;) {
+    while (true) {
       stop_here();
       if (is_at_horizon()) {
         ending_ = Ending::finished;
         break;
       }
-      advance_one_chunk();
-      note_time();
       // A wish to stop that comes with the last step comes too late to interrupt anything.
-      goes_on = report(on_progress) || is_at_horizon();
+      if (!advance_one_chunk(on_progress, interlude) && !is_at_horizon()) break;
     }
   } catch (RunFailure const& failure) {
     ending_ = Ending::failed;
@@ -65,6 +55,36 @@ Ending Run::go_on(OnProgress const& on_progress) {
   }
   note_time();
   return ending_;
+}
+
+/// Returns whether to go on.
+bool Run::advance_one_chunk(OnProgress const& on_progress, Interlude const& interlude) {
+  auto const is_interlude_due = [&] { return interlude.is_due && interlude.is_due(steps_done()); };
+  bool is_stopped = false;
+  std::exception_ptr failure_of_listener;
+  std::uint64_t last_look = steps_done();
+  Horizon stop = next_stop();
+  // Engines need not get through the exceptions of others.
+  stop.goes_on = [&]() noexcept {
+    if (steps_done() - last_look < plan_.steps_per_look) return true;
+    last_look = steps_done();
+    try {
+      is_stopped = !report(on_progress);
+      return !is_stopped && !is_interlude_due();
+    } catch (...) {
+      failure_of_listener = std::current_exception();
+      return false;
+    }
+  };
+  experiment_.advance(stop);
+  if (failure_of_listener) std::rethrow_exception(failure_of_listener);
+  if (is_interlude_due()) interlude.take_place(steps_done());
+  if (!is_stopped && last_look != steps_done()) is_stopped = !report(on_progress);
+  return !is_stopped;
+}
+
+void Run::note_time() {
+  seconds_ = seconds_before_ + std::chrono::duration<double>(std::chrono::steady_clock::now() - went_on_).count();
 }
 
 bool Run::is_at_horizon() const {
@@ -113,18 +133,20 @@ void Run::sample() {
   std::ranges::copy(values, std::back_inserter(last_row_));
 }
 
-void Run::advance_one_chunk() {
+/// Where the next chunk ends.
+Horizon Run::next_stop() const {
   std::uint64_t const step = experiment_.clock().step;
   std::uint64_t const next_sample = first_.step + (steps_done() / plan_.sample_every + 1) * plan_.sample_every;
   Horizon stop = plan_.horizon;
-  stop.step = std::min({plan_.horizon.step, next_sample, step + plan_.steps_per_chunk});
+  stop.step = std::min(next_sample, step + std::min(plan_.steps_per_chunk, plan_.horizon.step - step));
   for (Onlooker const* onlooker : onlookers_) {
     stop.step = std::min(stop.step, first_.step + onlooker->next_after(steps_done()));
   }
-  experiment_.advance(stop);
+  return stop;
 }
 
-bool Run::report(OnProgress const& on_progress) const {
+bool Run::report(OnProgress const& on_progress) {
+  note_time();
   if (!on_progress) return true;
   double const turns = static_cast<double>(steps_done()) * static_cast<double>(experiment_.agents());
   return on_progress({.clock = experiment_.clock(),

@@ -157,13 +157,13 @@ class RunInDirectory {
 
   RunRecord carry_out() {
     CheckpointClock checkpoints(setup_.configuration.checkpoint);
-    Ending const ending = run_.go_on([&](Progress const& progress) {
-      if (checkpoints.is_due(progress.steps)) {
-        save();
-        checkpoints.note(progress.steps);
-      }
-      return !hooks_.on_progress || hooks_.on_progress(progress);
-    });
+    Ending const ending =
+        run_.go_on(hooks_.on_progress, {.is_due = [&](std::uint64_t steps) { return checkpoints.is_due(steps); },
+                                        .take_place =
+                                            [&](std::uint64_t steps) {
+                                              save();
+                                              checkpoints.note(steps);
+                                            }});
     if (ending == Ending::interrupted) save();
     RunRecord record = run_.record();
     try {

@@ -11,22 +11,14 @@ namespace gridlock {
 namespace {
 
 /// Cells and disks looked at between two looks at the clock and at Ctrl-C: a few tenths of a second.
-constexpr double looks_per_chunk = 1e8;
+constexpr double looks_of_engine = 1e8;
 
 /// A step of 10⁶ agents takes a tenth of a second, one of a few a microsecond.
 constexpr std::uint64_t model_steps_per_chunk = 8;
 
-/// `tiled` sorts its disks at the beginning of a chunk and puts them back at its end, which costs as much as one step:
-/// so many steps that it is a thirtieth of the work, about two seconds of one core for 10⁶ disks.
-constexpr double fewest_tiled_steps_per_chunk = 32.0;
-constexpr double tiled_turns_per_chunk = 1e7;
-
-/// Steps between two looks at the clock, from the set-up alone: nothing that is timed may reach the dynamics.
-std::uint64_t steps_per_chunk(EngineSettings const& settings, State const& state) {
+/// Steps between two looks at the clock.
+std::uint64_t steps_per_look(EngineSettings const& settings, State const& state) {
   double const disks = std::max(1.0, static_cast<double>(state.disks.size()));
-  if (settings.kind == "tiled") {
-    return static_cast<std::uint64_t>(std::max(fewest_tiled_steps_per_chunk, tiled_turns_per_chunk / disks));
-  }
   // A grid chosen from the sizes has a block of 3×3 cells with about one disk in each.
   double cells = 9.0;
   double candidates = 9.0;
@@ -38,7 +30,7 @@ std::uint64_t steps_per_chunk(EngineSettings const& settings, State const& state
     candidates = disks * cells / (k * k);
   }
   double const looks = disks * static_cast<double>(settings.substeps) * (10.0 + cells + candidates);
-  return static_cast<std::uint64_t>(std::max(1.0, looks_per_chunk / looks));
+  return static_cast<std::uint64_t>(std::max(1.0, looks_of_engine / looks));
 }
 
 }  // namespace
@@ -106,11 +98,16 @@ std::unique_ptr<Experiment> make_experiment(Setup setup) {
 
 RunPlan plan_of(Setup const& setup) {
   Configuration const& configuration = setup.configuration;
-  return {.horizon = horizon_of(setup),
-          .sample_every = configuration.observe.every,
-          .discard = configuration.observe.discard,
-          .steps_per_chunk =
-              configuration.is_of_model() ? model_steps_per_chunk : steps_per_chunk(configuration.engine, setup.state)};
+  RunPlan plan{.horizon = horizon_of(setup),
+               .sample_every = configuration.observe.every,
+               .discard = configuration.observe.discard};
+  if (configuration.is_of_model()) {
+    plan.steps_per_look = model_steps_per_chunk;
+    plan.steps_per_chunk = model_steps_per_chunk;
+  } else {
+    plan.steps_per_look = steps_per_look(configuration.engine, setup.state);
+  }
+  return plan;
 }
 
 RunResult simulate(Setup setup, OnProgress const& on_progress) {

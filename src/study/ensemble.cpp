@@ -17,6 +17,8 @@ StudyRun run_of(Study const& study, Ensemble const& ensemble, std::uint64_t numb
   run.configuration.disks = {
       .count = study.extent().disks, .packing_fraction = ensemble.packing_fraction, .start = ensemble.start};
   run.configuration.engine.kind = ensemble.engine.kind;
+  // The cores are busy with other runs.
+  run.configuration.engine.threads = 1;
   run.configuration.engine.time_step = ensemble.time_step;
   run.configuration.engine.contact = ensemble.contact;
   run.configuration.run.steps = ensemble.steps;
@@ -26,7 +28,8 @@ StudyRun run_of(Study const& study, Ensemble const& ensemble, std::uint64_t numb
   return run;
 }
 
-/// The mean of the last `share` of the samples, at least one; the first sample is the start and never counts.
+}  // namespace
+
 double tail_mean(std::vector<double> const& values, double share) {
   auto const all = static_cast<double>(values.size() - 1);
   auto const count = std::max<std::size_t>(1, static_cast<std::size_t>(std::floor(share * all)));
@@ -34,8 +37,6 @@ double tail_mean(std::vector<double> const& values, double share) {
   for (std::size_t i = values.size() - count; i < values.size(); ++i) sum += values[i];
   return sum / static_cast<double>(count);
 }
-
-}  // namespace
 
 char const* name_of(StartKind start) { return start == StartKind::square ? "square" : "triangular"; }
 
@@ -73,11 +74,14 @@ EnsembleResult::EnsembleResult(Study const& study, Ensemble const& ensemble) {
   }
 }
 
-template <class Value>
-Estimate EnsembleResult::over_seeds(Value value) const {
+std::vector<double> EnsembleResult::of_each_seed(std::function<double(StudyOutcome const&)> const& value) const {
   std::vector<double> values;
   for (StudyOutcome const* outcome : outcomes_) values.push_back(value(*outcome));
-  return mean_over_seeds(values);
+  return values;
+}
+
+Estimate EnsembleResult::over_seeds(std::function<double(StudyOutcome const&)> const& value) const {
+  return mean_over_seeds(of_each_seed(value));
 }
 
 Estimate EnsembleResult::displacement(std::size_t sample) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -31,6 +32,9 @@ char const* name_of(StartKind start);
 
 void plan(Study& study, Ensemble const& ensemble);
 
+/// The mean of the last `share` of the samples of a run, at least one; the first is the start and never counts.
+double tail_mean(std::vector<double> const& values, double share);
+
 /// What an ensemble has measured, over those of its runs that are finished.
 class EnsembleResult {
  public:
@@ -50,13 +54,15 @@ class EnsembleResult {
   [[nodiscard]] Estimate tail_blocked_share(double share) const;
   [[nodiscard]] Estimate tail_collision_rate(double share) const;
 
+  /// A number from each finished run, in the order of the seeds.
+  [[nodiscard]] std::vector<double> of_each_seed(std::function<double(StudyOutcome const&)> const& value) const;
+
   /// Runs in which, over the last fifth, more than 98 % of all turns were blocked: the system has come to a standstill.
   /// None where the engine halts no disks.
   [[nodiscard]] std::size_t arrested() const;
 
  private:
-  template <class Value>
-  [[nodiscard]] Estimate over_seeds(Value value) const;
+  [[nodiscard]] Estimate over_seeds(std::function<double(StudyOutcome const&)> const& value) const;
 
   std::vector<StudyOutcome const*> outcomes_;
 };

@@ -22,6 +22,10 @@ Chapter figure_7(Study& study);
 void plan_open_choices(Study& study);
 Chapter open_choices(Study& study);
 
+/// Whether it matters in which order the disks take their turns: `stepped` beside `tiled`.
+void plan_turn_order(Study& study);
+Chapter turn_order(Study& study);
+
 /// Which part of Figures 6 and 7 is physics and which the time step: the paper's rule beside the dynamics without one.
 Chapter physics_or_step(Study& study);
 

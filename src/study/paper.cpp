@@ -37,7 +37,10 @@ void require_possible(PaperSettings const& settings) {
   bool const has_values = !extent.engines.empty() && !extent.square_densities.empty() &&
                           !extent.triangular_densities.empty() && !extent.fan_densities.empty() &&
                           !extent.timing_counts.empty() && !extent.choice_time_steps.empty();
-  if (!has_counts || !has_values) {
+  bool const has_no_orders = extent.order_square_densities.empty() && extent.order_triangular_densities.empty();
+  bool const has_order_counts =
+      extent.order_diameters > 0.0 && !extent.order_time_steps.empty() && extent.order_seeds > 0;
+  if (!has_counts || !has_values || !(has_no_orders || has_order_counts)) {
     throw impossible("the extent of the study is empty in part", "start from quick_paper() or full_paper()");
   }
   auto const is_sorted = [](std::vector<double> const& densities) { return std::ranges::is_sorted(densities); };
@@ -138,6 +141,7 @@ constexpr Part parts[] = {
     {7, plan_figure_7, figure_7},
     {std::nullopt, plan_open_choices, open_choices},
     {std::nullopt, nullptr, physics_or_step},
+    {std::nullopt, plan_turn_order, turn_order},
 };
 
 /// The study in progress.
@@ -271,7 +275,12 @@ PaperExtent quick_paper() {
           .choice_diameters = 150.0,
           .choice_seeds = 5,
           .choice_square_densities = {0.66, 0.74},
-          .choice_triangular_densities = {0.8}};
+          .choice_triangular_densities = {0.8},
+          .order_diameters = 128.0,
+          .order_time_steps = {0.1, 0.025},
+          .order_seeds = 8,
+          .order_square_densities = {0.3, 0.6, 0.7},
+          .order_triangular_densities = {0.7, 0.8}};
 }
 
 PaperExtent full_paper() {
@@ -293,7 +302,12 @@ PaperExtent full_paper() {
           .choice_diameters = 1000.0,
           .choice_seeds = 4,
           .choice_square_densities = {0.5, 0.66, 0.7, 0.74, 0.77},
-          .choice_triangular_densities = {0.7, 0.74, 0.8, 0.84}};
+          .choice_triangular_densities = {0.7, 0.74, 0.8, 0.84},
+          .order_diameters = 512.0,
+          .order_time_steps = {0.1, 0.025},
+          .order_seeds = 10,
+          .order_square_densities = {0.1, 0.3, 0.5, 0.66, 0.7, 0.74},
+          .order_triangular_densities = {0.7, 0.74, 0.8, 0.84}};
 }
 
 PaperResult run_paper(PaperSettings const& settings, OnPaperProgress const& on_progress) {

@@ -51,6 +51,8 @@ StudyOutcome outcome_from(RunResult const& result) {
           .displacements = result.series.numbers("mean_displacement"),
           .blocked_shares = result.series.numbers("blocked_share"),
           .collision_rates = result.series.numbers("collision_rate"),
+          .compressibility_factors = result.series.numbers("compressibility_factor"),
+          .wall_pressures = result.series.numbers("wall_pressure"),
           .state_hash = hash(result.state),
           .seconds = result.seconds};
 }

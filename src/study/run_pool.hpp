@@ -35,6 +35,8 @@ struct StudyOutcome {
   std::vector<double> displacements;   ///< mean displacement over the side of the box
   std::vector<double> blocked_shares;  ///< since the sample before
   std::vector<double> collision_rates;
+  std::vector<double> compressibility_factors;
+  std::vector<double> wall_pressures;
   std::uint64_t state_hash = 0;
   double seconds = 0.0;
 };

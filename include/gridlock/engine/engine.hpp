@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -20,6 +21,11 @@ struct Horizon {
   std::uint64_t step = std::numeric_limits<std::uint64_t>::max();             ///< state.clock.step to reach
   double time = std::numeric_limits<double>::infinity();                      ///< state.clock.time to reach
   std::uint64_t pair_collisions = std::numeric_limits<std::uint64_t>::max();  ///< tally.pair_collisions to reach
+  /// Asked after every step: where the answer is no, the engine stops there. Clock and tally are up to date then, the
+  /// disks only when advance() has returned. Empty: never asked. Must not throw.
+  std::function<bool()> goes_on = {};
+
+  [[nodiscard]] bool stops_here() const { return goes_on && !goes_on(); }
 };
 
 /// What happened, counted from the start of the run; the caller keeps it and every advance() adds to it, so the sums

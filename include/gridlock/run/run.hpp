@@ -1,8 +1,10 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,7 +15,7 @@
 
 namespace gridlock {
 
-/// How far a run has come; handed out after every chunk of work.
+/// How far a run has come; handed out a few times a second.
 struct Progress {
   Clock clock;
   double fraction = 0.0;    ///< of the run that is done, from 0 to 1
@@ -25,8 +27,14 @@ struct Progress {
   [[nodiscard]] double seconds_left() const { return fraction > 0.0 ? seconds * (1.0 - fraction) / fraction : 0.0; }
 };
 
-/// Called after every chunk of work; returning false ends the run there.
+/// Called between two steps; returning false ends the run there.
 using OnProgress = std::function<bool(Progress const&)>;
+
+/// Work between two steps that needs the whole experiment, such as saving it.
+struct Interlude {
+  std::function<bool(std::uint64_t steps)> is_due;  ///< asked as often as progress is reported
+  std::function<void(std::uint64_t steps)> take_place;
+};
 
 /// How a run ended.
 enum class Ending { finished, interrupted, failed };
@@ -53,9 +61,12 @@ class Onlooker {
 /// How far an experiment is carried on, and what is looked at on the way.
 struct RunPlan {
   Horizon horizon;
-  std::uint64_t sample_every = 100;   ///< steps between samples
-  double discard = 0.0;               ///< share of the run left out of averages
-  std::uint64_t steps_per_chunk = 1;  ///< between two looks at the clock: from the set-up alone, never from timings
+  std::uint64_t sample_every = 100;  ///< steps between samples
+  double discard = 0.0;              ///< share of the run left out of averages
+  /// Between two reports, that many or hardly more; only how often something is reported depends on it.
+  std::uint64_t steps_per_look = 1;
+  /// The most an experiment is told to do at once: no more than steps_per_look where it does not ask goes_on().
+  std::uint64_t steps_per_chunk = std::numeric_limits<std::uint64_t>::max();
 };
 
 /// What a run of any experiment leaves behind.
@@ -79,8 +90,9 @@ struct RunRecord {
   }
 };
 
-/// The loop of a run: chunks of work, samples between them, and a report after each.
+/// The loop of a run: chunks of work, samples between them, and reports on the way, also within a chunk.
 ///
+/// A chunk reaches to the next sample or the next look of an onlooker, since some engines pay for beginning one.
 /// Samples are taken at the start, at every multiple of sample_every steps and at the horizon. The bits of the
 /// experiment and of the series depend neither on how often progress is reported nor on interruptions.
 /// The experiment must outlive the run.
@@ -90,7 +102,7 @@ class Run {
 
   /// Carries the experiment on to the horizon, or until on_progress wants to stop or an invariant breaks. May be called
   /// again after an interruption.
-  Ending go_on(OnProgress const& on_progress = {});
+  Ending go_on(OnProgress const& on_progress = {}, Interlude const& interlude = {});
 
   /// Lets someone look on from now on; it must outlive the run.
   void add(Onlooker& onlooker) { onlookers_.push_back(&onlooker); }
@@ -107,8 +119,10 @@ class Run {
   void stop_here();
   void sample();
   void carry_series(Archive& archive);
-  void advance_one_chunk();
-  [[nodiscard]] bool report(OnProgress const& on_progress) const;
+  [[nodiscard]] Horizon next_stop() const;
+  bool advance_one_chunk(OnProgress const& on_progress, Interlude const& interlude);
+  void note_time();
+  bool report(OnProgress const& on_progress);
 
   Experiment& experiment_;
   RunPlan plan_;
@@ -117,6 +131,8 @@ class Run {
   std::vector<double> last_row_;
   std::vector<Onlooker*> onlookers_;
   double seconds_ = 0.0;  ///< real time of all calls of go_on()
+  double seconds_before_ = 0.0;
+  std::chrono::steady_clock::time_point went_on_;
   Ending ending_ = Ending::interrupted;
   std::string failure_;
   std::vector<ColumnInfo> columns_;

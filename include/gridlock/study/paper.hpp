@@ -49,6 +49,13 @@ struct PaperExtent {
   std::uint64_t choice_seeds = 0;
   std::vector<double> choice_square_densities;
   std::vector<double> choice_triangular_densities;
+
+  /// The order of the turns, which the paper leaves open too: `stepped` and `tiled`, beside `exact`, from the same starts.
+  double order_diameters = 0.0;          ///< length of the runs in diameters per v_max
+  std::vector<double> order_time_steps;  ///< diameters per v_max; the curves are drawn of the first
+  std::uint64_t order_seeds = 0;
+  std::vector<double> order_square_densities;  ///< none here and in the next: not compared
+  std::vector<double> order_triangular_densities;
 };
 
 /// About two minutes on two cores: 10,000 steps.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 
@@ -37,6 +38,11 @@ PaperExtent tiny_paper() {
   extent.choice_seeds = 2;
   extent.choice_square_densities = {0.6};
   extent.choice_triangular_densities = {0.7};
+  extent.order_diameters = 25.6;
+  extent.order_time_steps = {0.1};
+  extent.order_seeds = 4;
+  extent.order_square_densities = {0.6};
+  extent.order_triangular_densities = {0.7};
   // A curve for every engine there is: each is one more entry.
   extent.engines.clear();
   for (std::string const& kind : engine_kinds()) extent.engines.push_back({kind, kind});
@@ -63,15 +69,23 @@ TEST(Paper, MakesEveryFigureWithItsDataAndAReportThatStandsAlone) {
   EXPECT_EQ(result.ending, Ending::finished);
   EXPECT_NEAR(last, 1.0, 1e-9);
 
-  std::set<std::string> expected{"report.html",     "runs.csv",     "figure_4.csv",        "figure_5.csv",
-                                 "figure_6.csv",    "figure_7.csv", "figure_7_theory.csv", "figure_7_plateau.csv",
-                                 "open_choices.csv"};
+  std::set<std::string> expected{"report.html",
+                                 "runs.csv",
+                                 "figure_4.csv",
+                                 "figure_5.csv",
+                                 "figure_6.csv",
+                                 "figure_7.csv",
+                                 "figure_7_theory.csv",
+                                 "figure_7_plateau.csv",
+                                 "open_choices.csv",
+                                 "turn_order.csv",
+                                 "turn_order_comparisons.csv"};
   for (std::string const picture : {"figure_4_start", "figure_4_after", "figure_7_square", "figure_7_triangular"}) {
     expected.insert({picture + ".svg", picture + ".png"});
   }
   bool const draws = is_gnuplot_available();
   for (std::string const plot :
-       {"figure_5", "figure_5_checks", "figure_6", "figure_6_logarithmic", "figure_7", "open_choices"}) {
+       {"figure_5", "figure_5_checks", "figure_6", "figure_6_logarithmic", "figure_7", "open_choices", "turn_order"}) {
     expected.insert(plot + ".gp");
     if (draws) expected.insert({plot + ".svg", plot + ".png"});
   }
@@ -137,6 +151,34 @@ TEST(Paper, CountsTheSameDistancesOnEveryMachine) {
   }
 }
 
+TEST(Paper, ComparesTheOrdersOfTurnsFromTheSameStarts) {
+  TemporaryDirectory const directory;
+  run_paper({.extent = tiny_paper(), .output = directory.path()});
+  Table const table = read_csv(directory / "turn_order_comparisons.csv");
+  auto const& quantity = std::get<std::vector<std::string>>(table.column("quantity"));
+  std::set<std::string> const compared(quantity.begin(), quantity.end());
+  EXPECT_EQ(compared,
+            (std::set<std::string>{"collision_rate", "compressibility_factor", "mean_displacement", "wall_pressure"}));
+  std::vector<double> const stepped = table.numbers("stepped");
+  std::vector<double> const tiled = table.numbers("tiled");
+  std::vector<double> const exact = table.numbers("exact");
+  std::vector<double> const deviation = table.numbers("deviation");
+  std::vector<double> const difference = table.numbers("difference");
+  // Two starts: five moments of 256 samples (1, 4, 16, 64, 256) and three quantities each.
+  ASSERT_EQ(deviation.size(), 16U);
+  double largest = 0.0;
+  for (std::size_t row = 0; row < deviation.size(); ++row) {
+    EXPECT_GT(stepped[row], 0.0) << quantity[row];
+    EXPECT_GT(exact[row], 0.0) << quantity[row];
+    EXPECT_NEAR(difference[row], tiled[row] - stepped[row], 1e-9 * stepped[row]) << quantity[row];
+    double const error = std::hypot(table.numbers("stepped_error")[row], table.numbers("tiled_error")[row]);
+    EXPECT_NEAR(deviation[row] * error, tiled[row] - stepped[row], 1e-9 * stepped[row]) << quantity[row];
+    largest = std::max(largest, std::abs(deviation[row]));
+  }
+  // Another order of turns is another trajectory.
+  EXPECT_GT(largest, 0.0);
+}
+
 TEST(Paper, StoppedEarlyStillLeavesAReportThatSaysSo) {
   TemporaryDirectory const directory;
   PaperResult const result =
@@ -163,6 +205,9 @@ TEST(Paper, RefusesWhatItCannotMake) {
   PaperExtent unsorted = tiny_paper();
   unsorted.square_densities = {0.5, 0.3};
   EXPECT_THROW(run_paper({.extent = unsorted, .output = directory.path()}), Error);
+  PaperExtent without_steps = tiny_paper();
+  without_steps.order_time_steps.clear();
+  EXPECT_THROW(run_paper({.extent = without_steps, .output = directory.path()}), Error);
   write_file(directory / "file", "");
   EXPECT_THROW(run_paper({.extent = tiny_paper(), .output = directory / "file" / "below"}), Error);
 }

@@ -1,0 +1,114 @@
+#include "gridlock/run/run.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/run/simulate.hpp"
+
+namespace gridlock {
+namespace {
+
+/// 40 steps between two samples, looked at after every step.
+Setup setup_of(std::string const& engine) {
+  Configuration configuration;
+  configuration.disks = {.count = 100, .packing_fraction = 0.5};
+  configuration.engine = {.kind = engine, .threads = 2};
+  configuration.run.steps = 100;
+  configuration.observe = {.every = 40, .structure_every = 0};
+  return set_up(configuration);
+}
+
+struct WatchedRun {
+  explicit WatchedRun(std::string const& engine, std::uint64_t steps_per_look = 1)
+      : experiment(setup_of(engine)), plan(plan_of(setup_of(engine))) {
+    plan.steps_per_look = steps_per_look;
+  }
+  DiskExperiment experiment;
+  RunPlan plan;
+};
+
+class RunOfEveryEngine : public testing::TestWithParam<std::string> {};
+
+TEST_P(RunOfEveryEngine, IsStoppedWithinAChunkAndGoesOnToTheSameBits) {
+  RunResult const whole = simulate(setup_of(GetParam()));
+  WatchedRun watched(GetParam());
+  gridlock::Run run(watched.experiment, watched.plan);
+  EXPECT_EQ(run.go_on([](Progress const& progress) { return progress.steps < 7; }), Ending::interrupted);
+  EXPECT_EQ(watched.experiment.clock().step, 7U);
+  EXPECT_EQ(run.go_on([](Progress const& progress) { return progress.steps < 53; }), Ending::interrupted);
+  EXPECT_EQ(watched.experiment.clock().step, 53U);
+  EXPECT_EQ(run.go_on(), Ending::finished);
+  EXPECT_EQ(run.record().state_hash, whole.state_hash);
+  EXPECT_EQ(std::get<std::vector<double>>(run.record().series.column("mean_displacement")),
+            std::get<std::vector<double>>(whole.series.column("mean_displacement")));
+}
+
+TEST_P(RunOfEveryEngine, ReportsEveryStepOfAChunkOnce) {
+  WatchedRun watched(GetParam());
+  gridlock::Run run(watched.experiment, watched.plan);
+  std::vector<std::uint64_t> seen;
+  run.go_on([&](Progress const& progress) {
+    EXPECT_EQ(progress.clock.step, progress.steps);
+    seen.push_back(progress.steps);
+    return true;
+  });
+  ASSERT_EQ(seen.size(), 100U);
+  for (std::size_t k = 0; k < seen.size(); ++k) EXPECT_EQ(seen[k], k + 1);
+}
+
+TEST_P(RunOfEveryEngine, TakesAnInterludeWithinAChunkWithItsDisksUpToDate) {
+  RunResult const whole = simulate(setup_of(GetParam()));
+  Configuration configuration = setup_of(GetParam()).configuration;
+  configuration.run.steps = 13;
+  std::uint64_t const hash_after_13 = simulate(set_up(configuration)).state_hash;
+  WatchedRun watched(GetParam());
+  gridlock::Run run(watched.experiment, watched.plan);
+  int times = 0;
+  Interlude const interlude{.is_due = [&](std::uint64_t steps) { return steps >= 13 && times == 0; },
+                            .take_place =
+                                [&](std::uint64_t steps) {
+                                  ++times;
+                                  EXPECT_EQ(steps, 13U);
+                                  EXPECT_EQ(watched.experiment.state_hash(), hash_after_13);
+                                }};
+  EXPECT_EQ(run.go_on({}, interlude), Ending::finished);
+  EXPECT_EQ(times, 1);
+  EXPECT_EQ(run.record().state_hash, whole.state_hash);
+}
+
+TEST_P(RunOfEveryEngine, ThrowsOnWhatTheListenerThrowsAndCanGoOn) {
+  RunResult const whole = simulate(setup_of(GetParam()));
+  WatchedRun watched(GetParam());
+  gridlock::Run run(watched.experiment, watched.plan);
+  EXPECT_THROW(run.go_on([](Progress const& progress) {
+    if (progress.steps == 5) throw std::logic_error("of the listener");
+    return true;
+  }),
+               std::logic_error);
+  EXPECT_EQ(watched.experiment.clock().step, 5U);
+  EXPECT_EQ(run.go_on(), Ending::finished);
+  EXPECT_EQ(run.record().state_hash, whole.state_hash);
+}
+
+INSTANTIATE_TEST_SUITE_P(Engines, RunOfEveryEngine, testing::ValuesIn(engine_kinds()),
+                         [](testing::TestParamInfo<std::string> const& name) { return name.param; });
+
+TEST(Run, LooksNoMoreOftenThanPlanned) {
+  WatchedRun watched("tiled", 15);
+  gridlock::Run run(watched.experiment, watched.plan);
+  std::vector<std::uint64_t> seen;
+  run.go_on([&](Progress const& progress) {
+    seen.push_back(progress.steps);
+    return true;
+  });
+  // After every fifteen steps of a chunk, and at its end.
+  EXPECT_EQ(seen, (std::vector<std::uint64_t>{15, 30, 40, 55, 70, 80, 95, 100}));
+}
+
+}  // namespace
+}  // namespace gridlock
