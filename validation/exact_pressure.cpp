@@ -1,16 +1,21 @@
 // The pressure of small periodic systems from long runs of the engine `exact`, against published values, with the audit
 // on: too long for the tests.
 //
-//     gridlock_validate_exact_pressure [millions of collisions per system]
+//     gridlock_validate_exact_pressure small [millions of collisions per system]      200 where no number is given
+//     gridlock_validate_exact_pressure plateau [millions of collisions per system]    3000
 //
-// 200 million where no number is given; three times as many near the transition.
+// `small`: 72, 224 and 870 disks; three times as many collisions near the transition. `plateau`: 256² disks from the
+// liquid through the coexistence of liquid and hexatic phase, a quarter of the collisions before the measurement.
 //
-// Published: Li et al. 2022, P* = βPσ² of N hard disks in a periodic square box.
+// Published: Li et al. 2022, P* = βPσ² of N hard disks in a periodic square box, by event-driven dynamics.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "gridlock/core/random.hpp"
@@ -28,11 +33,24 @@ struct Published {
   std::uint64_t length = 1;  ///< of the run; near the transition the blocks scatter more
 };
 
-constexpr Published published[] = {
+constexpr Published small[] = {
     {8, 9, 0.65, 6.901074, 0.000071},   {8, 9, 0.66, 7.383221, 0.000087},   {8, 9, 0.67, 7.85637, 0.00011},
     {8, 9, 0.68, 8.23631, 0.00034},     {8, 9, 0.69, 8.41814, 0.00038, 3},  {8, 9, 0.70, 8.55170, 0.00059, 3},
     {14, 16, 0.67, 7.979479, 0.000058}, {14, 16, 0.68, 8.49105, 0.00019},   {29, 30, 0.67, 7.986779, 0.000025},
     {29, 30, 0.68, 8.513249, 0.000037}, {29, 30, 0.69, 8.969898, 0.000075},
+};
+
+constexpr Published plateau[] = {
+    {256, 256, 0.698, 9.17059, 0.00018}, {256, 256, 0.700, 9.18896, 0.00024}, {256, 256, 0.704, 9.18903, 0.00039},
+    {256, 256, 0.708, 9.18226, 0.00026}, {256, 256, 0.712, 9.17715, 0.00021}, {256, 256, 0.716, 9.17823, 0.00041},
+    {256, 256, 0.720, 9.22350, 0.00075},
+};
+
+/// Which systems to measure, and for how long.
+struct Plan {
+  std::span<Published const> systems;
+  std::uint64_t millions;  ///< of collisions per system
+  double equilibration;    ///< part of them before the measurement
 };
 
 /// Disks of diameter 1 on stretched, shifted rows, Maxwell velocities without a common drift.
@@ -56,14 +74,16 @@ State rows_of_disks(Published const& p) {
   return state;
 }
 
-void measure(Published const& p, std::uint64_t collisions) {
+void measure(Published const& p, std::uint64_t collisions, double equilibration) {
   constexpr int blocks = 50;
   State state = rows_of_disks(p);
   double const n = static_cast<double>(state.disks.size());
   double const kt = kinetic_energy(state.disks) / (n - 1.0);
-  auto const engine = make_engine({.kind = "exact", .audit_every = 1'000'000}, state);
+  auto const engine =
+      make_engine({.kind = "exact", .audit_every = std::max<std::uint64_t>(1'000'000, 20 * state.disks.size())}, state);
   Tally tally;
-  engine->advance(state, tally, {.pair_collisions = collisions / 20});
+  engine->advance(state, tally,
+                  {.pair_collisions = static_cast<std::uint64_t>(equilibration * static_cast<double>(collisions))});
   std::vector<double> pressures;
   for (int block = 0; block < blocks; ++block) {
     double const virial = tally.pair_virial;
@@ -87,8 +107,16 @@ void measure(Published const& p, std::uint64_t collisions) {
 }  // namespace gridlock::benchmark
 
 int main(int argument_count, char** arguments) {
-  std::uint64_t const millions = argument_count > 1 ? std::strtoull(arguments[1], nullptr, 10) : 200;
+  using namespace gridlock::benchmark;
+  std::string_view const name = argument_count > 1 ? arguments[1] : "";
+  if (name != "small" && name != "plateau") {
+    std::fprintf(stderr, "say small or plateau, and then perhaps how many millions of collisions\n");
+    return 2;
+  }
+  Plan plan = name == "small" ? Plan{small, 200, 0.05} : Plan{plateau, 3000, 0.25};
+  if (argument_count > 2) plan.millions = std::strtoull(arguments[2], nullptr, 10);
   std::printf("n,packing_fraction,collisions,pressure,error,published,published_error,difference_in_errors\n");
-  for (auto const& system : gridlock::benchmark::published)
-    gridlock::benchmark::measure(system, 1'000'000 * millions * system.length);
+  for (Published const& system : plan.systems) {
+    measure(system, 1'000'000 * plan.millions * system.length, plan.equilibration);
+  }
 }

@@ -5,8 +5,10 @@
 namespace gridlock {
 
 /// Asks for the memory at `address`, which is going to be changed soon; changes nothing, whatever the address.
-inline void prefetch(void const* address) {
-  __builtin_prefetch(address, 1);
+[[gnu::always_inline]] inline void prefetch(void const* address) {
+  // Into the second cache: asked into the first, dozens of lines at once keep one another out (AMD Zen 4: 7 ns a line
+  // instead of 40).
+  __builtin_prefetch(address, 1, 2);
   // Without this a function that does nothing but prefetch counts as one without effect, and gcc drops the call.
   asm volatile("" : : "r"(address));
 }

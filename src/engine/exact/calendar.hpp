@@ -72,13 +72,13 @@ class Calendar {
   /// Which slice of the epoch is open.
   [[nodiscard]] std::uint32_t open_slice() const { return open_slice_; }
 
-  /// Calls visit(disk) for the appointments `ahead` slices after the open one, as far as they are in this chapter.
+  /// Calls visit(disk, time) for the appointments `ahead` slices after the open one, as far as they are in this chapter.
   template <class Visit>
   void for_each_ahead(std::uint32_t ahead, Visit visit) const {
     std::uint32_t const slice = open_slice_ + ahead;
     if (slice >> slice_bits_ != open_chapter_) return;
     std::uint32_t place = slice_heads_[slice & ((1U << slice_bits_) - 1)];
-    for (; place != none; place = dealt_[place].next) visit(dealt_[place].disk);
+    for (; place != none; place = dealt_[place].next) visit(dealt_[place].disk, dealt_[place].time);
   }
 
   /// Appointments made since open().

@@ -215,13 +215,13 @@ Appointment const* Dynamics::next_event() {
 
 /// Keeps the pipeline fed with the disks of a slice to come, and moving: about two appointments are made for each event.
 void Dynamics::fetch_ahead() {
-  constexpr std::uint32_t slices_ahead = 4;
+  constexpr std::uint32_t slices_ahead = 8;
   constexpr std::uint64_t most_waiting = 16;
   if (calendar_.open_slice() != seen_slice_) {
     seen_slice_ = calendar_.open_slice();
     std::uint64_t entered = 0;
-    calendar_.for_each_ahead(slices_ahead, [&](Index i) {
-      if (++entered <= most_waiting) pipeline_.enter(i);
+    calendar_.for_each_ahead(slices_ahead, [&](Index i, double time) {
+      if (++entered <= most_waiting) pipeline_.enter(i, time);
     });
   }
   do {

@@ -45,7 +45,10 @@ void SlotCells::erase(Index disk, std::int32_t column, std::int32_t row) {
   Index* const first = slots_.data() + place_of(column, row);
   Index* const found = std::find(first, first + capacity_, disk);
   assert(found != first + capacity_);
-  *found = no_disk;
+  // The last of the cell takes its place: the first slots of a cell are the ones in use.
+  Index* const end = std::find(found, first + capacity_, no_disk);
+  *found = *(end - 1);
+  *(end - 1) = no_disk;
   if (is_periodic_ && is_at_edge(column, row)) copy_to_ghosts(column, row);
 }
 
