@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "models/catalyst.hpp"
 #include "models/epidemic.hpp"
 #include "models/flocking.hpp"
 
@@ -132,6 +133,14 @@ TEST(ModelSequence, TurnsOneAfterTheOtherDoNotDependOnChunksThreadsOrTheOrderOfR
     expect_same_bits(Market<Schedule::sequential>{}, box);
     expect_market_to_live<Schedule::sequential>(box);
   }
+}
+
+TEST(ModelSequence, EventsDoNotDependOnChunksThoughTheGridLastsFromStepToStep) {
+  Catalyst const model{.adsorption_rate = 3000.0, .desorption_rate = 1.0, .hop_rate = 5.0, .step_length = 0.01};
+  Box const box(1.0, 1.5, Edge::periodic);
+  std::uint64_t const expected = hash_after(model, box, 60, {}, 60);
+  EXPECT_EQ(hash_after(model, box, 60, {}, 1), expected);
+  EXPECT_EQ(hash_after(model, box, 60, {.verify_every = 1}, 20), expected);
 }
 
 TEST(ModelSequence, LaterAgentsSeeWhatEarlierOnesHaveDone) {

@@ -53,6 +53,8 @@ class CellLayout {
   }
   [[nodiscard]] int rows_within(double distance) const { return cells_within(distance, rows_per_length_, rows_); }
 
+  friend bool operator==(CellLayout const&, CellLayout const&) = default;
+
  private:
   struct Range {
     int first;

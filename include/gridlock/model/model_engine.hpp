@@ -67,8 +67,11 @@ class ModelEngine {
 
   /// Errors: RunFailure where a verified search differs from brute force, or what the model throws.
   void advance(World<Model>& world, Horizon const& horizon) {
+    // Between two calls the world may have become another one.
+    bool knows_world = false;
     while (world.clock.step < horizon.step && world.clock.time < horizon.time) {
-      prepare(world);
+      prepare(world, knows_world);
+      knows_world = true;
       if constexpr (Model::schedule == Schedule::synchronous) {
         step_synchronously(world);
       } else if constexpr (Model::schedule == Schedule::sequential) {
@@ -91,10 +94,11 @@ class ModelEngine {
     return settings_.verify_every > 0 && world.clock.step % settings_.verify_every == 0;
   }
 
-  /// Brings the grid into the form that the state alone decides.
-  void prepare(World<Model>& world) {
+  /// Brings the grid into the form that the state alone decides, and the rows of those who take turns at the same time.
+  void prepare(World<Model>& world, bool knows_world) {
     reach_ = reach_of(model_, world);
     time_step_ = time_step_of(model_, world);
+    [[maybe_unused]] CellLayout const before = layout_;
     if constexpr (requires { model_.cells(world); }) {
       layout_ = model_.cells(world);
     } else {
@@ -105,6 +109,10 @@ class ModelEngine {
       put_in_cell_order(world);
     } else if constexpr (Model::schedule == Schedule::tiled) {
       put_in_cell_order(world);
+      grid_ = PackedGrid(layout_, world.agents.template column<X>(), world.agents.template column<Y>());
+    } else if constexpr (Model::schedule == Schedule::events) {
+      // It has followed every event, and nothing that OpenWorld tells depends on the order inside the cells.
+      if (knows_world && layout_ == before) return;
       grid_ = PackedGrid(layout_, world.agents.template column<X>(), world.agents.template column<Y>());
     } else {
       std::vector<std::size_t> const rows = rows_in_order(world.agents.ids());

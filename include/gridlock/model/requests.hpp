@@ -1,13 +1,12 @@
 #pragma once
 
-#include <algorithm>
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <tuple>
 #include <vector>
 
+#include "gridlock/core/frame.hpp"
 #include "gridlock/core/look_ahead.hpp"
 #include "gridlock/model/world.hpp"
 
@@ -17,52 +16,46 @@ namespace gridlock {
 /// row moves while neighbours are being visited.
 template <class Model>
 struct Requests {
-  struct Birth {
-    Id parent;
-    std::uint64_t number;  ///< of the births of this parent in this step
-    typename World<Model>::Agents::Values values;
-  };
-
-  std::vector<Birth> births;
-  std::vector<Id> deaths;  ///< an Id may stand there twice
+  std::vector<typename World<Model>::Agents::Values> births;
+  std::vector<Id> parents;  ///< of each birth
+  std::vector<Id> deaths;   ///< an Id may stand there twice
   EventCounts<Model> events{};
   std::vector<std::uint32_t> found;  ///< rows of neighbours, a stack: a search within a search comes on top
   std::size_t found_top = 0;
 
   void clear() {
     births.clear();
+    parents.clear();
     deaths.clear();
     events = {};
   }
 };
 
 /// Lets everything that was asked for take effect: first the deaths in the order of the Ids, then the births in the
-/// order of their parents' Ids. The state alone decides that order, so that also the names of the newborn are the same
-/// on any number of threads. Says whether there was any birth or death.
+/// order of their parents' Ids, those of one parent as it asked for them. The state alone decides that order, so that also
+/// the names of the newborn are the same on any number of threads. Contract: an agent asks in one part only.
 template <class Model>
-bool settle(World<Model>& world, std::span<Requests<Model>> parts) {
-  using Birth = typename Requests<Model>::Birth;
-  std::vector<Id> deaths;
-  std::vector<Birth> births;
+void settle(World<Model>& world, std::span<Requests<Model>> parts) {
+  Requests<Model> all;
   for (Requests<Model>& part : parts) {
-    deaths.insert(deaths.end(), part.deaths.begin(), part.deaths.end());
-    births.insert(births.end(), part.births.begin(), part.births.end());
+    all.deaths.insert(all.deaths.end(), part.deaths.begin(), part.deaths.end());
+    all.births.insert(all.births.end(), part.births.begin(), part.births.end());
+    all.parents.insert(all.parents.end(), part.parents.begin(), part.parents.end());
     for (std::size_t k = 0; k < world.events.size(); ++k) world.events[k] += part.events[k];
     part.clear();
   }
-  std::ranges::sort(deaths);
-  deaths.erase(std::unique(deaths.begin(), deaths.end()), deaths.end());
-  std::ranges::sort(births, [](Birth const& a, Birth const& b) {
-    return std::tie(a.parent, a.number) < std::tie(b.parent, b.number);
-  });
+  std::vector<Id> deaths;
+  deaths.reserve(all.deaths.size());
+  for (std::size_t const place : rows_in_order(all.deaths)) {
+    if (deaths.empty() || deaths.back() != all.deaths[place]) deaths.push_back(all.deaths[place]);
+  }
   carry_out_with_look_ahead(
       deaths.size(), [&](std::size_t k) { world.agents.prefetch(deaths[k]); },
       [&](std::size_t k) { world.agents.prefetch_row(deaths[k]); },
       [&](std::size_t k) { world.agents.remove(deaths[k]); });
-  for (Birth const& birth : births) {
-    std::apply([&](auto... values) { world.agents.add(values...); }, birth.values);
+  for (std::size_t const place : rows_in_order(all.parents)) {
+    std::apply([&](auto... values) { world.agents.add(values...); }, all.births[place]);
   }
-  return !deaths.empty() || !births.empty();
 }
 
 }  // namespace gridlock

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -38,6 +39,7 @@ class Neighbour {
   /// Changes another agent, which is not for synchronous models: two could change it at the same time.
   template <class Column>
   void set(typename Column::type value) const requires(Model::schedule != Schedule::synchronous) {
+    static_assert(!std::is_same_v<Column, X> && !std::is_same_v<Column, Y>, "only its own turn moves an agent");
     world_.agents.template column<Column>()[row_] = value;
   }
   /// Lets it die at the end of the step. More than one may do so.
@@ -160,7 +162,8 @@ class Turn {
   /// Another agent with these values, one per column in the order they are declared, from the next step on.
   template <class... Values>
   void give_birth(Values... values) {
-    around_.requests.births.push_back({id(), births_++, {values...}});
+    around_.requests.births.push_back({values...});
+    around_.requests.parents.push_back(id());
   }
   /// Dies at the end of the step.
   void die() { around_.requests.deaths.push_back(id()); }
@@ -213,7 +216,6 @@ class Turn {
   Surroundings<Model>& around_;
   std::size_t row_;
   int home_ = 0;  ///< tiled: the cell in which the turn began
-  std::uint64_t births_ = 0;
 };
 
 }  // namespace gridlock
