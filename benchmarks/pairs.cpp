@@ -7,12 +7,14 @@
 #include <memory>
 #include <numbers>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #ifdef GRIDLOCK_HAVE_NANOFLANN
 #include <nanoflann.hpp>
 #endif
 
+#include "grid/candidate_pairs.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/grid/pairs.hpp"
 #include "measure.hpp"
@@ -47,6 +49,18 @@ State in_cell_order(State const& state, double reach) {
 struct Sum {
   std::uint64_t pairs = 0;
   double squared_distances = 0.0;
+};
+
+/// The packed grid as it is on a processor without AVX-512.
+class PlainGrid : public PackedGrid {
+ public:
+  using PackedGrid::PackedGrid;
+  template <class Visit>
+  void for_each_candidate_pair(double reach, Visit visit) const {
+    gridlock::find_candidate_pairs(*this, reach, add_pairs_of_row_plainly, [&](std::span<AgentPair const> pairs) {
+      for (AgentPair const& pair : pairs) visit(pair.first, pair.second);
+    });
+  }
 };
 
 /// Every round the agents move a little and back, as in one time step.
@@ -154,6 +168,8 @@ void race_at(std::size_t n, int rounds) {
   contestants.push_back(grid_contestant<LinkedGrid>("linked grid: agents in no order", scattered, reach));
   contestants.push_back(grid_contestant<LinkedGrid>("linked grid: agents in cell order", ordered, reach));
   contestants.push_back(grid_contestant<PackedGrid>("packed grid: agents in no order", scattered, reach));
+  contestants.push_back(
+      grid_contestant<PlainGrid>("packed grid without AVX-512: agents in cell order", ordered, reach));
   contestants.push_back(grid_contestant<PackedGrid>("packed grid: agents in cell order", ordered, reach));
 #ifdef GRIDLOCK_HAVE_NANOFLANN
   contestants.push_back(nanoflann_contestant(ordered, reach));

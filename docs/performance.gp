@@ -26,7 +26,10 @@ set output 'docs/images/performance_k.svg'
 set title 'The paper''s rule on linked lists, one core, cost against k, φ = 0.7'
 set xlabel 'cells a side k'
 set key top right
-set yrange [100:100000]
+set yrange [100:200000]
 plot over_k('100') using 1:2 with linespoints title 'N = 100', \
      over_k('841') using 1:2 with linespoints title 'N = 841', \
-     over_k('10000') using 1:2 with linespoints title 'N = 10^4'
+     over_k('10000') using 1:2 with linespoints title 'N = 10^4', \
+     over_k('100000') using 1:2 with linespoints title 'N = 10^5', \
+     over_k('1000000') using 1:2 with linespoints title 'N = 10^6', \
+     over_k('10000000') using 1:2 with linespoints title 'N = 10^7'

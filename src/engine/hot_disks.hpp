@@ -83,8 +83,7 @@ class HotDisks {
 /// A grid that holds every disk where it is.
 template <NeighbourGrid Grid>
 Grid grid_of(CellLayout const& layout, HotDisks const& disks) {
-  Grid grid(layout);
-  grid.reserve(disks.size());
+  Grid grid(layout, disks.size());
   for (std::size_t k = 0; k < disks.size(); ++k) grid.insert(k, disks[k].position);
   return grid;
 }

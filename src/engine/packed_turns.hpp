@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "grid/lane_bits.hpp"
 #include "gridlock/grid/packed_grid.hpp"
 #include "gridlock/grid/packed_layout.hpp"
 #include "turn.hpp"

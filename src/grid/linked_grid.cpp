@@ -6,13 +6,14 @@ namespace gridlock {
 
 static_assert(NeighbourGrid<LinkedGrid>);
 
-LinkedGrid::LinkedGrid(CellLayout const& layout)
-    : layout_(layout), heads_(static_cast<std::size_t>(layout.count()), none) {}
+LinkedGrid::LinkedGrid(CellLayout const& layout, std::size_t agents)
+    : layout_(layout), heads_(static_cast<std::size_t>(layout.count()), none) {
+  grow(agents);
+}
 
 LinkedGrid::LinkedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y)
-    : LinkedGrid(layout) {
+    : LinkedGrid(layout, x.size()) {
   assert(x.size() == y.size());
-  grow(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) insert(i, {x[i], y[i]});
 }
 

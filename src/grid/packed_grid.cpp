@@ -18,7 +18,7 @@ constexpr std::size_t most_blocks = std::size_t{1} << 30;
 
 }  // namespace
 
-PackedGrid::PackedGrid(CellLayout const& layout)
+PackedGrid::PackedGrid(CellLayout const& layout, std::size_t agents)
     : layout_(layout), stride_(static_cast<std::size_t>(layout.columns()) + 1) {
   std::size_t const blocks = stride_ * (static_cast<std::size_t>(layout.rows()) + 1);
   if (blocks > most_blocks) {
@@ -39,7 +39,7 @@ PackedGrid::PackedGrid(CellLayout const& layout)
   Block empty{.x = {}, .y = {}, .agent = {}, .next = none, .count = 0, .marks = 0, .column = 0, .row = 0};
   empty.x.fill(nowhere);
   empty.y.fill(nowhere);
-  blocks_.reserve(blocks);
+  blocks_.reserve(agents == 0 ? blocks : most_blocks_for(agents));
   for (int row = 0; row <= rows; ++row) {
     for (int column = 0; column <= columns; ++column) {
       empty.column = column;
@@ -47,21 +47,25 @@ PackedGrid::PackedGrid(CellLayout const& layout)
       blocks_.push_back(empty);
     }
   }
+  if (agents > 0) grow(agents);
 }
 
 PackedGrid::PackedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y)
-    : PackedGrid(layout) {
+    : PackedGrid(layout, x.size()) {
   assert(x.size() == y.size());
-  grow(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) insert(i, {x[i], y[i]});
 }
 
 void PackedGrid::grow(std::size_t agents) {
   place_.resize(agents, none);
+  std::size_t const most = most_blocks_for(place_.capacity());
+  if (blocks_.capacity() < most) blocks_.reserve(most);
+}
+
+std::size_t PackedGrid::most_blocks_for(std::size_t agents) const {
   // A cell of n > 4 agents has at most n/4 further blocks, so the blocks never move while threads move agents.
   std::size_t const cells = stride_ * (static_cast<std::size_t>(layout_.rows()) + 1);
-  std::size_t const most = cells + place_.capacity() / slots + 1;
-  if (blocks_.capacity() < most) blocks_.reserve(most);
+  return cells + agents / slots + 1;
 }
 
 void PackedGrid::put(std::size_t agent, Vector p, int column, int row) {

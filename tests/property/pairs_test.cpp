@@ -9,8 +9,11 @@
 #include <array>
 #include <map>
 #include <set>
+#include <span>
 #include <utility>
+#include <vector>
 
+#include "grid/candidate_pairs.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/grid/linked_grid.hpp"
 #include "gridlock/grid/packed_grid.hpp"
@@ -201,6 +204,47 @@ TYPED_TEST(PairsOnGrid, NeighboursOfAPointAreTheDisksWithinReachOfIt) {
       if (squared_length(state.box.displacement(p, position(state.disks, j))) < reach * reach) expected.insert(j);
     }
     ASSERT_EQ(found, expected) << "seed " << seed;
+  }
+}
+
+using CandidatePairs = std::vector<PackedGrid::AgentPair>;
+
+CandidatePairs candidate_pairs(PackedGrid const& grid, double reach, AddPairsOfRow way) {
+  CandidatePairs all;
+  find_candidate_pairs(grid, reach, way, [&](std::span<PackedGrid::AgentPair const> pairs) {
+    all.insert(all.end(), pairs.begin(), pairs.end());
+  });
+  return all;
+}
+
+TEST(CandidatePairs, AreTheSameInTheSameOrderWithAndWithoutWideRegisters) {
+  if (!can_add_pairs_with_avx512()) GTEST_SKIP() << "this processor has no AVX-512";
+  for (std::uint64_t seed = 0; seed < 3000; ++seed) {
+    Scene scene(seed);
+    State const& state = scene.state();
+    double const reach = scene.any_reach();
+    PackedGrid const grid(scene.any_layout(reach), state.disks.column<X>(), state.disks.column<Y>());
+    ASSERT_EQ(candidate_pairs(grid, reach, add_pairs_of_row_with_avx512),
+              candidate_pairs(grid, reach, add_pairs_of_row_plainly))
+        << "seed " << seed;
+  }
+}
+
+TEST(CandidatePairs, AreTheSameWhereEveryCellIsFullAndEveryAgentIsNear) {
+  if (!can_add_pairs_with_avx512()) GTEST_SKIP() << "this processor has no AVX-512";
+  // Four coincident agents at the middle of each cell: 3 + 16 pairs for the first of each.
+  State state{.box = Box(20.0, 20.0, Edge::periodic)};
+  for (int n = 0; n < 1600; ++n) {
+    state.disks.add(0.5 + n / 4 % 20, 0.5 + n / 80, 0, 0, 1, 1, 0, 0);
+  }
+  PackedGrid const grid({state.box, 10, 10}, state.disks.column<X>(), state.disks.column<Y>());
+  PackedGrid const fine({state.box, 20, 20}, state.disks.column<X>(), state.disks.column<Y>());
+  for (PackedGrid const* one : {&grid, &fine}) {
+    double const reach = one->layout().cell_width();
+    CandidatePairs const wide = candidate_pairs(*one, reach, add_pairs_of_row_with_avx512);
+    EXPECT_EQ(wide, candidate_pairs(*one, reach, add_pairs_of_row_plainly));
+    EXPECT_EQ(pairs_by_grid(state, *one, reach), pairs_by_brute_force(state, reach));
+    EXPECT_GT(wide.size(), 1600U * 8U);
   }
 }
 

@@ -2,10 +2,6 @@
 
 #include <array>
 
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
-
 namespace gridlock {
 
 /// Four numbers that are added, multiplied and compared in one instruction on every 64-bit processor.
@@ -24,27 +20,6 @@ inline Float4 broadcast(float value) { return Float4{value, value, value, value}
 inline Float4 with_lane(Float4 v, unsigned lane, float value) {
   Int4 const chosen = Int4{0, 1, 2, 3} == static_cast<int>(lane);
   return chosen ? broadcast(value) : v;
-}
-
-/// Bit k is set where lane k of a comparison is true.
-inline unsigned bits_of(Int4 comparison) {
-#if defined(__SSE2__)
-  return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(comparison)));
-#else
-  return (comparison[0] & 1U) | (comparison[1] & 2U) | (comparison[2] & 4U) | (comparison[3] & 8U);
-#endif
-}
-
-/// bits_of() of four comparisons, four bits each, the first one lowest.
-inline unsigned bits_of(Int4 a, Int4 b, Int4 c, Int4 d) {
-#if defined(__SSE2__)
-  auto const as_vector = [](Int4 v) { return reinterpret_cast<__m128i>(v); };
-  __m128i const low = _mm_packs_epi32(as_vector(a), as_vector(b));
-  __m128i const high = _mm_packs_epi32(as_vector(c), as_vector(d));
-  return static_cast<unsigned>(_mm_movemask_epi8(_mm_packs_epi16(low, high)));
-#else
-  return bits_of(a) | bits_of(b) << 4 | bits_of(c) << 8 | bits_of(d) << 12;
-#endif
 }
 
 }  // namespace gridlock

@@ -21,7 +21,8 @@ namespace gridlock {
 class LinkedGrid {
  public:
   LinkedGrid() = default;
-  explicit LinkedGrid(CellLayout const& layout);
+  /// With room for agents 0 … agents − 1.
+  explicit LinkedGrid(CellLayout const& layout, std::size_t agents = 0);
   /// Holds every point given, agent i at (x[i], y[i]).
   LinkedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y);
 

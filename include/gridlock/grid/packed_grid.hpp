@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <utility>
@@ -64,7 +65,8 @@ class PackedGrid {
   };
 
   PackedGrid() = default;
-  explicit PackedGrid(CellLayout const& layout);
+  /// With room for agents 0 … agents − 1: asking for it at once takes half the memory that asking for it later does.
+  explicit PackedGrid(CellLayout const& layout, std::size_t agents = 0);
   /// Holds every point given, agent i at (x[i], y[i]).
   PackedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y);
 
@@ -169,11 +171,21 @@ class PackedGrid {
   template <class Visit>
   void for_each_candidate_pair(double reach, Visit visit) const;
 
+  struct AgentPair {
+    std::uint32_t first;
+    std::uint32_t second;
+    friend bool operator==(AgentPair const&, AgentPair const&) = default;
+  };
+  using OnPairs = std::function<void(std::span<AgentPair const>)>;
+  /// The same pairs in portions of up to a thousand. Sixteen candidates are looked at at a time where the processor has
+  /// AVX-512, chosen at run time, four elsewhere; the same pairs in the same order on both.
+  void find_candidate_pairs(double reach, OnPairs const& on_pairs) const;
+
   /// Whether every block holds only agents of its cell, at their places, and all agents are in one.
   /// Cost: O(agents + cells); for tests and audits.
   [[nodiscard]] bool is_consistent() const;
 
-  // What a search that knows more than a reach is made of; see for_each_candidate_pair() for how it is used.
+  // What a search that knows more than a reach is made of; see src/grid/candidate_pairs.cpp for how it is used.
 
   [[nodiscard]] Block const& block_of(std::size_t agent) const { return blocks_[place_[agent] / slots]; }
   [[nodiscard]] std::uint32_t slot_of(std::size_t agent) const { return place_[agent] % slots; }
@@ -214,10 +226,6 @@ class PackedGrid {
     Float4 const dy = load(block.y) - p.y;
     return dx * dx + dy * dy <= limit;
   }
-  /// The same as bits.
-  static unsigned near_slots(Block const& block, LocalPoint p, float limit) {
-    return bits_of(is_near(block, p, limit));
-  }
 
  private:
   /// Far from everything, and its square still finite.
@@ -241,9 +249,6 @@ class PackedGrid {
    private:
     std::atomic_flag flag_;
   };
-
-  template <class Visit>
-  class PairBuffer;
 
   [[nodiscard]] std::size_t base_of(int cell) const {
     int const row = cell / layout_.columns();
@@ -275,18 +280,14 @@ class PackedGrid {
   }
 
   void grow(std::size_t agents);
+  /// That many blocks are enough for so many agents, whatever the cells they are in.
+  [[nodiscard]] std::size_t most_blocks_for(std::size_t agents) const;
   void put(std::size_t agent, Vector p, int column, int row);
   void take_out(std::size_t agent);
   void move_to_cell(std::size_t agent, Vector p, int column, int row);
   /// Links an empty block behind the first block of a cell.
   std::uint32_t add_block(Block& base);
   void drop_second_block(Block& base);
-
-  template <class Visit>
-  void for_each_pair_of_whole_blocks(int reach_columns, int reach_rows, Visit& visit) const;
-  template <class Visit>
-  void add_pairs_of_cell(int column, int row, int reach_columns, int reach_rows, float limit,
-                         PairBuffer<Visit>& buffer) const;
 
   CellLayout layout_;
   std::size_t stride_ = 0;
@@ -301,145 +302,11 @@ class PackedGrid {
   std::size_t size_ = 0;
 };
 
-/// Pairs found but not yet visited. Whether a candidate is a pair is as good as random, so asking would stall the
-/// processor at every other pair; instead every candidate is written and only the count depends on the answer.
-template <class Visit>
-class PackedGrid::PairBuffer {
- public:
-  explicit PairBuffer(Visit& visit) : visit_(visit) {}
-
-  /// Pairs of one agent with the slots of a block whose bits are set.
-  void add(std::uint32_t agent, Block const& block, unsigned slots_set) {
-    for (std::size_t s = 0; s < slots; ++s) {
-      pairs_[size_] = {agent, block.agent[s]};
-      size_ += (slots_set >> s) & 1U;
-    }
-  }
-  /// Makes room for `blocks` more calls of add().
-  void make_room(std::size_t blocks) {
-    if (size_ + blocks * slots > capacity) flush();
-  }
-  void flush() {
-    for (std::size_t n = 0; n < size_; ++n) visit_(std::size_t{pairs_[n].first}, std::size_t{pairs_[n].second});
-    size_ = 0;
-  }
-
- private:
-  struct Pair {
-    std::uint32_t first;
-    std::uint32_t second;
-  };
-  static constexpr std::size_t capacity = 1024;
-  std::array<Pair, capacity + slots> pairs_;
-  std::size_t size_ = 0;
-  Visit& visit_;
-};
-
 template <class Visit>
 void PackedGrid::for_each_candidate_pair(double reach, Visit visit) const {
-  int const reach_columns = layout_.columns_within(reach);
-  int const reach_rows = layout_.rows_within(reach);
-  // Half of the block, to the right and above, meets every pair once; unless the block goes around the box.
-  if (layout_.is_periodic() &&
-      (2.0 * reach_columns + 1.0 > layout_.columns() || 2.0 * reach_rows + 1.0 > layout_.rows())) {
-    for_each_pair_of_whole_blocks(reach_columns, reach_rows, visit);
-    return;
-  }
-  float const limit = local_limit(reach * reach, std::max(reach_columns, reach_rows));
-  PairBuffer<Visit> buffer(visit);
-  if (reach_columns > 1 || reach_rows > 1) {
-    for (int row = 0; row < layout_.rows(); ++row) {
-      for (int column = 0; column < layout_.columns(); ++column) {
-        add_pairs_of_cell(column, row, reach_columns, reach_rows, limit, buffer);
-      }
-    }
-    buffer.flush();
-    return;
-  }
-  constexpr std::array<unsigned, slots> later_slots{14U, 12U, 8U, 0U};
-  for (int row = 0; row < layout_.rows(); ++row) {
-    Block const* const here = &block_at(0, row);
-    Block const* const above = &block_at(0, row_above(row));
-    for (int column = 0; column < layout_.columns(); ++column) {
-      int const left = column_left_of(column);
-      int const right = column_right_of(column);
-      Block const& home = here[column];
-      Block const& east = here[right];
-      Block const& north_west = above[left];
-      Block const& north = above[column];
-      Block const& north_east = above[right];
-      if ((home.next & east.next & north_west.next & north.next & north_east.next) != none) {
-        add_pairs_of_cell(column, row, 1, 1, limit, buffer);
-        continue;
-      }
-      buffer.make_room(5 * slots);
-      for (std::uint32_t s = 0; s < home.count; ++s) {
-        LocalPoint const p{home.x[s], home.y[s]};
-        std::uint32_t const agent = home.agent[s];
-        float const x_east = p.x - local_width_;
-        float const x_west = p.x + local_width_;
-        float const y_north = p.y - local_height_;
-        buffer.add(agent, home, near_slots(home, p, limit) & later_slots[s]);
-        buffer.add(agent, east, near_slots(east, {x_east, p.y}, limit));
-        buffer.add(agent, north_west, near_slots(north_west, {x_west, y_north}, limit));
-        buffer.add(agent, north, near_slots(north, {p.x, y_north}, limit));
-        buffer.add(agent, north_east, near_slots(north_east, {x_east, y_north}, limit));
-      }
-    }
-  }
-  buffer.flush();
-}
-
-template <class Visit>
-void PackedGrid::add_pairs_of_cell(int column, int row, int reach_columns, int reach_rows, float limit,
-                                   PairBuffer<Visit>& buffer) const {
-  auto const wrapped = [](int index, int count) {
-    return index < 0 ? index + count : index >= count ? index - count : index;
-  };
-  auto const add_cell = [&](Block const& from, std::uint32_t s, int dc, int dr) {
-    int c = column + dc;
-    int r = row + dr;
-    if (layout_.is_periodic()) {
-      c = wrapped(c, layout_.columns());
-      r = wrapped(r, layout_.rows());
-    } else if (c < 0 || c >= layout_.columns() || r >= layout_.rows()) {
-      return;
-    }
-    LocalPoint const p{from.x[s] - static_cast<float>(dc) * local_width_,
-                       from.y[s] - static_cast<float>(dr) * local_height_};
-    for (Block const* block = &block_at(c, r);; block = &next_of(*block)) {
-      buffer.make_room(1);
-      buffer.add(from.agent[s], *block, near_slots(*block, p, limit));
-      if (block->next == none) return;
-    }
-  };
-  for (Block const* from = &block_at(column, row);; from = &next_of(*from)) {
-    for (std::uint32_t s = 0; s < from->count; ++s) {
-      LocalPoint const p{from->x[s], from->y[s]};
-      buffer.make_room(1);
-      buffer.add(from->agent[s], *from, near_slots(*from, p, limit) & (14U << s));
-      for (Block const* block = from; block->next != none;) {
-        block = &next_of(*block);
-        buffer.make_room(1);
-        buffer.add(from->agent[s], *block, near_slots(*block, p, limit));
-      }
-      for (int dc = 1; dc <= reach_columns; ++dc) add_cell(*from, s, dc, 0);
-      for (int dr = 1; dr <= reach_rows; ++dr) {
-        for (int dc = -reach_columns; dc <= reach_columns; ++dc) add_cell(*from, s, dc, dr);
-      }
-    }
-    if (from->next == none) return;
-  }
-}
-
-template <class Visit>
-void PackedGrid::for_each_pair_of_whole_blocks(int reach_columns, int reach_rows, Visit& visit) const {
-  for (std::size_t i = 0; i < place_.size(); ++i) {
-    if (place_[i] == none) continue;
-    for_each_in_block(cell_of(i), reach_columns, reach_rows, [&](std::size_t j) {
-      if (j < i) visit(i, j);
-    });
-  }
+  find_candidate_pairs(reach, [&](std::span<AgentPair const> pairs) {
+    for (AgentPair const& pair : pairs) visit(std::size_t{pair.first}, std::size_t{pair.second});
+  });
 }
 
 }  // namespace gridlock

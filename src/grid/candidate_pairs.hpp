@@ -1,0 +1,118 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gridlock/grid/packed_grid.hpp"
+
+namespace gridlock {
+
+/// Pairs found but not yet handed out. Whether a candidate is a pair is as good as random, so asking would stall the
+/// processor at every other pair; instead every candidate is written and only the count depends on the answer.
+class PairBuffer {
+ public:
+  using Pair = PackedGrid::AgentPair;
+  /// Pairs that may be written behind the last one that counts.
+  static constexpr std::size_t slack = 16;
+
+  explicit PairBuffer(PackedGrid::OnPairs const& on_pairs) : on_pairs_(on_pairs) {}
+
+  /// Where the next pairs are written, at most `pairs` of which count.
+  Pair* room_for(std::size_t pairs) {
+    if (size_ + pairs > capacity) flush();
+    return pairs_.data() + size_;
+  }
+  /// All that was written before `end` counts.
+  void keep_until(Pair const* end) { size_ = static_cast<std::size_t>(end - pairs_.data()); }
+  void flush() {
+    on_pairs_({pairs_.data(), size_});
+    size_ = 0;
+  }
+
+ private:
+  static constexpr std::size_t capacity = 1024;
+  alignas(64) std::array<Pair, capacity + slack> pairs_;
+  std::size_t size_ = 0;
+  PackedGrid::OnPairs const& on_pairs_;
+};
+
+/// A block that the agents of a cell look at, and what is added to their places to see them from there.
+struct SeenBlock {
+  PackedGrid::Block const* block;
+  float shift_x;
+  float shift_y;
+};
+
+/// The half of a block of cells, to the right and above, that meets every pair once.
+struct HalfBlock {
+  PackedGrid const& grid;
+  int reach_columns;
+  int reach_rows;
+  float limit;                       ///< PackedGrid::local_limit()
+  std::vector<SeenBlock> seen = {};  ///< room for blocks_seen_from()
+};
+
+/// The blocks of a cell, then those of the cells of its half block, in the order in which each of its agents looks at
+/// them: at its own block first, at the later slots of it only, and not at the blocks before.
+std::span<SeenBlock const> blocks_seen_from(HalfBlock& half, int column, int row);
+
+/// The candidates of one cell.
+void add_pairs_of_cell_plainly(HalfBlock& half, int column, int row, PairBuffer& buffer);
+
+// Two ways for a row of cells; they add the same pairs in the same order, which a test compares.
+
+void add_pairs_of_row_plainly(HalfBlock& half, int row, PairBuffer& buffer);
+
+bool can_add_pairs_with_avx512();
+/// Contract: can_add_pairs_with_avx512().
+void add_pairs_of_row_with_avx512(HalfBlock& half, int row, PairBuffer& buffer);
+
+using AddPairsOfRow = void (*)(HalfBlock&, int, PairBuffer&);
+/// PackedGrid::find_candidate_pairs() by one of the two ways.
+void find_candidate_pairs(PackedGrid const& grid, double reach, AddPairsOfRow add_pairs_of_row,
+                          PackedGrid::OnPairs const& on_pairs);
+
+/// The five blocks of a cell in a row whose half block is that of 3×3 cells.
+struct FiveBlocks {
+  PackedGrid::Block const& home;
+  PackedGrid::Block const& east;
+  PackedGrid::Block const& north_west;
+  PackedGrid::Block const& north;
+  PackedGrid::Block const& north_east;
+
+  /// Whether each of the five cells has one block only.
+  [[nodiscard]] bool are_all() const {
+    return (home.next & east.next & north_west.next & north.next & north_east.next) == PackedGrid::none;
+  }
+};
+
+/// The cells of a row and what they look at. Copies what it needs of the grid: the compiler cannot know that the pairs
+/// written in between change none of it.
+class RowOfCells {
+ public:
+  RowOfCells(PackedGrid const& grid, int row)
+      : here_(&grid.block_at(0, row)),
+        above_(&grid.block_at(0, grid.row_above(row))),
+        columns_(grid.layout().columns()),
+        left_of_first_(grid.column_left_of(0)),
+        right_of_last_(grid.column_right_of(columns_ - 1)) {}
+
+  [[nodiscard]] int columns() const { return columns_; }
+  [[nodiscard]] FiveBlocks at(int column) const {
+    int const left = column == 0 ? left_of_first_ : column - 1;
+    int const right = column + 1 == columns_ ? right_of_last_ : column + 1;
+    return {here_[column], here_[right], above_[left], above_[column], above_[right]};
+  }
+
+ private:
+  PackedGrid::Block const* here_;
+  PackedGrid::Block const* above_;
+  int columns_;
+  int left_of_first_;
+  int right_of_last_;
+};
+
+}  // namespace gridlock

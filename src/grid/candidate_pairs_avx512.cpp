@@ -1,0 +1,173 @@
+#include "grid/candidate_pairs.hpp"
+
+#if defined(__x86_64__) && defined(__GNUC__)
+
+#include <immintrin.h>
+
+#include <array>
+#include <bit>
+
+#if !defined(__clang__)
+// GCC 12 takes the deliberately undefined registers inside its own intrinsics for a mistake of the caller.
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
+
+// Only functions marked so use the wide registers; can_add_pairs_with_avx512() decides whether they are ever called.
+#define GRIDLOCK_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw")))
+
+namespace gridlock {
+
+namespace {
+
+using Block = PackedGrid::Block;
+
+static_assert(PairBuffer::slack >= 16);
+
+/// Four blocks in one register for each property, and what is added to a point to see it from their cells.
+struct FourBlocks {
+  __m512 x;
+  __m512 y;
+  __m512i agent;
+  __m512 shift_x;
+  __m512 shift_y;
+};
+
+GRIDLOCK_AVX512 inline __m512 side_by_side(float const* a, float const* b, float const* c, float const* d) {
+  __m256 const low = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(a)), _mm_load_ps(b), 1);
+  __m256 const high = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(c)), _mm_load_ps(d), 1);
+  return _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+}
+
+GRIDLOCK_AVX512 inline __m512 each_four_times(float a, float b, float c, float d) {
+  return _mm512_setr_ps(a, a, a, a, b, b, b, b, c, c, c, c, d, d, d, d);
+}
+
+GRIDLOCK_AVX512 inline void load(FourBlocks& four, Block const& a, Block const& b, Block const& c, Block const& d) {
+  auto const as_floats = [](Block const& block) { return reinterpret_cast<float const*>(block.agent.data()); };
+  four.x = side_by_side(a.x.data(), b.x.data(), c.x.data(), d.x.data());
+  four.y = side_by_side(a.y.data(), b.y.data(), c.y.data(), d.y.data());
+  four.agent = _mm512_castps_si512(side_by_side(as_floats(a), as_floats(b), as_floats(c), as_floats(d)));
+}
+
+/// Pairs of an agent, which stands in the lower half of each lane, with eight others.
+GRIDLOCK_AVX512 inline __m512i pairs_of(__m512i agent, __m256i others) {
+  return _mm512_or_si512(agent, _mm512_slli_epi64(_mm512_cvtepu32_epi64(others), 32));
+}
+
+// The same operations in the same order as in add_pairs_of_row_plainly(), so that they round alike. What is near is moved
+// together in a register and written whole: writing only some of the lanes takes ten times as long.
+
+/// Writes the pairs of the agent in slot s with those in later slots of its block and returns their end.
+GRIDLOCK_AVX512 inline PairBuffer::Pair* write_pairs_at_home(Block const& home, std::uint32_t s, __m512 limit,
+                                                             PairBuffer::Pair* pair) {
+  __m128 const dx = _mm_sub_ps(_mm_load_ps(home.x.data()), _mm_set1_ps(home.x[s]));
+  __m128 const dy = _mm_sub_ps(_mm_load_ps(home.y.data()), _mm_set1_ps(home.y[s]));
+  __m128 const squared = _mm_add_ps(_mm_mul_ps(dx, dx), _mm_mul_ps(dy, dy));
+  auto const later = static_cast<__mmask8>((14U << s) & 15U);
+  __mmask8 const near = _mm_mask_cmp_ps_mask(later, squared, _mm512_castps512_ps128(limit), _CMP_LE_OQ);
+  __m128i const agents = _mm_load_si128(reinterpret_cast<__m128i const*>(home.agent.data()));
+  __m256i const others = _mm256_cvtepu32_epi64(_mm_maskz_compress_epi32(near, agents));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(pair),
+                      _mm256_or_si256(_mm256_set1_epi64x(home.agent[s]), _mm256_slli_epi64(others, 32)));
+  return pair + std::popcount(static_cast<unsigned>(near));
+}
+
+/// The same with those in four other blocks.
+GRIDLOCK_AVX512 inline PairBuffer::Pair* write_pairs(Block const& home, std::uint32_t s, FourBlocks const& four,
+                                                     __m512 limit, PairBuffer::Pair* pair) {
+  __m512 const dx = _mm512_sub_ps(four.x, _mm512_add_ps(_mm512_set1_ps(home.x[s]), four.shift_x));
+  __m512 const dy = _mm512_sub_ps(four.y, _mm512_add_ps(_mm512_set1_ps(home.y[s]), four.shift_y));
+  __m512 const squared = _mm512_add_ps(_mm512_mul_ps(dx, dx), _mm512_mul_ps(dy, dy));
+  __mmask16 const near = _mm512_cmp_ps_mask(squared, limit, _CMP_LE_OQ);
+  __m512i const others = _mm512_maskz_compress_epi32(near, four.agent);
+  __m512i const agent = _mm512_set1_epi64(home.agent[s]);
+  auto const count = static_cast<std::size_t>(std::popcount(static_cast<unsigned>(near)));
+  _mm512_storeu_si512(pair, pairs_of(agent, _mm512_castsi512_si256(others)));
+  // Of sixteen candidates rarely more than eight are near.
+  if (count > 8) _mm512_storeu_si512(pair + 8, pairs_of(agent, _mm512_extracti32x8_epi32(others, 1)));
+  return pair + count;
+}
+
+/// The most blocks beside its own an agent looks at here; more, which takes hundreds of agents nearby, are for the plain
+/// way.
+constexpr std::size_t most_blocks_seen = 32;
+
+/// The pairs of a cell that looks at up to most_blocks_seen blocks.
+GRIDLOCK_AVX512 void add_pairs_of_cell(PackedGrid const& grid, std::span<SeenBlock const> seen, __m512 limit,
+                                       PairBuffer& buffer) {
+  Block const* home = seen.front().block;
+  // Fills the last register where the blocks are no multiple of four.
+  SeenBlock const nobody{&grid.block_at(grid.layout().columns(), 0), 0.0F, 0.0F};
+  std::array<FourBlocks, most_blocks_seen / 4> fours;
+  for (std::size_t k = 1;; ++k) {
+    std::size_t count = 0;
+    for (std::size_t first = k; first < seen.size(); first += 4) {
+      auto const at = [&](std::size_t n) { return first + n < seen.size() ? seen[first + n] : nobody; };
+      SeenBlock const a = at(0), b = at(1), c = at(2), d = at(3);
+      load(fours[count], *a.block, *b.block, *c.block, *d.block);
+      fours[count].shift_x = each_four_times(a.shift_x, b.shift_x, c.shift_x, d.shift_x);
+      fours[count].shift_y = each_four_times(a.shift_y, b.shift_y, c.shift_y, d.shift_y);
+      ++count;
+    }
+    for (std::uint32_t s = 0; s < home->count; ++s) {
+      PairBuffer::Pair* pair = buffer.room_for(PackedGrid::slots * (most_blocks_seen + 1));
+      pair = write_pairs_at_home(*home, s, limit, pair);
+      for (std::size_t n = 0; n < count; ++n) pair = write_pairs(*home, s, fours[n], limit, pair);
+      buffer.keep_until(pair);
+    }
+    if (home->next == PackedGrid::none) return;
+    home = &grid.next_of(*home);
+  }
+}
+
+}  // namespace
+
+bool can_add_pairs_with_avx512() {
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+         __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
+}
+
+GRIDLOCK_AVX512 void add_pairs_of_row_with_avx512(HalfBlock& half, int row, PairBuffer& buffer) {
+  PackedGrid const& grid = half.grid;
+  float const w = grid.local_width();
+  float const h = grid.local_height();
+  __m512 const limit = _mm512_set1_ps(half.limit);
+  FourBlocks around{};
+  around.shift_x = each_four_times(-w, w, 0, -w);
+  around.shift_y = each_four_times(0, -h, -h, -h);
+  bool const is_3_by_3 = half.reach_columns <= 1 && half.reach_rows <= 1;
+  RowOfCells const cells(grid, row);
+  for (int column = 0; column < cells.columns(); ++column) {
+    FiveBlocks const blocks = cells.at(column);
+    if (!is_3_by_3 || !blocks.are_all()) {
+      std::span<SeenBlock const> const seen = blocks_seen_from(half, column, row);
+      if (seen.size() <= most_blocks_seen) {
+        add_pairs_of_cell(grid, seen, limit, buffer);
+      } else {
+        add_pairs_of_cell_plainly(half, column, row, buffer);
+      }
+      continue;
+    }
+    load(around, blocks.east, blocks.north_west, blocks.north, blocks.north_east);
+    PairBuffer::Pair* pair = buffer.room_for(5 * PackedGrid::slots * PackedGrid::slots);
+    for (std::uint32_t s = 0; s < blocks.home.count; ++s) {
+      pair = write_pairs(blocks.home, s, around, limit, write_pairs_at_home(blocks.home, s, limit, pair));
+    }
+    buffer.keep_until(pair);
+  }
+}
+
+}  // namespace gridlock
+
+#else
+
+namespace gridlock {
+
+bool can_add_pairs_with_avx512() { return false; }
+void add_pairs_of_row_with_avx512(HalfBlock& half, int row, PairBuffer& buffer) {
+  add_pairs_of_row_plainly(half, row, buffer);
+}
+
+}  // namespace gridlock
+
+#endif
