@@ -1,7 +1,7 @@
 // The paper's rule on every grid and engine. Nanoseconds per disk and step, of processor time unless it says wall time;
 // the result is the hash of the state, the same for `stepped` on every grid after the same number of steps, and for
 // `tiled` on any number of threads. gridlock_bench_paper_rule N PHI runs one size, 10000000 0.5 for example, and
-// gridlock_bench_paper_rule N PHI k the lists of that size over the number of cells.
+// gridlock_bench_paper_rule N PHI k the lists of that size over the number of cells, N PHI threads one thread beside two.
 
 #include <algorithm>
 #include <cmath>
@@ -76,6 +76,16 @@ void race_at(std::size_t n, double packing_fraction) {
   race("paper_rule", n, packing_fraction, is_huge ? 1 : is_large ? 3 : 9, std::move(contestants));
 }
 
+/// `tiled` on one thread and on two, by the clock on the wall.
+void race_threads(std::size_t n, double packing_fraction) {
+  State const start = mixed(n, packing_fraction);
+  std::uint64_t const steps = std::max<std::uint64_t>(25, 4'000'000 / n);
+  std::vector<Contestant> contestants;
+  contestants.push_back(contestant("tiled 1 thread (wall)", start, tiled(1), steps, wall_seconds));
+  contestants.push_back(contestant("tiled 2 threads (wall)", start, tiled(2), steps, wall_seconds));
+  race("paper_rule", n, packing_fraction, 5, std::move(contestants));
+}
+
 /// The paper's Figure 5 over more decades: lists of k × k cells from one far too coarse to the finest.
 void race_over_k(std::size_t n, double packing_fraction) {
   State const start = mixed(n, packing_fraction);
@@ -99,7 +109,8 @@ int main(int argc, char** argv) {
   using namespace gridlock::benchmark;
   print_header();
   if (argc > 3) {
-    race_over_k(std::strtoull(argv[1], nullptr, 10), std::strtod(argv[2], nullptr));
+    auto const race_asked_for = std::string(argv[3]) == "threads" ? race_threads : race_over_k;
+    race_asked_for(std::strtoull(argv[1], nullptr, 10), std::strtod(argv[2], nullptr));
     return 0;
   }
   if (argc > 2) {
