@@ -53,7 +53,7 @@ struct Configuration {
   CheckpointSettings checkpoint;
   TrajectorySettings trajectory;
   ModelSettings model;
-  ModelKinds models = shipped_models();  ///< each described in a table of its own
+  ModelKinds models = known_models();  ///< each described in a table of its own
 
   [[nodiscard]] bool is_of_model() const { return !model.kind.empty(); }
 };

@@ -37,8 +37,16 @@ template <class Model>
 class ModelKindOf final : public ModelKind {
  public:
   [[nodiscard]] std::string_view name() const override { return Model::name; }
-  [[nodiscard]] std::string_view documentation() const override { return Model::documentation; }
-  void describe(SettingVisitor& visitor) override { model_.describe(visitor); }
+  [[nodiscard]] std::string_view documentation() const override {
+    if constexpr (requires { Model::documentation; }) {
+      return Model::documentation;
+    } else {
+      return {};
+    }
+  }
+  void describe(SettingVisitor& visitor) override {
+    if constexpr (requires { model_.describe(visitor); }) model_.describe(visitor);
+  }
   [[nodiscard]] std::unique_ptr<ModelKind> copy() const override { return std::make_unique<ModelKindOf>(*this); }
   void check(Box const& box, std::uint64_t seed) const override {
     if constexpr (requires { model_.reach(); }) {
@@ -81,8 +89,9 @@ class ModelKinds {
 
   template <class Model>
   void add() {
-    kinds_.push_back(std::make_unique<ModelKindOf<Model>>());
+    add(std::make_unique<ModelKindOf<Model>>());
   }
+  void add(std::unique_ptr<ModelKind> kind) { kinds_.push_back(std::move(kind)); }
 
   [[nodiscard]] std::vector<std::unique_ptr<ModelKind>> const& all() const { return kinds_; }
   /// The kind of that name, or nothing.
@@ -98,7 +107,18 @@ class ModelKinds {
   std::vector<std::unique_ptr<ModelKind>> kinds_;
 };
 
-/// Those of the folder models/: what a Configuration knows from the start.
+/// Those of the folder models/.
 ModelKinds shipped_models();
+
+/// What a Configuration knows from the start: those of the folder models/ and those that make_known() was told of.
+ModelKinds known_models();
+void make_known(std::unique_ptr<ModelKind> kind);
+
+/// From now on the program can run, resume, sweep and draw this model by its name (`model.kind`), as those of the folder
+/// models/. To be called before there are other threads. Errors: Error where a model of that name is known already.
+template <class Model>
+void make_known() {
+  make_known(std::make_unique<ModelKindOf<Model>>());
+}
 
 }  // namespace gridlock
