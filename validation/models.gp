@@ -13,7 +13,7 @@ set yrange [0:1]
 set key bottom left
 set arrow from 2.9, 0 to 2.9, 1 nohead dt 2 lc rgb '#888888'
 set label 'η_c(∞) = 2.9' at 2.95, 0.95 tc rgb '#666666'
-plot for [n in '40 100 400 4000'] of_size(n) using 3:4:5 with yerrorlines pt 7 ps 0.5 title n.' agents'
+plot for [n in '40 100 400 4000 10000'] of_size(n) using 3:4:5 with yerrorlines pt 7 ps 0.5 title n.' agents'
 
 set output 'docs/images/vicsek_density.svg'
 unset arrow

@@ -25,9 +25,11 @@ points() {
 
 noise=validation/results/vicsek_noise.csv
 echo "agents,side,noise,order,error" >$noise
-for size in "40 3.1 20000" "100 5 20000" "400 10 20000" "4000 31.6 20000"; do
+for size in "40 3.1 20000" "100 5 20000" "400 10 20000" "4000 31.6 20000" "10000 50 10000"; do
   read -r count side steps <<<"$size"
-  sweep "noise_$count" scenes/vicsek.toml flocking.count="$count" box.side="$side" run.steps="$steps"
+  fewer=()
+  [[ $count == 10000 ]] && fewer=("sweep.flocking.noise=[0.5,1.0,1.5,2.0,2.25,2.5,2.75,3.0,3.25,3.5,4.0,4.5]")
+  sweep "noise_$count" scenes/vicsek.toml flocking.count="$count" box.side="$side" run.steps="$steps" "${fewer[@]}"
   points "noise_$count" "$count" "$side" flocking.noise >>$noise
 done
 
