@@ -38,15 +38,22 @@ GRIDLOCK_AVX512 inline __m512 side_by_side(float const* a, float const* b, float
   return _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
 }
 
+GRIDLOCK_AVX512 inline __m512i side_by_side(std::uint32_t const* a, std::uint32_t const* b, std::uint32_t const* c,
+                                            std::uint32_t const* d) {
+  auto const at = [](std::uint32_t const* first) { return reinterpret_cast<__m128i const*>(first); };
+  __m256i const low = _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_load_si128(at(a))), _mm_load_si128(at(b)), 1);
+  __m256i const high = _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_load_si128(at(c))), _mm_load_si128(at(d)), 1);
+  return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
+}
+
 GRIDLOCK_AVX512 inline __m512 each_four_times(float a, float b, float c, float d) {
   return _mm512_setr_ps(a, a, a, a, b, b, b, b, c, c, c, c, d, d, d, d);
 }
 
 GRIDLOCK_AVX512 inline void load(FourBlocks& four, Block const& a, Block const& b, Block const& c, Block const& d) {
-  auto const as_floats = [](Block const& block) { return reinterpret_cast<float const*>(block.agent.data()); };
   four.x = side_by_side(a.x.data(), b.x.data(), c.x.data(), d.x.data());
   four.y = side_by_side(a.y.data(), b.y.data(), c.y.data(), d.y.data());
-  four.agent = _mm512_castps_si512(side_by_side(as_floats(a), as_floats(b), as_floats(c), as_floats(d)));
+  four.agent = side_by_side(a.agent.data(), b.agent.data(), c.agent.data(), d.agent.data());
 }
 
 /// Pairs of an agent, which stands in the lower half of each lane, with eight others.
