@@ -63,6 +63,13 @@ std::vector<Ensemble> paper_ensembles(PaperExtent const& extent) {
   return ensembles;
 }
 
+Ensemble sampled_evenly(Ensemble ensemble, double diameters, std::uint64_t samples) {
+  double const steps_between = diameters / ensemble.time_step / static_cast<double>(samples);
+  ensemble.sample_every = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(steps_between)));
+  ensemble.steps = ensemble.sample_every * samples;
+  return ensemble;
+}
+
 void plan(Study& study, Ensemble const& ensemble) {
   for (std::uint64_t number = 0; number < ensemble.seeds; ++number) study.runs.add(run_of(study, ensemble, number));
 }
@@ -72,6 +79,17 @@ EnsembleResult::EnsembleResult(Study const& study, Ensemble const& ensemble) {
     StudyOutcome const& outcome = study.runs.outcome_of(run_of(study, ensemble, number));
     if (outcome.is_finished) outcomes_.push_back(&outcome);
   }
+}
+
+std::vector<std::size_t> EnsembleResult::samples_spread_out(std::size_t parts) const {
+  std::vector<std::size_t> chosen;
+  std::size_t next = 1;
+  for (std::size_t sample = 1; sample < samples(); ++sample) {
+    if (sample < next && sample + 1 < samples()) continue;
+    next = sample + 1 + sample / parts;
+    chosen.push_back(sample);
+  }
+  return chosen;
 }
 
 std::vector<double> EnsembleResult::of_each_seed(std::function<double(StudyOutcome const&)> const& value) const {

@@ -28,6 +28,10 @@ Ensemble paper_ensemble(PaperExtent const& extent, PaperEngine const& engine, St
 /// All of them, engine after engine, square before triangular, density rising.
 std::vector<Ensemble> paper_ensembles(PaperExtent const& extent);
 
+/// The ensemble with `samples` samples in a physical length in diameters per v_max, each after a whole number of steps, so
+/// that samples stand at the same physical times whatever the time step.
+Ensemble sampled_evenly(Ensemble ensemble, double diameters, std::uint64_t samples);
+
 char const* name_of(StartKind start);
 
 void plan(Study& study, Ensemble const& ensemble);
@@ -43,6 +47,9 @@ class EnsembleResult {
   [[nodiscard]] std::size_t seeds() const { return outcomes_.size(); }
   /// Samples every run has; the first is the start.
   [[nodiscard]] std::size_t samples() const { return outcomes_.empty() ? 0 : outcomes_.front()->steps.size(); }
+  /// Those that show on a logarithmic axis, where the start has no place: each about a part 1/parts later than the one
+  /// before, and the last.
+  [[nodiscard]] std::vector<std::size_t> samples_spread_out(std::size_t parts) const;
   [[nodiscard]] double step(std::size_t sample) const { return outcomes_.front()->steps[sample]; }
   [[nodiscard]] double time(std::size_t sample) const { return outcomes_.front()->times[sample]; }
 

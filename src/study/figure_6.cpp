@@ -33,11 +33,8 @@ Table series_of(Study const& study, std::vector<Ensemble> const& ensembles) {
   table.add_column("seeds", std::vector<std::uint64_t>{});
   for (Ensemble const& ensemble : ensembles) {
     EnsembleResult const result(study, ensemble);
-    // The start itself, at displacement 0, has no place on a logarithmic axis, where a point every two percent is enough.
-    std::size_t next = 1;
-    for (std::size_t sample = 1; sample < result.samples(); ++sample) {
-      if (sample < next && sample + 1 < result.samples()) continue;
-      next = sample + 1 + sample / 50;
+    // A point every two percent is enough.
+    for (std::size_t const sample : result.samples_spread_out(50)) {
       Estimate const displacement = result.displacement(sample);
       table.add_row(std::vector<Cell>{ensemble.engine.kind, name_of(ensemble.start), ensemble.packing_fraction,
                                       result.step(sample), result.time(sample), displacement.value,

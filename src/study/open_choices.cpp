@@ -27,17 +27,12 @@ char const* name_of(Sites sites) {
 }
 
 Ensemble choice_ensemble(PaperExtent const& extent, StartKind start, double density, double time_step) {
-  // A hundred samples a run, each after a whole number of steps, so that all runs end at the same physical time.
-  constexpr double samples = 100.0;
-  auto const every = std::max<std::uint64_t>(
-      1, static_cast<std::uint64_t>(std::llround(extent.choice_diameters / time_step / samples)));
-  return {.engine = extent.engines.front(),
-          .start = start,
-          .packing_fraction = density,
-          .time_step = time_step,
-          .steps = every * static_cast<std::uint64_t>(samples),
-          .sample_every = every,
-          .seeds = extent.choice_seeds};
+  return sampled_evenly({.engine = extent.engines.front(),
+                         .start = start,
+                         .packing_fraction = density,
+                         .time_step = time_step,
+                         .seeds = extent.choice_seeds},
+                        extent.choice_diameters, 100);
 }
 
 /// Densities and starts, square before triangular.

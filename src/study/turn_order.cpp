@@ -28,18 +28,13 @@ struct Orders {
 constexpr double usual_time_step = 0.1;
 
 Orders orders_at(PaperExtent const& extent, StartKind start, double density, double time_step) {
-  // Samples after whole numbers of steps, at the same physical times for every step and for the engine without one.
-  constexpr double samples = 256.0;
   auto const ensemble = [&](char const* kind, double step) -> Ensemble {
-    auto const every =
-        std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(extent.order_diameters / step / samples)));
-    return {.engine = {kind, kind},
-            .start = start,
-            .packing_fraction = density,
-            .time_step = step,
-            .steps = every * static_cast<std::uint64_t>(samples),
-            .sample_every = every,
-            .seeds = extent.order_seeds};
+    return sampled_evenly({.engine = {kind, kind},
+                           .start = start,
+                           .packing_fraction = density,
+                           .time_step = step,
+                           .seeds = extent.order_seeds},
+                          extent.order_diameters, 256);
   };
   return {ensemble(stepped, time_step), ensemble(tiled, time_step), ensemble(exact, usual_time_step)};
 }
@@ -164,10 +159,7 @@ Table curves_of(Study const& study) {
   for (Orders const& orders : orders_of(study.extent())) {
     for (Ensemble const& ensemble : {orders.by_id, orders.by_tile}) {
       EnsembleResult const result(study, ensemble);
-      std::size_t next = 1;
-      for (std::size_t sample = 1; sample < result.samples(); ++sample) {
-        if (sample < next && sample + 1 < result.samples()) continue;
-        next = sample + 1 + sample / 4;
+      for (std::size_t const sample : result.samples_spread_out(4)) {
         Estimate const displacement = result.displacement(sample);
         table.add_row(std::vector<Cell>{ensemble.engine.kind, name_of(ensemble.start), ensemble.packing_fraction,
                                         ensemble.time_step, result.step(sample) * ensemble.time_step,
