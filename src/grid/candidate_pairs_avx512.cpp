@@ -1,19 +1,10 @@
+#include "core/avx512.hpp"
 #include "grid/candidate_pairs.hpp"
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
-#include <immintrin.h>
-
 #include <array>
 #include <bit>
-
-#if !defined(__clang__)
-// GCC 12 takes the deliberately undefined registers inside its own intrinsics for a mistake of the caller.
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-#endif
-
-// Only functions marked so use the wide registers; can_add_pairs_with_avx512() decides whether they are ever called.
-#define GRIDLOCK_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw")))
 
 namespace gridlock {
 
@@ -129,10 +120,7 @@ GRIDLOCK_AVX512 void add_pairs_of_cell(PackedGrid const& grid, std::span<SeenBlo
 
 }  // namespace
 
-bool can_add_pairs_with_avx512() {
-  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-         __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
-}
+bool can_add_pairs_with_avx512() { return has_avx512(); }
 
 GRIDLOCK_AVX512 void add_pairs_of_row_with_avx512(HalfBlock& half, int row, PairBuffer& buffer) {
   PackedGrid const& grid = half.grid;

@@ -1,19 +1,10 @@
+#include "core/avx512.hpp"
 #include "model/near_rows_ways.hpp"
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
-#include <immintrin.h>
-
 #include <algorithm>
 #include <bit>
-
-#if !defined(__clang__)
-// GCC 12 takes the deliberately undefined registers inside its own intrinsics for a mistake of the caller.
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-#endif
-
-// Only functions marked so use the wide registers; can_find_near_rows_with_avx512() decides whether they are ever called.
-#define GRIDLOCK_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw")))
 
 namespace gridlock {
 
@@ -21,14 +12,6 @@ namespace {
 
 constexpr std::size_t lanes = 8;
 static_assert(near_rows_slack >= lanes);
-
-/// Box::nearest_image(), eight at a time.
-GRIDLOCK_AVX512 inline __m512d nearest_image(__m512d d, double side) {
-  __m512d const whole = _mm512_set1_pd(side);
-  __mmask8 const above = _mm512_cmp_pd_mask(d, _mm512_set1_pd(0.5 * side), _CMP_GT_OQ);
-  __mmask8 const below = _mm512_cmp_pd_mask(d, _mm512_set1_pd(-0.5 * side), _CMP_LT_OQ);
-  return _mm512_mask_add_pd(_mm512_mask_sub_pd(d, above, d, whole), below, d, whole);
-}
 
 template <bool has_images>
 GRIDLOCK_AVX512 inline std::size_t find(NearRowsSearch const& search, std::span<Stretch const> stretches,
@@ -63,10 +46,7 @@ GRIDLOCK_AVX512 inline std::size_t find(NearRowsSearch const& search, std::span<
 
 }  // namespace
 
-bool can_find_near_rows_with_avx512() {
-  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-         __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
-}
+bool can_find_near_rows_with_avx512() { return has_avx512(); }
 
 GRIDLOCK_AVX512 std::size_t find_near_rows_with_avx512(NearRowsSearch const& search, std::span<Stretch const> stretches,
                                                        std::uint32_t* found) {

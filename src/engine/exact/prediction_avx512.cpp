@@ -1,19 +1,10 @@
+#include "core/avx512.hpp"
 #include "engine/exact/prediction.hpp"
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
-#include <immintrin.h>
-
 #include <algorithm>
 #include <bit>
-
-#if !defined(__clang__)
-// GCC 12 takes the deliberately undefined registers inside its own intrinsics for a mistake of the caller.
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-#endif
-
-// Only functions marked so use the wide registers; can_use_avx512() decides at run time whether they are ever called.
-#define GRIDLOCK_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw")))
 
 namespace gridlock::exact {
 
@@ -99,22 +90,12 @@ GRIDLOCK_AVX512 inline Columns columns_of(MovingDisk const* disks, Index const* 
           _mm512_insertf64x4(_mm512_castpd256_pd512(four_times(disks, names)), four_times(disks, names + 4), 1)};
 }
 
-GRIDLOCK_AVX512 inline __m512d nearest_image(__m512d d, double side) {
-  __m512d const whole = _mm512_set1_pd(side);
-  __mmask8 const above = _mm512_cmp_pd_mask(d, _mm512_set1_pd(0.5 * side), _CMP_GT_OQ);
-  __mmask8 const below = _mm512_cmp_pd_mask(d, _mm512_set1_pd(-0.5 * side), _CMP_LT_OQ);
-  d = _mm512_mask_sub_pd(d, above, d, whole);
-  return _mm512_mask_add_pd(d, below, d, whole);
-}
-
 }  // namespace
 
 bool can_use_avx512(Surroundings const& s) {
-  bool const has_instructions = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-                                __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
   // In fewer cells a side the nearest image of a disk may not be the one in the neighbouring cell.
   bool const has_room = !s.is_periodic || (s.columns >= 5 && s.rows >= 5);
-  return has_instructions && has_room && s.capacity == slots_per_cell;
+  return has_avx512() && has_room && s.capacity == slots_per_cell;
 }
 
 namespace {

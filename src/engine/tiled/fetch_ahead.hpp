@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "engine/turn.hpp"
+#include "gridlock/core/look_ahead.hpp"
 #include "gridlock/grid/packed_grid.hpp"
 #include "gridlock/grid/tiling.hpp"
 
@@ -34,11 +35,12 @@ class FetchAhead {
     for (std::size_t n = 0; n < cells_a_step_; ++n) {
       if (disk_walk_.is_going_on()) {
         // Empty slots name disks that were here before: asking for one too many costs less than a branch.
-        for (std::uint32_t const disk : grid_.block_at(disk_walk_.column, disk_walk_.row).agent) fetch(&disks_[disk]);
+        for (std::uint32_t const disk : grid_.block_at(disk_walk_.column, disk_walk_.row).agent)
+          prefetch(&disks_[disk]);
         disk_walk_.go_on();
       }
       if (block_walk_.is_going_on()) {
-        fetch(&grid_.block_at(block_walk_.column, block_walk_.row));
+        prefetch(&grid_.block_at(block_walk_.column, block_walk_.row));
         block_walk_.go_on();
       }
     }
@@ -70,9 +72,6 @@ class FetchAhead {
             .end_row = std::min(grid_.layout().rows(), tile->end_row + 1),
             .column = first_column};
   }
-
-  /// Into the second cache, which has room for a few tiles; the first one has none.
-  static void fetch(void const* line) { __builtin_prefetch(line, 1, 2); }
 
   /// That many disks and their blocks stay in the caches from step to step, some 3 MB.
   static constexpr std::size_t few_disks = 25'000;

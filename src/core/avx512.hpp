@@ -1,0 +1,36 @@
+#pragma once
+
+// What the files share whose functions are compiled for wide registers. Only functions marked GRIDLOCK_AVX512 use them, and
+// has_avx512() decides at run time whether they are ever called. Empty where the compiler has no such functions.
+
+#if defined(__x86_64__) && defined(__GNUC__)
+
+#include <immintrin.h>
+
+#if !defined(__clang__)
+// GCC 12 takes the deliberately undefined registers inside its own intrinsics for a mistake of the caller.
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
+
+#define GRIDLOCK_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw")))
+
+namespace gridlock {
+
+/// Whether this processor has the instructions of GRIDLOCK_AVX512.
+inline bool has_avx512() {
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+         __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
+}
+
+/// One component of Box::displacement() in a periodic box, eight at a time.
+GRIDLOCK_AVX512 inline __m512d nearest_image(__m512d d, double side) {
+  __m512d const whole = _mm512_set1_pd(side);
+  __mmask8 const above = _mm512_cmp_pd_mask(d, _mm512_set1_pd(0.5 * side), _CMP_GT_OQ);
+  __mmask8 const below = _mm512_cmp_pd_mask(d, _mm512_set1_pd(-0.5 * side), _CMP_LT_OQ);
+  d = _mm512_mask_sub_pd(d, above, d, whole);
+  return _mm512_mask_add_pd(d, below, d, whole);
+}
+
+}  // namespace gridlock
+
+#endif
