@@ -3,8 +3,6 @@
 //
 //     gridlock_bench_exact [N …]        default: 1024 10000 100000 1000000
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -39,17 +37,10 @@ State lattice(std::uint64_t n) {
   return state;
 }
 
-/// Largest memory of this process so far, in bytes.
-double largest_memory() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
-
 void measure(std::uint64_t n) {
-  double const memory_before = largest_memory();
+  double const memory_before = peak_bytes();
   State state = lattice(n);
-  double const memory_of_state = largest_memory();
+  double const memory_of_state = peak_bytes();
   auto const engine = make_engine({.kind = "exact"}, state);
   Tally tally;
   // Ten collisions a disk melt the lattice; a hundred bring small systems, which cost nothing, to equilibrium.
@@ -64,7 +55,7 @@ void measure(std::uint64_t n) {
     nanoseconds.push_back(1e9 * (processor_seconds() - start) / static_cast<double>(block));
   }
   std::ranges::sort(nanoseconds);
-  double const memory = largest_memory();
+  double const memory = peak_bytes();
   double const disks = static_cast<double>(n);
   std::printf("exact,%llu,%.2f,%.1f,%.1f,%.3f,%.3f,%.0f,%.0f,%016llx\n", static_cast<unsigned long long>(n),
               packing_fraction, nanoseconds.front(), nanoseconds[repeats / 2], 1e3 / nanoseconds.front(),

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -9,6 +11,13 @@
 #include <vector>
 
 namespace gridlock::benchmark {
+
+/// The most memory this process has held so far, in bytes.
+inline double peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
 
 /// Seconds of processor time of this process, all threads together.
 inline double processor_seconds() {

@@ -1,24 +1,16 @@
 // How many bytes a disk takes: the state alone, and the most that was in use while `tiled` took steps.
 // gridlock_bench_memory N PHI STEPS runs one size.
 
-#include <sys/resource.h>
-
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/lattice/start.hpp"
+#include "measure.hpp"
 
 namespace gridlock::benchmark {
 namespace {
-
-/// The most memory this process has held so far, in bytes.
-double peak_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
 
 void weigh(std::size_t n, double packing_fraction, std::uint64_t steps) {
   auto const per_disk = [&](double bytes) { return bytes / static_cast<double>(n); };
