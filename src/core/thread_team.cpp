@@ -1,8 +1,10 @@
 #include "gridlock/core/thread_team.hpp"
 
 #include <algorithm>
-#include <condition_variable>
+#include <atomic>
+#include <chrono>
 #include <exception>
+#include <limits>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -14,85 +16,125 @@ namespace {
 
 constexpr std::uint64_t most_threads = 1024;
 
+/// Who waits for less than that stays awake: to fall asleep and be woken takes some 50 µs on a virtual machine, as long
+/// as a small round of work.
+constexpr std::chrono::microseconds awake_for(100);
+
+std::size_t cores() { return std::max(1U, std::thread::hardware_concurrency()); }
+
 std::size_t number_of(std::uint64_t threads) {
-  if (threads == 0) return std::max(1U, std::thread::hardware_concurrency());
+  if (threads == 0) return cores();
   return static_cast<std::size_t>(std::min(threads, most_threads));
+}
+
+void pause() {
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#endif
 }
 
 }  // namespace
 
-/// Everything is guarded by one mutex: parts are chunks of work of many microseconds, so that nobody waits for it long.
+/// The parts are handed out in ranges, one for each thread and the same ones for the same number of parts, so that a
+/// thread finds in its cache what it left there; who is done with its own range helps the others.
+///
+///     caller   open ── own range, others' ── close ── nobody inside? ── return
+///     member        enter, is it open? ── own range, others' ── leave
+///
+/// A member enters before it asks and the caller closes before it asks, so one of them always sees the other.
 class ThreadTeam::Crew {
  public:
-  explicit Crew(std::size_t members) {
-    for (std::size_t k = 0; k < members; ++k) members_.emplace_back([this] { wait_for_work(); });
+  explicit Crew(std::size_t members) : ranges_(members + 1), stays_awake_(members < cores()) {
+    for (std::size_t k = 0; k < members; ++k) members_.emplace_back([this, k] { wait_for_work(k + 1); });
   }
   ~Crew() {
-    {
-      std::scoped_lock const lock(mutex_);
-      is_dismissed_ = true;
-    }
-    work_has_come_.notify_all();
+    is_dismissed_ = true;
+    ++calls_;
+    calls_.notify_all();
     for (std::thread& member : members_) member.join();
   }
   Crew(Crew const&) = delete;
   Crew& operator=(Crew const&) = delete;
 
   void carry_out_all(std::size_t parts, std::function<void(std::size_t)> const& carry_out) {
-    std::unique_lock lock(mutex_);
     carry_out_ = &carry_out;
-    next_ = 0;
-    end_ = parts;
-    failed_part_ = parts;
-    work_has_come_.notify_all();
-    take_parts(lock);
-    all_is_done_.wait(lock, [this] { return busy_ == 0; });
-    end_ = 0;
-    next_ = 0;
+    for (std::size_t k = 0; k < ranges_.size(); ++k) {
+      ranges_[k].next = parts * k / ranges_.size();
+      ranges_[k].end = parts * (k + 1) / ranges_.size();
+    }
+    is_open_ = true;
+    ++calls_;
+    calls_.notify_all();
+    take_parts(0);
+    is_open_ = false;
+    for (std::size_t inside = inside_; inside != 0; inside = inside_) wait_while(inside_, inside);
+    failed_part_ = std::numeric_limits<std::size_t>::max();
     if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
   }
 
  private:
-  void wait_for_work() {
-    std::unique_lock lock(mutex_);
+  /// On a cache line of its own: every thread counts in its own range.
+  struct alignas(64) Range {
+    std::atomic<std::size_t> next = 0;
+    std::size_t end = 0;
+  };
+
+  void wait_for_work(std::size_t self) {
+    std::uint64_t seen = 0;
     while (true) {
-      work_has_come_.wait(lock, [this] { return is_dismissed_ || next_ < end_; });
+      wait_while(calls_, seen);
       if (is_dismissed_) return;
-      take_parts(lock);
-      if (busy_ == 0) all_is_done_.notify_one();
+      seen = calls_;
+      ++inside_;
+      if (is_open_) take_parts(self);
+      if (--inside_ == 0) inside_.notify_one();
     }
   }
 
-  void take_parts(std::unique_lock<std::mutex>& lock) {
-    while (next_ < end_) {
-      std::size_t const part = next_++;
-      ++busy_;
-      lock.unlock();
-      std::exception_ptr failure;
-      try {
-        (*carry_out_)(part);
-      } catch (...) {
-        failure = std::current_exception();
-      }
-      lock.lock();
-      --busy_;
-      if (failure && part < failed_part_) {
+  /// Returns when `number` is no longer `known`, if not before.
+  template <class Number>
+  void wait_while(std::atomic<Number> const& number, Number known) const {
+    if (stays_awake_) {
+      auto const start = std::chrono::steady_clock::now();
+      do {
+        for (int n = 0; n < 50; ++n) {
+          if (number != known) return;
+          pause();
+        }
+      } while (std::chrono::steady_clock::now() - start < awake_for);
+    }
+    number.wait(known);
+  }
+
+  void take_parts(std::size_t self) {
+    for (std::size_t k = 0; k < ranges_.size(); ++k) {
+      Range& range = ranges_[(self + k) % ranges_.size()];
+      for (std::size_t part = range.next++; part < range.end; part = range.next++) take(part);
+    }
+  }
+
+  void take(std::size_t part) {
+    try {
+      (*carry_out_)(part);
+    } catch (...) {
+      std::scoped_lock const lock(failure_mutex_);
+      if (part < failed_part_) {
         failed_part_ = part;
-        failure_ = failure;
+        failure_ = std::current_exception();
       }
     }
   }
 
-  std::mutex mutex_;
-  std::condition_variable work_has_come_;
-  std::condition_variable all_is_done_;
+  std::atomic<std::uint64_t> calls_ = 0;
+  std::atomic<bool> is_open_ = false;
+  std::atomic<bool> is_dismissed_ = false;
+  std::atomic<std::size_t> inside_ = 0;  ///< members that may be at work
   std::function<void(std::size_t)> const* carry_out_ = nullptr;
-  std::size_t next_ = 0;
-  std::size_t end_ = 0;
-  std::size_t busy_ = 0;  ///< parts in work
-  std::size_t failed_part_ = 0;
+  std::vector<Range> ranges_;
+  bool stays_awake_;  ///< not where threads must give way to one another
+  std::mutex failure_mutex_;
+  std::size_t failed_part_ = std::numeric_limits<std::size_t>::max();
   std::exception_ptr failure_;
-  bool is_dismissed_ = false;
   std::vector<std::thread> members_;
 };
 

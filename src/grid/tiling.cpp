@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdint>
+#include <numeric>
 
 namespace gridlock {
 
@@ -25,6 +26,7 @@ Tiling::Tiling(CellLayout const& layout, int cells_of_tile) {
   assert(cells_of_tile >= 2);
   std::vector<int> const columns = cuts(layout.columns(), cells_of_tile, layout.is_periodic());
   std::vector<int> const rows = cuts(layout.rows(), cells_of_tile, layout.is_periodic());
+  is_periodic_ = layout.is_periodic();
   columns_ = columns.size() - 1;
   rows_ = rows.size() - 1;
   for (std::size_t colour = 0; colour < colours; ++colour) {
@@ -40,12 +42,30 @@ Tiling::Tiling(CellLayout const& layout, int cells_of_tile) {
 }
 
 std::vector<Tiling::Round> Tiling::rounds(std::size_t threads) const {
-  // Several parts for each thread, so that none waits long for the last one.
-  constexpr std::size_t parts_of_thread = 4;
-  std::size_t const even_rows = (rows_ + 1) / 2;
-  if (threads == 1) return rounds_by_band(1);
-  if (even_rows >= 2 * parts_of_thread * threads) return rounds_by_band(parts_of_thread * threads);
-  return rounds_by_colour(threads);
+  std::vector<std::uint32_t> const piece = pieces(threads);
+  std::vector<bool> const is_left = left_to_later_rounds(piece);
+  std::vector<Round> all(1);
+  all[0].resize(1 + static_cast<std::size_t>(std::ranges::max(piece)));
+  std::array<Part, colours> left;
+  for (std::uint32_t const tile : in_order_of_memory()) {
+    if (is_left[tile]) {
+      left[colour_of(tile)].push_back(tile);
+    } else {
+      all[0][piece[tile]].push_back(tile);
+    }
+  }
+  for (Part const& tiles : left) {
+    if (tiles.empty()) continue;
+    Round& round = all.emplace_back();
+    std::size_t const parts = std::min(tiles.size(), 4 * threads);
+    for (std::size_t part = 0; part < parts; ++part) {
+      auto const at = [&](std::size_t k) {
+        return tiles.begin() + static_cast<std::ptrdiff_t>(tiles.size() * k / parts);
+      };
+      round.emplace_back(at(part), at(part + 1));
+    }
+  }
+  return all;
 }
 
 std::uint32_t Tiling::number_of(std::size_t column, std::size_t row) const {
@@ -53,44 +73,90 @@ std::uint32_t Tiling::number_of(std::size_t column, std::size_t row) const {
   return static_cast<std::uint32_t>(first_of_[2 * (row % 2) + column % 2] + row / 2 * in_row + column / 2);
 }
 
-void Tiling::add_row(std::size_t row, Part& part) const {
-  for (std::size_t column = 0; column < columns_; column += 2) {
-    part.push_back(number_of(column, row));
-    if (column > 0) part.push_back(number_of(column - 1, row));
-  }
-  if (columns_ % 2 == 0) part.push_back(number_of(columns_ - 1, row));
+std::size_t Tiling::colour_of(std::uint32_t tile) const {
+  std::size_t colour = 0;
+  while (tile >= first_of_[colour + 1]) ++colour;
+  return colour;
 }
 
-std::vector<Tiling::Round> Tiling::rounds_by_colour(std::size_t threads) const {
-  std::vector<Round> all(colours);
-  for (std::size_t colour = 0; colour < colours; ++colour) {
-    std::size_t const first = first_of_[colour];
-    std::size_t const count = first_of_[colour + 1] - first;
-    std::size_t const parts = std::min(count, 8 * threads);
-    for (std::size_t part = 0; part < parts; ++part) {
-      Part& tiles = all[colour].emplace_back();
-      for (std::size_t tile = first + count * part / parts; tile < first + count * (part + 1) / parts; ++tile) {
-        tiles.push_back(static_cast<std::uint32_t>(tile));
+std::vector<std::uint32_t> Tiling::pieces(std::size_t threads) const {
+  // Some pieces for each thread, so that none waits long for the last one, but each of many rows.
+  constexpr std::size_t most_pieces_of_thread = 4;
+  constexpr std::size_t rows_of_piece = 8;
+  std::size_t const count =
+      threads == 1 ? 1 : threads * std::clamp<std::size_t>(rows_ / (rows_of_piece * threads), 1, most_pieces_of_thread);
+  // Cuts in the tiles row after row. What is left to later rounds lies on one side of a cut or on both, so they are moved
+  // until the first round has as much to do in every piece.
+  std::vector<std::size_t> cut(count + 1);
+  for (std::size_t k = 0; k <= count; ++k) cut[k] = tiles_.size() * k / count;
+  std::vector<std::uint32_t> piece(tiles_.size());
+  for (int attempt = 0; attempt < 8; ++attempt) {
+    for (std::size_t k = 0; k < count; ++k) {
+      for (std::size_t n = cut[k]; n < cut[k + 1]; ++n) {
+        piece[number_of(n % columns_, n / columns_)] = static_cast<std::uint32_t>(k);
+      }
+    }
+    std::vector<bool> const is_left = left_to_later_rounds(piece);
+    std::vector<std::size_t> inside(count, 0);
+    for (std::size_t tile = 0; tile < tiles_.size(); ++tile) inside[piece[tile]] += is_left[tile] ? 0 : 1;
+    auto const all_inside = static_cast<double>(std::reduce(inside.begin(), inside.end()));
+    double so_far = 0.0;
+    for (std::size_t k = 1; k < count; ++k) {
+      so_far += static_cast<double>(inside[k - 1]);
+      double const too_many = so_far - all_inside * static_cast<double>(k) / static_cast<double>(count);
+      double const at = static_cast<double>(cut[k]) - 0.5 * too_many;
+      cut[k] = std::clamp(static_cast<std::size_t>(std::max(0.0, at)), cut[k - 1], tiles_.size());
+    }
+  }
+  return piece;
+}
+
+template <class Is>
+bool Tiling::any_before(std::size_t column, std::size_t row, Is is) const {
+  std::size_t const colour = 2 * (row % 2) + column % 2;
+  auto const any_near = [this](std::size_t at, std::size_t count, auto const& is_at) {
+    return is_at(at) || ((at > 0 || is_periodic_) && is_at((at + count - 1) % count)) ||
+           ((at + 1 < count || is_periodic_) && is_at((at + 1) % count));
+  };
+  return any_near(row, rows_, [&](std::size_t r) {
+    return any_near(column, columns_,
+                    [&](std::size_t c) { return 2 * (r % 2) + c % 2 < colour && is(number_of(c, r)); });
+  });
+}
+
+std::vector<bool> Tiling::left_to_later_rounds(std::vector<std::uint32_t> const& piece) const {
+  std::vector<bool> is_left(tiles_.size(), false);
+  // Colour by colour, since a tile that must come after one that is left is left itself.
+  for (std::size_t const first_row : {0U, 1U}) {
+    for (std::size_t const first_column : {0U, 1U}) {
+      for (std::size_t row = first_row; row < rows_; row += 2) {
+        for (std::size_t column = first_column; column < columns_; column += 2) {
+          std::uint32_t const tile = number_of(column, row);
+          is_left[tile] = any_before(
+              column, row, [&](std::uint32_t before) { return is_left[before] || piece[before] != piece[tile]; });
+        }
       }
     }
   }
-  return all;
+  return is_left;
 }
 
-std::vector<Tiling::Round> Tiling::rounds_by_band(std::size_t bands) const {
-  std::size_t const even_rows = (rows_ + 1) / 2;
-  std::vector<Round> all(2);
-  for (std::size_t band = 0; band < bands; ++band) {
-    std::size_t const first = even_rows * band / bands;
-    std::size_t const end = even_rows * (band + 1) / bands;
-    Part& inside = all[0].emplace_back();
-    for (std::size_t k = first; k < end; ++k) {
-      add_row(2 * k, inside);
-      if (k > first) add_row(2 * k - 1, inside);
+Tiling::Part Tiling::in_order_of_memory() const {
+  Part order;
+  order.reserve(tiles_.size());
+  auto const add_row = [&](std::size_t row) {
+    for (std::size_t column = 0; column < columns_; column += 2) {
+      order.push_back(number_of(column, row));
+      if (column > 0) order.push_back(number_of(column - 1, row));
     }
-    if (2 * end - 1 < rows_) add_row(2 * end - 1, all[1].emplace_back());
+    if (columns_ % 2 == 0) order.push_back(number_of(columns_ - 1, row));
+  };
+  for (std::size_t row = 0; row < rows_; row += 2) {
+    add_row(row);
+    if (row > 0) add_row(row - 1);
   }
-  return all;
+  if (rows_ % 2 == 0) add_row(rows_ - 1);
+  return order;
 }
 
 }  // namespace gridlock

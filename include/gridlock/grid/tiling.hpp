@@ -42,18 +42,26 @@ class Tiling {
   /// All tiles, round after round, for a number of threads. Whatever that number, of two tiles that touch the same cell
   /// the one of the lower colour comes first, so that the result is the same as going colour by colour.
   ///
-  /// Where there are enough tiles, a part is a band of rows of tiles, in which colours 2 and 3 of a row follow as soon
-  /// as the rows of colours 0 and 1 on both sides are done: going colour by colour would bring all of a large system
-  /// from memory four times.
+  /// The first round has a piece of the system for each part, several rows of tiles long, in which colours 2 and 3 of a
+  /// row follow as soon as the rows of colours 0 and 1 on both sides are done: going colour by colour would bring all of
+  /// a large system from memory four times. The tiles that must come after one of another piece are left to later rounds,
+  /// colour by colour. In a small system, or for many threads, those are nearly all of colours 1 to 3.
   [[nodiscard]] std::vector<Round> rounds(std::size_t threads) const;
 
  private:
   [[nodiscard]] std::uint32_t number_of(std::size_t column, std::size_t row) const;
-  /// Adds one row of tiles, both colours.
-  void add_row(std::size_t row, Part& part) const;
-  [[nodiscard]] std::vector<Round> rounds_by_colour(std::size_t threads) const;
-  [[nodiscard]] std::vector<Round> rounds_by_band(std::size_t bands) const;
+  [[nodiscard]] std::size_t colour_of(std::uint32_t tile) const;
+  /// Whether is(tile) for one of a lower colour among the eight around a tile.
+  template <class Is>
+  [[nodiscard]] bool any_before(std::size_t column, std::size_t row, Is is) const;
+  /// The piece each tile is in: as many tiles in each, row after row.
+  [[nodiscard]] std::vector<std::uint32_t> pieces(std::size_t threads) const;
+  /// Which tiles must come after a tile of another piece, or after one of these.
+  [[nodiscard]] std::vector<bool> left_to_later_rounds(std::vector<std::uint32_t> const& piece) const;
+  /// All tiles such that the order of colours is kept and a row is visited again soon.
+  [[nodiscard]] Part in_order_of_memory() const;
 
+  bool is_periodic_ = false;
   std::size_t columns_ = 0;
   std::size_t rows_ = 0;
   std::vector<Tile> tiles_;

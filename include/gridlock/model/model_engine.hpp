@@ -110,6 +110,10 @@ class ModelEngine {
     } else if constexpr (Model::schedule == Schedule::tiled) {
       put_in_cell_order(world);
       grid_ = PackedGrid(layout_, world.agents.template column<X>(), world.agents.template column<Y>());
+      if (rounds_.empty() || layout_ != before) {
+        tiling_ = Tiling(layout_);
+        rounds_ = tiling_.rounds(team_.size());
+      }
     } else if constexpr (Model::schedule == Schedule::events) {
       // It has followed every event, and nothing that OpenWorld tells depends on the order inside the cells.
       if (knows_world && layout_ == before) return;
@@ -238,11 +242,12 @@ class ModelEngine {
   }
 
   void step_in_tiles(World<Model>& world) {
-    tiling_ = Tiling(layout_);
     ids_.assign(world.agents.ids().begin(), world.agents.ids().end());
     has_turned_.assign(world.agents.size(), 0);
     // Searches that are compared with a look at everybody have to take turns with everybody.
-    std::vector<Tiling::Round> const rounds = tiling_.rounds(is_verified(world) ? 1 : team_.size());
+    std::vector<Tiling::Round> const rounds_of_one =
+        is_verified(world) ? tiling_.rounds(1) : std::vector<Tiling::Round>();
+    std::vector<Tiling::Round> const& rounds = is_verified(world) ? rounds_of_one : rounds_;
     std::size_t parts = 0;
     for (Tiling::Round const& round : rounds) parts = std::max(parts, round.size());
     requests_.resize(parts);
@@ -323,6 +328,7 @@ class ModelEngine {
   LargeArray<Id> spare_ids_;
   std::vector<Requests<Model>> requests_;
   Tiling tiling_;
+  std::vector<Tiling::Round> rounds_;             ///< tiled: for the team
   std::vector<Id> ids_;                           ///< tiled: of all rows
   std::vector<std::uint8_t> has_turned_;          ///< tiled: by row
   std::vector<std::vector<std::uint32_t>> late_;  ///< tiled: of each tile the rows of agents that are not local

@@ -21,6 +21,26 @@ TEST(ThreadTeam, CarriesOutEveryPartOnceWhateverItsSize) {
   }
 }
 
+/// Rounds so short that threads come late, help one another and are still leaving when the next round begins.
+TEST(ThreadTeam, KeepsShortRoundsOfUnequalPartsApart) {
+  for (std::uint64_t const threads : {2, 3, 8}) {
+    ThreadTeam team(threads);
+    std::vector<std::uint64_t> sums(9, 0);
+    std::vector<std::uint64_t> expected(9, 0);
+    for (std::uint64_t round = 0; round < 3000; ++round) {
+      std::size_t const parts = 2 + round % 8;
+      team.for_each(parts, [&](std::size_t part) {
+        // Later parts take longer, so that their owners get help.
+        for (std::uint64_t n = 0; n <= 20 * part; ++n) sums[part] = sums[part] * 3 + round + n;
+      });
+      for (std::size_t part = 0; part < parts; ++part) {
+        for (std::uint64_t n = 0; n <= 20 * part; ++n) expected[part] = expected[part] * 3 + round + n;
+      }
+      ASSERT_EQ(sums, expected) << round;
+    }
+  }
+}
+
 TEST(ThreadTeam, ThrowsOnWhatTheLowestFailingPartThrewAndGoesOnWorking) {
   ThreadTeam team(3);
   try {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace gridlock {
@@ -126,14 +127,38 @@ TEST_P(TilingOf, RoundsForAnyNumberOfThreadsKeepTheOrderOfColours) {
   }
 }
 
-TEST(TilingRounds, GoByBandsInLargeSystemsAndGiveEveryThreadWorkInSmallOnes) {
-  Tiling const large(CellLayout(Box(1.0, 1.0, Edge::wall), 24, 40 * 12));
-  EXPECT_EQ(large.rounds(1).at(0).size(), 1U);
-  EXPECT_EQ(large.rounds(2).size(), 2U);
-  EXPECT_GE(large.rounds(2).at(0).size(), 8U);
-  Tiling const small(CellLayout(Box(1.0, 1.0, Edge::wall), 48, 48));
-  ASSERT_EQ(small.rounds(2).size(), Tiling::colours);
-  for (Tiling::Round const& round : small.rounds(2)) EXPECT_EQ(round.size(), 4U);
+std::size_t tiles_of(Tiling::Round const& round) {
+  std::size_t sum = 0;
+  for (Tiling::Part const& part : round) sum += part.size();
+  return sum;
+}
+
+std::size_t longest_part(Tiling::Round const& round) { return std::ranges::max(round, {}, &Tiling::Part::size).size(); }
+
+TEST_P(TilingOf, OneThreadVisitsAllTilesInOneRound) {
+  std::vector<Tiling::Round> const rounds = Tiling(CellLayout(Box(1.0, 1.0, GetParam()), 90, 70)).rounds(1);
+  ASSERT_EQ(rounds.size(), 1U);
+  EXPECT_EQ(rounds[0].size(), 1U);
+}
+
+TEST_P(TilingOf, LargeSystemsAreDoneNearlyWhollyInTheFirstRound) {
+  Tiling const tiling(CellLayout(Box(1.0, 1.0, GetParam()), 60 * 12, 60 * 12));
+  std::vector<Tiling::Round> const rounds = tiling.rounds(2);
+  // What is left is a row of colours 2 and 3 at each cut between two of 6 pieces, and few tiles of colour 1.
+  EXPECT_GE(tiles_of(rounds[0]), tiling.tiles().size() * 85 / 100);
+}
+
+TEST_P(TilingOf, TwoThreadsHaveTheSameToDo) {
+  for (int const side : {7, 8, 13, 22, 30, 69}) {
+    SCOPED_TRACE(side);
+    Tiling const tiling(CellLayout(Box(1.0, 1.0, GetParam()), 12 * side, 12 * side));
+    std::vector<Tiling::Round> const rounds = tiling.rounds(2);
+    std::size_t const fair_share = (tiles_of(rounds[0]) + rounds[0].size() - 1) / rounds[0].size();
+    EXPECT_LE(longest_part(rounds[0]), fair_share + 2 + fair_share / 100);
+    for (Tiling::Round const& round : std::span(rounds).subspan(1)) {
+      EXPECT_LE(longest_part(round), (tiles_of(round) + 1) / 2);
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Edges, TilingOf, testing::Values(Edge::wall, Edge::periodic),
