@@ -102,9 +102,9 @@ class Waiting {
     level.rows[level.size] = block.agent[first_of(slots_set | last_slot)];
     crowded_[crowded_size_] = {&block, static_cast<std::uint32_t>(level.size), static_cast<std::uint16_t>(of_class),
                                static_cast<std::uint16_t>(slots_set)};
-    crowded_size_ += (slots_set & (slots_set - 1)) != 0 ? 1 : 0;
-    level.size += slots_set != 0 ? 1 : 0;
-    size_ += slots_set != 0 ? 1 : 0;
+    crowded_size_ += several[slots_set];
+    level.size += any[slots_set];
+    size_ += any[slots_set];
   }
 
   /// Adds a cell of several blocks in which somebody waits.
@@ -158,6 +158,11 @@ class Waiting {
     size_ += rows.size() - 1;
   }
 
+  // Of a set of slots: 1 where there is any in it, or several. Looked up, because a compiler makes a branch of a question.
+  static constexpr std::array<std::uint8_t, 1U << PackedGrid::slots> any{0, 1, 1, 1, 1, 1, 1, 1,
+                                                                         1, 1, 1, 1, 1, 1, 1, 1};
+  static constexpr std::array<std::uint8_t, 1U << PackedGrid::slots> several{0, 0, 0, 1, 0, 1, 1, 1,
+                                                                             0, 1, 1, 1, 1, 1, 1, 1};
   static constexpr unsigned last_slot = 1U << (PackedGrid::slots - 1);
 
   static std::size_t first_of(unsigned slots_set) { return static_cast<std::size_t>(std::countr_zero(slots_set)); }
@@ -166,9 +171,9 @@ class Waiting {
   static void order(std::uint32_t& low, std::uint32_t& high, std::vector<Number> const& ids) {
     std::uint32_t const a = low;
     std::uint32_t const b = high;
-    bool const is_wrong = ids[b] < ids[a];
-    low = is_wrong ? b : a;
-    high = is_wrong ? a : b;
+    std::uint32_t const swap = (a ^ b) & -static_cast<std::uint32_t>(ids[b] < ids[a]);
+    low = a ^ swap;
+    high = b ^ swap;
   }
 
   std::array<std::vector<Level>, classes> classes_;
