@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include "gridlock/core/random.hpp"
+#include "gridlock/core/state.hpp"
+
+namespace gridlock::validation {
+
+/// Disks of diameter 1 on stretched, shifted rows of a periodic square, Maxwell velocities without a common drift.
+///
+/// With √3/2 times as many columns as rows they stand in a crystal, with as many of both in rows too far apart to last,
+/// which melt at once.
+inline State rows_of_disks(std::uint64_t columns, std::uint64_t rows, double packing_fraction) {
+  std::uint64_t const n = columns * rows;
+  double const side = std::sqrt(static_cast<double>(n) * std::numbers::pi / 4.0 / packing_fraction);
+  State state{.box = Box(side, side, Edge::periodic), .seed = 1};
+  Vector sum;
+  for (std::uint64_t i = 0; i < n; ++i) {
+    RandomStream random(1, 0, i, Purpose::start_velocity);
+    std::uint64_t const row = i / columns;
+    // About half a site from row to row, and whole sites once around the box.
+    double const shift = static_cast<double>(row * (rows / 2) % rows) / static_cast<double>(rows);
+    Vector const v{random.normal(), random.normal()};
+    sum = sum + v;
+    state.disks.add((static_cast<double>(i % columns) + shift) * side / static_cast<double>(columns),
+                    (static_cast<double>(row) + 0.5) * side / static_cast<double>(rows), v.x, v.y, 0.5, 1.0, 0, 0);
+  }
+  for (double& v : state.disks.column<VelocityX>()) v -= sum.x / static_cast<double>(n);
+  for (double& v : state.disks.column<VelocityY>()) v -= sum.y / static_cast<double>(n);
+  return state;
+}
+
+}  // namespace gridlock::validation
