@@ -7,7 +7,7 @@
 //   rows        rows as far apart as the disks in them, which melt at once into many small crystals
 //   crystal     one crystal
 //   compressed  a liquid at 0.698, its disks grown in small steps, each as far as the closest pair allows
-// The second half of the collisions is measured; standard error shows how the pressure comes to rest in the first.
+// The second half of the collisions is measured; stderr shows how the pressure comes to rest in the first.
 //
 // Published: Li et al. 2022, P* = βPσ² of N hard disks in a periodic square box, by event-driven dynamics.
 
@@ -90,27 +90,22 @@ State start(std::string_view name, double packing_fraction) {
 void measure(std::string_view start_name, Published const& p, std::uint64_t collisions) {
   State state = start(start_name, p.packing_fraction);
   state.clock = {};
-  double const n = static_cast<double>(state.disks.size());
-  double const kt = kinetic_energy(state.disks) / (n - 1.0);
   auto const engine = make_engine({.kind = "exact", .audit_every = 20 * state.disks.size()}, state);
   Tally tally;
-  BlockAverage pressure;
+  BlockAverage average;
   constexpr std::uint64_t chunks = 1024;
   for (std::uint64_t chunk = 1; chunk <= chunks; ++chunk) {
-    double const virial = tally.pair_virial;
     double const time = state.clock.time;
-    engine->advance(state, tally, {.pair_collisions = collisions / chunks * chunk});
-    double const taken = state.clock.time - time;
-    double const z = 1.0 + (tally.pair_virial - virial) / (2.0 * n * kt * taken);
-    if (chunk > chunks / 2) pressure.add(z * 4.0 * p.packing_fraction / std::numbers::pi, taken);
+    double const pressure =
+        pressure_up_to({.pair_collisions = collisions / chunks * chunk}, *engine, state, tally, p.packing_fraction);
+    if (chunk > chunks / 2) average.add(pressure, state.clock.time - time);
     if (chunk % 16 == 0) {
       std::fprintf(stderr, "%s %.3f %4llu/%llu %.5f\n", start_name.data(), p.packing_fraction,
-                   static_cast<unsigned long long>(chunk), static_cast<unsigned long long>(chunks),
-                   z * 4.0 * p.packing_fraction / std::numbers::pi);
+                   static_cast<unsigned long long>(chunk), static_cast<unsigned long long>(chunks), pressure);
     }
   }
-  Estimate const mean = *pressure.estimate();
-  std::printf("%.0f,%.3f,%s,%llu,%.6f,%.6f,%.6f,%.6f,%.2f\n", n, p.packing_fraction, start_name.data(),
+  Estimate const mean = *average.estimate();
+  std::printf("%zu,%.3f,%s,%llu,%.6f,%.6f,%.6f,%.6f,%.2f\n", state.disks.size(), p.packing_fraction, start_name.data(),
               static_cast<unsigned long long>(collisions), mean.value, *mean.error, p.pressure, p.error,
               (mean.value - p.pressure) / std::hypot(*mean.error, p.error));
 }

@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <numbers>
 #include <vector>
 
 #include "gridlock/engine/engine.hpp"
@@ -38,25 +37,20 @@ constexpr Published small[] = {
 void measure(Published const& p, std::uint64_t collisions) {
   constexpr int blocks = 50;
   State state = rows_of_disks(p.columns, p.rows, p.packing_fraction);
-  double const n = static_cast<double>(state.disks.size());
-  double const kt = kinetic_energy(state.disks) / (n - 1.0);
   auto const engine = make_engine({.kind = "exact", .audit_every = 1'000'000}, state);
   Tally tally;
   engine->advance(state, tally, {.pair_collisions = collisions / 20});
   std::vector<double> pressures;
   for (int block = 0; block < blocks; ++block) {
-    double const virial = tally.pair_virial;
-    double const time = state.clock.time;
-    engine->advance(state, tally, {.pair_collisions = tally.pair_collisions + collisions / blocks});
-    double const z = 1.0 + (tally.pair_virial - virial) / (2.0 * n * kt * (state.clock.time - time));
-    pressures.push_back(z * 4.0 * p.packing_fraction / std::numbers::pi);
+    pressures.push_back(pressure_up_to({.pair_collisions = tally.pair_collisions + collisions / blocks}, *engine, state,
+                                       tally, p.packing_fraction));
   }
   double mean = 0.0;
   double squares = 0.0;
   for (double const x : pressures) mean += x / blocks;
   for (double const x : pressures) squares += (x - mean) * (x - mean);
   double const error = std::sqrt(squares / (blocks * (blocks - 1.0)));
-  std::printf("%.0f,%.3f,%llu,%.6f,%.6f,%.6f,%.6f,%.2f\n", n, p.packing_fraction,
+  std::printf("%zu,%.3f,%llu,%.6f,%.6f,%.6f,%.6f,%.2f\n", state.disks.size(), p.packing_fraction,
               static_cast<unsigned long long>(collisions), mean, error, p.pressure, p.error,
               (mean - p.pressure) / std::hypot(error, p.error));
   std::fflush(stdout);

@@ -6,6 +6,7 @@
 
 #include "gridlock/core/random.hpp"
 #include "gridlock/core/state.hpp"
+#include "gridlock/engine/engine.hpp"
 
 namespace gridlock::validation {
 
@@ -31,6 +32,18 @@ inline State rows_of_disks(std::uint64_t columns, std::uint64_t rows, double pac
   for (double& v : state.disks.column<VelocityX>()) v -= sum.x / static_cast<double>(n);
   for (double& v : state.disks.column<VelocityY>()) v -= sum.y / static_cast<double>(n);
   return state;
+}
+
+/// P* = βPσ² of equal disks at `packing_fraction` while the engine goes on to the horizon, by the virial of the collisions.
+inline double pressure_up_to(Horizon const& horizon, Engine& engine, State& state, Tally& tally,
+                             double packing_fraction) {
+  double const n = static_cast<double>(state.disks.size());
+  double const kt = kinetic_energy(state.disks) / (n - 1.0);
+  double const virial = tally.pair_virial;
+  double const time = state.clock.time;
+  engine.advance(state, tally, horizon);
+  double const z = 1.0 + (tally.pair_virial - virial) / (2.0 * n * kt * (state.clock.time - time));
+  return z * 4.0 * packing_fraction / std::numbers::pi;
 }
 
 }  // namespace gridlock::validation

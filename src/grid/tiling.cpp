@@ -1,6 +1,7 @@
 #include "gridlock/grid/tiling.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cstdint>
 #include <numeric>
@@ -73,6 +74,13 @@ std::uint32_t Tiling::number_of(std::size_t column, std::size_t row) const {
   return static_cast<std::uint32_t>(first_of_[2 * (row % 2) + column % 2] + row / 2 * in_row + column / 2);
 }
 
+Tiling::Place Tiling::place_of(std::uint32_t tile) const {
+  std::size_t const colour = colour_of(tile);
+  std::size_t const in_row = (columns_ + 1 - colour % 2) / 2;
+  std::size_t const n = tile - first_of_[colour];
+  return {.column = 2 * (n % in_row) + colour % 2, .row = 2 * (n / in_row) + colour / 2};
+}
+
 std::size_t Tiling::colour_of(std::uint32_t tile) const {
   std::size_t colour = 0;
   while (tile >= first_of_[colour + 1]) ++colour;
@@ -85,11 +93,12 @@ std::vector<std::uint32_t> Tiling::pieces(std::size_t threads) const {
   constexpr std::size_t rows_of_piece = 8;
   std::size_t const count =
       threads == 1 ? 1 : threads * std::clamp<std::size_t>(rows_ / (rows_of_piece * threads), 1, most_pieces_of_thread);
+  std::vector<std::uint32_t> piece(tiles_.size(), 0);
+  if (count == 1) return piece;
   // Cuts in the tiles row after row. What is left to later rounds lies on one side of a cut or on both, so they are moved
   // until the first round has as much to do in every piece.
   std::vector<std::size_t> cut(count + 1);
   for (std::size_t k = 0; k <= count; ++k) cut[k] = tiles_.size() * k / count;
-  std::vector<std::uint32_t> piece(tiles_.size());
   for (int attempt = 0; attempt < 8; ++attempt) {
     for (std::size_t k = 0; k < count; ++k) {
       for (std::size_t n = cut[k]; n < cut[k + 1]; ++n) {
@@ -112,31 +121,27 @@ std::vector<std::uint32_t> Tiling::pieces(std::size_t threads) const {
 }
 
 template <class Is>
-bool Tiling::any_before(std::size_t column, std::size_t row, Is is) const {
-  std::size_t const colour = 2 * (row % 2) + column % 2;
+bool Tiling::any_before(std::uint32_t tile, Is is) const {
+  Place const place = place_of(tile);
+  std::size_t const first_of_colour = first_of_[colour_of(tile)];
   auto const any_near = [this](std::size_t at, std::size_t count, auto const& is_at) {
     return is_at(at) || ((at > 0 || is_periodic_) && is_at((at + count - 1) % count)) ||
            ((at + 1 < count || is_periodic_) && is_at((at + 1) % count));
   };
-  return any_near(row, rows_, [&](std::size_t r) {
-    return any_near(column, columns_,
-                    [&](std::size_t c) { return 2 * (r % 2) + c % 2 < colour && is(number_of(c, r)); });
+  return any_near(place.row, rows_, [&](std::size_t row) {
+    return any_near(place.column, columns_, [&](std::size_t column) {
+      std::uint32_t const other = number_of(column, row);
+      return other < first_of_colour && is(other);
+    });
   });
 }
 
 std::vector<bool> Tiling::left_to_later_rounds(std::vector<std::uint32_t> const& piece) const {
   std::vector<bool> is_left(tiles_.size(), false);
-  // Colour by colour, since a tile that must come after one that is left is left itself.
-  for (std::size_t const first_row : {0U, 1U}) {
-    for (std::size_t const first_column : {0U, 1U}) {
-      for (std::size_t row = first_row; row < rows_; row += 2) {
-        for (std::size_t column = first_column; column < columns_; column += 2) {
-          std::uint32_t const tile = number_of(column, row);
-          is_left[tile] = any_before(
-              column, row, [&](std::uint32_t before) { return is_left[before] || piece[before] != piece[tile]; });
-        }
-      }
-    }
+  // Tiles are numbered colour by colour, and one that must come after one that is left is left itself.
+  for (std::uint32_t tile = 0; tile < tiles_.size(); ++tile) {
+    is_left[tile] =
+        any_before(tile, [&](std::uint32_t before) { return is_left[before] || piece[before] != piece[tile]; });
   }
   return is_left;
 }

@@ -49,11 +49,16 @@ class Tiling {
   [[nodiscard]] std::vector<Round> rounds(std::size_t threads) const;
 
  private:
+  /// Where a tile is among the tiles.
+  struct Place {
+    std::size_t column, row;
+  };
   [[nodiscard]] std::uint32_t number_of(std::size_t column, std::size_t row) const;
+  [[nodiscard]] Place place_of(std::uint32_t tile) const;
   [[nodiscard]] std::size_t colour_of(std::uint32_t tile) const;
-  /// Whether is(tile) for one of a lower colour among the eight around a tile.
+  /// Whether is(other) for one of a lower colour among the eight around a tile.
   template <class Is>
-  [[nodiscard]] bool any_before(std::size_t column, std::size_t row, Is is) const;
+  [[nodiscard]] bool any_before(std::uint32_t tile, Is is) const;
   /// The piece each tile is in: as many tiles in each, row after row.
   [[nodiscard]] std::vector<std::uint32_t> pieces(std::size_t threads) const;
   /// Which tiles must come after a tile of another piece, or after one of these.
