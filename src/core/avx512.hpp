@@ -10,6 +10,7 @@
 #if !defined(__clang__)
 // GCC 12 takes the deliberately undefined registers inside its own intrinsics for a mistake of the caller.
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#pragma GCC diagnostic ignored "-Wuninitialized"
 #endif
 
 #define GRIDLOCK_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw")))

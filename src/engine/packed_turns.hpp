@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -40,6 +41,17 @@ class Reach {
   double rounding_;
 };
 
+class PackedTurns;
+
+// The two ways of PackedTurns::take_together().
+
+void take_together_plainly(PackedTurns& turns, std::span<std::uint32_t const> rows, Tally& tally,
+                           std::vector<std::uint32_t>& not_local);
+/// Eight turns at a time; only where can_take_together_with_avx512().
+void take_together_with_avx512(PackedTurns& turns, std::span<std::uint32_t const> rows, Tally& tally,
+                               std::vector<std::uint32_t>& not_local);
+bool can_take_together_with_avx512();
+
 /// Turns on a packed grid: the candidates of a disk are found once a turn, and only those it may really meet.
 ///
 /// On its way w, a disk at distance vector −d from another and not in contact, |d| ≥ c, comes as near as c after a part
@@ -54,7 +66,7 @@ class PackedTurns {
         layout_(grid.layout()),
         reach_(view.box, radii.largest, duration, view.substeps),
         duration_(duration),
-        shorter_side_(std::min(layout_.cell_width(), layout_.cell_height())),
+        room_(std::min(layout_.cell_width(), layout_.cell_height()) * (1.0 - 1e-9)),
         limit_per_area_(1.001 * grid.locals_per_length() * grid.locals_per_length()),
         limit_error_(grid.local_limit(0.0)),
         fits_one_block_(std::max(layout_.cell_width(), layout_.cell_height()) <= widest_for_four(radii.smallest)),
@@ -63,7 +75,7 @@ class PackedTurns {
 
   /// Whether the disk stays, and meets only disks, within the cells next to its own during its turn.
   [[nodiscard]] bool is_local(std::size_t i, double squared_speed) const {
-    double const way = shorter_side_ * (1.0 - 1e-9) - reach_.contact(view_.disks[i].radius) - reach_.rounding();
+    double const way = room_ - reach_.contact(view_.disks[i].radius) - reach_.rounding();
     return way > 0.0 && squared_speed * duration_ * duration_ <= way * way;
   }
 
@@ -100,6 +112,18 @@ class PackedTurns {
       take_among<EdgeOfTurn::may_be_met>(turn, tally);
     }
     grid_.move(turn.disk, view_.disks[turn.disk].position);
+  }
+
+  [[nodiscard]] std::uint64_t substeps() const { return view_.substeps; }
+
+  static constexpr std::size_t most_together = 16;
+
+  /// The turns of up to most_together disks without a common neighbour, in their order. Those that are not local do not
+  /// take it and are added to `not_local`. The same bits as one turn after the other, eight at a time where the processor
+  /// has AVX-512.
+  void take_together(std::span<std::uint32_t const> rows, Tally& tally, std::vector<std::uint32_t>& not_local) {
+    static auto const way = can_take_together_with_avx512() ? take_together_with_avx512 : take_together_plainly;
+    way(*this, rows, tally, not_local);
   }
 
   /// The turn of any disk.
@@ -177,12 +201,16 @@ class PackedTurns {
     });
   }
 
+  friend void take_together_plainly(PackedTurns& turns, std::span<std::uint32_t const> rows, Tally& tally,
+                                    std::vector<std::uint32_t>& not_local);
+  friend class TurnsTogether;
+
   TurnView const& view_;
   PackedGrid& grid_;
   CellLayout const& layout_;
   Reach reach_;
   double duration_;
-  double shorter_side_;
+  double room_;  ///< for contact distance and way of a turn that is local
   double limit_per_area_;
   float limit_error_;
   bool fits_one_block_;

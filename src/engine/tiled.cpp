@@ -77,7 +77,7 @@ class Steps {
         grid_(grid_of<PackedGrid>(layout, disks_)),
         turns_(view_, grid_, radius_range(state.disks), duration),
         smallest_radius_(radius_range(state.disks).smallest),
-        group_size_(goes_around_box(layout, tiling) ? 1 : most_in_group),
+        group_size_(goes_around_box(layout, tiling) ? 1 : PackedTurns::most_together),
         results_(tiling.tiles().size()) {
     rank_.reserve(disks_.size());
     for (std::size_t k = 0; k < disks_.size(); ++k) rank_.push_back(disks_[k].rank);
@@ -111,9 +111,6 @@ class Steps {
   void write_back(State& state) const { disks_.write_back(state); }
 
  private:
-  /// Enough to keep the processor busy, few enough to stay in the first cache.
-  static constexpr std::size_t most_in_group = 16;
-
   /// A tile that is its own neighbour around a periodic box: cells three apart may have a common neighbour.
   static bool goes_around_box(CellLayout const& layout, Tiling const& tiling) {
     Tiling::Tile const& tile = tiling.tiles().front();
@@ -122,7 +119,7 @@ class Steps {
 
   void take_part(Tiling::Part const& part) {
     static thread_local Waiting waiting;
-    FetchAhead ahead(grid_, view_);
+    FetchAhead ahead(grid_, view_, rank_);
     auto const tile = [&](std::size_t k) { return k < part.size() ? &tiling_.tiles()[part[k]] : nullptr; };
     for (std::size_t k = 0; k < part.size(); ++k) {
       waiting.find(grid_, *tile(k), rank_, [this](PackedGrid::Block const& block) {
@@ -140,21 +137,10 @@ class Steps {
 
   /// The turns of disks without a common neighbour.
   void take_group(std::span<std::uint32_t const> rows, TileResult& result, FetchAhead& ahead) {
-    std::array<PackedTurns::Prepared, most_in_group> prepared;
-    std::size_t count = 0;
-    for (std::uint32_t const i : rows) {
-      grid_.toggle_mark(i);
-      // A local disk is short of a contact distance in the whole step, so in each sub-step too.
-      if (turns_.is_local(i, squared_length(disks_[i].velocity))) {
-        prepared[count++] = turns_.prepare(i);
-      } else {
-        result.too_fast_for_tile.push_back(i);
-      }
-    }
-    for (std::size_t n = 0; n < count; ++n) {
-      turns_.take(prepared[n], result.tally);
-      ahead.step();
-    }
+    for (std::uint32_t const i : rows) grid_.toggle_mark(i);
+    // A local disk is short of a contact distance in the whole step, so in each sub-step too.
+    turns_.take_together(rows, result.tally, result.too_fast_for_tile);
+    ahead.go_on(rows.size());
   }
 
   void take_late(std::uint32_t i, TileResult& result) {

@@ -6,7 +6,10 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
+#include <vector>
 
+#include "engine/hot_disks.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/engine/engine.hpp"
@@ -98,6 +101,97 @@ TEST(PackedTurns, GiveTheBitsOfTheListsAtThePapersSize) {
     EXPECT_EQ(tally.pair_virial, packed_tally.pair_virial);
     EXPECT_LT(packed_tally.distance_checks, tally.distance_checks / 5) << "the filter does not filter";
   }
+}
+
+/// The disks of a state with what their turns need.
+struct Hot {
+  Hot(State const& state, EngineSettings const& settings, CellLayout const& layout)
+      : box(state.box),
+        duration(step_duration(settings, state)),
+        disks(state, rows_by_id(state.disks)),
+        view(disks.view(box, settings, duration)),
+        grid(grid_of<PackedGrid>(layout, disks)),
+        turns(view, grid, radius_range(state.disks), duration) {}
+
+  Box box;
+  double duration;
+  HotDisks disks;
+  TurnView view;
+  PackedGrid grid;
+  PackedTurns turns;
+  Tally tally;
+  std::vector<std::uint32_t> not_local;
+};
+
+CellLayout half_as_many(Box const& box, CellLayout const& layout) {
+  auto const half = [](int cells) { return static_cast<std::uint64_t>(std::max(1, cells / 2)); };
+  return {box, half(layout.columns()), half(layout.rows())};
+}
+
+/// Rows, in any order, that have no common neighbour with an earlier one.
+std::vector<std::uint32_t> rows_apart(Hot const& hot, std::size_t most, RandomStream& random) {
+  CellLayout const& layout = hot.grid.layout();
+  auto const are_apart = [&](int a, int b, int cells) {
+    int const between = std::abs(a - b);
+    return between > 2 && (!layout.is_periodic() || cells - between > 2);
+  };
+  std::vector<std::uint32_t> rows;
+  for (int trial = 0; trial < 60 && rows.size() < most; ++trial) {
+    auto const i = static_cast<std::uint32_t>(random.below(hot.disks.size()));
+    PackedGrid::Block const& home = hot.grid.block_of(i);
+    bool const is_apart = std::ranges::all_of(rows, [&](std::uint32_t j) {
+      PackedGrid::Block const& other = hot.grid.block_of(j);
+      return are_apart(home.column, other.column, layout.columns()) || are_apart(home.row, other.row, layout.rows());
+    });
+    if (is_apart) rows.push_back(i);
+  }
+  return rows;
+}
+
+TEST(PackedTurns, TakenTogetherAreTheSameEightAtATimeAndOneByOne) {
+  if (!can_take_together_with_avx512()) GTEST_SKIP() << "this processor has no AVX-512";
+  std::uint64_t collisions = 0;
+  std::uint64_t left_out = 0;
+  std::size_t with_further_blocks = 0;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    System s = any_system(seed);
+    s.scene.count += 100;
+    State state = random_scene(s.scene);
+    for (std::size_t i = 0; i < state.disks.size(); i += 7) state.disks.column<VelocityX>()[i] *= s.fastest;
+    CellLayout layout = packed_layout(state.box, state.disks, 0.3 * radius_range(state.disks).smallest);
+    // Cells of twice the size hold more disks than a block.
+    if (seed % 3 == 0) layout = half_as_many(state.box, layout);
+    Hot plain(state, s.engine, layout);
+    Hot wide(state, s.engine, layout);
+    RandomStream random(seed, 1, 0, Purpose::start_position);
+    for (int group = 0; group < 300; ++group) {
+      auto const rows = rows_apart(plain, 1 + random.below(PackedTurns::most_together), random);
+      take_together_plainly(plain.turns, rows, plain.tally, plain.not_local);
+      take_together_with_avx512(wide.turns, rows, wide.tally, wide.not_local);
+    }
+    for (std::size_t i = 0; i < state.disks.size(); ++i) {
+      DiskInTurn const& a = plain.disks[i];
+      DiskInTurn const& b = wide.disks[i];
+      ASSERT_EQ(a.position, b.position) << "seed " << seed << ", disk " << i << ": " << s.scene;
+      ASSERT_EQ(a.velocity, b.velocity) << "seed " << seed << ", disk " << i << ": " << s.scene;
+      ASSERT_EQ(a.image_x, b.image_x);
+      ASSERT_EQ(a.image_y, b.image_y);
+      if (plain.grid.block_of(i).next != PackedGrid::none) ++with_further_blocks;
+    }
+    ASSERT_TRUE(wide.grid.is_consistent()) << "seed " << seed;
+    ASSERT_EQ(plain.tally.turns, wide.tally.turns);
+    ASSERT_EQ(plain.tally.blocked_turns, wide.tally.blocked_turns);
+    ASSERT_EQ(plain.tally.pair_collisions, wide.tally.pair_collisions);
+    ASSERT_EQ(plain.tally.distance_checks, wide.tally.distance_checks);
+    ASSERT_EQ(plain.tally.wall_impulse, wide.tally.wall_impulse);
+    ASSERT_EQ(plain.tally.pair_virial, wide.tally.pair_virial);
+    ASSERT_EQ(plain.not_local, wide.not_local);
+    collisions += plain.tally.pair_collisions;
+    left_out += plain.not_local.size();
+  }
+  EXPECT_GT(collisions, 20'000U) << "most groups must do something";
+  EXPECT_GT(left_out, 1'000U);
+  EXPECT_GT(with_further_blocks, 1'000U);
 }
 
 TEST(PackedLayout, HoldsAtMostFourEqualDisksInACellAndTheWholeReachInABlock) {

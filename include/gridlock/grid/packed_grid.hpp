@@ -140,6 +140,9 @@ class PackedGrid {
     }
   }
 
+  /// For a caller that has found out what move() asks: the agent in this slot is here now, in the same cell.
+  static void place_within_cell(Block& block, std::uint32_t slot, LocalPoint p) { write_lanes(block, slot, p); }
+
   /// Every agent has a mark, at first not set, that stays with it while it moves.
   void toggle_mark(std::size_t agent) {
     block_of(agent).marks ^= static_cast<std::uint16_t>(1U << place_[agent] % slots);
@@ -188,6 +191,7 @@ class PackedGrid {
   // What a search that knows more than a reach is made of; see src/grid/candidate_pairs.cpp for how it is used.
 
   [[nodiscard]] Block const& block_of(std::size_t agent) const { return blocks_[place_[agent] / slots]; }
+  [[nodiscard]] Block& block_of(std::size_t agent) { return blocks_[place_[agent] / slots]; }
   [[nodiscard]] std::uint32_t slot_of(std::size_t agent) const { return place_[agent] % slots; }
   [[nodiscard]] Block const& block_at(int column, int row) const {
     return blocks_[static_cast<std::size_t>(row) * stride_ + static_cast<std::size_t>(column)];
@@ -254,7 +258,6 @@ class PackedGrid {
     int const row = cell / layout_.columns();
     return static_cast<std::size_t>(row) * stride_ + static_cast<std::size_t>(cell - row * layout_.columns());
   }
-  [[nodiscard]] Block& block_of(std::size_t agent) { return blocks_[place_[agent] / slots]; }
 
   template <class Visit>
   void for_each_block(std::size_t base, Visit visit) const {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "engine/turn.hpp"
 #include "gridlock/core/look_ahead.hpp"
@@ -20,30 +22,28 @@ namespace gridlock {
 /// Only blocks of the next tile and its ring are read, which no other thread touches in this round.
 class FetchAhead {
  public:
-  FetchAhead(PackedGrid const& grid, TurnView const& view)
-      : grid_(grid), disks_(view.disks.data()), is_worth_it_(view.disks.size() > few_disks) {}
+  FetchAhead(PackedGrid const& grid, TurnView const& view, std::vector<std::uint32_t> const& rank)
+      : grid_(grid), disks_(view.disks.data()), rank_(rank.data()), is_worth_it_(view.disks.size() > few_disks) {}
 
-  /// The tiles that follow, nullptr where there is none; step() will be called about `steps` times before they are due.
-  void aim(Tiling::Tile const* next, Tiling::Tile const* after_next, std::size_t steps) {
+  /// The tiles that follow, nullptr where there is none; go_on() will be told of about `turns` turns before they are due.
+  void aim(Tiling::Tile const* next, Tiling::Tile const* after_next, std::size_t turns) {
     if (!is_worth_it_) return;
     disk_walk_ = walk_of(next);
     block_walk_ = walk_of(after_next);
-    cells_a_step_ = std::max(disk_walk_.cells(), block_walk_.cells()) / (steps + 1) + 1;
+    cells_a_turn_ = std::max(disk_walk_.cells(), block_walk_.cells()) / (turns + 1) + 1;
   }
 
-  void step() {
-    for (std::size_t n = 0; n < cells_a_step_; ++n) {
-      if (disk_walk_.is_going_on()) {
-        // Empty slots name disks that were here before: asking for one too many costs less than a branch.
-        for (std::uint32_t const disk : grid_.block_at(disk_walk_.column, disk_walk_.row).agent)
-          prefetch(&disks_[disk]);
-        disk_walk_.go_on();
-      }
-      if (block_walk_.is_going_on()) {
-        prefetch(&grid_.block_at(block_walk_.column, block_walk_.row));
-        block_walk_.go_on();
-      }
-    }
+  /// While so many turns are taken.
+  void go_on(std::size_t turns) {
+    disk_walk_.go_on(cells_a_turn_ * turns, [this](int column, int row) {
+      PackedGrid::Block const& block = grid_.block_at(column, row);
+      // Empty slots name disks that were here before: asking for one too many costs less than a branch.
+      for (std::uint32_t const disk : block.agent) prefetch(&disks_[disk]);
+      // Sixteen to a line, and neighbours were side by side when the disks were sorted.
+      grid_.prefetch(block.agent[0]);
+      prefetch(&rank_[block.agent[0]]);
+    });
+    block_walk_.go_on(cells_a_turn_ * turns, [this](int column, int row) { prefetch(&grid_.block_at(column, row)); });
   }
 
  private:
@@ -52,14 +52,22 @@ class FetchAhead {
     int first_column = 0, end_column = 0, row = 0, end_row = 0;
     int column = 0;
 
-    [[nodiscard]] bool is_going_on() const { return row < end_row; }
     [[nodiscard]] std::size_t cells() const {
       return static_cast<std::size_t>(end_column - first_column) * static_cast<std::size_t>(end_row - row);
     }
-    void go_on() {
-      if (++column < end_column) return;
-      column = first_column;
-      ++row;
+
+    template <class Visit>
+    void go_on(std::size_t cells, Visit visit) {
+      auto left = static_cast<int>(cells);
+      while (left > 0 && row < end_row) {
+        int const end = std::min(end_column, column + left);
+        left -= end - column;
+        for (; column < end; ++column) visit(column, row);
+        if (column == end_column) {
+          column = first_column;
+          ++row;
+        }
+      }
     }
   };
 
@@ -78,10 +86,11 @@ class FetchAhead {
 
   PackedGrid const& grid_;
   DiskInTurn const* disks_;
+  std::uint32_t const* rank_;
   bool is_worth_it_;
   Walk disk_walk_;
   Walk block_walk_;
-  std::size_t cells_a_step_ = 0;
+  std::size_t cells_a_turn_ = 0;
 };
 
 }  // namespace gridlock
