@@ -28,45 +28,33 @@ constexpr std::uint64_t most_substeps = 1'000'000'000;
 template <class T>
 using Each = std::array<T, most>;
 
-/// The disks that take their turns.
+/// The disks that take their turns, as the phases hand them on. Nothing is written lane by lane and then read as a whole:
+/// that makes the processor wait until all before it is done.
 struct alignas(64) Turning {
-  Each<double> x, y;          ///< at the beginning
-  Each<double> way_x, way_y;  ///< of one sub-step
-  Each<double> radius;
-  Each<Vector> position;  ///< at the end
-  Each<double> nearest;   ///< squared distance of the partner where it is met
-  Each<float> local_x;    ///< seen from the cell of the disk: where it would come to, and then where it has come to
+  Each<Block*> block;
+  Each<std::uint32_t> slot;  ///< in its block
+  Each<float> local_x;       ///< seen from the cell of the disk: where it would come to, and then where it has come to
   Each<float> local_y;
-  Each<float> limit;          ///< of the squared distance from there to disks it may meet
-  Each<std::int32_t> column;  ///< of its cell
-  Each<std::int32_t> row;
+  Each<float> limit;                  ///< of the squared distance from there to disks it may meet
   Each<std::uint32_t> candidates;     ///< how many it may meet
   Each<std::uint32_t> free_substeps;  ///< before the one in which it meets its partner
   Each<std::uint32_t> partner;
-  Each<std::uint32_t> slot;  ///< in its block
-  Each<Block*> block;
-  Each<std::uint32_t const*> agents;  ///< of the first block of its cell
+  Each<double> nearest;   ///< squared distance of the partner where it is met
+  Each<Vector> position;  ///< at the end
 };
 
 /// Disks that may be met, those of one turn after those of another.
 struct alignas(64) Candidates {
   /// Written at once, however few there are.
   static constexpr std::size_t slack = 16;
-  std::array<std::int32_t, most * 9 * PackedGrid::slots + slack> where;  ///< Ids from Turning::agents on
+  std::array<std::int32_t, most * 9 * PackedGrid::slots + slack>
+      where;  ///< agents from those of the disk's own cell on
   std::array<std::uint8_t, most * 9 * PackedGrid::slots + slack> turn;
   std::size_t count;
 };
 
 /// Bit l stands for turn l.
 using Turns = unsigned;
-
-GRIDLOCK_AVX512 inline __m512d load(double const* values) { return _mm512_load_pd(values); }
-GRIDLOCK_AVX512 inline __m256i load(std::int32_t const* values) {
-  return _mm256_load_si256(reinterpret_cast<__m256i const*>(values));
-}
-GRIDLOCK_AVX512 inline __m256i load(std::uint32_t const* values) {
-  return _mm256_load_si256(reinterpret_cast<__m256i const*>(values));
-}
 
 GRIDLOCK_AVX512 inline __m512d side_by_side(__m256d low, __m256d high) {
   return _mm512_insertf64x4(_mm512_castpd256_pd512(low), high, 1);
@@ -130,13 +118,28 @@ GRIDLOCK_AVX512 inline Motion motion_of(DiskInTurn const* disks, Rows const& row
       .velocity = {_mm512_permutex2var_pd(x_01, of_velocity, x_23), _mm512_permutex2var_pd(y_01, of_velocity, y_23)}};
 }
 
+/// The columns and the rows of eight cells.
+struct Cells {
+  __m256i columns;
+  __m256i rows;
+};
+
+GRIDLOCK_AVX512 inline Cells cells_of(Block* const* blocks) {
+  static_assert(offsetof(Block, row) == offsetof(Block, column) + sizeof(std::int32_t));
+  auto const at = [&](std::size_t l) { return reinterpret_cast<double const*>(&blocks[l]->column); };
+  __m512i const both = _mm512_castpd_si512(
+      side_by_side(side_by_side(_mm_loadh_pd(_mm_load_sd(at(0)), at(1)), _mm_loadh_pd(_mm_load_sd(at(2)), at(3))),
+                   side_by_side(_mm_loadh_pd(_mm_load_sd(at(4)), at(5)), _mm_loadh_pd(_mm_load_sd(at(6)), at(7)))));
+  return {_mm512_cvtepi64_epi32(both), _mm512_cvtepi64_epi32(_mm512_srli_epi64(both, 32))};
+}
+
 GRIDLOCK_AVX512 inline __m512d squared_length(__m512d x, __m512d y) {
   return _mm512_add_pd(_mm512_mul_pd(x, x), _mm512_mul_pd(y, y));
 }
 
 /// Coordinates in cells, seen from one.
-GRIDLOCK_AVX512 inline __m512d in_cells(__m512d p, double cells_per_length, std::int32_t const* cells) {
-  return _mm512_sub_pd(_mm512_mul_pd(p, _mm512_set1_pd(cells_per_length)), _mm512_cvtepi32_pd(load(cells)));
+GRIDLOCK_AVX512 inline __m512d in_cells(__m512d p, double cells_per_length, __m256i cells) {
+  return _mm512_sub_pd(_mm512_mul_pd(p, _mm512_set1_pd(cells_per_length)), _mm512_cvtepi32_pd(cells));
 }
 
 GRIDLOCK_AVX512 inline void store_local(float* to, __m512d in_cells, float side) {
@@ -148,14 +151,24 @@ GRIDLOCK_AVX512 inline Turns is_from_0_to_1(__m512d v) {
   return _mm512_mask_cmp_pd_mask(from_0, v, _mm512_set1_pd(1.0), _CMP_LT_OQ);
 }
 
-GRIDLOCK_AVX512 inline Turns is_inner(std::int32_t const* cells, unsigned inner) {
-  __m256i const from_first = _mm256_sub_epi32(load(cells), _mm256_set1_epi32(1));
+GRIDLOCK_AVX512 inline Turns is_inner(__m256i cells, unsigned inner) {
+  __m256i const from_first = _mm256_sub_epi32(cells, _mm256_set1_epi32(1));
   return _mm256_cmplt_epu32_mask(from_first, _mm256_set1_epi32(static_cast<int>(inner)));
 }
 
-/// Of two registers with a property of all turns, that of the turn in each lane.
-GRIDLOCK_AVX512 inline __m512d look_up(Each<double> const& values, __m512i turn) {
-  return _mm512_permutex2var_pd(load(values.data()), turn, load(values.data() + lanes));
+/// Where eight disks are and how they move.
+struct Course {
+  Vectors from;
+  Vectors way;  ///< of one sub-step
+  __m512d radius;
+  Cells cells;
+  Turns local;
+  Turns far_from_edge;
+};
+
+/// Of a property of all turns, that of the turn in each lane.
+GRIDLOCK_AVX512 inline __m512d look_up(__m512d of_first, __m512i turn, __m512d of_last) {
+  return _mm512_permutex2var_pd(of_first, turn, of_last);
 }
 
 /// Four blocks around a cell, numbered by what is to be added to the first of its Ids, and what is to be added to a point
@@ -216,71 +229,59 @@ class TurnsTogether {
       : turns_(turns), view_(turns.view_), grid_(turns.grid_), rows_(rows) {}
 
   GRIDLOCK_AVX512 void take(Tally& tally, std::vector<std::uint32_t>& not_local) {
-    Kinds kinds = aim(0);
-    if (rows_.size() > lanes) kinds = kinds | aim(lanes);
+    bool const are_many = rows_.size() > lanes;
+    Course const first = aim(0);
+    Course const last = are_many ? aim(lanes) : first;
     Turns const all = (1U << rows_.size()) - 1U;
-    Turns const local = all & kinds.local;
-    Turns const together =
-        turns_.fits_one_block_ ? local & kinds.far_from_edge : without_more_blocks(local & kinds.far_from_edge);
+    Turns const local = all & (first.local | last.local << lanes);
+    Turns const far_from_edge = local & (first.far_from_edge | last.far_from_edge << lanes);
+    Turns const together = turns_.fits_one_block_ ? far_from_edge : without_more_blocks(far_from_edge);
     Turns const alone = local & ~together;
     look_around(together);
-    find_partners();
-    Moves moves = go(0, together);
-    if (rows_.size() > lanes) moves = moves | go(lanes, together);
+    __m512i const free_substeps = find_partners(first, last);
+    auto const substeps = static_cast<std::uint32_t>(view_.substeps);
+    Turns const blocked =
+        together & _mm512_cmplt_epu32_mask(free_substeps, _mm512_set1_epi32(static_cast<int>(substeps)));
+    Turns staying = go(0, first, _mm512_castsi512_si256(free_substeps));
+    if (are_many) staying |= go(lanes, last, _mm512_extracti32x8_epi32(free_substeps, 1)) << lanes;
     for (std::size_t l = 0; l < rows_.size(); ++l) {
       if (!(together >> l & 1U)) continue;
       view_.disks[rows_[l]].position = turning_.position[l];
       PackedGrid::place_within_cell(*turning_.block[l], turning_.slot[l], {turning_.local_x[l], turning_.local_y[l]});
+      std::uint32_t const trials = std::min(turning_.free_substeps[l] + 1, substeps);
+      tally.distance_checks += std::uint64_t{turning_.candidates[l]} * trials;
     }
     // In the order of the turns, on which sums of floating point numbers depend.
-    for (Turns left = moves.blocked | alone; left != 0; left &= left - 1) {
+    for (Turns left = blocked | alone; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
-      if (moves.blocked >> l & 1U) {
+      if (blocked >> l & 1U) {
         scatter(view_, rows_[l], turning_.partner[l], tally);
       } else {
         turns_.take(turns_.prepare(rows_[l]), tally);
       }
     }
-    for (Turns left = moves.leaving; left != 0; left &= left - 1) {
+    for (Turns left = together & ~staying; left != 0; left &= left - 1) {
       std::uint32_t const i = rows_[first_of(left)];
       grid_.move(i, view_.disks[i].position);
     }
     for (Turns left = all & ~local; left != 0; left &= left - 1) not_local.push_back(rows_[first_of(left)]);
     tally.turns += count_of(together);
-    tally.blocked_turns += count_of(moves.blocked);
-    tally.distance_checks += moves.distance_checks;
+    tally.blocked_turns += count_of(blocked);
   }
 
  private:
-  struct Kinds {
-    Turns local;
-    Turns far_from_edge;
-    Kinds operator|(Kinds other) const { return {local | other.local, far_from_edge | other.far_from_edge}; }
-  };
-  struct Moves {
-    Turns blocked;
-    Turns leaving;  ///< their cells
-    std::uint64_t distance_checks;
-    Moves operator|(Moves other) const {
-      return {blocked | other.blocked, leaving | other.leaving, distance_checks + other.distance_checks};
-    }
-  };
-
   /// Where eight disks from turn `first` on are bound for.
-  GRIDLOCK_AVX512 Kinds aim(std::size_t first) {
+  GRIDLOCK_AVX512 Course aim(std::size_t first) {
     Turning& t = turning_;
     Rows rows;
     for (std::size_t l = 0; l < lanes; ++l) {
-      std::size_t const turn = std::min(first + l, rows_.size() - 1);
-      rows[l] = rows_[turn];
-      Block& home = grid_.block_of(rows[l]);
-      t.block[first + l] = &home;
+      rows[l] = rows_[std::min(first + l, rows_.size() - 1)];
+      t.block[first + l] = &grid_.block_of(rows[l]);
       t.slot[first + l] = grid_.slot_of(rows[l]);
-      t.column[first + l] = home.column;
-      t.row[first + l] = home.row;
     }
     Motion const disk = motion_of(view_.disks.data(), rows);
     __m512d const radius = radii_of(view_.disks.data(), rows);
+    Cells const cells = cells_of(&t.block[first]);
     __m512d const duration = _mm512_set1_pd(turns_.duration_);
     __m512d const squared_speed = squared_length(disk.velocity.x, disk.velocity.y);
     __m512d const contact = _mm512_add_pd(radius, _mm512_set1_pd(turns_.reach_.contact(0.0)));
@@ -291,8 +292,6 @@ class TurnsTogether {
     __m512d const squared_way = _mm512_mul_pd(_mm512_mul_pd(squared_speed, duration), duration);
     __mmask8 const has_room = _mm512_cmp_pd_mask(room, _mm512_setzero_pd(), _CMP_GT_OQ);
     Turns const local = _mm512_mask_cmp_pd_mask(has_room, squared_way, _mm512_mul_pd(room, room), _CMP_LE_OQ);
-    Turns const far_from_edge =
-        is_inner(&t.column[first], turns_.inner_columns_) & is_inner(&t.row[first], turns_.inner_rows_);
 
     // find_near()
     __m512d const squared_reach =
@@ -302,18 +301,17 @@ class TurnsTogether {
     _mm256_store_ps(&t.limit[first], _mm256_add_ps(_mm512_cvtpd_ps(limit), _mm256_set1_ps(turns_.limit_error_)));
     __m512d const end_x = _mm512_add_pd(disk.position.x, _mm512_mul_pd(duration, disk.velocity.x));
     __m512d const end_y = _mm512_add_pd(disk.position.y, _mm512_mul_pd(duration, disk.velocity.y));
-    store_local(&t.local_x[first], in_cells(end_x, turns_.layout_.columns_per_length(), &t.column[first]),
+    store_local(&t.local_x[first], in_cells(end_x, turns_.layout_.columns_per_length(), cells.columns),
                 grid_.local_width());
-    store_local(&t.local_y[first], in_cells(end_y, turns_.layout_.rows_per_length(), &t.row[first]),
-                grid_.local_height());
+    store_local(&t.local_y[first], in_cells(end_y, turns_.layout_.rows_per_length(), cells.rows), grid_.local_height());
 
     __m512d const substep = _mm512_set1_pd(view_.substep);
-    _mm512_store_pd(&t.x[first], disk.position.x);
-    _mm512_store_pd(&t.y[first], disk.position.y);
-    _mm512_store_pd(&t.way_x[first], _mm512_mul_pd(substep, disk.velocity.x));
-    _mm512_store_pd(&t.way_y[first], _mm512_mul_pd(substep, disk.velocity.y));
-    _mm512_store_pd(&t.radius[first], radius);
-    return {.local = local << first, .far_from_edge = far_from_edge << first};
+    return {.from = disk.position,
+            .way = {_mm512_mul_pd(substep, disk.velocity.x), _mm512_mul_pd(substep, disk.velocity.y)},
+            .radius = radius,
+            .cells = cells,
+            .local = local,
+            .far_from_edge = is_inner(cells.columns, turns_.inner_columns_) & is_inner(cells.rows, turns_.inner_rows_)};
   }
 
   [[nodiscard]] Turns without_more_blocks(Turns turns) const {
@@ -339,7 +337,7 @@ class TurnsTogether {
     std::size_t end = 0;
     for (std::size_t l = 0; l < rows_.size(); ++l) {
       if (!(turns >> l & 1U)) continue;
-      Block const* const here = &grid.block_at(turning_.column[l], turning_.row[l]);
+      Block const* const here = turning_.block[l];
       Block const* const below = here - stride;
       Block const* const above = here + stride;
       Sight const sight{_mm512_set1_ps(turning_.local_x[l]), _mm512_set1_ps(turning_.local_y[l]),
@@ -361,42 +359,44 @@ class TurnsTogether {
         k += sizeof turn;
       } while (k < end);
       turning_.candidates[l] = static_cast<std::uint32_t>(end - begin);
-      turning_.agents[l] = here->agent.data();
     }
     candidates_.count = end;
   }
 
-  /// Whom the disks meet first, and in which sub-step.
-  GRIDLOCK_AVX512 void find_partners() {
+  /// Whom the disks meet first; returns how many sub-steps each turn has before that.
+  GRIDLOCK_AVX512 __m512i find_partners(Course const& first_eight, Course const& last_eight) {
     Turning& t = turning_;
     auto const substeps = static_cast<std::uint32_t>(view_.substeps);
     t.free_substeps.fill(substeps);
+    __m512i free_substeps = _mm512_set1_epi32(static_cast<int>(substeps));
     // Lanes beyond the last candidate look at somebody too.
-    t.agents[0] = t.block[0]->agent.data();
     _mm512_storeu_si512(&candidates_.where[candidates_.count], _mm512_setzero_si512());
     _mm_storeu_si128(reinterpret_cast<__m128i*>(&candidates_.turn[candidates_.count]), _mm_setzero_si128());
     for (std::size_t first = 0; first < candidates_.count; first += lanes) {
       std::uint8_t const* const turns = &candidates_.turn[first];
       Rows disks;
-      for (std::size_t k = 0; k < lanes; ++k) disks[k] = t.agents[turns[k]][candidates_.where[first + k]];
+      for (std::size_t k = 0; k < lanes; ++k) {
+        disks[k] = t.block[turns[k]]->agent.data()[candidates_.where[first + k]];
+      }
       __m512i const turn = _mm512_cvtepu8_epi64(_mm_loadl_epi64(reinterpret_cast<__m128i const*>(turns)));
-      __m512d x = look_up(t.x, turn);
-      __m512d y = look_up(t.y, turn);
-      __m512d const way_x = look_up(t.way_x, turn);
-      __m512d const way_y = look_up(t.way_y, turn);
+      __m512d x = look_up(first_eight.from.x, turn, last_eight.from.x);
+      __m512d y = look_up(first_eight.from.y, turn, last_eight.from.y);
+      __m512d const way_x = look_up(first_eight.way.x, turn, last_eight.way.x);
+      __m512d const way_y = look_up(first_eight.way.y, turn, last_eight.way.y);
+      __m512d const radius = look_up(first_eight.radius, turn, last_eight.radius);
       Vectors const other = positions_of(view_.disks.data(), disks);
-      __m512d const contact = _mm512_add_pd(look_up(t.radius, turn), radii_of(view_.disks.data(), disks));
+      __m512d const contact = _mm512_add_pd(radius, radii_of(view_.disks.data(), disks));
       __m512d const squared_contact = _mm512_mul_pd(contact, contact);
       std::size_t const left = candidates_.count - first;
-      auto apart = static_cast<__mmask8>(left >= lanes ? 0xff : (1U << left) - 1U);
-      auto const all = apart;
+      auto const all = static_cast<__mmask8>(left >= lanes ? 0xff : (1U << left) - 1U);
+      __mmask8 apart = all;
       __m512i met_in = _mm512_setzero_si512();
       __m512d nearest = _mm512_setzero_pd();
       for (std::uint32_t m = 0; m < substeps; ++m) {
         x = _mm512_add_pd(x, way_x);
         y = _mm512_add_pd(y, way_y);
         __m512d const squared = squared_length(_mm512_sub_pd(other.x, x), _mm512_sub_pd(other.y, y));
-        // As long as they are apart, the present substep is the one in which they may meet.
+        // As long as they are apart, this may be the sub-step in which they meet.
         nearest = _mm512_mask_mov_pd(nearest, apart, squared);
         met_in = _mm512_mask_mov_epi64(met_in, apart, _mm512_set1_epi64(m));
         apart = _mm512_mask_cmp_pd_mask(apart, squared, squared_contact, _CMP_NLT_UQ);
@@ -407,56 +407,46 @@ class TurnsTogether {
       _mm512_store_pd(squared.data(), nearest);
       for (unsigned met = all & ~static_cast<unsigned>(apart); met != 0; met &= met - 1) {
         std::size_t const k = first_of(met);
-        consider(turns[k], disks[k], static_cast<std::uint32_t>(substep[k]), squared[k]);
+        std::size_t const l = turns[k];
+        if (!is_met_before_others(l, disks[k], substep[k], squared[k])) continue;
+        t.free_substeps[l] = static_cast<std::uint32_t>(substep[k]);
+        t.nearest[l] = squared[k];
+        t.partner[l] = disks[k];
+        free_substeps =
+            _mm512_mask_set1_epi32(free_substeps, static_cast<__mmask16>(1U << l), static_cast<int>(substep[k]));
       }
     }
+    return free_substeps;
   }
 
-  /// Like Partner::consider(), for a disk that is first met in this sub-step.
-  void consider(std::size_t l, std::uint32_t disk, std::uint32_t substep, double squared) {
-    Turning& t = turning_;
-    if (substep > t.free_substeps[l]) return;
-    if (substep == t.free_substeps[l]) {
-      if (squared > t.nearest[l]) return;
-      if (squared == t.nearest[l] && view_.disks[disk].rank > view_.disks[t.partner[l]].rank) return;
-    }
-    t.free_substeps[l] = substep;
-    t.nearest[l] = squared;
-    t.partner[l] = disk;
+  /// The choice of Partner::consider(), of disks that are first met in different sub-steps.
+  [[nodiscard]] bool is_met_before_others(std::size_t l, std::uint32_t disk, std::uint64_t substep,
+                                          double squared) const {
+    Turning const& t = turning_;
+    if (substep != t.free_substeps[l]) return substep < t.free_substeps[l];
+    if (squared != t.nearest[l]) return squared < t.nearest[l];
+    return view_.disks[disk].rank < view_.disks[t.partner[l]].rank;
   }
 
-  /// How far eight disks from turn `first` on come.
-  GRIDLOCK_AVX512 Moves go(std::size_t first, Turns together) {
-    Turning& t = turning_;
-    __m512d x = load(&t.x[first]);
-    __m512d y = load(&t.y[first]);
-    __m512d const way_x = load(&t.way_x[first]);
-    __m512d const way_y = load(&t.way_y[first]);
-    __m256i const free_substeps = load(&t.free_substeps[first]);
+  /// Moves eight disks from turn `first` on as far as they come; returns which stay in their cells.
+  GRIDLOCK_AVX512 Turns go(std::size_t first, Course const& course, __m256i free_substeps) {
+    __m512d x = course.from.x;
+    __m512d y = course.from.y;
     auto const substeps = static_cast<int>(view_.substeps);
     for (int m = 0; m < substeps; ++m) {
       __mmask8 const is_free = _mm256_cmpgt_epu32_mask(free_substeps, _mm256_set1_epi32(m));
-      x = _mm512_mask_add_pd(x, is_free, x, way_x);
-      y = _mm512_mask_add_pd(y, is_free, y, way_y);
+      x = _mm512_mask_add_pd(x, is_free, x, course.way.x);
+      y = _mm512_mask_add_pd(y, is_free, y, course.way.y);
     }
     __m512i const low = _mm512_setr_epi64(0, 8, 1, 9, 2, 10, 3, 11);
     __m512i const high = _mm512_setr_epi64(4, 12, 5, 13, 6, 14, 7, 15);
-    _mm512_store_pd(&t.position[first].x, _mm512_permutex2var_pd(x, low, y));
-    _mm512_store_pd(&t.position[first + lanes / 2].x, _mm512_permutex2var_pd(x, high, y));
-    __m512d const column = in_cells(x, turns_.layout_.columns_per_length(), &t.column[first]);
-    __m512d const row = in_cells(y, turns_.layout_.rows_per_length(), &t.row[first]);
-    store_local(&t.local_x[first], column, grid_.local_width());
-    store_local(&t.local_y[first], row, grid_.local_height());
-
-    auto const these = static_cast<__mmask8>(together >> first);
-    Turns const stay = is_from_0_to_1(column) & is_from_0_to_1(row);
-    Turns const blocked = _mm256_mask_cmplt_epu32_mask(these, free_substeps, _mm256_set1_epi32(substeps));
-    __m256i const trials =
-        _mm256_mask_add_epi32(free_substeps, static_cast<__mmask8>(blocked), free_substeps, _mm256_set1_epi32(1));
-    __m256i const checks = _mm256_maskz_mullo_epi32(these, trials, load(&t.candidates[first]));
-    return {.blocked = blocked << first,
-            .leaving = (these & ~stay) << first,
-            .distance_checks = static_cast<std::uint64_t>(_mm512_reduce_add_epi64(_mm512_cvtepu32_epi64(checks)))};
+    _mm512_store_pd(&turning_.position[first].x, _mm512_permutex2var_pd(x, low, y));
+    _mm512_store_pd(&turning_.position[first + lanes / 2].x, _mm512_permutex2var_pd(x, high, y));
+    __m512d const columns = in_cells(x, turns_.layout_.columns_per_length(), course.cells.columns);
+    __m512d const rows = in_cells(y, turns_.layout_.rows_per_length(), course.cells.rows);
+    store_local(&turning_.local_x[first], columns, grid_.local_width());
+    store_local(&turning_.local_y[first], rows, grid_.local_height());
+    return is_from_0_to_1(columns) & is_from_0_to_1(rows);
   }
 
   PackedTurns& turns_;
