@@ -47,10 +47,10 @@ struct alignas(64) Turning {
 struct alignas(64) Candidates {
   /// Written at once, however few there are.
   static constexpr std::size_t slack = 16;
-  std::array<std::int32_t, most * 9 * PackedGrid::slots + slack>
-      where;  ///< agents from those of the disk's own cell on
+  /// Counted from the first agent of the disk's own block.
+  std::array<std::int32_t, most * 9 * PackedGrid::slots + slack> where;
   std::array<std::uint8_t, most * 9 * PackedGrid::slots + slack> turn;
-  std::size_t count;
+  std::size_t count = 0;
 };
 
 /// Bit l stands for turn l.
@@ -124,12 +124,18 @@ struct Cells {
   __m256i rows;
 };
 
-GRIDLOCK_AVX512 inline Cells cells_of(Block* const* blocks) {
+/// Column and row of two cells.
+GRIDLOCK_AVX512 inline __m128d cells_of(Block const& a, Block const& b) {
   static_assert(offsetof(Block, row) == offsetof(Block, column) + sizeof(std::int32_t));
-  auto const at = [&](std::size_t l) { return reinterpret_cast<double const*>(&blocks[l]->column); };
-  __m512i const both = _mm512_castpd_si512(
-      side_by_side(side_by_side(_mm_loadh_pd(_mm_load_sd(at(0)), at(1)), _mm_loadh_pd(_mm_load_sd(at(2)), at(3))),
-                   side_by_side(_mm_loadh_pd(_mm_load_sd(at(4)), at(5)), _mm_loadh_pd(_mm_load_sd(at(6)), at(7)))));
+  __m128i const of_a = _mm_loadl_epi64(reinterpret_cast<__m128i const*>(&a.column));
+  __m128i const of_b = _mm_loadl_epi64(reinterpret_cast<__m128i const*>(&b.column));
+  return _mm_castsi128_pd(_mm_unpacklo_epi64(of_a, of_b));
+}
+
+GRIDLOCK_AVX512 inline Cells cells_of(Block* const* blocks) {
+  __m256d const low = side_by_side(cells_of(*blocks[0], *blocks[1]), cells_of(*blocks[2], *blocks[3]));
+  __m256d const high = side_by_side(cells_of(*blocks[4], *blocks[5]), cells_of(*blocks[6], *blocks[7]));
+  __m512i const both = _mm512_castpd_si512(side_by_side(low, high));
   return {_mm512_cvtepi64_epi32(both), _mm512_cvtepi64_epi32(_mm512_srli_epi64(both, 32))};
 }
 
@@ -171,19 +177,18 @@ GRIDLOCK_AVX512 inline __m512d look_up(__m512d of_first, __m512i turn, __m512d o
   return _mm512_permutex2var_pd(of_first, turn, of_last);
 }
 
-/// Four blocks around a cell, numbered by what is to be added to the first of its Ids, and what is to be added to a point
-/// seen from the cell to see it from them.
+/// Four blocks around a cell.
 struct FourBlocks {
-  __m512 shift_x;
+  __m512 shift_x;  ///< what is to be added to a point seen from the cell to see it from a block
   __m512 shift_y;
-  __m512i where;
+  __m512i where;  ///< of their agents, counted from the first agent of the cell's own block
 };
 
 GRIDLOCK_AVX512 inline __m512i where_blocks_are(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
-  constexpr std::int32_t ids = sizeof(Block) / sizeof(std::uint32_t);
+  constexpr std::int32_t numbers_in_block = sizeof(Block) / sizeof(std::uint32_t);
   __m512i const blocks = _mm512_setr_epi32(a, a, a, a, b, b, b, b, c, c, c, c, d, d, d, d);
   __m512i const slots = _mm512_setr_epi32(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
-  return _mm512_add_epi32(_mm512_mullo_epi32(blocks, _mm512_set1_epi32(ids)), slots);
+  return _mm512_add_epi32(_mm512_mullo_epi32(blocks, _mm512_set1_epi32(numbers_in_block)), slots);
 }
 
 /// A point seen from its cell, and the squared distance within which others are looked for.
