@@ -32,6 +32,17 @@ GRIDLOCK_AVX512 inline __m512d nearest_image(__m512d d, double side) {
   return _mm512_mask_add_pd(d, below, d, whole);
 }
 
+/// Four times four numbers in one register; each four aligned to 16 bytes.
+GRIDLOCK_AVX512 inline __m512 fours_side_by_side(float const* a, float const* b, float const* c, float const* d) {
+  __m256 const low = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(a)), _mm_load_ps(b), 1);
+  __m256 const high = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(c)), _mm_load_ps(d), 1);
+  return _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+}
+
+GRIDLOCK_AVX512 inline __m512 each_four_times(float a, float b, float c, float d) {
+  return _mm512_setr_ps(a, a, a, a, b, b, b, b, c, c, c, c, d, d, d, d);
+}
+
 }  // namespace gridlock
 
 #endif

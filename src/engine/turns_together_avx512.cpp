@@ -62,16 +62,6 @@ GRIDLOCK_AVX512 inline __m512d side_by_side(__m256d low, __m256d high) {
 GRIDLOCK_AVX512 inline __m256d side_by_side(__m128d low, __m128d high) {
   return _mm256_insertf128_pd(_mm256_castpd128_pd256(low), high, 1);
 }
-GRIDLOCK_AVX512 inline __m512 side_by_side(float const* a, float const* b, float const* c, float const* d) {
-  __m512 v = _mm512_broadcast_f32x4(_mm_load_ps(a));
-  v = _mm512_mask_broadcast_f32x4(v, 0x00f0, _mm_load_ps(b));
-  v = _mm512_mask_broadcast_f32x4(v, 0x0f00, _mm_load_ps(c));
-  return _mm512_mask_broadcast_f32x4(v, 0xf000, _mm_load_ps(d));
-}
-GRIDLOCK_AVX512 inline __m512 each_four_times(float a, float b, float c, float d) {
-  return _mm512_setr_ps(a, a, a, a, b, b, b, b, c, c, c, c, d, d, d, d);
-}
-
 using Rows = std::array<std::uint32_t, lanes>;
 
 struct Vectors {
@@ -200,8 +190,8 @@ struct Sight {
 
 GRIDLOCK_AVX512 inline __mmask16 near_slots(Sight const& sight, FourBlocks const& four, Block const& a, Block const& b,
                                             Block const& c, Block const& d) {
-  __m512 const x = side_by_side(a.x.data(), b.x.data(), c.x.data(), d.x.data());
-  __m512 const y = side_by_side(a.y.data(), b.y.data(), c.y.data(), d.y.data());
+  __m512 const x = fours_side_by_side(a.x.data(), b.x.data(), c.x.data(), d.x.data());
+  __m512 const y = fours_side_by_side(a.y.data(), b.y.data(), c.y.data(), d.y.data());
   __m512 const dx = _mm512_sub_ps(x, _mm512_add_ps(sight.x, four.shift_x));
   __m512 const dy = _mm512_sub_ps(y, _mm512_add_ps(sight.y, four.shift_y));
   return _mm512_cmp_ps_mask(_mm512_add_ps(_mm512_mul_ps(dx, dx), _mm512_mul_ps(dy, dy)), sight.limit, _CMP_LE_OQ);

@@ -23,12 +23,6 @@ struct FourBlocks {
   __m512 shift_y;
 };
 
-GRIDLOCK_AVX512 inline __m512 side_by_side(float const* a, float const* b, float const* c, float const* d) {
-  __m256 const low = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(a)), _mm_load_ps(b), 1);
-  __m256 const high = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(c)), _mm_load_ps(d), 1);
-  return _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
-}
-
 GRIDLOCK_AVX512 inline __m512i side_by_side(std::uint32_t const* a, std::uint32_t const* b, std::uint32_t const* c,
                                             std::uint32_t const* d) {
   auto const at = [](std::uint32_t const* first) { return reinterpret_cast<__m128i const*>(first); };
@@ -37,13 +31,9 @@ GRIDLOCK_AVX512 inline __m512i side_by_side(std::uint32_t const* a, std::uint32_
   return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
 }
 
-GRIDLOCK_AVX512 inline __m512 each_four_times(float a, float b, float c, float d) {
-  return _mm512_setr_ps(a, a, a, a, b, b, b, b, c, c, c, c, d, d, d, d);
-}
-
 GRIDLOCK_AVX512 inline void load(FourBlocks& four, Block const& a, Block const& b, Block const& c, Block const& d) {
-  four.x = side_by_side(a.x.data(), b.x.data(), c.x.data(), d.x.data());
-  four.y = side_by_side(a.y.data(), b.y.data(), c.y.data(), d.y.data());
+  four.x = fours_side_by_side(a.x.data(), b.x.data(), c.x.data(), d.x.data());
+  four.y = fours_side_by_side(a.y.data(), b.y.data(), c.y.data(), d.y.data());
   four.agent = side_by_side(a.agent.data(), b.agent.data(), c.agent.data(), d.agent.data());
 }
 
