@@ -18,8 +18,10 @@ namespace {
 
 constexpr std::size_t most_problems = 10;
 
+/// Whether a name stands without quotes in the first line and is read back as it is: the reader drops spaces at its ends.
 bool is_usable_name(std::string_view name) {
-  return !name.empty() && name.find_first_of(",\"\r\n#") == std::string_view::npos;
+  return !name.empty() && name.front() != ' ' && name.back() != ' ' &&
+         name.find_first_of(",\"\r\n#") == std::string_view::npos;
 }
 
 std::size_t size_of(CellColumn const& column) {
@@ -142,8 +144,8 @@ class CsvReader {
       if (entry.text.empty()) {
         report("a column has no name", "the first line has to name every column", entry.column);
       } else if (!is_usable_name(entry.text)) {
-        report(fmt::format("{} cannot name a column", in_quotes(entry.text)), "names hold no comma, quote or #",
-               entry.column);
+        report(fmt::format("{} cannot name a column", in_quotes(entry.text)),
+               "names hold no comma, quote or #, and no space at their ends", entry.column);
       } else if (std::ranges::find(names_, entry.text) != names_.end()) {
         report(fmt::format("two columns are named {}", in_quotes(entry.text)), "rename one of them", entry.column);
       }

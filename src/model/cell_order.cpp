@@ -89,10 +89,11 @@ void CellOrder::sort(CellLayout const& layout, std::span<double const> x, std::s
     std::uint32_t last_cell = static_cast<std::uint32_t>(cells);
     for (std::size_t k = first_[first_cell(part)]; k < first_[first_cell(part + 1)]; ++k) {
       std::uint32_t const row = rows_[k];
-      bool const is_in_order = (cell_[row] != last_cell) | (ids[row] > last_id);
+      // Both sides are always worked out: a branch on the first alone would often be guessed wrongly.
+      int const is_in_order = int{cell_[row] != last_cell} | int{ids[row] > last_id};
       last_id = ids[row];
       last_cell = cell_[row];
-      if (is_in_order) continue;
+      if (is_in_order != 0) continue;
       std::size_t const end = first_[last_cell + 1];
       sort_by_id(std::span(rows_).subspan(first_[last_cell], end - first_[last_cell]), ids);
       k = end - 1;

@@ -115,6 +115,9 @@ TEST(Table, RefusesAnEmptyFileAndNamesThatDoNotName) {
   EXPECT_EQ(problems_of("a,b,a\n1,2,3\n").at(0).what, "two columns are named \"a\"");
   EXPECT_EQ(problems_of("a,\"b,c\"\n1,2\n").at(0).what, "\"b,c\" cannot name a column");
   EXPECT_EQ(problems_of("a,,b\n1,2,3\n").at(0).what, "a column has no name");
+  // Only quotes keep the spaces at the ends of a name, and names are written without quotes.
+  EXPECT_EQ(problems_of("a,\" b\"\n1,2\n").at(0).what, "\" b\" cannot name a column");
+  EXPECT_EQ(problems_of("a,\"b \"\n1,2\n").at(0).what, "\"b \" cannot name a column");
 }
 
 TEST(Table, ReportsTenProblemsAtMost) {
