@@ -7,53 +7,22 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "disks.hpp"
 #include "engine/stepped.hpp"
-#include "gridlock/engine/engine.hpp"
-#include "gridlock/lattice/start.hpp"
 #include "measure.hpp"
 
 namespace gridlock::benchmark {
 namespace {
-
-State gas(std::size_t n, double packing_fraction) {
-  State state = make_start(Box(1.0, 1.0, Edge::wall), {.count = n, .packing_fraction = packing_fraction}, 1);
-  draw_velocities(state, {});
-  return state;
-}
-
-Contestant contestant(std::string name, State const& start, EngineSettings const& settings, std::uint64_t steps,
-                      double (*clock)() = processor_seconds) {
-  struct Run {
-    State state;
-    std::unique_ptr<Engine> engine;
-    Tally tally;
-  };
-  auto const run = std::make_shared<Run>(Run{start, make_engine(settings, start), {}});
-  return {.name = std::move(name),
-          .items = static_cast<double>(start.disks.size() * steps),
-          .run = [=] { run->engine->advance(run->state, run->tally, {.step = run->state.clock.step + steps}); },
-          .result = [=] { return hash(run->state); },
-          .clock = clock};
-}
 
 EngineSettings linked(std::optional<std::uint64_t> cells) {
   return {.kind = "stepped", .cells = cells, .grid = GridKind::linked};
 }
 
 EngineSettings tiled(std::uint64_t threads) { return {.kind = "tiled", .threads = threads}; }
-
-/// A system that has left its lattice; the largest ones are on their way, which makes no difference to the cost.
-State mixed(std::size_t n, double packing_fraction) {
-  State start = gas(n, packing_fraction);
-  Tally tally;
-  make_engine(tiled(0), start)->advance(start, tally, {.step = n > 5'000'000 ? 40U : 200U});
-  return start;
-}
 
 void race_at(std::size_t n, double packing_fraction) {
   State const start = mixed(n, packing_fraction);
