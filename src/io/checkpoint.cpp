@@ -92,7 +92,45 @@ class SavingArchive final : public NamedArchive {
 
 using Member = std::variant<bool, std::uint64_t, std::string, Bytes>;
 
-/// Reads a flat map and refuses anything deeper at its first byte, so that no file can exhaust the stack.
+/// Whether the bytes begin with one flat map as it is written here: names, numbers, truths, strings and bytes of known
+/// lengths (RFC 8949). Anything deeper, pieces of strings inside pieces too, is followed by the library call by call, and
+/// would exhaust the stack. Cost: one look at each member.
+bool is_flat_map(std::string_view cbor) {
+  enum Kind : unsigned { whole_number = 0, bytes = 2, text = 3, map = 5, simple = 7 };
+  struct Head {
+    unsigned kind;
+    std::uint64_t argument;
+  };
+  std::size_t at = 0;
+  auto const take_head = [&]() -> std::optional<Head> {
+    if (at == cbor.size()) return std::nullopt;
+    unsigned const first = static_cast<unsigned char>(cbor[at++]);
+    unsigned const info = first & 31U;
+    if (info < 24) return Head{first >> 5, info};
+    if (info > 27) return std::nullopt;
+    std::size_t const length = std::size_t{1} << (info - 24);
+    if (cbor.size() - at < length) return std::nullopt;
+    std::uint64_t argument = 0;
+    for (std::size_t k = 0; k < length; ++k) argument = argument << 8 | static_cast<unsigned char>(cbor[at++]);
+    return Head{first >> 5, argument};
+  };
+  auto const skip_item = [&] {
+    auto const head = take_head();
+    if (!head) return false;
+    if (head->kind == whole_number || head->kind == simple) return true;
+    if ((head->kind != bytes && head->kind != text) || cbor.size() - at < head->argument) return false;
+    at += head->argument;
+    return true;
+  };
+  auto const outer = take_head();
+  if (!outer || outer->kind != map) return false;
+  for (std::uint64_t n = 0; n < outer->argument; ++n) {
+    if (!skip_item() || !skip_item()) return false;
+  }
+  return true;
+}
+
+/// Reads a flat map of members.
 class MemberReader final : public nlohmann::json_sax<Json> {
  public:
   std::map<std::string, Member> members;
@@ -206,7 +244,7 @@ std::string to_checkpoint(CarryAll const& carry) {
 void from_checkpoint(std::string_view bytes, std::string const& name, CarryAll const& carry) {
   std::string_view const payload = payload_of(bytes, name);
   MemberReader reader;
-  if (!Json::sax_parse(payload.begin(), payload.end(), &reader, Json::input_format_t::cbor)) {
+  if (!is_flat_map(payload) || !Json::sax_parse(payload.begin(), payload.end(), &reader, Json::input_format_t::cbor)) {
     refuse(name, "its content cannot be read", "it was written by another version");
   }
   RestoringArchive archive(std::move(reader.members));
