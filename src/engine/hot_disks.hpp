@@ -1,28 +1,18 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <span>
 #include <vector>
 
 #include "engine/turn.hpp"
 #include "gridlock/core/large_array.hpp"
+#include "gridlock/core/rows_in_order.hpp"
 #include "gridlock/core/state.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/neighbour_grid.hpp"
 
 namespace gridlock {
-
-/// Rows in the order of their Ids, the order in which disks take their turns in `stepped`.
-inline std::vector<std::uint32_t> rows_by_id(Disks const& disks) {
-  std::vector<std::uint32_t> rows(disks.size());
-  std::iota(rows.begin(), rows.end(), std::uint32_t{0});
-  auto const ids = disks.ids();
-  if (!std::ranges::is_sorted(ids)) std::ranges::sort(rows, {}, [&](std::uint32_t row) { return ids[row]; });
-  return rows;
-}
 
 /// The disks of a state side by side, in an order of the engine's own, while they take their turns.
 class HotDisks {
@@ -30,7 +20,7 @@ class HotDisks {
   /// `order[k]` is the row of the state that comes to row k.
   HotDisks(State const& state, std::span<std::uint32_t const> order) : disks_(order.size()) {
     Disks const& from = state.disks;
-    std::vector<std::uint32_t> const by_id = rows_by_id(from);
+    std::vector<std::uint32_t> const by_id = rows_in_order(from.ids());
     std::vector<std::uint32_t> rank(by_id.size());
     for (std::uint32_t n = 0; n < by_id.size(); ++n) rank[by_id[n]] = n;
     for (std::size_t k = 0; k < order.size(); ++k) {

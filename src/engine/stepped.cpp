@@ -135,7 +135,7 @@ void SteppedEngine::take_turns(State& state, HotDisks& disks, Tally& tally, Hori
 }
 
 void SteppedEngine::advance_on_lists(State& state, Tally& tally, Horizon const& horizon) const {
-  HotDisks disks(state, rows_by_id(state.disks));
+  HotDisks disks(state, rows_in_order(state.disks.ids()));
   TurnView const view = disks.view(state.box, settings_, duration_);
   auto grid = grid_of<LinkedGrid>(layout_, disks);
   Reach const reach(state.box, radius_range(state.disks).largest, duration_, settings_.substeps);
@@ -152,7 +152,7 @@ void SteppedEngine::advance_on_lists(State& state, Tally& tally, Horizon const& 
 }
 
 void SteppedEngine::advance_packed(State& state, Tally& tally, Horizon const& horizon) const {
-  HotDisks disks(state, rows_by_id(state.disks));
+  HotDisks disks(state, rows_in_order(state.disks.ids()));
   TurnView const view = disks.view(state.box, settings_, duration_);
   auto grid = grid_of<PackedGrid>(layout_, disks);
   PackedTurns turns(view, grid, radius_range(state.disks), duration_);

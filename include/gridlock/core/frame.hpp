@@ -12,6 +12,7 @@
 
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/population.hpp"
+#include "gridlock/core/rows_in_order.hpp"
 #include "gridlock/core/state.hpp"
 
 namespace gridlock {
@@ -45,20 +46,17 @@ struct Frame {
   friend bool operator==(Frame const&, Frame const&) = default;
 };
 
-/// The rows of `ids` in the order of the Ids; equal Ids in the order of their rows. Cost: O(rows), about 20 ns each.
-std::vector<std::size_t> rows_in_order(std::span<Id const> ids);
-
 /// A population as a frame, every column of it. Cost: a sort of the Ids unless they are in order, and a copy.
 template <class... Columns>
 Frame frame_of(Box const& box, Clock const& clock, std::uint64_t seed, Population<Columns...> const& population) {
   Frame frame{.box = box, .clock = clock, .seed = seed, .ids = {}, .columns = {}};
-  std::vector<std::size_t> const rows = rows_in_order(population.ids());
+  std::vector<std::uint32_t> const rows = rows_in_order(population.ids());
   frame.ids.reserve(rows.size());
-  for (std::size_t const row : rows) frame.ids.push_back(population.ids()[row]);
+  for (std::uint32_t const row : rows) frame.ids.push_back(population.ids()[row]);
   auto const add = [&](char const* name, auto const& values) {
     std::vector<std::remove_cvref_t<decltype(values[0])>> ordered;
     ordered.reserve(rows.size());
-    for (std::size_t const row : rows) ordered.push_back(values[row]);
+    for (std::uint32_t const row : rows) ordered.push_back(values[row]);
     frame.columns.push_back({name, std::move(ordered)});
   };
   (add(Columns::name, population.template column<Columns>()), ...);

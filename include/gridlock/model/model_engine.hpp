@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "gridlock/core/frame.hpp"
+#include "gridlock/core/rows_in_order.hpp"
 #include "gridlock/core/thread_team.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/tiling.hpp"
@@ -119,7 +119,7 @@ class ModelEngine {
       if (knows_world && layout_ == before) return;
       grid_ = PackedGrid(layout_, world.agents.template column<X>(), world.agents.template column<Y>());
     } else {
-      std::vector<std::size_t> const rows = rows_in_order(world.agents.ids());
+      std::vector<std::uint32_t> const rows = rows_in_order(world.agents.ids());
       auto const x = world.agents.template column<X>();
       auto const y = world.agents.template column<Y>();
       grid_ = PackedGrid(layout_);

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <limits>
 
 #include "engine/exact/saved_disks.hpp"
+#include "gridlock/core/rows_in_order.hpp"
 
 namespace gridlock::exact {
 
@@ -20,14 +21,6 @@ constexpr std::size_t largest_cached = std::size_t{1} << 20;
 
 bool are_all_equal(std::span<double const> values) {
   return std::ranges::all_of(values, [&](double value) { return value == values.front(); });
-}
-
-/// Rows of the state in the order of their Ids.
-std::vector<std::uint32_t> rows_by_id(Disks const& disks) {
-  std::vector<std::uint32_t> rows(disks.size());
-  std::iota(rows.begin(), rows.end(), 0U);
-  std::ranges::sort(rows, {}, [ids = disks.ids()](std::uint32_t row) { return ids[row]; });
-  return rows;
 }
 
 /// The largest power of two not above a positive number.
@@ -75,7 +68,7 @@ Dynamics::Dynamics(State const& state) : box_(state.box), size_(state.disks.size
 
 void Dynamics::read_disks(State const& state) {
   Disks const& disks = state.disks;
-  std::vector<std::uint32_t> rows = rows_by_id(disks);
+  std::vector<std::uint32_t> rows = rows_in_order(disks.ids());
   auto const radius = disks.column<Radius>();
   auto const mass = disks.column<Mass>();
   if (size_ > 0) {

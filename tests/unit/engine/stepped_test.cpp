@@ -350,7 +350,7 @@ TEST(Scatter, ReversesTheNormalPartOfTheRelativeVelocityAndKeepsTheRest) {
     Vector const p = momentum(state.disks);
     double const energy = kinetic_energy(state.disks);
     Tally tally;
-    HotDisks disks(state, rows_by_id(state.disks));
+    HotDisks disks(state, rows_in_order(state.disks.ids()));
     scatter(disks.view(state.box, {}, 0.1), 0, 1, tally);
     disks.write_back(state);
     Vector const after = velocity(state.disks, 0) - velocity(state.disks, 1);

@@ -1,4 +1,4 @@
-#include "gridlock/core/frame.hpp"
+#include "gridlock/core/rows_in_order.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,10 +11,10 @@
 namespace gridlock {
 namespace {
 
-std::vector<std::size_t> sorted_by_the_library(std::vector<Id> const& ids) {
-  std::vector<std::size_t> rows(ids.size());
-  std::iota(rows.begin(), rows.end(), std::size_t{0});
-  std::ranges::stable_sort(rows, {}, [&](std::size_t row) { return ids[row]; });
+std::vector<std::uint32_t> sorted_by_the_library(std::vector<Id> const& ids) {
+  std::vector<std::uint32_t> rows(ids.size());
+  std::iota(rows.begin(), rows.end(), 0U);
+  std::ranges::stable_sort(rows, {}, [&](std::uint32_t row) { return ids[row]; });
   return rows;
 }
 
