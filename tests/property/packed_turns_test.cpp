@@ -108,7 +108,7 @@ struct Hot {
   Hot(State const& state, EngineSettings const& settings, CellLayout const& layout)
       : box(state.box),
         duration(step_duration(settings, state)),
-        disks(state, rows_by_id(state.disks)),
+        disks(state, rows_in_order(state.disks.ids())),
         view(disks.view(box, settings, duration)),
         grid(grid_of<PackedGrid>(layout, disks)),
         turns(view, grid, radius_range(state.disks), duration) {}
