@@ -1,4 +1,5 @@
-// How many bytes a disk takes: the state alone, and the most that was in use while `tiled` took steps.
+// How many bytes a disk takes: the state alone, and the most that was in use while `tiled` took steps. The result is the
+// hash of the state.
 // gridlock_bench_memory N PHI STEPS runs one size.
 
 #include <cstdint>
@@ -19,7 +20,9 @@ void weigh(std::size_t n, double packing_fraction, std::uint64_t steps) {
   double const at_start = peak_bytes();
   Tally tally;
   make_engine({.kind = "tiled", .threads = 1}, state)->advance(state, tally, {.step = steps});
-  std::printf("memory,%zu,%.2g,%.1f,%.1f\n", n, packing_fraction, per_disk(at_start), per_disk(peak_bytes()));
+  double const at_most = peak_bytes();
+  std::printf("memory,%zu,%.2g,%.1f,%.1f,%016llx\n", n, packing_fraction, per_disk(at_start), per_disk(at_most),
+              static_cast<unsigned long long>(hash(state)));
   std::fflush(stdout);
 }
 
@@ -27,7 +30,7 @@ void weigh(std::size_t n, double packing_fraction, std::uint64_t steps) {
 }  // namespace gridlock::benchmark
 
 int main(int argc, char** argv) {
-  std::printf("benchmark,n,packing_fraction,bytes_per_disk_after_start,bytes_per_disk_at_most\n");
+  std::printf("benchmark,n,packing_fraction,bytes_per_disk_after_start,bytes_per_disk_at_most,result\n");
   if (argc > 3) {
     gridlock::benchmark::weigh(std::strtoull(argv[1], nullptr, 10), std::strtod(argv[2], nullptr),
                                std::strtoull(argv[3], nullptr, 10));

@@ -30,13 +30,11 @@ void race_at(std::size_t n, double packing_fraction) {
   bool const is_huge = n > 5'000'000;
   // Enough steps for `tiled` to pay for its sort of the disks as often as in a long run.
   std::uint64_t const steps = std::max<std::uint64_t>(100, 400'000 / n);
-  std::uint64_t const few = is_large ? 4 : steps;
+  std::uint64_t const few = is_huge ? 1 : is_large ? 4 : steps;
   std::vector<Contestant> contestants;
   if (n < 2000) contestants.push_back(contestant("lists k=10", start, linked(10), steps));
-  if (!is_huge) {
-    contestants.push_back(contestant("lists finest k", start, linked({}), few));
-    contestants.push_back(contestant("stepped", start, {.kind = "stepped"}, few));
-  }
+  contestants.push_back(contestant("lists finest k", start, linked({}), few));
+  if (!is_huge) contestants.push_back(contestant("stepped", start, {.kind = "stepped"}, few));
   contestants.push_back(contestant("tiled 1 thread", start, tiled(1), steps));
   if (!is_huge) {
     contestants.push_back(contestant("tiled 1 thread (wall)", start, tiled(1), steps, wall_seconds));
@@ -88,7 +86,7 @@ int main(int argc, char** argv) {
     return 0;
   }
   for (double const packing_fraction : {0.3, 0.5, 0.7}) {
-    for (std::size_t const n : {841U, 10'000U, 100'000U, 1'000'000U}) race_at(n, packing_fraction);
+    for (std::size_t const n : {841U, 10'000U, 100'000U, 1'000'000U, 10'000'000U}) race_at(n, packing_fraction);
   }
   for (std::size_t const n : {100U, 841U, 10'000U, 100'000U, 1'000'000U, 10'000'000U}) race_over_k(n, 0.7);
 }

@@ -28,6 +28,7 @@ char const* to_text(Ending ending) {
 Run::Run(Experiment& experiment, RunPlan const& plan)
     : experiment_(experiment),
       plan_(plan),
+      pace_(plan.seconds_per_look),
       first_(experiment.clock()),
       columns_{{"step", "", "Whole time steps since the clock was started."}, {"time", "time", "Physical time."}} {
   std::ranges::move(experiment_.columns(), std::back_inserter(columns_));
@@ -66,7 +67,7 @@ bool Run::advance_one_chunk(OnProgress const& on_progress, Interlude const& inte
   Horizon stop = next_stop();
   // Engines need not get through the exceptions of others.
   stop.goes_on = [&]() noexcept {
-    if (steps_done() - last_look < plan_.steps_per_look) return true;
+    if (!pace_.is_due()) return true;
     last_look = steps_done();
     try {
       is_stopped = !report(on_progress);
@@ -109,10 +110,13 @@ double Run::fraction_done() const {
 /// samples do not depend on interruptions.
 void Run::stop_here() {
   if (last_stop_ == experiment_.clock()) return;
+  // Some engines can be stopped between two steps, after which the step they are in is not due again.
+  bool const is_new_step = !last_stop_ || last_stop_->step != experiment_.clock().step;
   bool const is_first = !last_stop_;
   last_stop_ = experiment_.clock();
-  bool const is_sample_due = is_first || steps_done() % plan_.sample_every == 0 || is_at_horizon();
+  bool const is_sample_due = is_first || (is_new_step && steps_done() % plan_.sample_every == 0) || is_at_horizon();
   if (is_sample_due) sample();
+  if (!is_new_step) return;
   std::span<double const> row = last_row_;
   row = is_sample_due ? row.subspan(2) : row.first(0);
   for (Onlooker* onlooker : onlookers_) {

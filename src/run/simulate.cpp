@@ -10,28 +10,8 @@ namespace gridlock {
 
 namespace {
 
-/// Cells and disks looked at between two looks at the clock and at Ctrl-C: a few tenths of a second.
-constexpr double looks_of_engine = 1e8;
-
 /// A step of 10⁶ agents takes a tenth of a second, one of a few a microsecond.
 constexpr std::uint64_t model_steps_per_chunk = 8;
-
-/// Steps between two looks at the clock.
-std::uint64_t steps_per_look(EngineSettings const& settings, State const& state) {
-  double const disks = std::max(1.0, static_cast<double>(state.disks.size()));
-  // A grid chosen from the sizes has a block of 3×3 cells with about one disk in each.
-  double cells = 9.0;
-  double candidates = 9.0;
-  if (settings.cells) {
-    double const k = static_cast<double>(*settings.cells);
-    double const reach = 2.0 * radius_range(state.disks).largest / std::min(state.box.width(), state.box.height());
-    double const block = std::min(k, 3.0 + 2.0 * k * reach);
-    cells = block * block;
-    candidates = disks * cells / (k * k);
-  }
-  double const looks = disks * static_cast<double>(settings.substeps) * (10.0 + cells + candidates);
-  return static_cast<std::uint64_t>(std::max(1.0, looks_of_engine / looks));
-}
 
 }  // namespace
 
@@ -101,12 +81,7 @@ RunPlan plan_of(Setup const& setup) {
   RunPlan plan{.horizon = horizon_of(setup),
                .sample_every = configuration.observe.every,
                .discard = configuration.observe.discard};
-  if (configuration.is_of_model()) {
-    plan.steps_per_look = model_steps_per_chunk;
-    plan.steps_per_chunk = model_steps_per_chunk;
-  } else {
-    plan.steps_per_look = steps_per_look(configuration.engine, setup.state);
-  }
+  if (configuration.is_of_model()) plan.steps_per_chunk = model_steps_per_chunk;
   return plan;
 }
 

@@ -12,6 +12,7 @@
 
 #include "gridlock/io/table.hpp"
 #include "gridlock/run/experiment.hpp"
+#include "gridlock/run/pace.hpp"
 
 namespace gridlock {
 
@@ -63,9 +64,9 @@ struct RunPlan {
   Horizon horizon;
   std::uint64_t sample_every = 100;  ///< steps between samples
   double discard = 0.0;              ///< share of the run left out of averages
-  /// Between two reports, that many or hardly more; only how often something is reported depends on it.
-  std::uint64_t steps_per_look = 1;
-  /// The most an experiment is told to do at once: no more than steps_per_look where it does not ask goes_on().
+  /// Between two reports within a chunk, or one step if that takes longer; 0: a report after every step.
+  double seconds_per_look = 0.1;
+  /// The most steps an experiment is told to take at once: few where it does not ask goes_on().
   std::uint64_t steps_per_chunk = std::numeric_limits<std::uint64_t>::max();
 };
 
@@ -126,6 +127,7 @@ class Run {
 
   Experiment& experiment_;
   RunPlan plan_;
+  Pace pace_;
   Clock first_;
   std::optional<Clock> last_stop_;  ///< where it was sampled and looked at, if that was due
   std::vector<double> last_row_;
