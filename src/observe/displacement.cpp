@@ -5,8 +5,11 @@
 namespace gridlock {
 
 std::vector<ColumnInfo> Displacement::columns() const {
-  return {{"mean_displacement", "sides of the box", "Mean distance of the disks from where they started."},
-          {"mean_squared_displacement", "length²", "Mean squared distance of the disks from where they started."}};
+  return {
+      {"mean_displacement", "sides of the box", "Mean distance of the disks from where they started."},
+      {"mean_squared_displacement", "length²", "Mean squared distance of the disks from where they started."},
+      {"centre_displacement", "sides of the box",
+       "Distance of the centre of the disks from where it started; no physics in a periodic box under a time step."}};
 }
 
 void Displacement::begin(Moment const& start) {
@@ -19,6 +22,7 @@ void Displacement::begin(Moment const& start) {
   }
   length_ = {};
   squared_length_ = {};
+  centre_ = {};
 }
 
 void Displacement::sample(Moment const& now, std::span<double> row, bool) {
@@ -31,6 +35,8 @@ void Displacement::sample(Moment const& now, std::span<double> row, bool) {
   auto const image_y = disks.column<ImageY>();
   length_ = {};
   squared_length_ = {};
+  Vector sum{};
+  double count = 0.0;
   for (std::size_t i = 0; i < disks.size(); ++i) {
     std::size_t const place = rows_.place_of(ids[i], i);
     if (place == RowsById::not_found) continue;
@@ -42,25 +48,33 @@ void Displacement::sample(Moment const& now, std::span<double> row, bool) {
     std::size_t const block = rows_.block_of(place, disk_blocks);
     length_[block].add({std::sqrt(squared) / box.side(), 1.0});
     squared_length_[block].add({squared, 1.0});
+    sum = sum + moved;
+    count += 1.0;
   }
+  centre_ = {};
+  if (count > 0.0) centre_.add({std::sqrt(squared_length(sum)) / box.side(), count});
   auto const length = estimate_from(length_);
   auto const squared_length = estimate_from(squared_length_);
   row[0] = length ? length->value : no_value;
   row[1] = squared_length ? squared_length->value : no_value;
+  row[2] = count > 0.0 ? centre_.sum / centre_.weight : no_value;
 }
 
 std::vector<NamedEstimate> Displacement::results() const {
   std::vector<NamedEstimate> results;
   std::vector<ColumnInfo> const infos = columns();
   if (auto const estimate = estimate_from(length_)) results.push_back({infos[0].name, *estimate, infos[0].unit});
-  if (auto const estimate = estimate_from(squared_length_))
+  if (auto const estimate = estimate_from(squared_length_)) {
     results.push_back({infos[1].name, *estimate, infos[1].unit});
+  }
+  if (auto const estimate = estimate_from({&centre_, 1})) results.push_back({infos[2].name, *estimate, infos[2].unit});
   return results;
 }
 
 void Displacement::carry(Archive& archive) {
   gridlock::carry(archive, "length", length_);
   gridlock::carry(archive, "squared_length", squared_length_);
+  gridlock::carry(archive, "centre", std::span(&centre_, 1));
 }
 
 }  // namespace gridlock

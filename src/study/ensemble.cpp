@@ -16,6 +16,7 @@ StudyRun run_of(Study const& study, Ensemble const& ensemble, std::uint64_t numb
   StudyRun run{.sites = ensemble.sites};
   run.configuration.disks = {
       .count = study.extent().disks, .packing_fraction = ensemble.packing_fraction, .start = ensemble.start};
+  run.configuration.box.edge = ensemble.edge;
   run.configuration.engine.kind = ensemble.engine.kind;
   // The cores are busy with other runs.
   run.configuration.engine.threads = 1;
@@ -62,6 +63,8 @@ std::vector<Ensemble> paper_ensembles(PaperExtent const& extent) {
   }
   return ensembles;
 }
+
+char const* name_of(Edge edge) { return edge == Edge::wall ? "wall" : "periodic"; }
 
 Ensemble sampled_evenly(Ensemble ensemble, double diameters, std::uint64_t samples) {
   double const steps_between = diameters / ensemble.time_step / static_cast<double>(samples);

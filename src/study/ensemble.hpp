@@ -14,6 +14,7 @@ namespace gridlock {
 struct Ensemble {
   PaperEngine engine;
   StartKind start = StartKind::square;
+  Edge edge = Edge::wall;
   double packing_fraction = 0.0;
   Sites sites = Sites::fitted;
   double time_step = 0.1;  ///< diameters per v_max
@@ -33,6 +34,7 @@ std::vector<Ensemble> paper_ensembles(PaperExtent const& extent);
 Ensemble sampled_evenly(Ensemble ensemble, double diameters, std::uint64_t samples);
 
 char const* name_of(StartKind start);
+char const* name_of(Edge edge);
 
 void plan(Study& study, Ensemble const& ensemble);
 

@@ -10,6 +10,7 @@
 #include "study/crossing.hpp"
 #include "study/figures.hpp"
 #include "study/mean_distance.hpp"
+#include "study/physics_or_step.hpp"
 #include "study/seed_statistics.hpp"
 
 namespace gridlock {
@@ -245,22 +246,6 @@ Crossing crossing_at(Study const& study, PaperEngine const& engine, StartKind st
   return find_crossing(points, jamming_level);
 }
 
-std::string crossing_text(Crossing const& crossing) {
-  switch (crossing.kind) {
-    case CrossingKind::crossed:
-      return fmt::format("{} (between {} and {}{})", to_text(Estimate{crossing.x, crossing.error()}),
-                         crossing.last_above, crossing.first_below,
-                         crossing.comes_back ? "; a denser point lies above it again" : "");
-    case CrossingKind::stays_above:
-      return "no crossing: above 10 % everywhere";
-    case CrossingKind::starts_below:
-      return "no crossing: below 10 % from the lowest density on";
-    case CrossingKind::no_points:
-      break;
-  }
-  return "not measured";
-}
-
 constexpr std::array shares_of_run{0.1, 0.3, 1.0};
 
 PageTable crossing_table(Study const& study) {
@@ -464,8 +449,28 @@ Chapter figure_7(Study& study) {
   return chapter;
 }
 
-std::string crossing_text(Study const& study, PaperEngine const& engine, StartKind start) {
-  return crossing_text(crossing_at(study, engine, start, 1.0));
+Crossing early_crossing(Study const& study, PaperEngine const& engine, StartKind start) {
+  return crossing_at(study, engine, start, shares_of_run.front());
+}
+
+Crossing late_crossing(Study const& study, PaperEngine const& engine, StartKind start) {
+  return crossing_at(study, engine, start, shares_of_run.back());
+}
+
+std::string crossing_text(Crossing const& crossing) {
+  switch (crossing.kind) {
+    case CrossingKind::crossed:
+      return fmt::format("{} (between {} and {}{})", to_text(Estimate{crossing.x, crossing.error()}),
+                         crossing.last_above, crossing.first_below,
+                         crossing.comes_back ? "; a denser point lies above it again" : "");
+    case CrossingKind::stays_above:
+      return "no crossing: above 10 % everywhere";
+    case CrossingKind::starts_below:
+      return "no crossing: below 10 % from the lowest density on";
+    case CrossingKind::no_points:
+      break;
+  }
+  return "not measured";
 }
 
 }  // namespace gridlock

@@ -29,15 +29,4 @@ Chapter turn_order(Study& study);
 /// Which part of Figures 6 and 7 is physics and which the time step: the paper's rule beside the dynamics without one.
 Chapter physics_or_step(Study& study);
 
-/// Where the curve of Figure 7 of an engine falls through 10 % at the end of the run, in words.
-std::string crossing_text(Study const& study, PaperEngine const& engine, StartKind start);
-
-/// Runs that came to a standstill.
-struct Standstills {
-  std::size_t arrested = 0;
-  std::size_t runs = 0;
-};
-/// Of the runs of open_choices() with a time step, under a contact rule.
-Standstills standstills_under(Study const& study, Contact contact);
-
 }  // namespace gridlock

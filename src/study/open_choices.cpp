@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "study/figures.hpp"
+#include "study/physics_or_step.hpp"
 #include "study/seed_statistics.hpp"
 
 namespace gridlock {
@@ -343,15 +344,34 @@ Chapter open_choices(Study& study) {
   return chapter;
 }
 
-Standstills standstills_under(Study const& study, Contact contact) {
-  Standstills sum;
-  for (Ensemble const& ensemble : rule_ensembles(study.extent())) {
-    if (!has_steps(study.extent(), ensemble) || ensemble.contact != contact) continue;
-    EnsembleResult const result(study, ensemble);
-    sum.arrested += result.arrested();
-    sum.runs += result.seeds();
+std::vector<ContactsBesideExact> contacts_beside_exact(Study const& study) {
+  PaperExtent const& extent = study.extent();
+  auto const ending_of = [](EnsembleResult const& result) -> ContactEnding {
+    return {.arrested = result.arrested(),
+            .runs = result.seeds(),
+            .displacement = result.last_displacement(),
+            .collision_rate = result.tail_collision_rate(0.2).value};
+  };
+  std::vector<ContactsBesideExact> contacts;
+  for (auto const& [start, density] : starts_of(extent)) {
+    auto const reference = reference_ensemble(extent, start, density);
+    for (double const time_step : extent.choice_time_steps) {
+      Ensemble ensemble = choice_ensemble(extent, start, density, time_step);
+      EnsembleResult const always(study, ensemble);
+      ensemble.contact = Contact::approaching;
+      EnsembleResult const approaching(study, ensemble);
+      if (always.seeds() == 0 || approaching.seeds() == 0) continue;
+      contacts.push_back({.start = start,
+                          .packing_fraction = density,
+                          .time_step = time_step,
+                          .always = ending_of(always),
+                          .approaching = ending_of(approaching)});
+      if (!reference || reference->engine.kind != "exact") continue;
+      EnsembleResult const exact(study, *reference);
+      if (exact.seeds() > 0) contacts.back().exact = ending_of(exact);
+    }
   }
-  return sum;
+  return contacts;
 }
 
 }  // namespace gridlock

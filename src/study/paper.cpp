@@ -37,7 +37,8 @@ void require_possible(PaperSettings const& settings) {
   bool const has_values = !extent.engines.empty() && !extent.square_densities.empty() &&
                           !extent.triangular_densities.empty() && !extent.fan_densities.empty() &&
                           !extent.timing_counts.empty() && !extent.choice_time_steps.empty();
-  bool const has_no_orders = extent.order_square_densities.empty() && extent.order_triangular_densities.empty();
+  bool const has_no_orders = extent.order_square_densities.empty() && extent.order_triangular_densities.empty() &&
+                             extent.order_periodic_densities.empty();
   bool const has_order_counts =
       extent.order_diameters > 0.0 && !extent.order_time_steps.empty() && extent.order_seeds > 0;
   if (!has_counts || !has_values || !(has_no_orders || has_order_counts)) {
@@ -280,7 +281,8 @@ PaperExtent quick_paper() {
           .order_time_steps = {0.1, 0.025},
           .order_seeds = 8,
           .order_square_densities = {0.3, 0.6, 0.7},
-          .order_triangular_densities = {0.7, 0.8}};
+          .order_triangular_densities = {0.7, 0.8},
+          .order_periodic_densities = {0.3, 0.7}};
 }
 
 PaperExtent full_paper() {
@@ -307,7 +309,8 @@ PaperExtent full_paper() {
           .order_time_steps = {0.1, 0.025},
           .order_seeds = 10,
           .order_square_densities = {0.1, 0.3, 0.5, 0.66, 0.7, 0.74},
-          .order_triangular_densities = {0.7, 0.74, 0.8, 0.84}};
+          .order_triangular_densities = {0.7, 0.74, 0.8, 0.84},
+          .order_periodic_densities = {0.3, 0.5, 0.7}};
 }
 
 PaperResult run_paper(PaperSettings const& settings, OnPaperProgress const& on_progress) {

@@ -43,16 +43,31 @@ double work_of(Configuration const& configuration) {
          static_cast<double>(configuration.run.steps.value_or(0));
 }
 
+/// √(⟨u²⟩ − |⟨u⟩|²) of each sample, in sides of the box.
+std::vector<double> about_centre(RunResult const& result) {
+  std::vector<double> lengths = result.series.numbers("mean_squared_displacement");
+  std::vector<double> const centres = result.series.numbers("centre_displacement");
+  double const side = result.state.box.side();
+  for (std::size_t sample = 0; sample < lengths.size(); ++sample) {
+    // Rounding may leave less than nothing where all disks move together.
+    lengths[sample] = std::sqrt(std::max(0.0, lengths[sample] / (side * side) - centres[sample] * centres[sample]));
+  }
+  return lengths;
+}
+
 StudyOutcome outcome_from(RunResult const& result) {
+  bool const has_walls = !result.state.box.is_periodic();
   return {.is_finished = result.ending == Ending::finished,
           .failure = result.failure,
           .steps = result.series.numbers("step"),
           .times = result.series.numbers("time"),
           .displacements = result.series.numbers("mean_displacement"),
+          .centre_displacements = result.series.numbers("centre_displacement"),
+          .displacements_about_centre = about_centre(result),
           .blocked_shares = result.series.numbers("blocked_share"),
           .collision_rates = result.series.numbers("collision_rate"),
           .compressibility_factors = result.series.numbers("compressibility_factor"),
-          .wall_pressures = result.series.numbers("wall_pressure"),
+          .wall_pressures = has_walls ? result.series.numbers("wall_pressure") : std::vector<double>{},
           .state_hash = hash(result.state),
           .seconds = result.seconds};
 }
@@ -172,7 +187,7 @@ StudyOutcome const& RunPool::outcome_of(StudyRun const& run) const {
 
 Table RunPool::rows() const {
   Table table;
-  for (char const* name : {"start", "sites", "engine", "contact", "state_hash"}) {
+  for (char const* name : {"start", "sites", "edge", "engine", "contact", "state_hash"}) {
     table.add_column(name, std::vector<std::string>{});
   }
   for (char const* name : {"disks", "steps", "seed"}) table.add_column(name, std::vector<std::uint64_t>{});
@@ -185,7 +200,8 @@ Table RunPool::rows() const {
     if (!outcome.is_finished) continue;
     Configuration const& configuration = entry.run.configuration;
     table.add_row(std::vector<Cell>{
-        to_text(configuration.disks.start), to_text(entry.run.sites), configuration.engine.kind,
+        to_text(configuration.disks.start), to_text(entry.run.sites),
+        configuration.box.edge == Edge::wall ? "wall" : "periodic", configuration.engine.kind,
         configuration.engine.contact == Contact::always ? "always" : "approaching",
         fmt::format("{:016x}", outcome.state_hash), configuration.disks.count.value_or(841),
         static_cast<std::uint64_t>(outcome.steps.back()), configuration.run.seed,

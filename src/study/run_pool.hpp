@@ -32,11 +32,13 @@ struct StudyOutcome {
   std::string failure;  ///< why the run broke, where it did
   std::vector<double> steps;
   std::vector<double> times;
-  std::vector<double> displacements;   ///< mean displacement over the side of the box
-  std::vector<double> blocked_shares;  ///< since the sample before
+  std::vector<double> displacements;               ///< mean displacement over the side of the box
+  std::vector<double> centre_displacements;        ///< over the side of the box
+  std::vector<double> displacements_about_centre;  ///< root mean square, over the side of the box
+  std::vector<double> blocked_shares;              ///< since the sample before
   std::vector<double> collision_rates;
   std::vector<double> compressibility_factors;
-  std::vector<double> wall_pressures;
+  std::vector<double> wall_pressures;  ///< none in a periodic box
   std::uint64_t state_hash = 0;
   double seconds = 0.0;
 };

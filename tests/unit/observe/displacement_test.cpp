@@ -33,6 +33,37 @@ TEST(Displacement, IsMeasuredInSidesAndItsSquareInLengths) {
   EXPECT_DOUBLE_EQ(row[1], 6.25);
 }
 
+TEST(Displacement, OfTheCentreIsThatOfTheMeanPlace) {
+  State state = empty_state(Box(4, 9, Edge::periodic));  // √area = 6
+  add_disk(state, {1, 1}, {}, 0.01, 5.0);                // masses do not count
+  add_disk(state, {2, 2});
+  Displacement displacement;
+  displacement.begin({state, {}});
+  state.disks.column<X>()[0] += 1.0;
+  state.disks.column<ImageX>()[1] = 1;  // once around, to its place
+  state.disks.column<Y>()[1] += 3.0;
+  auto const row = sample(displacement, state);
+  EXPECT_DOUBLE_EQ(row[2], std::hypot(2.5, 1.5) / 6.0);
+  ASSERT_TRUE(result(displacement, "centre_displacement"));
+  EXPECT_DOUBLE_EQ(result(displacement, "centre_displacement")->value, row[2]);
+  EXPECT_FALSE(result(displacement, "centre_displacement")->error);
+  // About the centre: ⟨u²⟩ − |⟨u⟩|² is the scatter, ±(1.5, 1.5) here.
+  EXPECT_NEAR(row[1] - 36.0 * row[2] * row[2], 4.5, 1e-12);
+}
+
+TEST(Displacement, OfTheCentreIsNothingWhereDisksMoveApart) {
+  State state = empty_state(Box(1, 1, Edge::periodic));
+  add_disk(state, {0.5, 0.5});
+  add_disk(state, {0.5, 0.5});
+  Displacement displacement;
+  displacement.begin({state, {}});
+  state.disks.column<X>()[0] += 0.25;
+  state.disks.column<X>()[1] -= 0.25;
+  auto const row = sample(displacement, state);
+  EXPECT_EQ(row[2], 0.0);
+  EXPECT_EQ(row[0], 0.25);
+}
+
 TEST(Displacement, FollowsADiskThroughPeriodicEdges) {
   // Free flight of 40 steps with the engine itself: one and a half times around in x, once back in y.
   State state = empty_state(Box(1, 1, Edge::periodic));
@@ -130,7 +161,7 @@ TEST(Displacement, OneDiskHasAValueWithoutErrorAndNoDisksHaveNone) {
   State state = empty_state(Box(1, 1, Edge::periodic));
   Displacement none;
   none.begin({state, {}});
-  EXPECT_TRUE(std::isnan(sample(none, state)[0]));
+  for (double const value : sample(none, state)) EXPECT_TRUE(std::isnan(value));
   EXPECT_TRUE(none.results().empty());
   add_disk(state, {0.5, 0.5});
   Displacement one;

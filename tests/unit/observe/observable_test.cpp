@@ -25,6 +25,7 @@ std::set<std::string> names_of_columns(std::vector<std::unique_ptr<Observable>> 
 
 std::set<std::string> const names_everywhere{"mean_displacement",
                                              "mean_squared_displacement",
+                                             "centre_displacement",
                                              "kinetic_energy",
                                              "kinetic_energy_drift",
                                              "mean_speed",
