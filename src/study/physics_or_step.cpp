@@ -127,8 +127,9 @@ std::string movement_text(Crossing const& early, Crossing const& late) {
 std::string line_text(std::vector<LineBesideExact> const& lines) {
   std::vector<std::string> sentences;
   for (LineBesideExact const& line : lines) {
-    std::string sentence = fmt::format("{} start: under the rule {}, by exact disks {}", name_of(line.start),
-                                       crossing_text(line.rule_late), crossing_text(line.exact_late));
+    std::string sentence =
+        fmt::format("From the {} start: {} under the rule, {} by exact disks",
+                    name_of(line.start), crossing_text(line.rule_late), crossing_text(line.exact_late));
     if (is_crossed(line.rule_late) && is_crossed(line.exact_late)) {
       Estimate const shift = difference_of(line.rule_late, line.exact_late);
       sentence += fmt::format("; the difference, {}, is {} three standard errors", to_text(shift),
@@ -220,7 +221,7 @@ struct Range {
   }
 };
 
-/// Where one contact rule came to rest, beside exact disks.
+/// Where one contact rule came to rest, and what the disks did there beside exact ones.
 std::string standstill_text(std::vector<ContactsBesideExact> const& contacts, ContactEnding ContactsBesideExact::*which,
                             char const* name) {
   std::size_t arrested = 0;
@@ -254,16 +255,13 @@ std::string standstill_text(std::vector<ContactsBesideExact> const& contacts, Co
 std::string step_text(std::vector<ContactsBesideExact> const& contacts) {
   std::size_t arrested = 0;
   for (ContactsBesideExact const& one : contacts) arrested += one.always.arrested + one.approaching.arrested;
-  std::string const by_construction =
-      "An exact run cannot come to rest, by construction: no disk is ever halted, each flies on at its speed, and the "
-      "energy does not change.";
-  std::string const verdict = arrested > 0
-                                  ? " So the standstills are the rule's: halted disks that do not approach keep their "
-                                    "velocities with \"approaching\", and try the same blocked way again; with "
-                                    "\"always\" a disk without room for a sub-step scatters where it is."
-                                  : " Under the rule none of these runs did either.";
-  return fmt::format("{} {} {}{}", standstill_text(contacts, &ContactsBesideExact::approaching, "approaching"),
-                     standstill_text(contacts, &ContactsBesideExact::always, "always"), by_construction, verdict);
+  return fmt::format(
+      "{} {} An exact run cannot come to rest, by construction: no disk is ever halted, each flies on at its speed, "
+      "and the "
+      "energy does not change. {}",
+      standstill_text(contacts, &ContactsBesideExact::approaching, "approaching"),
+      standstill_text(contacts, &ContactsBesideExact::always, "always"),
+      arrested > 0 ? "So every standstill is the rule's." : "Under the rule none of these runs did either.");
 }
 
 }  // namespace

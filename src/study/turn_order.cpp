@@ -313,7 +313,10 @@ PageTable centre_table(std::vector<Row> const& rows) {
     std::vector<PageCell> cells{name_of(row.start), fmt::format("{}", row.packing_fraction),
                                 fmt::format("{}", row.time_step)};
     for (Comparison const& one : {row.centres.back(), row.whole}) {
-      for (Estimate const& estimate : {one.by_id, one.by_tile, one.reference}) cells.emplace_back(to_text(estimate));
+      for (Estimate const& estimate : {one.by_id, one.by_tile, one.reference}) {
+        // What is left of an exact centre is rounding.
+        cells.emplace_back(std::abs(estimate.value) < 1e-9 ? "0" : to_text(estimate));
+      }
     }
     table.rows.push_back(std::move(cells));
   }
@@ -391,7 +394,7 @@ std::string verdict_text(std::vector<Row> const& rows, std::vector<double> const
     return fmt::format(
         "**In short:** with steps of {} the order of the turns changes what is measured; with steps of {} no "
         "difference "
-        "shows. It is an effect of the finite time step.",
+        "shows to the accuracy of these runs. So it is an effect of the finite time step, as far as they can tell.",
         longest, shortest);
   }
   return fmt::format("**In short:** {} of {} comparisons differ with steps of {}, and {} of {} with steps of {}: {}.",

@@ -56,7 +56,7 @@ TEST(PhysicsOrStep, SaysSoWhereTheRuleAgreesWithExactDisks) {
   EXPECT_TRUE(holds(text, "that it moves with the length of the run is physics")) << text;
   EXPECT_TRUE(holds(text, "With contact = \"approaching\" none of 10 runs came to rest")) << text;
   EXPECT_TRUE(holds(text, "With contact = \"always\" none of 10 runs came to rest")) << text;
-  EXPECT_FALSE(holds(text, "standstills are the rule's")) << text;
+  EXPECT_FALSE(holds(text, "every standstill is the rule's")) << text;
 }
 
 TEST(PhysicsOrStep, SaysWhichPointsDiffer) {
@@ -114,7 +114,7 @@ TEST(PhysicsOrStep, PutsStandstillsBesideTheExactRunsWithNumbers) {
       << text;
   EXPECT_TRUE(holds(text, "With contact = \"always\" none of 10 runs came to rest")) << text;
   EXPECT_TRUE(holds(text, "An exact run cannot come to rest, by construction")) << text;
-  EXPECT_TRUE(holds(text, "the standstills are the rule's")) << text;
+  EXPECT_TRUE(holds(text, "every standstill is the rule's")) << text;
   PageTable const table = chapter_from(evidence).tables.back();
   ASSERT_EQ(table.rows.size(), 2U);
   EXPECT_EQ(table.rows[1].size(), table.header.size());

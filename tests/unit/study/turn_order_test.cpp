@@ -47,7 +47,7 @@ TEST(TurnOrder, ComparesPressuresAndCollisionsStartByStart) {
   std::string const text = text_of({row(0.1, 1.012), row(0.025, 1.0)}, {0.1, 0.025});
   EXPECT_TRUE(holds(text, "3 of 4 comparisons")) << text;
   EXPECT_TRUE(holds(text, "collisions per disk and time at φ = 0.6 square (+1.2 %, +12.0 standard errors)")) << text;
-  EXPECT_TRUE(holds(text, "It is an effect of the finite time step")) << text;
+  EXPECT_TRUE(holds(text, "So it is an effect of the finite time step")) << text;
   EXPECT_TRUE(holds(text, "differ by at most 1.2 % with steps of 0.1, which themselves shift them by up to 20 %"))
       << text;
 }
