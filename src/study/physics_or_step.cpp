@@ -127,9 +127,8 @@ std::string movement_text(Crossing const& early, Crossing const& late) {
 std::string line_text(std::vector<LineBesideExact> const& lines) {
   std::vector<std::string> sentences;
   for (LineBesideExact const& line : lines) {
-    std::string sentence =
-        fmt::format("From the {} start: {} under the rule, {} by exact disks",
-                    name_of(line.start), crossing_text(line.rule_late), crossing_text(line.exact_late));
+    std::string sentence = fmt::format("From the {} start: {} under the rule, {} by exact disks", name_of(line.start),
+                                       crossing_text(line.rule_late), crossing_text(line.exact_late));
     if (is_crossed(line.rule_late) && is_crossed(line.exact_late)) {
       Estimate const shift = difference_of(line.rule_late, line.exact_late);
       sentence += fmt::format("; the difference, {}, is {} three standard errors", to_text(shift),
