@@ -23,7 +23,7 @@ inline bool has_avx512() {
          __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
 }
 
-/// One component of Box::displacement() in a periodic box, eight at a time.
+/// One component of Box::displacement_inside() in a periodic box, eight at a time.
 GRIDLOCK_AVX512 inline __m512d nearest_image(__m512d d, double side) {
   __m512d const whole = _mm512_set1_pd(side);
   __mmask8 const above = _mm512_cmp_pd_mask(d, _mm512_set1_pd(0.5 * side), _CMP_GT_OQ);

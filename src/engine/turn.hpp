@@ -46,7 +46,7 @@ class Partner {
     ++checks_;
     DiskInTurn const& other = view_.disks[candidate];
     double const contact = radius_ + other.radius;
-    double const distance = squared_length(view_.box.displacement(trial_, other.position));
+    double const distance = squared_length(view_.box.displacement_inside(trial_, other.position));
     if (!(distance < contact * contact)) return;
     if (distance < nearest_ || (distance == nearest_ && other.rank < view_.disks[partner_].rank)) {
       nearest_ = distance;
@@ -92,7 +92,7 @@ inline bool hits_wall(Box const& box, DiskInTurn& disk, Vector trial, Tally& tal
 inline void scatter(TurnView const& view, std::size_t i, std::size_t j, Tally& tally) {
   DiskInTurn& self = view.disks[i];
   DiskInTurn& other = view.disks[j];
-  Vector const b = view.box.displacement(self.position, other.position);
+  Vector const b = view.box.displacement_inside(self.position, other.position);
   Vector const w = self.velocity - other.velocity;
   double const approach = dot(w, b);
   if (view.contact == Contact::approaching && !(approach > 0.0)) return;

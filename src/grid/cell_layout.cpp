@@ -23,6 +23,8 @@ std::uint64_t cells_along(double side, double reach, double most) {
 CellLayout::CellLayout(Box const& box, std::uint64_t columns, std::uint64_t rows)
     : columns_(static_cast<int>(columns)),
       rows_(static_cast<int>(rows)),
+      width_(box.width()),
+      height_(box.height()),
       cell_width_(box.width() / static_cast<double>(columns)),
       cell_height_(box.height() / static_cast<double>(rows)),
       columns_per_length_(static_cast<double>(columns) / box.width()),
@@ -33,6 +35,12 @@ CellLayout::CellLayout(Box const& box, std::uint64_t columns, std::uint64_t rows
                  .hint = fmt::format("use at least 1 and at most {} cells a side", 46340),
                  .key = "engine.cells"});
   }
+}
+
+int CellLayout::index_from_outside(double p, double per_length, int count, double side) const {
+  double const index = (is_periodic_ ? image_inside(p, side) : p) * per_length;
+  // Clamped before the conversion, which is undefined for a point far outside walls; max(0, NaN) is 0.
+  return static_cast<int>(std::min(std::max(0.0, index), static_cast<double>(count - 1)));
 }
 
 CellLayout layout_for_reach(Box const& box, double reach, std::size_t agents) {

@@ -9,15 +9,6 @@
 
 namespace gridlock {
 
-/// Bit k is set where lane k of a comparison is true.
-inline unsigned bits_of(Int4 comparison) {
-#if defined(__SSE2__)
-  return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(comparison)));
-#else
-  return (comparison[0] & 1U) | (comparison[1] & 2U) | (comparison[2] & 4U) | (comparison[3] & 8U);
-#endif
-}
-
 /// bits_of() of four comparisons, four bits each, the first one lowest.
 inline unsigned bits_of(Int4 a, Int4 b, Int4 c, Int4 d) {
 #if defined(__SSE2__)
@@ -30,7 +21,7 @@ inline unsigned bits_of(Int4 a, Int4 b, Int4 c, Int4 d) {
 #endif
 }
 
-/// The slots of a block that may be within the limit of a point seen from the block's cell, as bits.
+/// PackedGrid::is_near() as bits.
 inline unsigned near_slots(PackedGrid::Block const& block, PackedGrid::LocalPoint p, float limit) {
   return bits_of(PackedGrid::is_near(block, p, limit));
 }

@@ -68,7 +68,10 @@ std::size_t PackedGrid::most_blocks_for(std::size_t agents) const {
   return cells + agents / slots + 1;
 }
 
-void PackedGrid::put(std::size_t agent, Vector p, int column, int row) {
+void PackedGrid::put(std::size_t agent, Vector p) {
+  p = layout_.image_in_cell(p);
+  int const column = layout_.column_of(p.x);
+  int const row = layout_.row_of(p.y);
   std::size_t const base_index = static_cast<std::size_t>(row) * stride_ + static_cast<std::size_t>(column);
   std::size_t index = base_index;
   if (blocks_[base_index].count == slots) {
@@ -104,10 +107,10 @@ void PackedGrid::take_out(std::size_t agent) {
   if (last == 0 && base.next != none) drop_second_block(base);
 }
 
-void PackedGrid::move_to_cell(std::size_t agent, Vector p, int column, int row) {
+void PackedGrid::move_to_cell(std::size_t agent, Vector p) {
   unsigned const mark = (block_of(agent).marks >> place_[agent] % slots) & 1U;
   take_out(agent);
-  put(agent, p, column, row);
+  put(agent, p);
   block_of(agent).marks |= static_cast<std::uint16_t>(mark << place_[agent] % slots);
 }
 

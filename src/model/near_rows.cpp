@@ -30,7 +30,7 @@ std::size_t find_near_rows_plainly(NearRowsSearch const& search, std::span<Stret
     return find(search, stretches, found, [](Vector p, Vector q) { return q - p; });
   }
   Box const box = *search.box;
-  return find(search, stretches, found, [&](Vector p, Vector q) { return box.displacement(p, q); });
+  return find(search, stretches, found, [&](Vector p, Vector q) { return box.displacement_inside(p, q); });
 }
 
 std::size_t find_near_rows(NearRowsSearch const& search, std::span<Stretch const> stretches, std::uint32_t* found) {

@@ -23,15 +23,18 @@ Box any_box() { return {between(0.2, 3.0), between(0.2, 3.0), *rc::gen::element(
 
 std::uint64_t any_cells() { return static_cast<std::uint64_t>(*rc::gen::inRange(1, 8)); }
 
-/// Points anywhere in the box, many of them on its edges and on the borders of cells.
+/// Points anywhere in the box, many of them on its edges and on the borders of cells; of a periodic box often images
+/// outside.
 State any_points(Box const& box) {
   State state{.box = box};
   RandomStream random(*rc::gen::arbitrary<std::uint64_t>(), 0, 0, Purpose::start_position);
   int const count = *rc::gen::inRange(0, 60);
+  bool const are_inside = *rc::gen::arbitrary<bool>();
   auto const coordinate = [&](double side) {
     double const twelfths = static_cast<double>(random.below(13)) / 12.0 * side;
     double const p = random.below(3) == 0 ? twelfths : random.uniform() * side;
-    return box.is_periodic() && p >= side ? 0.0 : p;
+    if (!box.is_periodic()) return p;
+    return are_inside ? (p >= side ? 0.0 : p) : p + (0.5 * static_cast<double>(random.below(9)) - 2.5) * side;
   };
   for (int n = 0; n < count; ++n) {
     double const x = coordinate(box.width());

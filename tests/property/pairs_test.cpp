@@ -67,6 +67,7 @@ class Scene {
     double const flat = random_.below(4) == 0 ? 0.01 : 1.0;
     state_.box = Box(unit * (0.2 + random_.uniform()), flat * unit * (0.2 + random_.uniform()), edge);
     cluster_ = random_.below(3) == 0 ? 0.1 : 1.0;
+    where_ = std::array{Where::inside, Where::centred, Where::boxes_away, Where::far_away}[random_.below(4)];
     std::uint64_t const count = random_.below(80);
     for (std::uint64_t n = 0; n < count; ++n) add();
   }
@@ -82,8 +83,8 @@ class Scene {
     if (random_.below(2) == 0) return layout_for_reach(state_.box, reach, state_.disks.size());
     return {state_.box, 1 + random_.below(9), 1 + random_.below(9)};
   }
-  /// A point of the box, often on borders of cells and of the box; between walls sometimes outside; often one that
-  /// there is already.
+  /// A point, often on borders of cells and of the box; in most periodic boxes one of its images outside, between walls
+  /// sometimes outside; often one that there is already.
   Vector any_point() {
     if (!state_.disks.empty() && random_.below(8) == 0) {
       return position(state_.disks, static_cast<std::size_t>(random_.below(state_.disks.size())));
@@ -96,16 +97,34 @@ class Scene {
   }
 
  private:
+  /// Where the points of a periodic box are.
+  enum class Where { inside, centred, boxes_away, far_away };
+
   double coordinate(double side) {
     double p = cluster_ * random_.uniform() * side;
     if (random_.below(4) == 0) p = static_cast<double>(random_.below(13)) / 12.0 * side;
     if (!state_.box.is_periodic()) return random_.below(16) == 0 ? p + side * (8.0 * random_.uniform() - 4.0) : p;
-    return p >= side ? 0.0 : p;
+    // Close to an edge of the box, where a coordinate and its image round differently.
+    if (where_ != Where::inside && random_.below(16) == 0) {
+      p = (static_cast<double>(random_.below(9)) - 4.0) * 1e-17 * side;
+    }
+    switch (where_) {
+      case Where::inside:
+        return p >= side ? 0.0 : p;
+      case Where::centred:
+        return p - 0.5 * side;
+      case Where::boxes_away:
+        return p + (static_cast<double>(random_.below(9)) - 4.0) * side;
+      case Where::far_away:
+        return p + (random_.below(2) == 0 ? 1.0 : -1.0) * static_cast<double>(random_.below(1000000)) * side;
+    }
+    return p;
   }
 
   State state_;
   RandomStream random_;
   double cluster_ = 1.0;
+  Where where_ = Where::inside;
 };
 
 template <class Grid>
@@ -203,6 +222,26 @@ TYPED_TEST(PairsOnGrid, NeighboursOfAPointAreTheDisksWithinReachOfIt) {
     for (std::size_t j = 0; j < state.disks.size(); ++j) {
       if (squared_length(state.box.displacement(p, position(state.disks, j))) < reach * reach) expected.insert(j);
     }
+    ASSERT_EQ(found, expected) << "seed " << seed;
+  }
+}
+
+TEST(NeighboursOnPackedGrid, ComeInTheOrderOfTheBlockOfCells) {
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    Scene scene(seed);
+    State const& state = scene.state();
+    double const reach = scene.any_reach();
+    PackedGrid const grid(scene.any_layout(reach), state.disks.column<X>(), state.disks.column<Y>());
+    Vector const p = scene.any_point();
+    std::vector<std::size_t> found;
+    for_each_neighbour(state, grid, reach, p, [&](std::size_t j, Vector) { found.push_back(j); });
+    std::vector<std::size_t> expected;
+    CellLayout const& layout = grid.layout();
+    grid.for_each_in_block(layout.cell_of(p), layout.columns_within(reach), layout.rows_within(reach),
+                           [&](std::size_t j) {
+                             Vector const d = state.box.displacement(p, position(state.disks, j));
+                             if (squared_length(d) < reach * reach) expected.push_back(j);
+                           });
     ASSERT_EQ(found, expected) << "seed " << seed;
   }
 }

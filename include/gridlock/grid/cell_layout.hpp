@@ -15,6 +15,8 @@ namespace gridlock {
 ///          0 │ 0 │ 1 │ 2 │        a walled box ends
 ///              0   1   2  columns−1
 ///
+/// A point outside a periodic box is in the cell of its image inside, a point outside walls in the nearest cell.
+///
 /// Errors: no column or row, or more than 2³¹ cells, throws Error.
 class CellLayout {
  public:
@@ -30,9 +32,15 @@ class CellLayout {
   [[nodiscard]] double rows_per_length() const { return rows_per_length_; }
   [[nodiscard]] bool is_periodic() const { return is_periodic_; }
 
-  [[nodiscard]] int column_of(double x) const { return index_of(x, columns_per_length_, columns_); }
-  [[nodiscard]] int row_of(double y) const { return index_of(y, rows_per_length_, rows_); }
+  [[nodiscard]] int column_of(double x) const { return index_of(x, columns_per_length_, columns_, width_); }
+  [[nodiscard]] int row_of(double y) const { return index_of(y, rows_per_length_, rows_, height_); }
   [[nodiscard]] int cell_of(Vector p) const { return row_of(p.y) * columns_ + column_of(p.x); }
+
+  /// The image of a point that lies in its cell; between walls the point itself.
+  [[nodiscard]] Vector image_in_cell(Vector p) const {
+    return {image_in_cells(p.x, columns_per_length_, columns_, width_),
+            image_in_cells(p.y, rows_per_length_, rows_, height_)};
+  }
 
   /// Calls visit(cell) once for every cell within `reach_columns` and `reach_rows` of `cell`, itself included: the 3×3
   /// block for 1, 1. Cells outside the walls do not exist; a periodic block wider than the box names no cell twice.
@@ -45,6 +53,27 @@ class CellLayout {
       int const row_start = wrapped(r, rows_) * columns_;
       for (int c = x.first; c < x.end; ++c) visit(row_start + wrapped(c, columns_));
     }
+  }
+
+  /// A cell of a block and how far it is from the middle, so that places in it can be told from places in the middle.
+  struct CellSeen {
+    int column, row;
+    int to_the_right, up;
+  };
+  /// Calls visit(CellSeen) for the cells of for_each_cell_in_block(), in the same order.
+  /// Contract: the block does not go around the box, see goes_around().
+  template <class Visit>
+  void for_each_cell_seen_from(int column, int row, int reach_columns, int reach_rows, Visit visit) const {
+    Range const x = range(column, reach_columns, columns_);
+    Range const y = range(row, reach_rows, rows_);
+    for (int r = y.first; r < y.end; ++r) {
+      int const seen_row = wrapped(r, rows_);
+      for (int c = x.first; c < x.end; ++c) visit(CellSeen{wrapped(c, columns_), seen_row, c - column, r - row});
+    }
+  }
+  /// Whether a block has every column or every row of a periodic box, so that a cell may be on both sides of another.
+  [[nodiscard]] bool goes_around(int reach_columns, int reach_rows) const {
+    return is_periodic_ && (has_all(reach_columns, columns_) || has_all(reach_rows, rows_));
   }
 
   /// The smallest number of cells to each side that holds every point nearer than `distance` to any point of a cell.
@@ -61,9 +90,16 @@ class CellLayout {
     int end;
   };
 
-  static int index_of(double p, double per_length, int count) {
-    // Clamped before the conversion, which is undefined for a point far outside; max(0, NaN) is 0.
-    return static_cast<int>(std::min(std::max(0.0, p * per_length), static_cast<double>(count - 1)));
+  /// Whether a coordinate counted in cells lies in one of them; what decides about images, too, so that whoever asks
+  /// gets the same cell for a coordinate within rounding of an edge.
+  static bool is_in_cells(double index, int count) { return (index >= 0.0) & (index < count); }
+  [[nodiscard]] int index_of(double p, double per_length, int count, double side) const {
+    double const index = p * per_length;
+    return is_in_cells(index, count) ? static_cast<int>(index) : index_from_outside(p, per_length, count, side);
+  }
+  [[nodiscard, gnu::cold]] int index_from_outside(double p, double per_length, int count, double side) const;
+  [[nodiscard]] double image_in_cells(double p, double per_length, int count, double side) const {
+    return !is_periodic_ || is_in_cells(p * per_length, count) ? p : image_inside(p, side);
   }
   static int cells_within(double distance, double per_length, int count) {
     // The margins cover rounding: of the distance, relative to it, and of points and index_of(), relative to the side.
@@ -74,8 +110,9 @@ class CellLayout {
   }
   [[nodiscard]] Range range(int index, int reach, int count) const {
     if (!is_periodic_) return {std::max(0, index - reach), std::min(count, index + reach + 1)};
-    return 2 * reach + 1 >= count ? Range{0, count} : Range{index - reach, index + reach + 1};
+    return has_all(reach, count) ? Range{0, count} : Range{index - reach, index + reach + 1};
   }
+  static bool has_all(int reach, int count) { return reach >= count - 1 - reach; }
   static int wrapped(int index, int count) {
     if (index < 0) return index + count;
     return index >= count ? index - count : index;
@@ -83,6 +120,8 @@ class CellLayout {
 
   int columns_ = 1;
   int rows_ = 1;
+  double width_ = 1.0;
+  double height_ = 1.0;
   double cell_width_ = 1.0;
   double cell_height_ = 1.0;
   double columns_per_length_ = 1.0;

@@ -2,6 +2,10 @@
 
 #include <array>
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 namespace gridlock {
 
 /// Four numbers that are added, multiplied and compared in one instruction on every 64-bit processor.
@@ -20,6 +24,15 @@ inline Float4 broadcast(float value) { return Float4{value, value, value, value}
 inline Float4 with_lane(Float4 v, unsigned lane, float value) {
   Int4 const chosen = Int4{0, 1, 2, 3} == static_cast<int>(lane);
   return chosen ? broadcast(value) : v;
+}
+
+/// Bit k is set where lane k of a comparison is true.
+inline unsigned bits_of(Int4 comparison) {
+#if defined(__SSE2__)
+  return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(comparison)));
+#else
+  return (comparison[0] & 1U) | (comparison[1] & 2U) | (comparison[2] & 4U) | (comparison[3] & 8U);
+#endif
 }
 
 }  // namespace gridlock

@@ -17,10 +17,13 @@ namespace gridlock {
 /// - reserve(agents): makes room for agents 0 … agents − 1, so that inserting them costs no more than that.
 /// - move_all(x, y): agent i of all that are held is at (x[i], y[i]).
 /// - for_each_in_cell, for_each_in_block: the agents of one cell, or of a block of cells around it.
-/// - for_each_candidate(p, reach, visit): calls visit(j) once for every agent nearer to p than `reach`, p lying in the
-///   box, and for some that are farther: the caller measures the distance that counts.
+/// - for_each_candidate(p, reach, visit): calls visit(j) once for every agent nearer to p than `reach`, and for some
+///   that are farther: the caller measures the distance that counts.
 /// - for_each_candidate_pair(reach, visit): calls visit(i, j) once for every pair nearer than `reach`, either one first,
 ///   and for some that are farther.
+///
+/// Points may be any finite ones: outside a periodic box they stand for their image inside, outside walls for
+/// themselves.
 template <class Grid>
 concept NeighbourGrid = requires(Grid grid, Grid const same, std::size_t agent, Vector p, int cell, double reach,
                                  std::span<double const> x, void (*visit)(std::size_t),

@@ -86,7 +86,7 @@ class PackedGrid {
   void insert(std::size_t agent, Vector p) {
     if (agent >= place_.size()) grow(agent + 1);
     assert(place_[agent] == none);
-    put(agent, p, layout_.column_of(p.x), layout_.row_of(p.y));
+    put(agent, p);
     ++size_;
   }
 
@@ -136,7 +136,7 @@ class PackedGrid {
       LocalPoint const inside{static_cast<float>(x) * local_width_, static_cast<float>(y) * local_height_};
       write_lanes(block, place_[agent] % slots, inside);
     } else {
-      move_to_cell(agent, p, layout_.column_of(p.x), layout_.row_of(p.y));
+      move_to_cell(agent, p);
     }
   }
 
@@ -164,11 +164,10 @@ class PackedGrid {
     layout_.for_each_cell_in_block(cell, reach_columns, reach_rows, [&](int c) { for_each_in_cell(c, visit); });
   }
 
-  /// Calls visit(j) for every agent nearer to p than `reach`, and for some that are farther.
+  /// Calls visit(j) once for every agent nearer to p than `reach`, and for a few that are farther, in the order in
+  /// which for_each_in_block() comes to them.
   template <class Visit>
-  void for_each_candidate(Vector p, double reach, Visit visit) const {
-    for_each_in_block(layout_.cell_of(p), layout_.columns_within(reach), layout_.rows_within(reach), visit);
-  }
+  void for_each_candidate(Vector p, double reach, Visit visit) const;
 
   /// Calls visit(i, j) once for every pair nearer than `reach`, and for some that are farther.
   template <class Visit>
@@ -221,7 +220,8 @@ class PackedGrid {
   [[nodiscard]] float local_limit(double squared_reach, int cells = 1) const {
     // Local coordinates are wrong by some 1e-7 of the cells they span: (a + b)² ≤ 1.001 a² + 1001 b².
     double const error = 1e-6 * (cells + 1.0);
-    return static_cast<float>(1.001 * squared_reach * locals_per_length_ * locals_per_length_ + 1001.0 * error * error);
+    double const limit = 1.001 * squared_reach * locals_per_length_ * locals_per_length_ + 1001.0 * error * error;
+    return static_cast<float>(std::min(farthest_limit, limit));
   }
 
   /// True in the lanes of the slots that may be within the limit of a point seen from the block's cell.
@@ -234,7 +234,9 @@ class PackedGrid {
  private:
   /// Far from everything, and its square still finite.
   static constexpr float nowhere = 1e18F;
-  /// Points farther than this outside their cell, which only points outside the box are, are kept at this distance:
+  /// Above every distance between two cells and below that to nowhere, whatever the reach.
+  static constexpr double farthest_limit = 1e30;
+  /// Points farther than this outside their cell, which only points outside walls are, are kept at this distance:
   /// nobody comes to seem farther away by that.
   static constexpr float farthest_outside = 2.0F;
 
@@ -285,9 +287,9 @@ class PackedGrid {
   void grow(std::size_t agents);
   /// That many blocks are enough for so many agents, whatever the cells they are in.
   [[nodiscard]] std::size_t most_blocks_for(std::size_t agents) const;
-  void put(std::size_t agent, Vector p, int column, int row);
+  void put(std::size_t agent, Vector p);
   void take_out(std::size_t agent);
-  void move_to_cell(std::size_t agent, Vector p, int column, int row);
+  void move_to_cell(std::size_t agent, Vector p);
   /// Links an empty block behind the first block of a cell.
   std::uint32_t add_block(Block& base);
   void drop_second_block(Block& base);
@@ -304,6 +306,43 @@ class PackedGrid {
   Lock further_blocks_;              ///< guards the growth of blocks_ and the list
   std::size_t size_ = 0;
 };
+
+template <class Visit>
+void PackedGrid::for_each_candidate(Vector p, double reach, Visit visit) const {
+  int const reach_columns = layout_.columns_within(reach);
+  int const reach_rows = layout_.rows_within(reach);
+  p = layout_.image_in_cell(p);
+  int const column = layout_.column_of(p.x);
+  int const row = layout_.row_of(p.y);
+  if (layout_.goes_around(reach_columns, reach_rows)) {
+    for_each_in_block(row * layout_.columns() + column, reach_columns, reach_rows, visit);
+    return;
+  }
+  float const limit = local_limit(reach * reach, std::max(reach_columns, reach_rows));
+  LocalPoint const inside = local(p, column, row);
+  LocalPoint const here{place(inside.x), place(inside.y)};
+  // Every agent of a block is written and only the count depends on who is near, see PairBuffer.
+  std::array<std::uint32_t, 64> found;
+  std::size_t count = 0;
+  auto const hand_out = [&] {
+    for (std::size_t k = 0; k < count; ++k) visit(static_cast<std::size_t>(found[k]));
+    count = 0;
+  };
+  layout_.for_each_cell_seen_from(column, row, reach_columns, reach_rows, [&](CellLayout::CellSeen cell) {
+    LocalPoint const seen{here.x - static_cast<float>(cell.to_the_right) * local_width_,
+                          here.y - static_cast<float>(cell.up) * local_height_};
+    for (Block const* block = &block_at(cell.column, cell.row);; block = &blocks_[block->next]) {
+      unsigned const near = bits_of(is_near(*block, seen, limit));
+      if (count + slots > found.size()) hand_out();
+      for (std::size_t s = 0; s < slots; ++s) {
+        found[count] = block->agent[s];
+        count += (near >> s) & 1U;
+      }
+      if (block->next == none) break;
+    }
+  });
+  hand_out();
+}
 
 template <class Visit>
 void PackedGrid::for_each_candidate_pair(double reach, Visit visit) const {

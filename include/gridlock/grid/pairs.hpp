@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstddef>
+#include <span>
 #include <utility>
 
 #include "gridlock/core/state.hpp"
@@ -18,10 +19,14 @@ Grid grid_for_reach(State const& state, double reach) {
   return {layout_for_reach(state.box, reach, state.disks.size()), state.disks.column<X>(), state.disks.column<Y>()};
 }
 
+/// Whether all points lie in [0, width) × [0, height).
+bool are_inside(Box const& box, std::span<double const> x, std::span<double const> y);
+
 /// Calls visit(i, j, separation) once for every pair of disks with |separation| < reach, where separation is the
 /// minimum-image vector r_j − r_i and i > j are rows of the population.
 ///
-/// Every grid finds the same pairs, each in an order of its own.
+/// Every grid finds the same pairs, each in an order of its own. Coordinates may be any finite numbers, also negative:
+/// in a periodic box they stand for the image inside, between walls for themselves.
 /// Contract: the grid holds the disks where they are, and in a periodic box reach ≤ half the shorter side, or a second
 /// image of a disk would be missed.
 /// Cost: O(N · disks per 3×3 block).
@@ -30,12 +35,21 @@ void for_each_pair(State const& state, Grid const& grid, double reach, Visit vis
   auto const x = state.disks.column<X>();
   auto const y = state.disks.column<Y>();
   double const squared_reach = reach * reach;
-  grid.for_each_candidate_pair(reach, [&](std::size_t a, std::size_t b) {
-    std::size_t const i = std::max(a, b);
-    std::size_t const j = std::min(a, b);
-    Vector const separation = state.box.displacement({x[i], y[i]}, {x[j], y[j]});
-    if (squared_length(separation) < squared_reach) visit(i, j, separation);
-  });
+  auto const search = [&](auto displacement) {
+    grid.for_each_candidate_pair(reach, [&, displacement](std::size_t a, std::size_t b) {
+      std::size_t const i = std::max(a, b);
+      std::size_t const j = std::min(a, b);
+      Vector const separation = displacement({x[i], y[i]}, {x[j], y[j]});
+      if (squared_length(separation) < squared_reach) visit(i, j, separation);
+    });
+  };
+  Box const& box = state.box;
+  // Asked once instead of for every pair.
+  if (!box.is_periodic() || are_inside(box, x, y)) {
+    search([&box](Vector from, Vector to) { return box.displacement_inside(from, to); });
+  } else {
+    search([&box](Vector from, Vector to) { return box.displacement(from, to); });
+  }
 }
 
 /// What visit(sum, i, j, separation) makes of `sum` over all pairs of disks with |separation| < reach.
@@ -52,8 +66,11 @@ template <NeighbourGrid Grid, class Sum, class Visit>
 }
 
 /// Calls visit(j, separation) once for every disk with |separation| < reach, where separation is the minimum-image
-/// vector from p, a point of the box, to the disk; also for a disk at p itself.
-/// Contract: that of for_each_pair(). Cost: O(disks per 3×3 block).
+/// vector from p to the disk; also for a disk at p itself.
+///
+/// On one grid the order is that of for_each_in_block(): cell by cell from the lower left of the block, and in a cell
+/// as inserts, moves and erases have left it. Other grids have other orders.
+/// Contract: that of for_each_pair(); p is any finite point, like the coordinates. Cost: O(disks per 3×3 block).
 template <NeighbourGrid Grid, class Visit>
 void for_each_neighbour(State const& state, Grid const& grid, double reach, Vector p, Visit visit) {
   double const squared_reach = reach * reach;

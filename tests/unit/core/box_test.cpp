@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -84,6 +85,64 @@ TEST(Box, DisplacementIsAntisymmetricToTheLastBit) {
       ASSERT_EQ(bits(forth.y), forth.y == 0.0 ? bits(back.y) : bits(-back.y));
       ASSERT_EQ(bits(squared_length(forth)), bits(squared_length(back))) << "two disks must agree whether they overlap";
     }
+  }
+}
+
+TEST(Box, PeriodicDisplacementIsTheNearestImageForPointsOutside) {
+  Box const box(1.0, 2.0, Edge::periodic);
+  EXPECT_EQ(box.displacement({-0.25, 0.0}, {0.625, 0.0}), (Vector{-0.125, 0.0}));
+  EXPECT_EQ(box.displacement({-3.25, 9.5}, {2.0, -4.75}), (Vector{0.25, -0.25}));
+  EXPECT_EQ(box.displacement({1e6, 0.25}, {0.125, 1e6}), (Vector{0.125, -0.25}));
+  EXPECT_EQ(box.displacement({-1e308, 0.5}, {1e308, 0.25}).y, -0.25) << "their difference is no number";
+  EXPECT_LE(std::abs(box.displacement({-1e308, 0.5}, {1e308, 0.25}).x), 0.5);
+}
+
+TEST(Box, PeriodicDisplacementOfPointsOutsideIsThatOfTheirImages) {
+  RandomStream random(4, 0, 0, Purpose::start_position);
+  for (int n = 0; n < 50000; ++n) {
+    Box const box(0.1 + 3.0 * random.uniform(), 0.1 + 3.0 * random.uniform(), Edge::periodic);
+    double const boxes = std::array{1.0, 3.0, 1e3, 1e9}[random.below(4)];
+    auto const coordinate = [&] { return boxes * (2.0 * random.uniform() - 1.0) * box.width(); };
+    Vector const a{coordinate(), 0.0};
+    // Every fourth pair is half a side apart, give or take whole ones.
+    Vector const b{n % 4 == 0 ? a.x + (static_cast<double>(random.below(9)) - 3.5) * box.width() : coordinate(), 0.0};
+    double const d = box.displacement(a, b).x;
+    ASSERT_LE(std::abs(d), 0.5 * box.width());
+    ASSERT_EQ(bits(std::abs(d)), bits(std::abs(box.displacement(b, a).x))) << "two disks must agree";
+    long double const exact = std::remainder(static_cast<long double>(b.x) - static_cast<long double>(a.x),
+                                             static_cast<long double>(box.width()));
+    // Half a side either way is the same distance. The difference itself is exact to the 64 bits of a long double.
+    ASSERT_NEAR(std::abs(d), static_cast<double>(std::abs(exact)), (1e-15 + 1e-18 * boxes) * box.width());
+  }
+}
+
+TEST(Box, DisplacementInsideHasTheBitsOfDisplacement) {
+  RandomStream random(5, 0, 0, Purpose::start_position);
+  for (Edge const edge : {Edge::wall, Edge::periodic}) {
+    for (int n = 0; n < 20000; ++n) {
+      Box const box(0.1 + random.uniform(), 0.1 + random.uniform(), edge);
+      Vector const a{random.uniform() * box.width(), random.uniform() * box.height()};
+      Vector const b{random.uniform() * box.width(), n % 4 == 0 ? a.y : random.uniform() * box.height()};
+      Vector const d = box.displacement_inside(a, b);
+      ASSERT_EQ(bits(d.x), bits(box.displacement(a, b).x));
+      ASSERT_EQ(bits(d.y), bits(box.displacement(a, b).y));
+    }
+  }
+}
+
+TEST(ImageInside, LiesInTheBoxForAnyFiniteCoordinate) {
+  EXPECT_EQ(image_inside(0.25, 1.0), 0.25);
+  EXPECT_EQ(image_inside(-0.25, 1.0), 0.75);
+  EXPECT_EQ(image_inside(1.0, 1.0), 0.0);
+  EXPECT_EQ(image_inside(-4.75, 1.5), 1.25);
+  EXPECT_EQ(image_inside(-1e-17, 1.0), 0.0) << "the lower edge of the next image, as Box::wrap() has it";
+  RandomStream random(6, 0, 0, Purpose::start_position);
+  for (int n = 0; n < 50000; ++n) {
+    double const side = 1e-3 + random.uniform();
+    double const p = std::pow(10.0, 30.0 * random.uniform() - 20.0) * (random.below(2) == 0 ? 1.0 : -1.0);
+    double const image = image_inside(p, side);
+    ASSERT_GE(image, 0.0) << p;
+    ASSERT_LT(image, side) << p;
   }
 }
 

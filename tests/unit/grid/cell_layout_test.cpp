@@ -46,6 +46,36 @@ TEST(CellLayout, PutsPointsOutsideTheBoxInTheNearestCell) {
   EXPECT_EQ(layout.column_of(std::nan("")), 0) << "no undefined conversion";
 }
 
+TEST(CellLayout, PutsPointsOutsideAPeriodicBoxInTheCellOfTheirImage) {
+  CellLayout const layout(Box(1.0, 2.0, Edge::periodic), 4, 4);
+  for (double const x : {0.3, -0.7, 1.3, -5.7, 1e6 + 0.3}) EXPECT_EQ(layout.column_of(x), 1) << x;
+  for (double const y : {1.9, -0.1, 3.9, -4.1}) EXPECT_EQ(layout.row_of(y), 3) << y;
+  for (double const edge : {0.0, -0.0, 1.0, -1.0, 7.0, -1e-300}) EXPECT_EQ(layout.column_of(edge), 0) << edge;
+  EXPECT_EQ(layout.column_of(-0x1.0p-53), 3);
+  EXPECT_EQ(layout.column_of(std::nan("")), 0) << "no undefined conversion";
+  EXPECT_EQ(layout.cell_of({-0.25, -0.5}), layout.cell_of({0.75, 1.5}));
+  EXPECT_EQ(layout.image_in_cell({-0.25, 5.5}), (Vector{0.75, 1.5}));
+  EXPECT_EQ(layout.image_in_cell({0.25, 1.5}), (Vector{0.25, 1.5}));
+  CellLayout const between_walls(Box(1.0, 2.0, Edge::wall), 4, 4);
+  EXPECT_EQ(between_walls.image_in_cell({-0.25, 5.5}), (Vector{-0.25, 5.5}));
+}
+
+TEST(CellLayout, APointAndItsImageInACellAreInOneCellForAnySides) {
+  RandomStream random(5, 0, 0, Purpose::start_position);
+  for (int n = 0; n < 50000; ++n) {
+    Box const box(0.01 + 10.0 * random.uniform(), 1.0, Edge::periodic);
+    CellLayout const layout(box, 1 + random.below(1000), 1);
+    double x = static_cast<double>(random.below(7)) * box.width() - 3.0 * box.width();
+    if (n % 2 == 0) x += random.uniform() * box.width();
+    if (n % 3 == 0) x = std::nextafter(x, n % 6 == 0 ? -100.0 : 100.0);
+    double const image = layout.image_in_cell({x, 0.0}).x;
+    ASSERT_EQ(layout.column_of(image), layout.column_of(x)) << x << " in " << box.width();
+    ASSERT_LE(layout.column_of(x) * layout.cell_width(), image + 1e-12 * box.width());
+    ASSERT_GE((layout.column_of(x) + 1) * layout.cell_width(), image - 1e-12 * box.width());
+    ASSERT_EQ(layout.image_in_cell({image, 0.0}).x, image);
+  }
+}
+
 TEST(CellLayout, ColumnsNeverFallAlongTheBox) {
   RandomStream random(1, 0, 0, Purpose::start_position);
   for (int n = 0; n < 2000; ++n) {

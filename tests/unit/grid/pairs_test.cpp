@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
+#include <limits>
 #include <set>
 #include <utility>
+
+#include "gridlock/grid/linked_grid.hpp"
+#include "gridlock/grid/packed_grid.hpp"
 
 namespace gridlock {
 namespace {
@@ -46,6 +51,81 @@ TEST(ForEachPair, FindsCoincidentPoints) {
 TEST(ForEachPair, HasNothingToSayAboutNoneOrOne) {
   EXPECT_EQ(pairs_within(points(Edge::periodic, {}), 0.4), Pairs{});
   EXPECT_EQ(pairs_within(points(Edge::periodic, {{0.5, 0.5}}), 0.4), Pairs{});
+}
+
+template <class Grid>
+class AnyGrid : public testing::Test {};
+using Grids = testing::Types<LinkedGrid, PackedGrid>;
+TYPED_TEST_SUITE(AnyGrid, Grids);
+
+TYPED_TEST(AnyGrid, FindsPairsOfImagesOutsideAPeriodicBox) {
+  // All 0.125 from each other, as they stand or as images of one another.
+  for (auto const& [a, b] : {std::pair{-0.25, 0.625},
+                             {-0.25, 0.875},
+                             {1.125, 0.25},
+                             {-3.0, 5.125},
+                             {1e6, -0.125},
+                             {1.0, -0.125},
+                             {-0.0625, 0.0625}}) {
+    for (bool const is_x : {true, false}) {
+      State const state =
+          points(Edge::periodic, {is_x ? Vector{a, 0.5} : Vector{0.5, a}, is_x ? Vector{b, 0.5} : Vector{0.5, b}});
+      TypeParam const grid = grid_for_reach<TypeParam>(state, 0.2);
+      Vector const expected = state.box.displacement(position(state.disks, 1), position(state.disks, 0));
+      EXPECT_EQ(squared_length(expected), 0.125 * 0.125);
+      std::size_t found = 0;
+      for_each_pair(state, grid, 0.2, [&](std::size_t, std::size_t, Vector d) {
+        EXPECT_EQ(d, expected);
+        ++found;
+      });
+      for_each_neighbour(state, grid, 0.2, std::size_t{1}, [&](std::size_t, Vector d) {
+        EXPECT_EQ(d, expected);
+        ++found;
+      });
+      EXPECT_EQ(found, 2U) << a << " and " << b;
+    }
+  }
+}
+
+TYPED_TEST(AnyGrid, FollowsAnAgentOutOfAPeriodicBoxAndBack) {
+  State state = points(Edge::periodic, {{0.9, 0.9}, {0.5, 0.5}});
+  CellLayout const layout(state.box, 8, 8);
+  TypeParam grid(layout, state.disks.column<X>(), state.disks.column<Y>());
+  for (double const image : {-3.0, -1.0, 0.0, 1.0, 7.0}) {
+    state.disks.column<X>()[0] = 0.55 + image;
+    state.disks.column<Y>()[0] = 0.45 - image;
+    grid.move(0, position(state.disks, 0));
+    EXPECT_TRUE(grid.is_consistent());
+    EXPECT_EQ(grid.cell_of(0), layout.cell_of({0.55, 0.45}));
+    std::size_t pairs = 0;
+    for_each_pair(state, grid, 0.1, [&](std::size_t, std::size_t, Vector) { ++pairs; });
+    EXPECT_EQ(pairs, 1U) << image;
+  }
+}
+
+TYPED_TEST(AnyGrid, FindsAllBetweenWallsForAnyReachHoweverFar) {
+  State const state = points(Edge::wall, {{0.1, 0.5}, {0.5, 0.5}, {0.9, 0.5}, {-7.0, 1e6}});
+  TypeParam const grid(CellLayout(state.box, 5, 4), state.disks.column<X>(), state.disks.column<Y>());
+  for (double const reach : {1e7, 1e19, 1e200, std::numeric_limits<double>::infinity()}) {
+    Pairs pairs;
+    for_each_pair(state, grid, reach, [&](std::size_t i, std::size_t j, Vector) {
+      EXPECT_TRUE(pairs.emplace(i, j).second) << "a pair came twice";
+    });
+    EXPECT_EQ(pairs, (Pairs{{1, 0}, {2, 0}, {2, 1}, {3, 0}, {3, 1}, {3, 2}})) << reach;
+    std::size_t neighbours = 0;
+    for_each_neighbour(state, grid, reach, std::size_t{3}, [&](std::size_t, Vector) { ++neighbours; });
+    EXPECT_EQ(neighbours, 3U) << reach;
+  }
+}
+
+TYPED_TEST(AnyGrid, FindsHundredsOfNeighboursInOneCell) {
+  State state{.box = Box(1.0, 1.0, Edge::periodic)};
+  for (int n = 0; n < 300; ++n) state.disks.add(0.5 + 1e-5 * n, 0.5, 0, 0, 1e-6, 1.0, 0, 0);
+  TypeParam const grid(CellLayout(state.box, 8, 8), state.disks.column<X>(), state.disks.column<Y>());
+  std::set<std::size_t> found;
+  for_each_neighbour(state, grid, 0.1, std::size_t{150},
+                     [&](std::size_t j, Vector) { EXPECT_TRUE(found.insert(j).second); });
+  EXPECT_EQ(found.size(), 299U);
 }
 
 TEST(ForEachPair, WorksOnAGridCutMuchFinerThanTheReach) {
