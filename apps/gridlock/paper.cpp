@@ -75,7 +75,7 @@ void add_paper(CLI::App& app, ExitCode& exit_code) {
   CLI::App* const verb = app.add_subcommand("paper", "Make the paper's Figures 4 to 7 and check its claims");
   auto const options = std::make_shared<PaperOptions>();
   auto* const quick = verb->add_flag("--quick", options->is_quick, "10,000 steps, about a minute and a half (default)");
-  verb->add_flag("--full", options->is_full, "The paper's 100,000 steps, well over half an hour on two cores")
+  verb->add_flag("--full", options->is_full, "The paper's 100,000 steps, about half an hour on two cores")
       ->excludes(quick);
   verb->add_option("--figure", options->figure, "Make this figure alone")->check(CLI::Range(4, 7));
   verb->add_option("--seed", options->seed, "The seeds of the runs are this one and those after it");
