@@ -86,6 +86,7 @@ bool ExactEngine::is_as_left(State const& state) const {
 void ExactEngine::start_from(State const& state) {
   require_hard_disks(state);
   require_room_for_images(state);
+  earlier_audits_ = audits();
   dynamics_ = nullptr;  // first the old memory goes, then the new comes
   dynamics_ = std::make_unique<exact::Dynamics>(state);
   row_hash_ = hash_of_rows(state.disks);
@@ -118,11 +119,22 @@ void ExactEngine::advance(State& state, Tally& tally, Horizon const& horizon) {
   hash_ = hash(state);
 }
 
+std::uint64_t ExactEngine::audits() const { return earlier_audits_ + (dynamics_ == nullptr ? 0 : dynamics_->audits()); }
+
+std::uint64_t ExactEngine::audits_for_missed_events() const {
+  return dynamics_ != nullptr && dynamics_->looks_for_missed_events() ? audits() : 0;
+}
+
 void ExactEngine::carry(Archive& archive, State const& state) {
   bool has_started = dynamics_ != nullptr;
   archive.visit("has_started", has_started);
   if (archive.is_restoring()) dynamics_ = has_started ? std::make_unique<exact::Dynamics>(state) : nullptr;
   if (!has_started) return;
+  if (audit_every_ > 0) {
+    std::uint64_t all_audits = audits();
+    archive.visit("audits", all_audits);
+    if (archive.is_restoring()) earlier_audits_ = all_audits;
+  }
   archive.visit("start_time", start_time_);
   archive.visit("next_step_time", next_step_time_);
   carry_inside(archive, "dynamics", [&] { dynamics_->carry(archive); });

@@ -27,11 +27,17 @@ class ExactEngine final : public Engine {
   [[nodiscard]] double time_step() const override { return duration_; }
   void carry(Archive& archive, State const& state) override;
 
+  /// How many audits there have been since the start of the run, all of which found nothing.
+  [[nodiscard]] std::uint64_t audits() const;
+  /// Those of them that looked for missed events, not for overlaps alone.
+  [[nodiscard]] std::uint64_t audits_for_missed_events() const;
+
  private:
   [[nodiscard]] bool is_as_left(State const& state) const;
   void start_from(State const& state);
 
   std::uint64_t audit_every_;
+  std::uint64_t earlier_audits_ = 0;  // of dynamics that are gone
   double duration_;
   std::unique_ptr<exact::Dynamics> dynamics_;  // nullptr until the first advance()
   std::uint64_t hash_ = 0;                     // of the state as left

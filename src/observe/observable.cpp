@@ -53,12 +53,13 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor) {
                 settings.velocity_origin_every);
 }
 
-std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Moment const& start) {
+std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Moment const& start,
+                                                          bool has_turns) {
   std::vector<std::unique_ptr<Observable>> observables;
   observables.push_back(std::make_unique<Displacement>());
   observables.push_back(std::make_unique<Energy>());
   observables.push_back(std::make_unique<Speed>(settings.speed_range, settings.speed_bins));
-  observables.push_back(std::make_unique<Rates>());
+  observables.push_back(std::make_unique<Rates>(has_turns));
   observables.push_back(std::make_unique<Pressure>());
   observables.push_back(std::make_unique<VelocityAutocorrelation>(settings.velocity_origin_every));
   if (settings.structure_every > 0) {

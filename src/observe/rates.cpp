@@ -43,13 +43,13 @@ void Rates::sample(Moment const& now, std::span<double> row, bool counts_for_ave
     if (collisions > 0.0) row[free_time_column] = disk_time / (2.0 * collisions);
     if (has_walls_) row[wall_column] = wall_hits / disk_time;
   }
-  if (turns > 0.0) row[blocked_column] = blocked / turns;
+  if (has_turns_ && turns > 0.0) row[blocked_column] = blocked / turns;
   if (!counts_for_average) return;
   if (disk_time > 0.0) {
     average(collision_column, row[collision_column], disk_time);
     if (has_walls_) average(wall_column, row[wall_column], disk_time);
   }
-  if (turns > 0.0) average(blocked_column, row[blocked_column], turns);
+  if (has_turns_ && turns > 0.0) average(blocked_column, row[blocked_column], turns);
 }
 
 std::vector<NamedEstimate> Rates::results() const {

@@ -71,7 +71,10 @@ class Artist {
         if (fs::exists(file)) pictures_.files.push_back(file);
       }
     } catch (std::exception const& error) {
-      pictures_.notes.push_back(name + ": " + error.what());
+      // What keeps a picture from being drawn keeps it from every kind of file.
+      if (std::string const text = name + ": " + error.what();
+          std::ranges::find(pictures_.notes, text) == pictures_.notes.end())
+        note(text);
     }
   }
 
@@ -242,7 +245,10 @@ std::vector<PlotCurve> curves_against(std::string const& axis, std::string const
                                       std::vector<std::string> const& keys) {
   std::vector<PlotCurve> curves;
   std::set<std::string> labels;
+  std::vector<double> const values = means.numbers(observable);
   for (std::size_t row = 0; row < means.row_count(); ++row) {
+    // Not every run of a sweep has every observable.
+    if (!std::isfinite(values[row])) continue;
     PlotCurve curve{.file = "means.csv",
                     .x = axis,
                     .y = observable,
@@ -269,6 +275,7 @@ void draw_sweep(Artist& artist) {
        {"mean_displacement", "compressibility_factor", "wall_pressure", "collision_rate", "blocked_share"}) {
     if (!means.contains(observable)) continue;
     std::vector<PlotCurve> const curves = curves_against(axis, observable, means, keys);
+    if (curves.empty()) continue;
     if (curves.size() > most_curves) {
       artist.note(
           fmt::format("{}: {} curves are too many for one picture; means.csv has them", observable, curves.size()));

@@ -153,13 +153,14 @@ bool Run::report(OnProgress const& on_progress) {
   note_time();
   if (!on_progress) return true;
   double const turns = static_cast<double>(steps_done()) * static_cast<double>(experiment_.agents());
+  bool const is_sampled = !last_row_.empty() && last_row_.front() > static_cast<double>(first_.step);
   return on_progress({.clock = experiment_.clock(),
                       .fraction = fraction_done(),
                       .steps = steps_done(),
                       .seconds = seconds_,
                       .agent_steps_per_second = seconds_ > 0.0 ? turns / seconds_ : 0.0,
                       .columns = columns_,
-                      .last_sample = last_row_});
+                      .last_sample = is_sampled ? std::span<double const>(last_row_) : std::span<double const>{}});
 }
 
 void Run::carry(Archive& archive) {

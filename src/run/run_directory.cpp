@@ -33,6 +33,21 @@ Json to_json(std::vector<Count> const& counts) {
   return json;
 }
 
+/// What was audited, for run.log; nothing where no audit was asked for.
+std::optional<std::string> audits_text(std::vector<Count> const& counts) {
+  auto const count = [&](char const* name) -> std::optional<std::uint64_t> {
+    auto const found = std::ranges::find(counts, name, &Count::name);
+    return found == counts.end() ? std::nullopt : std::optional(found->value);
+  };
+  auto const audits = count("audits");
+  if (!audits) return std::nullopt;
+  if (*audits == 0) return "no audit was due: there were fewer pair collisions than engine.audit_every";
+  bool const looks_for_missed_events = count("audits_for_missed_events") == audits;
+  return fmt::format("{} audits found no overlap{}", *audits,
+                     looks_for_missed_events ? " and no missed event"
+                                             : "; for missed events they look among few disks only, not here");
+}
+
 Table to_table(Distribution const& distribution) {
   Table table;
   for (std::size_t k = 0; k < distribution.columns.size(); ++k) {
@@ -139,9 +154,12 @@ class RunInDirectory {
     std::filesystem::remove(directory_ / trajectory_name, ignored);
     if (!setup_.start_file.empty()) write_xyz(setup_.state, directory_ / "start.xyz");
     write_file(directory_ / configuration_name, configuration_);
-    log_.note(fmt::format("gridlock {} begins: engine {}, {} disks, seed {}, start hash {:016x}", version(),
-                          setup_.configuration.engine.kind, experiment_->agents(), setup_.configuration.run.seed,
-                          experiment_->state_hash()));
+    Configuration const& configuration = setup_.configuration;
+    std::string const what = configuration.is_of_model()
+                                 ? fmt::format("model {}, {} agents", configuration.model.kind, experiment_->agents())
+                                 : fmt::format("engine {}, {} disks", configuration.engine.kind, experiment_->agents());
+    log_.note(fmt::format("gridlock {} begins: {}, seed {}, start hash {:016x}", version(), what,
+                          configuration.run.seed, experiment_->state_hash()));
   }
 
   void restore() {
@@ -174,6 +192,7 @@ class RunInDirectory {
       throw RunFailure(fmt::format("{}; then {}", record.failure, failure.what()));
     }
     if (ending == Ending::finished) remove_checkpoints(directory_);
+    if (auto const audits = audits_text(record.counts)) log_.note(*audits);
     log_.note(fmt::format("{} at step {} after {:.1f} s, state hash {:016x}{}{}", to_text(ending), record.clock.step,
                           record.seconds, record.state_hash, record.failure.empty() ? "" : ": ", record.failure));
     return record;

@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "engine/exact.hpp"
+
 namespace gridlock {
 
 namespace {
@@ -19,14 +21,20 @@ DiskExperiment::DiskExperiment(Setup&& setup)
     : engine_settings_(setup.configuration.engine),
       state_(std::move(setup.state)),
       engine_(make_engine(engine_settings_, state_)),
-      observables_(make_observables(setup.configuration.observe, {state_, tally_})) {}
+      observables_(make_observables(setup.configuration.observe, {state_, tally_}, engine_settings_.kind != "exact")) {}
 
 std::vector<Count> DiskExperiment::counts() const {
-  return {{"turns", tally_.turns},
-          {"blocked_turns", tally_.blocked_turns},
-          {"pair_collisions", tally_.pair_collisions},
-          {"wall_hits", tally_.all_wall_hits()},
-          {"distance_checks", tally_.distance_checks}};
+  std::vector<Count> counts{{"turns", tally_.turns},
+                            {"blocked_turns", tally_.blocked_turns},
+                            {"pair_collisions", tally_.pair_collisions},
+                            {"wall_hits", tally_.all_wall_hits()},
+                            {"distance_checks", tally_.distance_checks}};
+  auto const* const exact = dynamic_cast<ExactEngine const*>(engine_.get());
+  if (exact != nullptr && engine_settings_.audit_every > 0) {
+    counts.push_back({"audits", exact->audits()});
+    counts.push_back({"audits_for_missed_events", exact->audits_for_missed_events()});
+  }
+  return counts;
 }
 
 std::vector<ColumnInfo> DiskExperiment::columns() const {

@@ -97,7 +97,9 @@ TEST(Trajectories, OfAgentsWithoutARadiusBecomeMoviesAndPicturesByAnyColumn) {
   EXPECT_EQ(plot.exit_code, 0);
   EXPECT_EQ(plot.err, "");
   EXPECT_NE(plot.out.find("final.png"), std::string::npos) << plot.out;
-  EXPECT_NE(gridlock_in(workplace, {"plot", "run", "--colour", "smell"}).err.find("smell"), std::string::npos);
+  std::string const refusal = gridlock_in(workplace, {"plot", "run", "--colour", "smell"}).err;
+  EXPECT_NE(refusal.find("smell"), std::string::npos);
+  EXPECT_EQ(refusal.find("note: final"), refusal.rfind("note: final")) << "twice:\n" << refusal;
 }
 
 TEST(Trajectories, ThatAreNoneAreRefusedByName) {

@@ -95,8 +95,10 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor);
 /// Every observable that is defined for such a state, ready to sample: begun at `start`.
 ///
 /// Displacement, Energy, Speed, Rates, Pressure, VelocityAutocorrelation; BondOrientation and PairCorrelation unless
-/// structure_every is 0. Each is described in its own header. Quantities of walls exist in walled boxes only.
+/// structure_every is 0. Each is described in its own header. Quantities of walls exist in walled boxes only, those of
+/// turns where `has_turns`: not where disks go from event to event.
 /// Cost of a sample: a few passes over the disks, about 20 ns a disk; ψ6 and g(r) about 1 µs a disk when they are due.
-std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Moment const& start);
+std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Moment const& start,
+                                                          bool has_turns = true);
 
 }  // namespace gridlock

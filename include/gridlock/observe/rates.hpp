@@ -14,12 +14,15 @@ namespace gridlock {
 /// Averages are ratios of sums: all collisions over all time that counts. A mean free time without collisions and a
 /// share of no turns are left out. Collisions are the scatterings the engine did; under the paper's rule with
 /// contact = "always" that includes pairs that recede.
-/// An engine that moves disks from event to event halts none: its blocked_share is 0.
+/// An engine that moves disks from event to event halts none: it has no blocked_share, and the column stays empty.
 /// Cost: O(1).
 /// Source: S. Chapman & T. G. Cowling, The Mathematical Theory of Non-uniform Gases (1970), chapter 5: in equilibrium
 /// Γ = 2 σ ρ g(σ) √(πkT/m) for equal disks of diameter σ and density ρ.
 class Rates final : public AveragingObservable {
  public:
+  /// `has_turns`: whether disks take turns that can end halted; without, there is no blocked_share.
+  explicit Rates(bool has_turns = true) : has_turns_(has_turns) {}
+
   void begin(Moment const& start) override;
   void sample(Moment const& now, std::span<double> row, bool counts_for_average) override;
   [[nodiscard]] std::vector<NamedEstimate> results() const override;
@@ -28,6 +31,7 @@ class Rates final : public AveragingObservable {
  private:
   Tally last_;
   double last_time_ = 0.0;
+  bool has_turns_ = true;
   bool has_walls_ = false;
 };
 

@@ -24,7 +24,8 @@ struct Progress {
   double seconds = 0.0;     ///< of real time so far
   double agent_steps_per_second = 0.0;
   std::span<ColumnInfo const> columns;  ///< of the series, step and time first
-  std::span<double const> last_sample;  ///< a value for each of them
+  /// A value for each of them; empty up to the first sample after the start, where nothing has moved yet.
+  std::span<double const> last_sample;
   [[nodiscard]] double seconds_left() const { return fraction > 0.0 ? seconds * (1.0 - fraction) / fraction : 0.0; }
 };
 

@@ -37,8 +37,10 @@ Flight flight(MovingDisk const& a, MovingDisk const& b) {
 
 void Dynamics::audit() const {
   audit_overlaps();
-  if (size_ <= most_disks_for_all_pairs) audit_missed_events();
+  if (looks_for_missed_events()) audit_missed_events();
 }
+
+bool Dynamics::looks_for_missed_events() const { return size_ <= most_disks_for_all_pairs; }
 
 void Dynamics::audit_overlaps() const {
   auto const require_gap = [&](Index i, Index j) {

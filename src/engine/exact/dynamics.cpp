@@ -178,7 +178,10 @@ bool Dynamics::run(double elapsed, std::uint64_t pair_collisions, std::uint64_t 
     now_ = due.time;
     if (fetches_ahead_) fetch_ahead();
     handle(due.disk, tally);
-    if (audit_every > 0 && tally.pair_collisions != before && tally.pair_collisions % audit_every == 0) audit();
+    if (audit_every > 0 && tally.pair_collisions != before && tally.pair_collisions % audit_every == 0) {
+      audit();
+      ++audits_;
+    }
   }
   return false;
 }

@@ -44,6 +44,10 @@ class Dynamics {
   /// Throws RunFailure where two disks, or a disk and a wall, overlap by more than 1e-12 diameters, or, for up to 2000
   /// disks, where a collision would be missed: a pair that comes to overlap before either disk's own event.
   void audit() const;
+  /// How many audits run() has made, all of which found nothing.
+  [[nodiscard]] std::uint64_t audits() const { return audits_; }
+  /// Whether audits look for missed collisions too.
+  [[nodiscard]] bool looks_for_missed_events() const;
 
   /// Carries the disks as they fly and the events they wait for; restored into a dynamics of the state that was written
   /// at the same moment. Which memory a disk lies in is not carried: the trajectory does not depend on it.
@@ -109,6 +113,7 @@ class Dynamics {
   double epoch_start_ = 0.0;
   std::uint64_t epoch_ = 0;
   std::uint64_t expected_appointments_ = 0;
+  std::uint64_t audits_ = 0;
 };
 
 }  // namespace gridlock::exact

@@ -100,6 +100,16 @@ TEST(Rates, OfNoTimeNoTurnsOrNoDisksAreUndefined) {
   EXPECT_TRUE(rates.results().empty());
 }
 
+TEST(Rates, WithoutTurnsThereIsNoBlockedShareWhateverTheTallyCountsAsTurns) {
+  SyntheticRun run(Edge::wall);
+  Rates rates(false);
+  rates.begin({run.state, run.tally});
+  run.pass(1.0, 10, 4, 100, 0);
+  EXPECT_TRUE(std::isnan(cell(rates, sample(rates, run.state, run.tally), "blocked_share")));
+  EXPECT_FALSE(result(rates, "blocked_share"));
+  EXPECT_TRUE(result(rates, "collision_rate"));
+}
+
 TEST(Rates, WithoutCollisionsThereIsARateOfZeroButNoMeanFreeTime) {
   SyntheticRun run(Edge::wall);
   Rates rates;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "gridlock/core/error.hpp"
@@ -162,6 +163,54 @@ TEST(RunDirectory, KeepsALogOverInterruptions) {
        {"begins", "checkpoint at step 10", "interrupted at step 10", "goes on from step 10", "finished"}) {
     EXPECT_NE(log.find(word), std::string::npos) << word << " in\n" << log;
   }
+}
+
+TEST(RunDirectory, NamesTheModelInItsLog) {
+  Directory const directory;
+  SettingsFile const file =
+      SettingsFile::from_text("model.kind = \"epidemic\"\nepidemic.count = 70\nrun.steps = 2\n", "run.toml");
+  run_in(directory / "a", set_up(file));
+  std::string const log = read_file(directory / "a" / "run.log");
+  EXPECT_NE(log.find("model epidemic, 70 agents"), std::string::npos) << log;
+  EXPECT_EQ(log.find("stepped"), std::string::npos) << log;
+}
+
+std::uint64_t count_of(RunRecord const& record, std::string const& name) {
+  auto const found = std::ranges::find(record.counts, name, &Count::name);
+  return found == record.counts.end() ? 0 : found->value;
+}
+
+TEST(RunDirectory, SaysHowOftenTheExactEngineAuditedItselfOverInterruptions) {
+  Directory const directory;
+  SettingsFile file = SettingsFile::from_text(
+      "disks = { count = 49, packing_fraction = 0.5 }\nengine = { kind = \"exact\", audit_every = 10 }\n"
+      "run.steps = 60\nobserve.every = 5\n",
+      "run.toml");
+  run_in(directory / "a", set_up(file), {.on_progress = stopping_after(3), .on_note = {}, .threads = {}});
+  RunRecord const record = resume_in(directory / "a");
+  std::uint64_t const audits = count_of(record, "audits");
+  EXPECT_GT(audits, 3U);
+  EXPECT_EQ(audits, count_of(record, "pair_collisions") / 10);
+  EXPECT_EQ(count_of(record, "audits_for_missed_events"), audits);
+  std::string const log = read_file(directory / "a" / "run.log");
+  EXPECT_NE(log.find(std::to_string(audits) + " audits found no overlap and no missed event"), std::string::npos)
+      << log;
+  std::string const summary = read_file(directory / "a" / "summary.json");
+  EXPECT_NE(summary.find("\"audits\": " + std::to_string(audits)), std::string::npos) << summary;
+  EXPECT_EQ(summary.find("blocked_share"), std::string::npos) << "the exact engine halts no disk";
+}
+
+TEST(RunDirectory, SaysWhereAnAuditDoesNotLookForMissedEvents) {
+  Directory const directory;
+  SettingsFile const file = SettingsFile::from_text(
+      "disks = { count = 2500, packing_fraction = 0.5 }\nengine = { kind = \"exact\", audit_every = 1000 }\n"
+      "run.steps = 20\nobserve.structure_every = 0\n",
+      "run.toml");
+  RunRecord const record = run_in(directory / "a", set_up(file));
+  EXPECT_GT(count_of(record, "audits"), 0U);
+  EXPECT_EQ(count_of(record, "audits_for_missed_events"), 0U);
+  std::string const log = read_file(directory / "a" / "run.log");
+  EXPECT_NE(log.find("audits found no overlap; for missed events"), std::string::npos) << log;
 }
 
 TEST(RunSummary, ReadsBackWhatTheRunWrote) {

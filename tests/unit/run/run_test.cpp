@@ -97,6 +97,19 @@ TEST_P(RunOfEveryEngine, ThrowsOnWhatTheListenerThrowsAndCanGoOn) {
 INSTANTIATE_TEST_SUITE_P(Engines, RunOfEveryEngine, testing::ValuesIn(engine_kinds()),
                          [](testing::TestParamInfo<std::string> const& name) { return name.param; });
 
+TEST(Run, ReportsNoSampleBeforeTheFirstAfterTheStart) {
+  WatchedRun watched("stepped");
+  gridlock::Run run(watched.experiment, watched.plan);
+  run.go_on([&](Progress const& progress) {
+    // A report that comes with the end of a chunk comes before its sample.
+    EXPECT_EQ(progress.last_sample.empty(), progress.steps <= 40) << progress.steps;
+    if (!progress.last_sample.empty()) {
+      EXPECT_GT(progress.last_sample[2], 0.0) << "the mean displacement";
+    }
+    return true;
+  });
+}
+
 TEST(Run, LooksNoMoreOftenThanPlanned) {
   WatchedRun watched("tiled");
   watched.plan.seconds_per_look = 3600.0;
