@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <memory>
+#include <new>
 #include <utility>
 #include <vector>
 
@@ -29,29 +31,40 @@ void print_setup(gridlock::Setup const& setup) {
              setup.configuration.engine.kind, gridlock::step_duration(setup.configuration.engine, state));
 }
 
+void print_notes(std::vector<std::vector<gridlock::IdleSetting>> const& idle_settings) {
+  for (std::string const& note : gridlock::notes_on(idle_settings)) fmt::print(stderr, "note: {}\n", note);
+}
+
 /// Sets up every run of a sweep; what is wrong with any of them comes at the end.
 void check_all(gridlock::SweepPlan const& plan) {
   std::vector<gridlock::Problem> problems;
+  std::vector<std::vector<gridlock::IdleSetting>> idle;
   for (gridlock::SweepRun const& run : plan.runs) {
     try {
       gridlock::Setup const setup = gridlock::set_up(run.settings);
       fmt::print("{}: ", run.name);
       print_setup(setup);
+      idle.push_back(setup.idle_settings);
     } catch (gridlock::Error const& error) {
       for (gridlock::Problem problem : error.problems()) {
         problem.what = fmt::format("{}: {}", run.name, problem.what);
         problems.push_back(std::move(problem));
       }
+    } catch (std::bad_alloc const&) {
+      problems.push_back({.what = fmt::format("{}: not enough memory", run.name)});
     }
   }
   if (!problems.empty()) throw gridlock::Error(std::move(problems));
+  print_notes(idle);
   fmt::print("{} runs\n", plan.runs.size());
 }
 
 ExitCode check(ConfigurationOptions const& options) {
   gridlock::SettingsFile const settings = options.read();
   if (!settings.is_given("sweep")) {
-    print_setup(gridlock::set_up(settings));
+    gridlock::Setup const setup = gridlock::set_up(settings);
+    print_setup(setup);
+    print_notes({setup.idle_settings});
   } else {
     check_all(gridlock::plan_sweep(settings));
   }

@@ -95,7 +95,9 @@ gridlock::RunHooks RunOutput::hooks() {
   };
   hooks.on_note = [this](std::string const& note) {
     bool const is_warning = note.find("no checkpoint") == 0 || note.find("going back") != std::string::npos;
-    if (is_verbose_ || is_warning) fmt::print(stderr, "{}{}\n", is_warning ? "warning: " : "", note);
+    bool const is_on_settings = note.find(" has no effect ") != std::string::npos && !is_quiet_;
+    if (!is_verbose_ && !is_warning && !is_on_settings) return;
+    fmt::print(stderr, "{}{}\n", is_warning ? "warning: " : is_on_settings ? "note: " : "", note);
   };
   return hooks;
 }

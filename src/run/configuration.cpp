@@ -9,6 +9,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/xyz.hpp"
+#include "run/idle_settings.hpp"
 #include "run/memory.hpp"
 
 namespace gridlock {
@@ -212,6 +213,7 @@ Setup set_up(Configuration configuration, std::filesystem::path const& directory
   if (configuration.is_of_model()) {
     Setup setup = set_up_model(std::move(configuration));
     refuse_tables_of_others(setup.configuration, is_given);
+    setup.idle_settings = idle_settings(setup.configuration, is_given);
     return setup;
   }
   refuse_tables_of_others(configuration, is_given);
@@ -219,6 +221,8 @@ Setup set_up(Configuration configuration, std::filesystem::path const& directory
   configuration.models.clear();
   require_memory(configuration);
   Setup setup;
+  // Before anything is resolved, which makes the default of what was left out look like a choice.
+  setup.idle_settings = idle_settings(configuration, is_given);
   bool const is_from_file = configuration.disks.start == StartKind::file || !configuration.disks.file.empty();
   if (is_from_file && !configuration.disks.file.empty()) {
     setup.start_file = directory / configuration.disks.file;

@@ -154,6 +154,7 @@ class RunInDirectory {
     std::filesystem::remove(directory_ / trajectory_name, ignored);
     if (!setup_.start_file.empty()) write_xyz(setup_.state, directory_ / "start.xyz");
     write_file(directory_ / configuration_name, configuration_);
+    for (std::string const& note : notes_on({setup_.idle_settings})) log_.note(note);
     Configuration const& configuration = setup_.configuration;
     std::string const what = configuration.is_of_model()
                                  ? fmt::format("model {}, {} agents", configuration.model.kind, experiment_->agents())

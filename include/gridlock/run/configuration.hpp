@@ -63,11 +63,25 @@ void describe(Configuration& configuration, SettingVisitor& visitor);
 /// describe() of a configuration as the io layer takes it.
 Describe describing(Configuration& configuration);
 
+/// A setting that was given although nothing of the run depends on it.
+struct IdleSetting {
+  std::string key;
+  std::string why;          ///< "has no effect with engine.kind = \"stepped\""
+  bool is_default = false;  ///< it has the value it would have anyway, as in a resolved configuration
+
+  [[nodiscard]] std::string text() const { return key + " " + why; }
+};
+
+/// What to tell of the idle settings of several runs: of those that are idle in every one of them. A sweep over engines
+/// sets what only some of them need.
+std::vector<std::string> notes_on(std::vector<std::vector<IdleSetting>> const& runs);
+
 /// A run about to start: the state, and the configuration with every choice made, so that it gives the same bits again.
 struct Setup {
   Configuration configuration;
   State state;
   std::filesystem::path start_file;  ///< the file the state was read from; empty for a lattice or random start
+  std::vector<IdleSetting> idle_settings = {};
 };
 
 /// Reads the settings and sets up the run they describe.

@@ -213,6 +213,42 @@ TEST(RunDirectory, SaysWhereAnAuditDoesNotLookForMissedEvents) {
   EXPECT_NE(log.find("audits found no overlap; for missed events"), std::string::npos) << log;
 }
 
+std::vector<std::string> notes_of(std::string const& text) {
+  return notes_on({set_up(SettingsFile::from_text(text, "run.toml")).idle_settings});
+}
+
+TEST(IdleSettings, AreNoted) {
+  using Notes = std::vector<std::string>;
+  EXPECT_EQ(notes_of("engine = { threads = 2, audit_every = 5 }"),
+            (Notes{"engine.audit_every has no effect with engine.kind = \"stepped\"",
+                   "engine.threads has no effect with engine.kind = \"stepped\""}));
+  EXPECT_EQ(notes_of("engine = { kind = \"tiled\", grid = \"linked\", cells = 5, threads = 2 }"),
+            (Notes{"engine.cells has no effect on the disks with engine.kind = \"tiled\"",
+                   "engine.grid has no effect with engine.kind = \"tiled\""}));
+  EXPECT_EQ(notes_of("engine = { kind = \"exact\", contact = \"approaching\", substeps = 6, audit_every = 9 }"),
+            (Notes{"engine.substeps has no effect with engine.kind = \"exact\"",
+                   "engine.contact has no effect with engine.kind = \"exact\""}));
+  EXPECT_EQ(notes_of("model.kind = \"epidemic\"\nengine = { kind = \"tiled\", threads = 2 }"),
+            Notes{"engine.kind has no effect with model.kind = \"epidemic\""});
+  EXPECT_EQ(notes_of("model.verify_every = 3"), Notes{"model.verify_every has no effect without model.kind"});
+  EXPECT_EQ(notes_of("engine = { cells = 5, grid = \"linked\", contact = \"approaching\", substeps = 6 }"), Notes{});
+}
+
+TEST(IdleSettings, OfAResolvedConfigurationAreNotNotedWhereTheyHaveTheirDefaults) {
+  for (char const* kind : {"stepped", "tiled", "exact"}) {
+    gridlock::Setup const setup =
+        set_up(SettingsFile::from_text(std::string("engine.kind = \"") + kind + "\"", "run.toml"));
+    EXPECT_TRUE(notes_of(resolved_configuration(setup)).empty()) << kind;
+  }
+}
+
+TEST(IdleSettings, StandInTheLogOfTheRun) {
+  Directory const directory;
+  run_in(directory / "a", set_up(SettingsFile::from_text("engine.threads = 2\nrun.steps = 2", "run.toml")));
+  std::string const log = read_file(directory / "a" / "run.log");
+  EXPECT_NE(log.find("engine.threads has no effect"), std::string::npos) << log;
+}
+
 TEST(RunSummary, ReadsBackWhatTheRunWrote) {
   Directory const directory;
   RunRecord const record = run_in(directory / "a", set_up(small()));
