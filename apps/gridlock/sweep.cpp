@@ -79,6 +79,9 @@ ExitCode sweep(SweepOptions const& options) {
   if (!shard) {
     for (std::string const& note : gridlock::draw_results(directory).notes) fmt::print(stderr, "note: {}\n", note);
   }
+  if (!options.is_quiet) {
+    for (std::string const& note : result.notes) fmt::print(stderr, "note: {}\n", note);
+  }
   for (std::string const& message : result.messages) fmt::print(stderr, "error: {}\n", message);
   if (shard) return finish_shard(*shard, plan.runs.size(), result, directory);
   std::size_t const good = plan.runs.size() - result.failures - result.interruptions;
@@ -87,8 +90,16 @@ ExitCode sweep(SweepOptions const& options) {
                directory.string());
   }
   if (good == plan.runs.size()) return ExitCode::good;
-  fmt::print(stderr, "{} runs failed, {} were stopped early; the same command goes on in {}\n", result.failures,
-             result.interruptions, directory.string());
+  if (result.failures > 0) {
+    fmt::print(stderr,
+               "{} of {} runs failed; the same command keeps what is finished and tries them again, to the same end "
+               "unless the reason is gone\n",
+               result.failures, plan.runs.size());
+  }
+  if (result.interruptions > 0) {
+    fmt::print(stderr, "{} of {} runs were stopped early; the same command goes on with them in {}\n",
+               result.interruptions, plan.runs.size(), directory.string());
+  }
   return ExitCode::run_failed;
 }
 

@@ -1,6 +1,7 @@
 #include "run/memory.hpp"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,11 +18,12 @@ namespace {
 
 // Measured at 10⁶ disks: 250 bytes a disk for the stepped engine, 390 for the exact one.
 constexpr double bytes_per_disk = 250.0;
+constexpr double bytes_per_disk_of_exact = 390.0;
 constexpr double bytes_per_cell = 4.0;
 constexpr double bytes_per_row = 25 * 8.0;
 
-/// What the system says programs can still get, in bytes.
-double free_memory() {
+/// What the machine has free, in bytes.
+double free_memory_of_machine() {
   std::ifstream file("/proc/meminfo");
   for (std::string word; file >> word;) {
     double kibibytes = 0.0;
@@ -33,6 +35,17 @@ double free_memory() {
   return static_cast<double>(pages) * static_cast<double>(page_size);
 }
 
+/// What the process may still ask for under its limit of address space, in bytes.
+double free_memory_of_process() {
+  rlimit limit{};
+  std::ifstream file("/proc/self/statm");
+  double pages = 0.0;
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY || !(file >> pages)) {
+    return std::numeric_limits<double>::infinity();
+  }
+  return std::max(0.0, static_cast<double>(limit.rlim_cur) - pages * static_cast<double>(sysconf(_SC_PAGESIZE)));
+}
+
 struct Demand {
   std::string what;
   char const* key;
@@ -40,20 +53,32 @@ struct Demand {
   char const* hint;
 };
 
-}  // namespace
-
-void require_memory(Configuration const& configuration) {
+std::array<Demand, 3> demands_of(Configuration const& configuration) {
   auto const disks = static_cast<double>(configuration.disks.count.value_or(0));
   auto const cells = static_cast<double>(configuration.engine.cells.value_or(0));
   std::uint64_t const samples =
       configuration.run.steps.value_or(0) / std::max<std::uint64_t>(1, configuration.observe.every);
   auto const rows = static_cast<double>(samples);
-  std::array<Demand, 3> const demands{
-      Demand{fmt::format("{:.0f} disks", disks), "disks.count", bytes_per_disk * disks, "use fewer disks"},
-      Demand{fmt::format("a grid of {0:.0f} × {0:.0f} cells", cells), "engine.cells", bytes_per_cell * cells * cells,
-             "leave engine.cells out, or use fewer"},
-      Demand{fmt::format("a series of {:.0f} samples", rows), "observe.every", bytes_per_row * rows,
-             "use a larger observe.every, or fewer run.steps"}};
+  double const per_disk = configuration.engine.kind == "exact" ? bytes_per_disk_of_exact : bytes_per_disk;
+  return {Demand{fmt::format("{:.0f} disks", disks), "disks.count", per_disk * disks, "use fewer disks"},
+          Demand{fmt::format("a grid of {0:.0f} × {0:.0f} cells", cells), "engine.cells",
+                 bytes_per_cell * cells * cells, "leave engine.cells out, or use fewer"},
+          Demand{fmt::format("a series of {:.0f} samples", rows), "observe.every", bytes_per_row * rows,
+                 "use a larger observe.every, or fewer run.steps"}};
+}
+
+}  // namespace
+
+double free_memory() { return std::min(free_memory_of_machine(), free_memory_of_process()); }
+
+double expected_memory(Configuration const& configuration, double agents) {
+  double bytes = bytes_per_disk * agents;
+  for (Demand const& demand : demands_of(configuration)) bytes += demand.bytes;
+  return bytes;
+}
+
+void require_memory(Configuration const& configuration) {
+  std::array<Demand, 3> const demands = demands_of(configuration);
   Demand const& largest = *std::ranges::max_element(demands, {}, &Demand::bytes);
   double const available = free_memory();
   if (largest.bytes <= available) return;
@@ -61,6 +86,23 @@ void require_memory(Configuration const& configuration) {
                                    largest.bytes / 1e9, available / 1e9),
                .hint = largest.hint,
                .key = largest.key});
+}
+
+void MemoryBudget::take(double bytes) {
+  std::unique_lock lock(mutex_);
+  // Alone a run may take more than there is: whether it can be made at all is not asked here.
+  is_given_back_.wait(lock, [&] { return parts_ == 0 || taken_ + bytes <= bytes_; });
+  taken_ += bytes;
+  ++parts_;
+}
+
+void MemoryBudget::give_back(double bytes) {
+  {
+    std::scoped_lock const lock(mutex_);
+    --parts_;
+    taken_ = parts_ == 0 ? 0.0 : taken_ - bytes;
+  }
+  is_given_back_.notify_all();
 }
 
 }  // namespace gridlock

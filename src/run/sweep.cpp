@@ -6,14 +6,17 @@
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
+#include <cstdint>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <utility>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
 #include "gridlock/run/run_directory.hpp"
+#include "run/expected_work.hpp"
+#include "run/memory.hpp"
 #include "run/sweep_tables.hpp"
 #include "run/team.hpp"
 
@@ -25,17 +28,27 @@ using Json = nlohmann::ordered_json;
 
 constexpr char const* plan_name = "plan.json";
 
-/// The work of a run in disk-steps, as far as its settings tell: only for the order and the progress.
-double cost_of(Setup const& setup) {
-  RunSettings const& run = setup.configuration.run;
-  double const disks = static_cast<double>(setup.state.disks.size());
-  double const duration = step_duration(setup.configuration.engine, setup.state);
-  double steps = std::numeric_limits<double>::infinity();
-  if (run.steps) steps = std::min(steps, static_cast<double>(*run.steps));
-  if (run.time) steps = std::min(steps, *run.time / duration);
-  // A disk of a dense fluid collides a few times while it travels ten of the default time steps.
-  if (run.collisions_per_disk) steps = std::min(steps, *run.collisions_per_disk * 3.0);
-  return disks * steps + 1.0;
+/// The rest is for what the estimates leave out.
+constexpr double share_of_memory = 0.8;
+
+std::string reason_of(std::exception const& error) {
+  return dynamic_cast<std::bad_alloc const*>(&error) == nullptr ? error.what() : "not enough memory";
+}
+
+/// Whether more threads than one are of any use to it.
+bool uses_threads(Configuration const& configuration) {
+  return configuration.is_of_model() || configuration.engine.kind == "tiled";
+}
+
+/// The threads in a resolved configuration; nothing where it is damaged.
+std::optional<std::uint64_t> threads_in(std::string const& resolved) {
+  try {
+    Configuration configuration;
+    SettingsFile::from_text(resolved, "").read_into(describing(configuration));
+    return configuration.engine.threads;
+  } catch (Error const&) {
+    return std::nullopt;
+  }
 }
 
 std::filesystem::path directory_of(std::filesystem::path const& sweep, SweepRun const& run) {
@@ -80,61 +93,123 @@ void open_sweep_directory(std::filesystem::path const& directory, bool overwrite
 class SweepInProgress {
  public:
   SweepInProgress(SweepPlan const& plan, SweepSettings const& settings)
-      : plan_(plan), settings_(settings), outcomes_(plan.runs.size()), errors_(plan.runs.size()) {}
+      : plan_(plan),
+        settings_(settings),
+        memory_(share_of_memory * free_memory()),
+        outcomes_(plan.runs.size()),
+        errors_(plan.runs.size()),
+        prospects_(plan.runs.size()),
+        idle_settings_(plan.runs.size()) {}
 
   void run() {
-    std::vector<double> const costs = estimate_costs();
+    set_up_all();
     require_one_good();
+    share_out_threads();
     open_sweep_directory(settings_.directory, settings_.overwrites);
     DirectoryLock const lock(settings_.directory, settings_.shard ? Sharing::with_others : Sharing::alone);
     write_file(settings_.directory / plan_name, to_json(plan_).dump(1) + '\n');
     auto const start = std::chrono::steady_clock::now();
-    Team team(costs, [&](double fraction, std::size_t finished) {
+    std::vector<double> work;
+    for (Prospect const& prospect : prospects_) work.push_back(prospect.work);
+    Team team(work, [&](double fraction, std::size_t finished) {
       double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       return !settings_.on_progress ||
              settings_.on_progress(
                  {.finished = finished, .all = plan_.runs.size(), .fraction = fraction, .seconds = seconds});
     });
     team.run_all(settings_.threads, [&](std::size_t run) {
-      if (!errors_[run] && is_ours(run)) outcomes_[run] = carry_out(run, team);
+      if (!has_failed(run) && is_ours(run)) outcomes_[run] = carry_out(run, team);
     });
   }
 
   [[nodiscard]] std::vector<SweepOutcome> const& outcomes() const { return outcomes_; }
+  [[nodiscard]] std::vector<std::string> notes() const {
+    std::vector<std::vector<IdleSetting>> idle;
+    for (auto const& settings : idle_settings_) {
+      if (settings) idle.push_back(*settings);
+    }
+    return notes_on(idle);
+  }
 
  private:
   [[nodiscard]] bool is_ours(std::size_t run) const {
     return !settings_.shard || run % settings_.shard->count == settings_.shard->number - 1;
   }
 
-  /// All cores are busy with runs already, so each of them has one.
-  [[nodiscard]] Setup set_up_one(std::size_t run) const {
-    Setup setup = set_up(plan_.runs[run].settings);
-    if (setup.configuration.engine.threads == 0) setup.configuration.engine.threads = 1;
-    return setup;
-  }
+  [[nodiscard]] bool has_failed(std::size_t run) const { return outcomes_[run].ending == Ending::failed; }
 
-  /// Sets up every run once, for its cost and to know which cannot be made, are there already, or are in the way.
-  std::vector<double> estimate_costs() {
-    std::vector<double> costs(plan_.runs.size(), 0.0);
+  /// Sets up every run once, to know what it takes and which cannot be made, are there already, or are in the way.
+  void set_up_all() {
+    std::vector<char> lacks_memory(plan_.runs.size(), 0);
     tbb::parallel_for(std::size_t{0}, plan_.runs.size(), [&](std::size_t run) {
       try {
-        Setup const setup = set_up_one(run);
-        require_same_run(run, setup);
-        costs[run] = is_ours(run) && !is_finished(run) ? cost_of(setup) : 0.0;
-      } catch (Error const& error) {
-        errors_[run] = error;
-        outcomes_[run] = {.has_begun = false, .ending = Ending::failed, .message = error.what(), .results = {}};
+        look_at(run);
+      } catch (std::bad_alloc const&) {
+        lacks_memory[run] = 1;
       }
     });
+    // What did not fit beside others may fit alone.
+    for (std::size_t run = 0; run < plan_.runs.size(); ++run) {
+      if (lacks_memory[run] == 0) continue;
+      try {
+        look_at(run);
+      } catch (std::bad_alloc const& error) {
+        note_failure(run, error);
+      }
+    }
     if (is_in_the_way_) throw *is_in_the_way_;
-    return costs;
+  }
+
+  /// Throws std::bad_alloc; any other failure is noted.
+  void look_at(std::size_t run) {
+    try {
+      Configuration configuration;
+      plan_.runs[run].settings.read_into(describing(configuration));
+      MemoryBudget::Part const memory(memory_, expected_memory(configuration));
+      Setup setup = set_up(plan_.runs[run].settings);
+      idle_settings_[run] = setup.idle_settings;
+      require_same_run(run, setup);
+      if (!is_ours(run) || is_finished(run)) return;
+      auto const [work, bytes] = expectation_of(setup);
+      std::uint64_t const threads = setup.configuration.engine.threads;
+      bool const gains = uses_threads(setup.configuration);
+      prospects_[run] = {.work = work,
+                         .bytes = bytes,
+                         .threads = gains && threads > 0 ? threads : 1,
+                         .takes_threads = gains && threads == 0};
+    } catch (std::bad_alloc const&) {
+      throw;
+    } catch (Error const& error) {
+      note_failure(run, error);
+      errors_[run] = error;
+    } catch (std::exception const& error) {
+      note_failure(run, error);
+    }
+  }
+
+  void note_failure(std::size_t run, std::exception const& error) {
+    outcomes_[run] = {.has_begun = false, .ending = Ending::failed, .message = reason_of(error), .results = {}};
   }
 
   /// A mistake that spoils every run is the user's input, not a failure of some runs.
   void require_one_good() const {
-    bool const is_one_good = std::ranges::any_of(errors_, [](auto const& error) { return !error; });
-    if (!is_one_good) throw *errors_.front();
+    bool const are_all_mistaken = std::ranges::all_of(errors_, [](auto const& error) { return error.has_value(); });
+    if (are_all_mistaken) throw *errors_.front();
+  }
+
+  /// Where there are fewer runs than cores, those that can use several get what the others leave, the longest ones most.
+  void share_out_threads() {
+    std::vector<std::size_t> takers;
+    auto left = static_cast<std::uint64_t>(jobs_for(settings_.threads));
+    for (std::size_t run = 0; run < prospects_.size(); ++run) {
+      if (prospects_[run].work > 0.0) left -= std::min(left, prospects_[run].threads);
+      if (prospects_[run].takes_threads) takers.push_back(run);
+    }
+    if (takers.empty()) return;
+    std::ranges::stable_sort(takers, std::ranges::greater{}, [&](std::size_t run) { return prospects_[run].work; });
+    for (std::size_t k = 0; k < takers.size(); ++k) {
+      prospects_[takers[k]].threads += left / takers.size() + (k < left % takers.size() ? 1 : 0);
+    }
   }
 
   /// Whether the run is in its directory already, finished or not.
@@ -150,35 +225,63 @@ class SweepInProgress {
     return gridlock::directory_of(settings_.directory, plan_.runs[run]);
   }
 
-  void require_same_run(std::size_t run, Setup const& setup) {
+  void require_same_run(std::size_t run, Setup& setup) {
     if (!is_there(run)) return;
     auto const summary = read_summary(directory_of(run));
     bool const has_same_start = !summary || summary->start_hash == hash(setup.state);
-    if (has_same_start && read_file(directory_of(run) / "config.resolved.toml") == resolved_configuration(setup))
-      return;
+    if (has_same_start && is_recorded(run, setup)) return;
     std::scoped_lock const guard(mutex_);
     is_in_the_way_ = Error({.what = fmt::format("{} was run with other settings", directory_of(run).string()),
                             .hint = "name another directory with -o, or add --overwrite to run everything again",
                             .key = "-o"});
   }
 
-  SweepOutcome carry_out(std::size_t run, Team& team) const {
+  /// Whether the directory of the run says the same settings, on whatever number of threads it was begun: the bits do
+  /// not depend on it, and the share of the cores that a run gets is another in another sweep.
+  [[nodiscard]] bool is_recorded(std::size_t run, Setup& setup) const {
+    std::string const recorded = read_file(directory_of(run) / "config.resolved.toml");
+    auto const threads = threads_in(recorded);
+    if (!threads) return false;
+    std::uint64_t const own = std::exchange(setup.configuration.engine.threads, *threads);
+    bool const is_same = recorded == resolved_configuration(setup);
+    setup.configuration.engine.threads = own;
+    return is_same;
+  }
+
+  SweepOutcome carry_out(std::size_t run, Team& team) {
+    Prospect const& prospect = prospects_[run];
     RunHooks const hooks{.on_progress = [&](Progress const& progress) { return team.report(run, progress.fraction); },
                          .on_note = {},
-                         .threads = std::nullopt};
+                         .threads = prospect.threads};
     try {
       if (is_finished(run)) return outcome_of(*read_summary(directory_of(run)));
-      return outcome_of(is_there(run) ? resume_in(directory_of(run), hooks)
-                                      : run_in(directory_of(run), set_up_one(run), hooks));
+      MemoryBudget::Part const memory(memory_, prospect.bytes);
+      if (team.is_stopped()) return {};
+      if (is_there(run)) return outcome_of(resume_in(directory_of(run), hooks));
+      Setup setup = set_up(plan_.runs[run].settings);
+      // What is recorded is what is used.
+      if (prospect.takes_threads) setup.configuration.engine.threads = prospect.threads;
+      return outcome_of(run_in(directory_of(run), setup, hooks));
     } catch (std::exception const& error) {
-      return {.has_begun = true, .ending = Ending::failed, .message = error.what(), .results = {}};
+      return {.has_begun = true, .ending = Ending::failed, .message = reason_of(error), .results = {}};
     }
   }
 
+  /// What is known of a run before it begins.
+  struct Prospect {
+    double work = 0.0;  ///< 0: there is nothing to do, it is finished, another's, or cannot be made
+    double bytes = 0.0;
+    std::uint64_t threads = 0;
+    bool takes_threads = false;  ///< as many as it is given: the user has set no number
+  };
+
   SweepPlan const& plan_;
   SweepSettings const& settings_;
+  MemoryBudget memory_;
   std::vector<SweepOutcome> outcomes_;
   std::vector<std::optional<Error>> errors_;
+  std::vector<Prospect> prospects_;
+  std::vector<std::optional<std::vector<IdleSetting>>> idle_settings_;  ///< of the runs that can be set up
   std::mutex mutex_;
   std::optional<Error> is_in_the_way_;
 };
@@ -246,6 +349,7 @@ SweepResult run_sweep(SweepPlan const& plan, SweepSettings const& settings) {
   SweepInProgress sweep(plan, settings);
   sweep.run();
   SweepResult result = result_of(plan, sweep.outcomes());
+  result.notes = sweep.notes();
   // The tables of a part would be taken for the whole: collect_sweep() makes them when all parts are there.
   if (!settings.shard) write_tables(result, settings.directory);
   return result;

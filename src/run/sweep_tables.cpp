@@ -157,7 +157,7 @@ Table means_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes)
 }
 
 SweepResult result_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes) {
-  SweepResult result{.rows = rows_of(plan, outcomes), .means = means_of(plan, outcomes), .messages = {}};
+  SweepResult result{.rows = rows_of(plan, outcomes), .means = means_of(plan, outcomes), .messages = {}, .notes = {}};
   for (std::size_t run = 0; run < plan.runs.size(); ++run) {
     SweepOutcome const& outcome = outcomes[run];
     if (outcome.ending == Ending::failed) {

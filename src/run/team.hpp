@@ -15,6 +15,13 @@
 
 namespace gridlock {
 
+/// On how many cores `threads` runs at a time are carried out; 0: all. More threads than cores would only wait for one
+/// another, and oneTBB would complain about it on the terminal.
+inline int jobs_for(unsigned threads) {
+  int const cores = tbb::info::default_concurrency();
+  return threads == 0 ? cores : std::min(static_cast<int>(threads), cores);
+}
+
 /// A team of threads that carry out many runs, each taking the next longest one as soon as it is free.
 ///
 /// What comes out does not depend on the number of threads, as long as carry_out(run) writes to places of its own.
@@ -35,15 +42,14 @@ class Team {
   /// Calls carry_out(run) for every run, on `threads` cores (0: all).
   template <class CarryOut>
   void run_all(unsigned threads, CarryOut carry_out) {
-    // More threads than cores would only wait for one another, and oneTBB would complain about it on the terminal.
-    int const cores = tbb::info::default_concurrency();
-    tbb::task_arena arena(threads == 0 ? cores : std::min(static_cast<int>(threads), cores));
+    tbb::task_arena arena(jobs_for(threads));
     arena.execute([&] {
       tbb::task_group group;
       for (int member = 0; member < arena.max_concurrency(); ++member) {
         group.run([&] {
           for (std::size_t next = next_++; next < order_.size() && !is_stopped_; next = next_++) {
-            carry_out(order_[next]);
+            // While it waits for work of its own, it must not take up another run, which might wait for this one.
+            tbb::this_task_arena::isolate([&] { carry_out(order_[next]); });
             ++finished_;
             report(order_[next], 1.0);
           }
@@ -52,6 +58,8 @@ class Team {
       group.wait();
     });
   }
+
+  [[nodiscard]] bool is_stopped() const { return is_stopped_; }
 
   /// Notes that this share of a run is done; says whether it should go on.
   bool report(std::size_t run, double share) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include "cli/program.hpp"
@@ -100,6 +101,61 @@ TEST(Sweep, RefusesAShardThatIsNone) {
     EXPECT_NE(outcome.err.find("is no shard"), std::string::npos) << outcome.err;
   }
   EXPECT_FALSE(fs::exists(workplace / "out"));
+}
+
+TEST(Sweep, SaysWhatTheSameCommandWillDoAboutRunsThatFailed) {
+  Workplace const workplace;
+  write(workplace / "s.toml", sweep_toml("0.3, 0.9"));
+  Outcome const outcome = in(workplace.path(), {"sweep", "s.toml", "-o", "out", "--quiet"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("2 of 4 runs failed"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("tries them again, to the same end unless the reason is gone"), std::string::npos)
+      << outcome.err;
+  EXPECT_EQ(outcome.err.find("stopped early"), std::string::npos) << "none was: " << outcome.err;
+}
+
+TEST(Sweep, OverEnginesNotesWhatHasNoEffectInAnyRunOnly) {
+  Workplace const workplace;
+  write(workplace / "s.toml",
+        "disks.count = 64\nrun.steps = 20\nengine = { audit_every = 100, cells = 4, grid = \"linked\", threads = 2 }\n"
+        "[sweep]\nengine.kind = [\"stepped\", \"exact\"]\n");
+  std::string const note = "note: engine.threads has no effect in any run\n";
+  for (std::vector<std::string> const& command :
+       {std::vector<std::string>{"check", "s.toml"}, {"sweep", "s.toml", "-o", "out"}}) {
+    Outcome const outcome = in(workplace.path(), command);
+    expect_good(outcome);
+    std::size_t const first = outcome.err.find("note: ");
+    ASSERT_NE(first, std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.err.substr(first, note.size()), note) << outcome.err;
+    EXPECT_EQ(outcome.err.find("note: ", first + 1), std::string::npos) << outcome.err;
+  }
+  gridlock::Table const means = gridlock::read_csv(workplace / "out/means.csv");
+  std::vector<double> const shares = means.numbers("blocked_share");
+  EXPECT_TRUE(std::isfinite(shares[0]));
+  EXPECT_FALSE(std::isfinite(shares[1])) << "the exact engine halts no disk";
+}
+
+TEST(Sweep, OfTheExactEngineHasNoBlockedShare) {
+  Workplace const workplace;
+  write(workplace / "s.toml", sweep_toml("0.3, 0.5") + "engine.kind = [\"exact\"]\n");
+  expect_good(in(workplace.path(), {"sweep", "s.toml", "-o", "out"}));
+  EXPECT_FALSE(gridlock::read_csv(workplace / "out/means.csv").contains("blocked_share"));
+  EXPECT_FALSE(fs::exists(workplace / "out/blocked_share.svg"));
+  EXPECT_TRUE(fs::exists(workplace / "out/collision_rate.svg"));
+}
+
+TEST(IdleSettings, AreNotedByCheckAndRunUnlessQuiet) {
+  Workplace const workplace;
+  write(workplace / "a.toml", "disks.count = 64\nrun.steps = 20\n");
+  std::vector<std::string> const settings{"a.toml", "--set", "engine.threads=2"};
+  std::string const note = "note: engine.threads has no effect with engine.kind = \"stepped\"\n";
+  auto const with = [&](std::vector<std::string> words) {
+    words.insert(words.begin() + 1, settings.begin(), settings.end());
+    return in(workplace.path(), words).err;
+  };
+  EXPECT_EQ(with({"check"}), note);
+  EXPECT_NE(with({"run", "-o", "one", "--no-pictures"}).find(note), std::string::npos);
+  EXPECT_EQ(with({"run", "-o", "two", "--no-pictures", "--quiet"}), "");
 }
 
 TEST(Collect, RefusesADirectoryWithoutASweep) {

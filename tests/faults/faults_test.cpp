@@ -284,6 +284,21 @@ Outcome limited(std::string const& limit, Arguments const& arguments, fs::path c
   return Process("/bin/bash", all, directory).wait();
 }
 
+TEST(LackOfMemory, OfOneRunOfASweepIsItsFailureAndTheOthersGoOn) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "AddressSanitizer needs more address space than the limit";
+#endif
+  Workplace const workplace;
+  write(workplace / "sweep.toml",
+        "run.steps = 20\ndisks.packing_fraction = 0.3\n[sweep]\ndisks.count = [100, 400, 40000000]\n");
+  Outcome const outcome = limited("ulimit -v 2000000", {"sweep", "sweep.toml", "-o", "out", "-q"}, workplace.path());
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_NE(outcome.err.find("error: count=40000000: "), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("1 of 3 runs failed"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(fs::exists(workplace / "out/runs/count=100/summary.json"));
+  EXPECT_TRUE(fs::exists(workplace / "out/runs/count=400/summary.json"));
+}
+
 TEST(FullDisk, LeavesARunThatResumesToTheSameBitsOnceThereIsRoom) {
   Workplace const workplace;
   WholeRun const whole({"without_frames", "run.steps = 6000", false}, workplace.path());
