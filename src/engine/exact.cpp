@@ -13,9 +13,6 @@ namespace gridlock {
 
 namespace {
 
-/// Overlaps up to this many diameters are rounding: a state written at the very moment of a contact has them.
-constexpr double rounding = 1e-12;
-
 /// A periodic box must be wider than two distances at contact, or a disk could touch another from both sides at once.
 void require_room_for_images(State const& state) {
   auto const radius = state.disks.column<Radius>();
@@ -47,34 +44,36 @@ std::uint64_t hash_of_rows(Disks const& disks) {
   return hash;
 }
 
-bool is_inside_but_for_rounding(State const& state) {
-  if (state.box.is_periodic()) return true;
+/// Bounces that a wall gives a disk at once would be handed back by the other at once, for ever.
+void require_room_between_walls(State const& state, double rounding) {
+  if (state.box.is_periodic()) return;
   for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    double const r = state.disks.column<Radius>()[i];
-    Vector const p = position(state.disks, i);
-    double const gap = std::min({p.x - r, state.box.width() - r - p.x, p.y - r, state.box.height() - r - p.y});
-    if (!(gap >= -2.0 * rounding * r)) return false;
+    double const diameter = 2.0 * state.disks.column<Radius>()[i];
+    Vector const v = velocity(state.disks, i);
+    bool const is_stuck_in_x = v.x != 0.0 && state.box.width() - diameter <= rounding;
+    bool const is_stuck_in_y = v.y != 0.0 && state.box.height() - diameter <= rounding;
+    if (!is_stuck_in_x && !is_stuck_in_y) continue;
+    throw Error(
+        {.what = fmt::format("disk {} of diameter {} touches two opposite walls of the box of {} × {} and moves "
+                             "({}, {}): it would bounce without end and time would stand still",
+                             state.disks.ids()[i], diameter, state.box.width(), state.box.height(), v.x, v.y),
+         .hint = "use a larger box or a smaller disk, or let it move along the walls only",
+         .key = "disks"});
   }
-  return true;
 }
 
-void require_hard_disks(State const& state) {
-  try {
-    validate(state);
-  } catch (Error const&) {
-    double const diameter = 2.0 * radius_range(state.disks).smallest;
-    bool const is_finite = std::isfinite(kinetic_energy(state.disks)) && diameter > 0.0;
-    if (is_finite && is_inside_but_for_rounding(state) && largest_overlap(state) <= rounding * diameter) return;
-    throw;
-  }
+void require_start(State const& state) {
+  double const rounding = rounding_of_contact(state);
+  validate(state, {.overlap = rounding, .beyond_walls = rounding});
+  require_room_for_images(state);
+  require_room_between_walls(state, rounding);
 }
 
 }  // namespace
 
 ExactEngine::ExactEngine(EngineSettings const& settings, State const& state)
     : audit_every_(settings.audit_every), duration_(step_duration(settings, state)) {
-  require_hard_disks(state);
-  require_room_for_images(state);
+  require_start(state);
 }
 
 ExactEngine::~ExactEngine() = default;
@@ -84,8 +83,7 @@ bool ExactEngine::is_as_left(State const& state) const {
 }
 
 void ExactEngine::start_from(State const& state) {
-  require_hard_disks(state);
-  require_room_for_images(state);
+  require_start(state);
   earlier_audits_ = audits();
   dynamics_ = nullptr;  // first the old memory goes, then the new comes
   dynamics_ = std::make_unique<exact::Dynamics>(state);
@@ -104,9 +102,19 @@ void ExactEngine::advance(State& state, Tally& tally, Horizon const& horizon) {
   while (state.clock.step < horizon.step && state.clock.time < horizon.time &&
          tally.pair_collisions < horizon.pair_collisions) {
     double const target = std::min(next_step_time_, horizon.time);
-    if (!dynamics_->run(target - start_time_, horizon.pair_collisions, audit_every_, tally)) {
-      state.clock.time = std::min(start_time_ + dynamics_->last_event(), target);
-      break;
+    bool is_at_target = false;
+    try {
+      is_at_target =
+          dynamics_->run(target - start_time_, horizon.pair_collisions, audit_every_, tally, horizon.goes_on);
+    } catch (RunFailure const&) {
+      leave_at_last_event(state, target);
+      throw;
+    }
+    if (!is_at_target) {
+      bool const is_interrupted = tally.pair_collisions < horizon.pair_collisions;
+      // Short of the target by the clock as well, or what is left of the step would be taken for done.
+      leave_at_last_event(state, is_interrupted ? std::nextafter(target, state.clock.time) : target);
+      return;
     }
     state.clock.time = target;
     if (target == next_step_time_) {
@@ -123,6 +131,12 @@ std::uint64_t ExactEngine::audits() const { return earlier_audits_ + (dynamics_ 
 
 std::uint64_t ExactEngine::audits_for_missed_events() const {
   return dynamics_ != nullptr && dynamics_->looks_for_missed_events() ? audits() : 0;
+}
+
+void ExactEngine::leave_at_last_event(State& state, double latest) {
+  state.clock.time = std::min(start_time_ + dynamics_->last_event(), latest);
+  dynamics_->write_at_last_event(state);
+  hash_ = hash(state);
 }
 
 void ExactEngine::carry(Archive& archive, State const& state) {

@@ -15,8 +15,11 @@ class Dynamics;
 ///
 /// The disks fly freely between events; docs/exact.md explains how the events are found. Between two calls of advance()
 /// the engine keeps its own state as long as the caller leaves the disks alone, so that the same run has the same bits
-/// however it is cut into calls; positions handed out are those at state.clock.time.
-/// Errors: Error for disks that overlap, and for a periodic box in which two disks could touch on both sides at once.
+/// however it is cut into calls; positions handed out are those at state.clock.time, or after a collision asked for those
+/// at its very moment, which the clock names with fewer digits.
+/// Errors: Error for a state that validate() refuses with an allowance for rounding, for a periodic box in which two disks
+/// could touch on both sides at once, and for a disk that moves between two walls it touches. RunFailure where
+/// collisions without end keep the time from passing.
 /// Cost: O(1) per collision.
 class ExactEngine final : public Engine {
  public:
@@ -35,6 +38,8 @@ class ExactEngine final : public Engine {
  private:
   [[nodiscard]] bool is_as_left(State const& state) const;
   void start_from(State const& state);
+  /// Up to date at the last event handled, the clock no later than `latest`.
+  void leave_at_last_event(State& state, double latest);
 
   std::uint64_t audit_every_;
   std::uint64_t earlier_audits_ = 0;  // of dynamics that are gone

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,8 +36,50 @@ class ProblemList {
 
 bool is_positive(double value) { return std::isfinite(value) && value > 0.0; }
 
+/// The engines multiply up to four lengths, speeds and masses, and divide by as many.
+constexpr double least_magnitude = 1e-60;
+constexpr double most_magnitude = 1e60;
+constexpr char const* magnitude_hint =
+    "lengths, masses and the largest speed lie from 1e-60 to 1e60; choose other units";
+
+bool has_bounded_magnitude(double value) { return value >= least_magnitude && value <= most_magnitude; }
+
+/// Numbers so large or small that their squares would no longer be what they stand for.
+std::vector<Problem> find_extreme_magnitudes(State const& state) {
+  std::vector<Problem> problems;
+  if (!has_bounded_magnitude(state.box.width()) || !has_bounded_magnitude(state.box.height())) {
+    problems.push_back({.what = fmt::format("the box of {} × {} is too large or too small to compute with",
+                                            state.box.width(), state.box.height()),
+                        .hint = magnitude_hint,
+                        .key = "box"});
+  }
+  ProblemList extreme_disks;
+  double largest_speed = 0.0;
+  Disks const& disks = state.disks;
+  for (std::size_t i = 0; i < disks.size(); ++i) {
+    double const r = disks.column<Radius>()[i];
+    double const m = disks.column<Mass>()[i];
+    Vector const v = velocity(disks, i);
+    // Not their squares, which may be what is out of range.
+    largest_speed = std::max({largest_speed, std::abs(v.x), std::abs(v.y)});
+    if (has_bounded_magnitude(r) && has_bounded_magnitude(m)) continue;
+    extreme_disks.add(
+        fmt::format("disk {} has radius {} and mass {}, too large or too small to compute with", disks.ids()[i], r, m),
+        magnitude_hint);
+  }
+  extreme_disks.move_into(problems);
+  if (largest_speed != 0.0 && !has_bounded_magnitude(largest_speed)) {
+    problems.push_back({.what = fmt::format("the largest component of a velocity is {}, too large or too small to "
+                                            "compute with",
+                                            largest_speed),
+                        .hint = magnitude_hint,
+                        .key = "disks"});
+  }
+  return problems;
+}
+
 /// Problems that make a search for overlaps meaningless.
-std::vector<Problem> find_broken_rows(State const& state) {
+std::vector<Problem> find_broken_rows(State const& state, double beyond_walls) {
   ProblemList not_finite;
   ProblemList not_inside;
   Disks const& disks = state.disks;
@@ -51,7 +94,7 @@ std::vector<Problem> find_broken_rows(State const& state) {
                      "every value must be finite, radius and mass above 0");
       continue;
     }
-    double const margin = state.box.is_periodic() ? 0.0 : r;
+    double const margin = state.box.is_periodic() ? 0.0 : r - beyond_walls;
     bool const is_inside =
         p.x >= margin && p.x <= state.box.width() - margin && p.y >= margin && p.y <= state.box.height() - margin;
     // A centre exactly on the upper edge of a periodic box is the same point as 0 and must be written so.
@@ -85,11 +128,13 @@ void for_each_overlap(State const& state, Visit visit) {
 
 }  // namespace
 
-void validate(State const& state) {
-  std::vector<Problem> problems = find_broken_rows(state);
+void validate(State const& state, Allowance const& allowance) {
+  std::vector<Problem> problems = find_broken_rows(state, allowance.beyond_walls);
+  if (problems.empty()) problems = find_extreme_magnitudes(state);
   if (!problems.empty()) throw Error(std::move(problems));
   ProblemList overlaps;
   for_each_overlap(state, [&](std::size_t i, std::size_t j, double gap) {
+    if (-gap <= allowance.overlap) return;
     auto const [a, b] = std::minmax(state.disks.ids()[i], state.disks.ids()[j]);
     overlaps.add(fmt::format("disks {} and {} overlap by {:.3g}", a, b, -gap),
                  "move them apart or make them smaller; hard disks may touch but not overlap");
@@ -103,6 +148,11 @@ void validate(State const& state) {
                         .key = "disks"});
   }
   if (!problems.empty()) throw Error(std::move(problems));
+}
+
+double rounding_of_contact(State const& state) {
+  double const last_digit = std::numeric_limits<double>::epsilon() * std::max(state.box.width(), state.box.height());
+  return std::max(1e-12 * 2.0 * radius_range(state.disks).smallest, 4.0 * last_digit);
 }
 
 double largest_overlap(State const& state) {

@@ -107,6 +107,14 @@ std::vector<Mistake> const mistakes_in_settings{
     {"NegativeSeed", "[run]\nseed = -1\n", {"-1", "bad.toml:2"}},
     {"NegativeTime", "[run]\ntime = -1.0\n", {"-1", "bad.toml:2"}},
     {"CollisionsOfDisksAtRest", "[velocities]\nmax = 0\n[run]\ncollisions_per_disk = 5\n", {"collide", "bad.toml:4"}},
+    {"SpeedWhoseSquareIsZero", "[velocities]\nmax = 1e-170\n", {"1e-60", "velocity"}},
+    {"SpeedWhoseSquareIsInfinite", "[velocities]\nmax = 1e160\n", {"1e60", "velocity"}},
+    {"SpeedWhoseSquareIsZeroOfExact",
+     "[velocities]\nmax = 1e-170\n[engine]\nkind = \"exact\"\n",
+     {"1e-60", "velocity"}},
+    {"DiskThatFillsItsBox",
+     "[disks]\ncount = 1\npacking_fraction = 0.7853981633974483\n[engine]\nkind = \"exact\"\n",
+     {"disk 0", "two opposite walls", "time would stand still"}},
     {"FractionsBelowOne",
      "[disks]\nspecies = [{fraction = 0.5}, {fraction = 0.2, size_ratio = 1.4}]\n",
      {"0.7", "bad.toml:2", "fraction"}},
@@ -167,6 +175,14 @@ struct Damage {
 
 void PrintTo(Damage const& damage, std::ostream* stream) { *stream << damage.name; }
 
+std::string const exactly_from_file = from_file + "[engine]\nkind = \"exact\"\n";
+
+std::string damaged_periodic(std::string const& piece, std::string const& by) {
+  std::string text = damaged(piece, by);
+  text.replace(text.find("F F F"), 5, "T T F");
+  return text;
+}
+
 class DamagedStart : public testing::TestWithParam<Damage> {};
 
 TEST_P(DamagedStart, IsRefusedWithPlaceAndHintAndLeavesNothingBehind) {
@@ -198,6 +214,19 @@ std::vector<Damage> const damages{
     {"NegativeRadius", damaged("-0.5 0 0 0.1", "-0.5 0 0 -0.1"), {"start.xyz:4"}},
     {"Overlap", damaged("0.75", "0.3"), {"0 and 1", "overlap", "0.15"}},
     {"Outside", damaged("0.75", "0.95"), {"disk 1", "inside"}},
+    {"OutsidePeriodicForExact",
+     damaged_periodic("0.75", "5.3"),
+     {"disk 1", "inside", "centres lie in"},
+     exactly_from_file},
+    {"MassBeyondSquares", damaged("0.1 1\nAr", "0.1 1.7e308\nAr"), {"disk 0", "mass 1.7e+308", "1e60"}},
+    {"AllMoveAlike",
+     damaged_periodic("1 -0.5", "1 0.5"),
+     {"collide", "bad.toml:4"},
+     from_file + "[run]\ncollisions_per_disk = 5\n"},
+    {"OneMovesOnAFreeLine",
+     damaged("0.75 0.5 0 1 -0.5", "0.75 0.8 0 1 0"),
+     {"collide", "bad.toml:4"},
+     from_file + "[run]\ncollisions_per_disk = 5\n"},
     {"OtherCount", good_xyz, {"2", "3", "bad.toml:3"}, from_file + "count = 3\n"},
     {"OtherPackingFraction", good_xyz, {"0.5", "bad.toml:3"}, from_file + "packing_fraction = 0.5\n"},
     {"OtherBox", good_xyz, {"bad.toml"}, from_file + "[box]\nside = 2.0\n"},

@@ -21,8 +21,9 @@ struct Horizon {
   std::uint64_t step = std::numeric_limits<std::uint64_t>::max();             ///< state.clock.step to reach
   double time = std::numeric_limits<double>::infinity();                      ///< state.clock.time to reach
   std::uint64_t pair_collisions = std::numeric_limits<std::uint64_t>::max();  ///< tally.pair_collisions to reach
-  /// Asked after every step: where the answer is no, the engine stops there. Clock and tally are up to date then, the
-  /// disks only when advance() has returned. Empty: never asked. Must not throw.
+  /// Asked after every step, and by exact, whose step may hold any number of collisions, within it as well: where the
+  /// answer is no, the engine stops there. Tally and whole steps are up to date then, time and disks only when advance()
+  /// has returned. Empty: never asked. Must not throw.
   std::function<bool()> goes_on = {};
 
   [[nodiscard]] bool stops_here() const { return goes_on && !goes_on(); }

@@ -29,10 +29,10 @@ struct Progress {
   [[nodiscard]] double seconds_left() const { return fraction > 0.0 ? seconds * (1.0 - fraction) / fraction : 0.0; }
 };
 
-/// Called between two steps; returning false ends the run there.
+/// Called between two steps, and within a long one of exact; returning false ends the run there.
 using OnProgress = std::function<bool(Progress const&)>;
 
-/// Work between two steps that needs the whole experiment, such as saving it.
+/// Work between two steps, or within a long one of exact, that needs the whole experiment, such as saving it.
 struct Interlude {
   std::function<bool(std::uint64_t steps)> is_due;  ///< asked as often as progress is reported
   std::function<void(std::uint64_t steps)> take_place;

@@ -167,7 +167,8 @@ void Dynamics::sort_disks_by_cell() {
   permute(disks_, std::move(new_name));  // the last may use it up
 }
 
-bool Dynamics::run(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Tally& tally) {
+bool Dynamics::run(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Tally& tally,
+                   std::function<bool()> const& goes_on) {
   if (epoch_length_ == 0.0) return true;  // nothing moves, nothing happens
   while (tally.pair_collisions < pair_collisions) {
     Appointment const* const next = next_event();
@@ -178,10 +179,16 @@ bool Dynamics::run(double elapsed, std::uint64_t pair_collisions, std::uint64_t 
     now_ = due.time;
     if (fetches_ahead_) fetch_ahead();
     handle(due.disk, tally);
-    if (audit_every > 0 && tally.pair_collisions != before && tally.pair_collisions % audit_every == 0) {
+    bool const is_audit_due =
+        audit_every > 0 && tally.pair_collisions != before && tally.pair_collisions % audit_every == 0;
+    if (is_audit_due) {
       audit();
       ++audits_;
     }
+    // A count that outlives interruptions, so that the moments do not depend on them.
+    bool const is_look_due = tally.turns % events_per_look == 0;
+    if (is_look_due) require_time_to_pass();
+    if ((is_look_due || is_audit_due) && goes_on && !goes_on()) return false;
   }
   return false;
 }
@@ -335,8 +342,7 @@ void Dynamics::hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Tally& 
   if (surroundings_.capacity != cells_.capacity()) refresh_surroundings();
 }
 
-void Dynamics::write(double elapsed, State& state) const {
-  double const t = elapsed - epoch_start_;
+void Dynamics::write_at(double t, State& state) const {
   Disks& disks = state.disks;
   auto const radius = disks.column<Radius>();
   for (std::size_t i = 0; i < size_; ++i) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "engine/exact/calendar.hpp"
@@ -26,9 +28,13 @@ class Dynamics {
  public:
   explicit Dynamics(State const& state);
 
-  /// Handles every event up to `elapsed`, or until the tally counts `pair_collisions`; says whether it got to `elapsed`.
-  /// Errors: RunFailure where an audit, due every `audit_every` pair collisions, finds what must not be.
-  bool run(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Tally& tally);
+  /// Handles every event up to `elapsed`, or until the tally counts `pair_collisions`, or until `goes_on`, asked every
+  /// `events_per_look` events and after each audit, says no; says whether it got to `elapsed`.
+  /// Errors: RunFailure where an audit, due every `audit_every` pair collisions, finds what must not be, and where
+  /// collisions without end keep the time from passing.
+  bool run(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Tally& tally,
+           std::function<bool()> const& goes_on = {});
+  static constexpr std::uint64_t events_per_look = std::uint64_t{1} << 14;
 
   /// The time of the last event handled, in this epoch.
   [[nodiscard]] double now() const { return now_; }
@@ -38,8 +44,12 @@ class Dynamics {
   /// Whether waiting for a collision can make sense: at least two disks, and one of them moves.
   [[nodiscard]] bool can_collide() const { return size_ > 1 && epoch_length_ > 0.0; }
 
-  /// Writes positions at time `elapsed`, velocities and images into the state it was made of.
-  void write(double elapsed, State& state) const;
+  /// Writes positions at time `elapsed`, but not before the last event, velocities and images into the state it was made
+  /// of.
+  void write(double elapsed, State& state) const { write_at(std::max(elapsed - epoch_start_, now_), state); }
+  /// The same at the very moment of the last event, which the time of a long run has not the digits to name: a disk just
+  /// scattered touches its partner, and does not overlap it.
+  void write_at_last_event(State& state) const { write_at(now_, state); }
 
   /// Throws RunFailure where two disks, or a disk and a wall, overlap by more than 1e-12 diameters, or, for up to 2000
   /// disks, where a collision would be missed: a pair that comes to overlap before either disk's own event.
@@ -77,6 +87,9 @@ class Dynamics {
   void hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Tally& tally);
   void schedule(Index i, Prediction const& next);
 
+  void write_at(double time, State& state) const;
+
+  void require_time_to_pass();
   void audit_overlaps() const;
   void audit_missed_events() const;
   [[nodiscard]] Id id_of(Index i) const { return ids_.empty() ? disks_[i].rank : ids_[disks_[i].rank]; }
@@ -114,6 +127,15 @@ class Dynamics {
   std::uint64_t epoch_ = 0;
   std::uint64_t expected_appointments_ = 0;
   std::uint64_t audits_ = 0;
+
+  /// Since when it is watched whether time passes. Only a run that fails depends on it, so it is not carried.
+  struct Watch {
+    std::uint64_t epoch = 0;
+    double now = 0.0;
+    std::uint64_t looks = 0;
+    std::vector<std::uint32_t> stamps;  ///< by rank; empty where there is no suspicion yet
+  };
+  Watch watch_;
 };
 
 }  // namespace gridlock::exact

@@ -7,6 +7,7 @@
 #include "engine/exact/dynamics.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
+#include "gridlock/grid/validate.hpp"
 #include "reference/random_scene.hpp"
 
 namespace gridlock {
@@ -231,6 +232,139 @@ TEST(ExactEngine, ADiskOutsideTheWallsIsRefused) {
   Scene scene(Edge::wall);
   scene.add(0.05, 0.2, 0.0, 0.0);
   EXPECT_NE(error_of(scene.state).find("disk 0"), std::string::npos);
+}
+
+TEST(ExactEngine, ADiskOutsideAPeriodicBoxIsRefused) {
+  for (double const x : {5.3, -5.3, 1.0, -1e-9}) {
+    Scene scene(Edge::periodic);
+    scene.add(x, 0.3, 1.0, 0.1).add(0.65, 0.3, -1.0, 0.0);
+    EXPECT_NE(error_of(scene.state).find("disk 0 at ("), std::string::npos) << x << error_of(scene.state);
+  }
+}
+
+TEST(ExactEngine, ADiskOnItsOwnImageIsRefused) {
+  Scene scene(Edge::periodic, 0.19, 1.0);
+  scene.add(0.1, 0.5, 1.0, 0.0);
+  EXPECT_NE(error_of(scene.state).find("overlaps its own image"), std::string::npos) << error_of(scene.state);
+}
+
+TEST(ExactEngine, ContactAndWallsButForRoundingAreNoOverlap) {
+  Scene scene(Edge::wall);
+  scene.add(0.1 - 1e-14, 0.5, 1.0, 0.0).add(0.3 - 3e-14, 0.5, -1.0, 0.0);
+  EXPECT_EQ(error_of(scene.state), "");
+  scene.run({.time = 0.1});
+  EXPECT_EQ(scene.tally.pair_collisions, 1U);
+}
+
+TEST(ExactEngine, ADiskThatMovesBetweenTwoWallsItTouchesIsRefused) {
+  Scene corner(Edge::wall, 0.2, 0.2);
+  corner.add(0.1, 0.1, 0.3, -0.2);
+  EXPECT_NE(error_of(corner.state).find("time would stand still"), std::string::npos) << error_of(corner.state);
+  Scene channel(Edge::wall, 2.0, 0.2);
+  channel.add(0.5, 0.1, 1.0, 1e-3);
+  EXPECT_NE(error_of(channel.state).find("touches two opposite walls"), std::string::npos) << error_of(channel.state);
+}
+
+/// What a run for a long time ends with, without an audit of each of its collisions.
+std::string failure_of(Scene& scene) {
+  try {
+    scene.engine = make_engine({.kind = "exact"}, scene.state);
+    scene.run({.time = 10.0});
+  } catch (RunFailure const& failure) {
+    return failure.what();
+  }
+  return "";
+}
+
+TEST(ExactEngine, TimeThatStandsStillInAFullLatticeEndsTheRun) {
+  Scene scene(Edge::periodic);
+  for (int n = 0; n < 100; ++n) {
+    double const angle = 0.7 * n;
+    scene.add(0.05 + 0.1 * (n % 10), 0.05 + 0.1 * (n / 10), std::cos(angle), std::sin(angle), 0.05);
+  }
+  EXPECT_NE(failure_of(scene).find("time stands still"), std::string::npos) << failure_of(scene);
+}
+
+TEST(ExactEngine, TimeThatStandsStillInOneRowAmongFreeDisksEndsTheRun) {
+  Scene scene(Edge::wall, 0.6, 2.0);
+  scene.add(0.1, 0.1, 0.5, 0.0).add(0.3, 0.1, -0.25, 0.0).add(0.5, 0.1, 0.125, 0.0);
+  scene.add(0.3, 1.0, 0.3, 0.1).add(0.3, 1.5, -0.3, 0.1);
+  EXPECT_NE(failure_of(scene).find("time stands still"), std::string::npos) << failure_of(scene);
+  // What is left is the moment of the failure, and valid.
+  EXPECT_LT(scene.state.clock.time, 1e-6);
+  EXPECT_EQ(error_of(scene.state), "");
+}
+
+TEST(ExactEngine, ADiskPushedBetweenTwoWallsItTouchesEndsTheRun) {
+  Scene scene(Edge::wall, 2.0, 0.2);
+  scene.add(0.5, 0.1, 0.0, 0.0).add(1.0, 0.11, -1.0, 0.0, 0.05);
+  EXPECT_NE(failure_of(scene).find("disk 0 "), std::string::npos) << failure_of(scene);
+}
+
+TEST(ExactEngine, ALatticeInContactWithRoomBesideItComesApart) {
+  Scene scene(Edge::wall, 2.0, 1.25);
+  for (int n = 0; n < 100; ++n) {
+    double const angle = 0.7 * n;
+    scene.add(0.05 + 0.1 * (n % 10), 0.05 + 0.1 * (n / 10), std::cos(angle), std::sin(angle), 0.05);
+  }
+  EXPECT_EQ(failure_of(scene), "");
+  EXPECT_GT(scene.tally.pair_collisions, 100U);
+}
+
+TEST(ExactEngine, AFullLatticeAtRestStaysAtRest) {
+  Scene scene(Edge::periodic);
+  for (int n = 0; n < 16; ++n) scene.add(0.125 + 0.25 * (n % 4), 0.125 + 0.25 * (n / 4), 0.0, 0.0, 0.125);
+  scene.run({.time = 1e3});
+  EXPECT_EQ(scene.tally.turns, 0U);
+}
+
+TEST(ExactEngine, CollisionsClosePackedAreNoStandstill) {
+  // Gaps of 10⁻⁹ diameters: a billion times as many collisions as in a fluid, each of which can be computed.
+  Scene scene(Edge::wall, 0.6 + 2e-10, 1.0);
+  scene.add(0.1, 0.1, 0.5, 0.0).add(0.3 + 1e-10, 0.1, -0.25, 0.0).add(0.5 + 2e-10, 0.1, 0.125, 0.0);
+  scene.engine = make_engine({.kind = "exact"}, scene.state);
+  scene.run({.time = 1e3, .pair_collisions = 4'000'000});
+  EXPECT_EQ(scene.tally.pair_collisions, 4'000'000U);
+}
+
+TEST(ExactEngine, IsStoppedWithinAStepAndGoesOnToTheSameBits) {
+  State const begin = reference::random_scene({.count = 50, .packing_fraction = 0.5, .seed = 3});
+  EngineSettings const settings{.kind = "exact", .time_step = 1e4, .audit_every = 10'000};
+  State whole = begin;
+  Tally whole_tally;
+  auto const engine = make_engine(settings, whole);
+  engine->advance(whole, whole_tally, {.time = 0.25 * engine->time_step()});
+  ASSERT_GT(whole_tally.pair_collisions, 100'000U);
+  State cut = begin;
+  Tally cut_tally;
+  auto const cut_engine = make_engine(settings, cut);
+  int stops = 0;
+  double const end = whole.clock.time;
+  while (cut.clock.time < end) {
+    cut_engine->advance(cut, cut_tally, {.time = end, .goes_on = [] { return false; }});
+    EXPECT_LE(largest_overlap(cut), rounding_of_contact(cut));
+    ++stops;
+  }
+  EXPECT_GT(stops, 10);
+  EXPECT_EQ(cut.clock.step, 0U);
+  EXPECT_EQ(hash(whole), hash(cut));
+  EXPECT_EQ(whole_tally.turns, cut_tally.turns);
+  EXPECT_EQ(whole_tally.pair_virial, cut_tally.pair_virial);
+}
+
+// The time of a run has fewer digits the longer it lasts; the places of the disks keep theirs.
+TEST(ExactEngine, HandsOutDisksInContactWithoutOverlapHoweverLateItIs) {
+  State state = reference::random_scene({.edge = Edge::periodic, .count = 16, .packing_fraction = 0.1});
+  state.clock.time = 1e9;
+  auto const engine = make_engine(exact_settings(), state);
+  Tally tally;
+  for (std::uint64_t n = 1; n <= 200; ++n) {
+    engine->advance(state, tally, {.pair_collisions = n});
+    ASSERT_LE(largest_overlap(state), rounding_of_contact(state)) << "collision " << n;
+    for (std::string const& kind : engine_kinds()) {
+      EXPECT_NO_THROW(make_engine({.kind = kind}, state)) << kind << " from collision " << n;
+    }
+  }
 }
 
 TEST(ExactEngine, APeriodicBoxWhereTwoImagesCouldBeTouchedIsRefused) {

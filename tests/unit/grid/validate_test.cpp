@@ -178,6 +178,52 @@ TEST(Validate, ReportsEveryKindOfBrokenRowAtOnce) {
   expect_problem(state, "disk 1 has position (0.5, nan)");
 }
 
+TEST(Validate, LetsRoundingPassWhereItIsAllowedFor) {
+  State state = empty_state(Edge::wall);
+  add(state, 0.25, 0.25, 0.125);
+  add(state, 0.5 - 1e-14, 0.25, 0.125);
+  expect_problem(state, "overlap");
+  EXPECT_NO_THROW(validate(state, {.overlap = rounding_of_contact(state)}));
+  state.disks.column<X>()[1] = 0.5 - 1e-12;
+  EXPECT_THROW(validate(state, {.overlap = rounding_of_contact(state)}), Error);
+  state.disks.column<X>()[1] = 0.875 + 1e-14;
+  expect_problem(state, "not inside the box");
+  EXPECT_NO_THROW(validate(state, {.beyond_walls = 1e-13}));
+  EXPECT_THROW(validate(state, {.beyond_walls = 1e-15}), Error);
+}
+
+TEST(Validate, RoundingGrowsWithTheCoordinatesOfALargeBox) {
+  State state{.box = Box(1e6, 1.0, Edge::wall)};
+  add(state, 999'000.0, 0.5, 0.05);
+  add(state, std::nextafter(999'000.1, 0.0), 0.5, 0.05);
+  expect_problem(state, "overlap by");
+  EXPECT_NO_THROW(validate(state, {.overlap = rounding_of_contact(state)}));
+}
+
+// Where squares or products leave the range of numbers, disks would go through each other without a word.
+TEST(Validate, RefusesMagnitudesThatCannotBeComputedWith) {
+  for (double const extreme : {1e-170, 1e-61, 1e61, 1e160, 1.7e308}) {
+    State state = empty_state(Edge::wall);
+    state.disks.add(0.5, 0.5, 0.0, -extreme, 0.1, 1.0, 0, 0);
+    expect_problem(state, "velocity");
+    state.disks.column<VelocityY>()[0] = 0.0;
+    EXPECT_EQ(problems_of(state), "");
+    state.disks.column<Mass>()[0] = extreme;
+    expect_problem(state, "mass");
+    state = {.box = Box(extreme, 1.0, Edge::periodic)};
+    add(state, 0.0, 0.5, 0.1);
+    expect_problem(state, "the box of");
+  }
+  State state = empty_state(Edge::wall);
+  add(state, 0.5, 0.5, 1e-170);
+  expect_problem(state, "radius");
+  // What hardly moves among others that do is as good as at rest.
+  state = empty_state(Edge::wall);
+  state.disks.add(0.25, 0.5, 1.0, 1e-170, 0.1, 1e50, 0, 0);
+  state.disks.add(0.75, 0.5, 1e-300, 0.0, 0.1, 1e-50, 0, 0);
+  EXPECT_EQ(problems_of(state), "");
+}
+
 TEST(LargestOverlap, IsTheWorstOfAllPairs) {
   State state = empty_state(Edge::periodic);
   add(state, 0.01, 0.5, 0.05);

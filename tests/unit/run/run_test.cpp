@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -108,6 +109,34 @@ TEST(Run, ReportsNoSampleBeforeTheFirstAfterTheStart) {
     }
     return true;
   });
+}
+
+TEST(Run, OfExactIsInterruptedWithinALongStepAndTakesNoSampleThere) {
+  auto const setup = [] {
+    Configuration configuration;
+    configuration.disks = {.count = 50, .packing_fraction = 0.5};
+    configuration.engine = {.kind = "exact", .time_step = 1e3};
+    configuration.run.steps = 3;
+    configuration.observe = {.every = 1, .structure_every = 0};
+    return set_up(configuration);
+  };
+  RunResult const whole = simulate(setup());
+  DiskExperiment experiment(setup());
+  RunPlan plan = plan_of(setup());
+  plan.seconds_per_look = 0.0;
+  gridlock::Run run(experiment, plan);
+  int within_a_step = 0;
+  while (run.go_on([](Progress const&) { return false; }) == Ending::interrupted) {
+    double const steps = experiment.clock().time / experiment.time_step();
+    if (steps != std::floor(steps)) ++within_a_step;
+  }
+  EXPECT_GT(within_a_step, 3);
+  EXPECT_EQ(run.record().state_hash, whole.state_hash);
+  EXPECT_EQ(run.record().series.row_count(), whole.series.row_count());
+  for (char const* column : {"time", "mean_displacement"}) {
+    EXPECT_EQ(std::get<std::vector<double>>(run.record().series.column(column)),
+              std::get<std::vector<double>>(whole.series.column(column)));
+  }
 }
 
 TEST(Run, LooksNoMoreOftenThanPlanned) {

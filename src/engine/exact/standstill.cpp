@@ -1,0 +1,64 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/exact/dynamics.hpp"
+#include "gridlock/core/error.hpp"
+
+namespace gridlock::exact {
+
+namespace {
+
+/// Events between two judgements: many for each disk, and a few tenths of a second.
+constexpr std::uint64_t least_events = std::uint64_t{1} << 20;
+constexpr std::uint64_t events_per_disk = 16;
+
+/// A free flight of fewer last digits of a coordinate is none.
+constexpr double digits_per_flight = 64.0;
+
+}  // namespace
+
+/// Disks wedged between walls or in closed rows collide without end in no time, but for rounding. The time is said to
+/// stand still where some disk was hit so often that from hit to hit it moved by no more than the last digits of its
+/// coordinates: flights that short cannot be computed, so no other run comes close. The hits of each disk are counted
+/// only once all events together came that fast.
+void Dynamics::require_time_to_pass() {
+  if (++watch_.looks * events_per_look < std::max<std::uint64_t>(least_events, events_per_disk * size_)) return;
+  double const passed = static_cast<double>(epoch_ - watch_.epoch) * epoch_length_ + (now_ - watch_.now);
+  double squared_speeds = 0.0;
+  for (std::size_t i = 0; i < size_; ++i) {
+    squared_speeds += disks_[i].velocity_x * disks_[i].velocity_x + disks_[i].velocity_y * disks_[i].velocity_y;
+  }
+  double const speed = std::sqrt(squared_speeds / static_cast<double>(size_));
+  double const least_way =
+      digits_per_flight * std::numeric_limits<double>::epsilon() * std::max(box_.width(), box_.height());
+  if (!watch_.stamps.empty()) {
+    std::uint32_t most_hits = 0;
+    Index most_hit = 0;
+    for (Index i = 0; i < size_; ++i) {
+      std::uint32_t const hits = disks_[i].stamp - watch_.stamps[disks_[i].rank];
+      if (hits > most_hits) {
+        most_hits = hits;
+        most_hit = i;
+      }
+    }
+    MovingDisk const& disk = disks_[most_hit];
+    if (passed * speed < most_hits * least_way) {
+      throw RunFailure(fmt::format(
+          "time {}: time stands still: disk {} at ({:.6g}, {:.6g}) was hit {} times in a time of {:.3g}, for it "
+          "is in contact on all sides and has no free way\n  hint: give the disks more room, by a lower "
+          "packing fraction or a larger box",
+          last_event(), id_of(most_hit), disk.x + disk.velocity_x * now_, disk.y + disk.velocity_y * now_, most_hits,
+          passed));
+    }
+  }
+  bool const is_suspicious = passed * speed < static_cast<double>(watch_.looks * events_per_look) * least_way;
+  watch_ = {.epoch = epoch_, .now = now_, .looks = 0, .stamps = {}};
+  if (!is_suspicious) return;
+  watch_.stamps.resize(size_);
+  for (Index i = 0; i < size_; ++i) watch_.stamps[disks_[i].rank] = disks_[i].stamp;
+}
+
+}  // namespace gridlock::exact
