@@ -1,12 +1,17 @@
 #include "gridlock/run/simulate.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
 
 #include "engine/exact.hpp"
+#include "gridlock/core/error.hpp"
 
 namespace gridlock {
 
@@ -15,13 +20,59 @@ namespace {
 /// A step of 10⁶ agents takes a tenth of a second, one of a few a microsecond.
 constexpr std::uint64_t model_steps_per_chunk = 8;
 
+/// How long a run that only collisions can end waits for the next one before it gives up.
+///
+/// In a gas of as many disks of the smallest size, a disk of the typical speed v meets another after about
+/// t = A / (N σ v). Ten thousand times that is far beyond chance for many disks and a million times for two, which pass
+/// each other now and then for long; yet it is soon over in a computer. Velocities count from their mean in a periodic
+/// box, where disks that all move alike never meet.
+double patience(RunSettings const& run, State const& state) {
+  if (run.steps || run.time || !run.collisions_per_disk) return std::numeric_limits<double>::infinity();
+  double const disks = static_cast<double>(state.disks.size());
+  Vector mean{};
+  if (state.box.is_periodic()) {
+    for (std::size_t i = 0; i < state.disks.size(); ++i) mean = mean + velocity(state.disks, i);
+    mean = (1.0 / disks) * mean;
+  }
+  double squares = 0.0;
+  for (std::size_t i = 0; i < state.disks.size(); ++i) squares += squared_length(velocity(state.disks, i) - mean);
+  double const speed = std::sqrt(squares / disks);
+  double const mean_free_time = state.box.area() / (disks * 2.0 * radius_range(state.disks).smallest * speed);
+  return (1e4 + 4e6 / (disks * disks)) * mean_free_time;
+}
+
 }  // namespace
 
 DiskExperiment::DiskExperiment(Setup&& setup)
     : engine_settings_(setup.configuration.engine),
       state_(std::move(setup.state)),
       engine_(make_engine(engine_settings_, state_)),
-      observables_(make_observables(setup.configuration.observe, {state_, tally_}, engine_settings_.kind != "exact")) {}
+      observables_(make_observables(setup.configuration.observe, {state_, tally_}, engine_settings_.kind != "exact")),
+      patience_(patience(setup.configuration.run, state_)) {}
+
+void DiskExperiment::advance(Horizon const& horizon) {
+  if (!std::isfinite(patience_)) {
+    engine_->advance(state_, tally_, horizon);
+    return;
+  }
+  bool is_patient = true;
+  Horizon watched = horizon;
+  watched.goes_on = [&] {
+    if (!last_collision_ || tally_.pair_collisions != collisions_seen_) {
+      last_collision_ = state_.clock.time;
+      collisions_seen_ = tally_.pair_collisions;
+    }
+    is_patient = state_.clock.time - *last_collision_ <= patience_;
+    return is_patient && !horizon.stops_here();
+  };
+  engine_->advance(state_, tally_, watched);
+  if (is_patient) return;
+  throw RunFailure(
+      fmt::format("no two disks have met for a time of {:.6g}, in which disks that move at random meet again "
+                  "and again: these never will, and collisions alone end this run\n"
+                  "  hint: give run.steps or run.time as well",
+                  patience_));
+}
 
 std::vector<Count> DiskExperiment::counts() const {
   std::vector<Count> counts{{"turns", tally_.turns},

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/run/configuration.hpp"
@@ -23,7 +24,8 @@ class DiskExperiment final : public Experiment {
   [[nodiscard]] std::uint64_t state_hash() const override { return hash(state_); }
   [[nodiscard]] std::vector<Count> counts() const override;
   [[nodiscard]] std::uint64_t pair_collisions() const override { return tally_.pair_collisions; }
-  void advance(Horizon const& horizon) override { engine_->advance(state_, tally_, horizon); }
+  /// Errors: RunFailure also where the run ends only after some number of collisions and no more of them come.
+  void advance(Horizon const& horizon) override;
   [[nodiscard]] std::vector<ColumnInfo> columns() const override;
   void sample(std::span<double> row, bool counts_for_average) override;
   [[nodiscard]] std::vector<NamedEstimate> results() const override;
@@ -37,6 +39,12 @@ class DiskExperiment final : public Experiment {
   Tally tally_;
   std::unique_ptr<Engine> engine_;
   std::vector<std::unique_ptr<Observable>> observables_;
+
+  /// How long the run waits for the next collision; for ever where it ends without.
+  double patience_;
+  /// When a collision was last seen. Not carried: a run that is resumed waits anew, and only one that fails depends on it.
+  std::optional<double> last_collision_;
+  std::uint64_t collisions_seen_ = 0;
 };
 
 /// The experiment a set-up describes. Errors: those of its constructor.

@@ -49,6 +49,30 @@ TEST(Simulate, EndsAtWhicheverLengthComesFirst) {
   EXPECT_EQ(simulate(set_up(configuration)).steps, 21U);
 }
 
+/// Ten disks to and fro in rows of their own, one of them with some velocity across, in a run that only collisions end.
+gridlock::Setup rows_waiting_for_collisions(double velocity_across) {
+  Configuration configuration;
+  configuration.disks = {.count = 10, .packing_fraction = 0.05};
+  configuration.engine = {.kind = "exact", .time_step = 50.0};
+  configuration.run.collisions_per_disk = 10.0;
+  configuration.observe = {.every = 1'000'000, .structure_every = 0};
+  gridlock::Setup setup = set_up(configuration);
+  setup.state.disks = {};
+  for (int n = 0; n < 10; ++n) {
+    setup.state.disks.add(0.3 + 0.04 * n, 0.05 + 0.1 * n, n % 2 == 0 ? 1.0 : -0.7, n == 4 ? velocity_across : 0.0, 0.04,
+                          1.0, 0, 0);
+  }
+  return setup;
+}
+
+TEST(Simulate, GivesUpWaitingForCollisionsThatNeverCome) {
+  RunResult const result = simulate(rows_waiting_for_collisions(0.0));
+  EXPECT_EQ(result.ending, Ending::failed);
+  EXPECT_NE(result.failure.find("no two disks have met"), std::string::npos) << result.failure;
+  EXPECT_EQ(result.tally.pair_collisions, 0U);
+  EXPECT_EQ(simulate(rows_waiting_for_collisions(0.01)).ending, Ending::finished);
+}
+
 TEST(Simulate, StoppedByTheCallerKeepsWhatThereIs) {
   RunResult const result = simulate(set_up(small()), [](Progress const&) { return false; });
   EXPECT_EQ(result.ending, Ending::interrupted);
