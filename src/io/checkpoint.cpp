@@ -125,7 +125,9 @@ bool is_flat_map(std::string_view cbor) {
   auto const outer = take_head();
   if (!outer || outer->kind != map) return false;
   for (std::uint64_t n = 0; n < outer->argument; ++n) {
-    if (!skip_item() || !skip_item()) return false;
+    bool const has_name = skip_item();
+    bool const has_value = has_name && skip_item();
+    if (!has_value) return false;
   }
   return true;
 }
