@@ -92,6 +92,9 @@ void H5mdReader::Trajectory::open() {
   if (groups.empty()) throw hdf5::Failure("there are no /particles");
   settings_.agents = groups[0];
   group_ = "/particles/" + groups[0];
+  // Before anything else that grows with the frames: the step of a frame is written last, so that all the rest of a frame
+  // that is counted here is there when it is looked at after this.
+  read_clocks();
   edge_ = hdf5::read_texts(hdf5::open_group(file_, group_ + "/box"), "boundary")[0] == "periodic" ? Edge::periodic
                                                                                                   : Edge::wall;
   settings_.configuration = hdf5::read_text(file_, "/parameters/configuration");
@@ -103,7 +106,6 @@ void H5mdReader::Trajectory::open() {
   }
   seed_ = hdf5::read<std::uint64_t>(hdf5::open_dataset(file_, "/parameters/seed"), {{0}, {1}})[0];
   find_elements();
-  read_clocks();
 }
 
 void H5mdReader::Trajectory::find_elements() {

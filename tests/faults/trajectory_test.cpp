@@ -4,11 +4,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <functional>
+#include <future>
+#include <limits>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -21,9 +25,15 @@
 namespace gridlock {
 namespace {
 
-H5mdFrame frame_at(std::uint64_t step) {
+/// Agents in frame k of a trajectory.
+using AgentCount = std::size_t (*)(std::uint64_t k);
+
+std::size_t hundreds(std::uint64_t k) { return 200 + k % 50; }
+std::size_t few(std::uint64_t k) { return 3 + k % 2; }
+
+H5mdFrame frame_at(std::uint64_t step, AgentCount agents_at = hundreds) {
   RandomStream random(3, step, 0, Purpose::start_position);
-  std::size_t const agents = 200 + step % 50;
+  std::size_t const agents = agents_at(step);
   H5mdFrame result{.frame = {.box = Box(1.0, 1.0, Edge::wall), .clock = {step, 0.1 * static_cast<double>(step)}},
                    .observables = {static_cast<double>(step)},
                    .state_hash = step};
@@ -39,14 +49,21 @@ H5mdFrame frame_at(std::uint64_t step) {
 /// A process of its own that adds frames as fast as it can and tells the number of those that are there through a pipe.
 class Writer {
  public:
-  Writer(std::filesystem::path const& file, bool appends, std::function<void()> const& prepare = {}) {
+  struct Work {
+    AgentCount agents_at = hundreds;
+    std::uint64_t frames = std::numeric_limits<std::uint64_t>::max();  ///< after which it ends with code 0
+  };
+
+  Writer(std::filesystem::path const& file, bool appends, std::function<void()> const& prepare = {})
+      : Writer(file, appends, Work{}, prepare) {}
+  Writer(std::filesystem::path const& file, bool appends, Work const& work, std::function<void()> const& prepare = {}) {
     int ends[2];
     if (pipe(ends) != 0) throw std::runtime_error("no pipe");
     process_ = fork();
     if (process_ == 0) {
       close(ends[0]);
       if (prepare) prepare();
-      _exit(write_frames(file, appends, ends[1]));
+      _exit(write_frames(file, appends, work, ends[1]));
     }
     close(ends[1]);
     from_ = ends[0];
@@ -65,18 +82,26 @@ class Writer {
     return status;
   }
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
+  /// Waits until it tells of a frame, and returns how many there are then; nothing once it has ended.
+  std::optional<std::uint64_t> next_told() {
+    std::uint64_t count = 0;
+    if (read(from_, &count, sizeof count) != sizeof count) return std::nullopt;
+    frames_ = count;
+    return count;
+  }
 
  private:
-  static int write_frames(std::filesystem::path const& file, bool appends, int to) {
+  static int write_frames(std::filesystem::path const& file, bool appends, Work const& work, int to) {
     try {
-      H5mdFrame const first = frame_at(0);
+      H5mdFrame const first = frame_at(0, work.agents_at);
       H5mdWriter writer = appends ? H5mdWriter::append(file, first.frame)
                                   : H5mdWriter::create(file, {.observables = {{"step", ""}}}, first.frame);
-      while (true) {
+      while (writer.frame_count() < work.frames) {
         std::uint64_t const count = writer.frame_count() + 1;
-        writer.write(frame_at(count - 1));
+        writer.write(frame_at(count - 1, work.agents_at));
         if (::write(to, &count, sizeof count) != sizeof count) return 3;
       }
+      return 0;
     } catch (RunFailure const&) {
       return 1;
     } catch (...) {
@@ -138,6 +163,26 @@ TEST(TrajectoryFaults, EveryFrameToldOfIsReadWhileTheWriterGoesOn) {
   EXPECT_GT(most, 10U);
   writer.kill();
   writer.wait();
+}
+
+// GRIDLOCK_FRAMES=10000 for more.
+TEST(TrajectoryFaults, AReaderThatNeverRestsSeesEveryFrameOfAWriterThatNeverRests) {
+  auto const frames = static_cast<std::uint64_t>(rounds("GRIDLOCK_FRAMES", 2'000));
+  TemporaryDirectory const directory;
+  Writer writer(directory / "t.h5", false, {.agents_at = few, .frames = frames});
+  ASSERT_EQ(writer.next_told(), 1U);
+  // Listens meanwhile: a pipe that nobody empties stops the writer.
+  std::future<int> ending = std::async(std::launch::async, [&] { return writer.wait(); });
+  std::size_t most = 0;
+  std::size_t looks = 0;
+  for (; most < frames; ++looks) {
+    H5mdReader const reader(directory / "t.h5");
+    ASSERT_GE(reader.frame_count(), std::max<std::size_t>(most, 1));
+    most = reader.frame_count();
+    ASSERT_EQ(reader.frame(most - 1).frame, frame_at(most - 1, few).frame);
+  }
+  EXPECT_EQ(ending.get(), 0);
+  EXPECT_GT(looks, frames / 20) << "looks so rare hardly ever meet a write";
 }
 
 TEST(TrajectoryFaults, AFullDiskEndsTheWriterAndLosesNothing) {
