@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <iterator>
 #include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
 
+#include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
 #include "gridlock/io/xyz.hpp"
@@ -23,12 +26,30 @@ namespace fs = std::filesystem;
 
 template <class Visit>
 void for_each_frame(H5mdReader const& trajectory, std::size_t every, Visit visit) {
-  for (std::size_t k = 0; k < trajectory.frame_count(); k += every) visit(trajectory.frame(k).frame);
+  for (std::size_t k = 0; k < trajectory.frame_count(); k += every) visit(std::move(trajectory.frame(k).frame));
+}
+
+/// Adds the momenta: ASE knows velocities by them only. Agents without a mass have the mass 1.
+Frame with_momenta(Frame frame) {
+  auto const reals = [&](char const* name) -> std::vector<double> const* {
+    FrameColumn const* const column = frame.find(name);
+    return column == nullptr ? nullptr : std::get_if<std::vector<double>>(&column->values);
+  };
+  std::vector<double> const* const velocities[] = {reals(VelocityX::name), reals(VelocityY::name)};
+  if (velocities[0] == nullptr || velocities[1] == nullptr) return frame;
+  std::vector<double> momenta[] = {*velocities[0], *velocities[1]};
+  if (std::vector<double> const* const masses = reals(Mass::name)) {
+    for (std::vector<double>& momentum : momenta)
+      std::ranges::transform(momentum, *masses, momentum.begin(), std::multiplies{});
+  }
+  frame.columns.push_back({"momentum_x", std::move(momenta[0])});
+  frame.columns.push_back({"momentum_y", std::move(momenta[1])});
+  return frame;
 }
 
 std::vector<fs::path> write_all_xyz(H5mdReader const& trajectory, ExportSettings const& settings) {
   AtomicFile file(settings.file);
-  for_each_frame(trajectory, settings.every, [&](Frame const& frame) { append_xyz(frame, file); });
+  for_each_frame(trajectory, settings.every, [&](Frame frame) { append_xyz(with_momenta(std::move(frame)), file); });
   file.commit();
   return {settings.file};
 }

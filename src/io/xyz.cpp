@@ -6,105 +6,18 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
 #include <map>
 #include <optional>
-#include <set>
 #include <utility>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
 #include "io/text.hpp"
+#include "io/xyz_names.hpp"
 
 namespace gridlock {
 
 namespace {
-
-// Noble gases: any program that knows extended XYZ knows a colour for them.
-constexpr std::array<std::string_view, 6> symbols{"Ar", "Kr", "Xe", "Rn", "Ne", "He"};
-constexpr std::string_view symbol_of_many = "X";
-
-/// The symbols of the radii of a state.
-class Symbols {
- public:
-  explicit Symbols(std::span<double const> radii) {
-    for (double const radius : radii) {
-      radii_.insert(radius);
-      if (radii_.size() > symbols.size()) return;
-    }
-  }
-  [[nodiscard]] std::string_view of(double radius) const {
-    if (radii_.size() > symbols.size()) return symbol_of_many;
-    auto const found = radii_.find(radius);
-    // A radius that is not a number, in a state that is broken, is in no order and not found again.
-    return found == radii_.end() ? symbol_of_many
-                                 : symbols[static_cast<std::size_t>(std::distance(radii_.begin(), found))];
-  }
-
- private:
-  std::set<double> radii_;
-};
-
-/// Columns of a frame that stand side by side under one name of the format; `pads` stands for a third dimension.
-struct XyzProperty {
-  std::string name;
-  std::vector<FrameColumn const*> columns;
-  bool pads = false;
-};
-
-/// The names the format has for columns of ours; all other columns keep their own.
-struct KnownProperty {
-  char const* name;
-  std::vector<char const*> columns;
-  bool pads;
-};
-
-std::vector<KnownProperty> properties_of_disks() {
-  return {{"velo", {"velocity_x", "velocity_y"}, true},
-          {"radius", {"radius"}, false},
-          {"masses", {"mass"}, false},
-          {"image", {"image_x", "image_y"}, false}};
-}
-
-bool is_real(FrameColumn const& column) { return std::holds_alternative<std::vector<double>>(column.values); }
-
-/// Everything but species, position and id, in the order it is written.
-std::vector<XyzProperty> properties_of(Frame const& frame) {
-  std::set<std::string_view> written{"x", "y"};
-  std::vector<XyzProperty> properties;
-  for (KnownProperty const& known : properties_of_disks()) {
-    XyzProperty property{known.name, {}, known.pads};
-    for (char const* name : known.columns) {
-      if (FrameColumn const* column = frame.find(name)) property.columns.push_back(column);
-    }
-    if (property.columns.size() != known.columns.size()) continue;
-    written.insert(known.columns.begin(), known.columns.end());
-    properties.push_back(std::move(property));
-  }
-  for (FrameColumn const& column : frame.columns) {
-    if (!written.contains(column.name)) properties.push_back({column.name, {&column}, false});
-  }
-  return properties;
-}
-
-std::string header(Frame const& frame, std::vector<XyzProperty> const& properties) {
-  std::string names = "species:S:1:pos:R:3:id:I:1";
-  for (XyzProperty const& property : properties) {
-    names += fmt::format(":{}:{}:{}", property.name, is_real(*property.columns.front()) ? 'R' : 'I',
-                         property.columns.size() + (property.pads ? 1 : 0));
-  }
-  std::string_view const pbc = frame.box.is_periodic() ? "T T F" : "F F F";
-  return fmt::format("{}\nLattice=\"{} 0 0 0 {} 0 0 0 1\" pbc=\"{}\" Properties={} Time={} step={} seed={}\n",
-                     frame.size(), double_text(frame.box.width()), double_text(frame.box.height()), pbc, names,
-                     double_text(frame.clock.time), frame.clock.step, frame.seed);
-}
-
-/// The numbers of a column, which must be real ones.
-std::span<double const> reals_of(Frame const& frame, std::string_view name) {
-  FrameColumn const* const column = frame.find(name);
-  if (column == nullptr || !is_real(*column)) return {};
-  return std::get<std::vector<double>>(column->values);
-}
 
 /// What a column of the file means to us.
 enum class Role { ignored, x, y, z, id, velocity_x, velocity_y, velocity_z, radius, mass, image_x, image_y, image_z };
@@ -380,6 +293,7 @@ class XyzReader {
       refuse("the file has no positions: no pos among the Properties", "add pos:R:3 and the columns", attribute.column);
     }
     std::erase_if(other_at_, [&](auto const& other) { return roles_[other.first] != Role::ignored; });
+    for (auto& [column, name] : other_at_) name = xyz::column_name(name);
     frame_.has_velocities = has(Role::velocity_x);
     frame_.has_radii = has(Role::radius);
     has_ids_ = has(Role::id);
@@ -586,38 +500,6 @@ class XyzReader {
 };
 
 }  // namespace
-
-void append_xyz(Frame const& frame, AtomicFile& file) {
-  std::vector<XyzProperty> const properties = properties_of(frame);
-  std::span<double const> const x = reals_of(frame, X::name);
-  std::span<double const> const y = reals_of(frame, Y::name);
-  std::span<double const> const radius = reals_of(frame, Radius::name);
-  Symbols const symbol(radius);
-  file.append(header(frame, properties));
-  fmt::memory_buffer line;
-  for (std::size_t i = 0; i < frame.size(); ++i) {
-    line.clear();
-    fmt::format_to(std::back_inserter(line), "{} {} {} 0 {}", radius.empty() ? symbol_of_many : symbol.of(radius[i]),
-                   x[i], y[i], frame.ids[i]);
-    for (XyzProperty const& property : properties) {
-      for (FrameColumn const* column : property.columns) {
-        std::visit([&](auto const& values) { fmt::format_to(std::back_inserter(line), " {}", values[i]); },
-                   column->values);
-      }
-      if (property.pads) line.append(std::string_view(" 0"));
-    }
-    line.push_back('\n');
-    file.append({line.data(), line.size()});
-  }
-}
-
-void write_xyz(Frame const& frame, std::filesystem::path const& path) {
-  AtomicFile file(path);
-  append_xyz(frame, file);
-  file.commit();
-}
-
-void write_xyz(State const& state, std::filesystem::path const& path) { write_xyz(frame_of(state), path); }
 
 XyzFrame parse_xyz(std::string_view text, std::string const& name) { return XyzReader(text, name).read(); }
 

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <cstdlib>
 #include <string>
 
@@ -50,16 +52,56 @@ TEST(Trajectories, SayWhatTheyHold) {
   }
 }
 
-TEST(Trajectories, AreReadByTheExample) {
+/// The number that a line of the output ends with.
+double number_after(std::string const& text, std::string const& label) {
+  std::size_t const at = text.find(label);
+  EXPECT_NE(at, std::string::npos) << label << " is not in\n" << text;
+  return at == std::string::npos ? std::nan("") : std::stod(text.substr(at + label.size()));
+}
+
+TEST(Trajectories, OfAPeriodicBoxGiveTheNumbersOfTheRunInTheExample) {
   if (!have_readers()) GTEST_SKIP() << "the readers are not installed: ./dev install";
   Workplace const workplace;
-  run_with_frames(workplace);
+  Outcome const run = gridlock_in(
+      workplace, {"run", source + "/scenes/mixture.toml", "--set", "engine.kind=exact", "--set", "disks.count=200",
+                  "--set", "run.steps=400", "--set", "observe.every=40", "--set", "observe.structure_every=1", "--set",
+                  "observe.discard=0", "--set", "trajectory.every=40", "--no-pictures", "-o", "run"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
   Outcome const outcome =
       Process("/usr/bin/python3", {source + "/examples/read_trajectory.py", "run/trajectory.h5"}, workplace.path())
           .wait();
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("4 frames from step 0 to 60"), std::string::npos) << outcome.out;
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("11 frames from step 0 to 400"), std::string::npos) << outcome.out;
   EXPECT_TRUE(fs::exists(workplace / "run/trajectory_read.png"));
+  auto const summary = nlohmann::json::parse(text_of(workplace / "run/summary.json"));
+  double const displacement = summary["mean_squared_displacement"]["value"].get<double>();
+  // MDAnalysis keeps positions as numbers of 32 bits.
+  EXPECT_NEAR(number_after(outcome.out, "mean squared displacement by MDAnalysis:"), displacement, 1e-5 * displacement);
+  EXPECT_NEAR(number_after(outcome.out, "mean displacement at the end:"),
+              summary["mean_displacement"]["value"].get<double>(), 1e-12);
+  double const far = number_after(outcome.out, "g(r) far away by MDAnalysis:");
+  EXPECT_NEAR(far, number_after(outcome.out, "g(r) far away by the run:"), 1e-4);
+  EXPECT_NEAR(far, 1.0, 0.02);
+  EXPECT_NEAR(number_after(outcome.out, "largest g(r) by MDAnalysis:"),
+              number_after(outcome.out, "largest g(r) by the run:"), 1e-2);
+}
+
+TEST(Trajectories, OfAgentsWithSpeciesAreReadByAse) {
+  if (!have_readers()) GTEST_SKIP() << "the readers are not installed: ./dev install";
+  Workplace const workplace;
+  Outcome const run = gridlock_in(workplace, {"run", source + "/scenes/catalyst.toml", "--set", "run.steps=20", "--set",
+                                              "trajectory.every=10", "--no-pictures", "-o", "run"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  ASSERT_EQ(gridlock_in(workplace, {"export", "run", "--to", "xyz"}).exit_code, 0);
+  write(workplace / "check.py",
+        "import ase.io\n"
+        "for name in ['run/trajectory.xyz', 'run/final.xyz']:\n"
+        "    atoms = ase.io.read(name, index=-1)\n"
+        "    assert len(atoms) > 0\n"
+        "    kinds = ['AB'[number] for number in atoms.arrays['species_number']]\n"
+        "    assert atoms.arrays['type'].tolist() == kinds\n");
+  Outcome const check = Process("/usr/bin/python3", {"check.py"}, workplace.path()).wait();
+  EXPECT_EQ(check.exit_code, 0) << check.err;
 }
 
 TEST(Trajectories, BecomeMoviesInEveryColour) {

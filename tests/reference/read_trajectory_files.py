@@ -35,6 +35,10 @@ atoms = ase.io.read(f"{directory}/trajectory.xyz", index=":")
 assert len(atoms) == frames
 for k, frame in enumerate(atoms):
     np.testing.assert_array_equal(frame.positions, position[k])
+    np.testing.assert_allclose(frame.get_velocities(), velocity[k], rtol=1e-14)
+    np.testing.assert_array_equal(frame.get_masses(), disks["mass/value"][k])
+    assert set(frame.arrays["type"]) == set("ABC"[: len(set(disks["radius/value"][k]))])
+    assert frame.get_volume() == np.prod(disks["box/edges/value"][k].diagonal())
     assert frame.info["step"] == disks["id/step"][k]
 
 for k, number in enumerate(disks["id/step"][:]):

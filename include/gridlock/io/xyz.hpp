@@ -12,6 +12,10 @@
 namespace gridlock {
 
 /// Appends a frame of any population as extended XYZ, which ASE and OVITO read; frames one after the other make a film.
+///
+/// The first column, `type`, names the kind of the agent: A, B, C … by the column "species", or else by radius and mass,
+/// the smallest first; A for all agents without either, X for all where there are more than 20 kinds. It is not called
+/// `species`, which ASE allows for chemical symbols only.
 /// Contract: the frame has the columns x and y.
 void append_xyz(Frame const& frame, AtomicFile& file);
 
@@ -23,12 +27,12 @@ void write_xyz(Frame const& frame, std::filesystem::path const& path);
 ///
 ///     841
 ///     Lattice="1.0 0 0 0 1.0 0 0 0 1" pbc="F F F" Properties=<columns> Time=0.5 step=100 seed=1
-///     Ar 0.017 0.017 0 0 0.31 -0.2 0 0.017 1 0 0
+///     A 0.017 0.017 0 0 0.31 -0.2 0 0.017 1 0 0
 ///
-/// where <columns> is species:S:1:pos:R:3:id:I:1:velo:R:3:radius:R:1:masses:R:1:image:I:2.
-/// The disks lie at z = 0 in a box of height 1. pbc is "T T F" for a periodic box. The symbol stands for the radius, so
-/// that viewers colour a mixture: Ar, Kr, Xe, Rn, Ne, He from the smallest to the largest; X for all disks where there
-/// are more than six radii. Numbers are the shortest that read back the same.
+/// where <columns> is type:S:1:pos:R:3:id:I:1:velo:R:3:radius:R:1:masses:R:1:image:I:2.
+/// The disks lie at z = 0 in a box of height 1, so that its volume is the area of the box. pbc is "T T F" for a periodic
+/// box. Positions are inside the box; `image` counts the periodic edges that the disk crossed. Numbers are the shortest
+/// that read back the same.
 /// Errors: RunFailure. Cost: about 1 µs a disk; never the whole text in memory.
 void write_xyz(State const& state, std::filesystem::path const& path);
 

@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <limits>
 #include <ostream>
+#include <sstream>
+#include <string>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
@@ -97,18 +99,38 @@ TEST(Xyz, IdsOfAPopulationWithDeathsComeBackInTheirOrder) {
   }
 }
 
-TEST(Xyz, TheSymbolStandsForTheRadius) {
+/// The first word of each row of a file.
+std::string types_in(std::filesystem::path const& file) {
+  std::string types;
+  std::istringstream lines(read_file(file));
+  std::string line;
+  for (int k = 0; std::getline(lines, line); ++k) {
+    if (k >= 2) types += line.substr(0, line.find(' '));
+  }
+  return types;
+}
+
+TEST(Xyz, TheTypeNamesTheKindByRadiusAndMass) {
   TemporaryDirectory const directory;
   State state;
-  for (double const radius : {0.2, 0.1, 0.3}) state.disks.add(0.5, 0.5, 0, 0, radius, 1, 0, 0);
+  for (double const radius : {0.2, 0.1, 0.3, 0.1}) state.disks.add(0.5, 0.5, 0, 0, radius, 1, 0, 0);
+  state.disks.add(0.5, 0.5, 0, 0, 0.1, 7, 0, 0);
   write_xyz(state, directory / "a.xyz");
-  std::string const text = read_file(directory / "a.xyz");
-  EXPECT_NE(text.find("\nKr 0.5"), std::string::npos);
-  EXPECT_LT(text.find("\nKr"), text.find("\nAr"));
-  EXPECT_LT(text.find("\nAr"), text.find("\nXe"));
-  for (int k = 0; k < 4; ++k) state.disks.add(0.5, 0.5, 0, 0, 0.01 * (k + 1), 1, 0, 0);
+  EXPECT_EQ(types_in(directory / "a.xyz"), "CADAB");
+  for (int k = 0; k < 20; ++k) state.disks.add(0.5, 0.5, 0, 0, 0.01 * (k + 1), 2, 0, 0);
   write_xyz(state, directory / "a.xyz");
-  EXPECT_EQ(read_file(directory / "a.xyz").find("\nAr"), std::string::npos);
+  EXPECT_EQ(types_in(directory / "a.xyz"), std::string(25, 'X'));
+}
+
+TEST(Xyz, AColumnOfSpeciesNamesTheTypeAndComesBackUnderItsName) {
+  TemporaryDirectory const directory;
+  Frame frame = frame_of(state_of(3, 1, Edge::wall));
+  frame.columns.push_back({"species", std::vector<std::uint32_t>{2, 0, 1}});
+  write_xyz(frame, directory / "a.xyz");
+  EXPECT_EQ(types_in(directory / "a.xyz"), "CAB");
+  XyzFrame const read = read_xyz(directory / "a.xyz");
+  ASSERT_EQ(read.others.size(), 1U);
+  EXPECT_EQ(read.others[0], (FrameColumn{"species", std::vector<double>{2.0, 0.0, 1.0}}));
 }
 
 TEST(Xyz, ReadsAFileByHand) {
@@ -274,7 +296,8 @@ TEST(Xyz, AseReadsPositionsCellEdgesAndColumns) {
       "assert a.positions.tolist() == [[0.1, 0.7, 0], [1.9, 0.3, 0]]\n"
       "assert a.cell.tolist() == [[2, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
       "assert a.pbc.tolist() == [True, True, False]\n"
-      "assert a.get_chemical_symbols() == ['Ar', 'Kr']\n"
+      "assert a.arrays['type'].tolist() == ['A', 'B']\n"
+      "assert a.get_volume() == 2\n"
       "assert a.arrays['velo'].tolist() == [[1 / 3, -0.5, 0], [0, 0.25, 0]]\n"
       "assert a.arrays['radius'].tolist() == [0.01, 0.02]\n"
       "assert a.get_masses().tolist() == [1, 4]\n"

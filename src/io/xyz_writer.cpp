@@ -1,0 +1,141 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "gridlock/core/disks.hpp"
+#include "gridlock/io/xyz.hpp"
+#include "io/text.hpp"
+#include "io/xyz_names.hpp"
+
+namespace gridlock {
+
+namespace {
+
+bool is_real(FrameColumn const& column) { return std::holds_alternative<std::vector<double>>(column.values); }
+
+/// The numbers of a column; none where it is missing or holds whole numbers.
+std::span<double const> reals_of(Frame const& frame, std::string_view name) {
+  FrameColumn const* const column = frame.find(name);
+  if (column == nullptr || !is_real(*column)) return {};
+  return std::get<std::vector<double>>(column->values);
+}
+
+/// The names of the kinds of agents: A, B, C … by species, or else by radius and mass, the smallest first.
+class Kinds {
+ public:
+  explicit Kinds(Frame const& frame)
+      : radii_(reals_of(frame, Radius::name)), masses_(reals_of(frame, Mass::name)), species_(frame.find("species")) {
+    if (species_ != nullptr && is_real(*species_)) species_ = nullptr;
+    if (species_ != nullptr) return;
+    for (std::size_t i = 0; i < radii_.size() && kinds_.size() <= most; ++i) {
+      if (!std::isnan(radii_[i])) kinds_.insert(kind_at(i));
+    }
+  }
+
+  [[nodiscard]] char name_at(std::size_t i) const {
+    if (species_ != nullptr) return name_of(species_at(i));
+    if (radii_.empty()) return name_of(0);
+    if (kinds_.size() > most) return too_many;
+    auto const found = kinds_.find(kind_at(i));
+    return found == kinds_.end() ? too_many : name_of(static_cast<std::uint64_t>(std::distance(kinds_.begin(), found)));
+  }
+
+ private:
+  static constexpr std::size_t most = 20;
+  static constexpr char too_many = 'X';
+  static char name_of(std::uint64_t kind) { return kind < most ? static_cast<char>('A' + kind) : too_many; }
+
+  [[nodiscard]] std::pair<double, double> kind_at(std::size_t i) const {
+    return {radii_[i], masses_.empty() ? 0.0 : masses_[i]};
+  }
+  [[nodiscard]] std::uint64_t species_at(std::size_t i) const {
+    return std::visit([i](auto const& numbers) { return static_cast<std::uint64_t>(numbers[i]); }, species_->values);
+  }
+
+  std::span<double const> radii_;
+  std::span<double const> masses_;
+  FrameColumn const* species_;
+  std::set<std::pair<double, double>> kinds_;
+};
+
+/// A property of the format and the columns of the frame it holds.
+struct Property {
+  std::string name;
+  std::vector<FrameColumn const*> columns;
+  bool pads = false;
+};
+
+/// Everything but type, position and id, in the order it is written.
+std::vector<Property> properties_of(Frame const& frame) {
+  std::set<std::string_view> written{X::name, Y::name};
+  std::vector<Property> properties;
+  for (xyz::PropertyName const& known : xyz::known_names()) {
+    Property property{known.name, {}, known.pads};
+    for (std::string const& name : known.columns) {
+      if (FrameColumn const* column = frame.find(name)) property.columns.push_back(column);
+    }
+    if (property.columns.size() != known.columns.size()) continue;
+    written.insert(known.columns.begin(), known.columns.end());
+    properties.push_back(std::move(property));
+  }
+  for (FrameColumn const& column : frame.columns) {
+    if (!written.contains(column.name)) properties.push_back({column.name, {&column}, false});
+  }
+  return properties;
+}
+
+std::string header(Frame const& frame, std::vector<Property> const& properties) {
+  std::string names = "type:S:1:pos:R:3:id:I:1";
+  for (Property const& property : properties) {
+    names += fmt::format(":{}:{}:{}", property.name, is_real(*property.columns.front()) ? 'R' : 'I',
+                         property.columns.size() + (property.pads ? 1 : 0));
+  }
+  std::string_view const pbc = frame.box.is_periodic() ? "T T F" : "F F F";
+  return fmt::format("{}\nLattice=\"{} 0 0 0 {} 0 0 0 1\" pbc=\"{}\" Properties={} Time={} step={} seed={}\n",
+                     frame.size(), double_text(frame.box.width()), double_text(frame.box.height()), pbc, names,
+                     double_text(frame.clock.time), frame.clock.step, frame.seed);
+}
+
+}  // namespace
+
+void append_xyz(Frame const& frame, AtomicFile& file) {
+  std::vector<Property> const properties = properties_of(frame);
+  std::span<double const> const x = reals_of(frame, X::name);
+  std::span<double const> const y = reals_of(frame, Y::name);
+  Kinds const kinds(frame);
+  file.append(header(frame, properties));
+  fmt::memory_buffer line;
+  for (std::size_t i = 0; i < frame.size(); ++i) {
+    line.clear();
+    fmt::format_to(std::back_inserter(line), "{} {} {} 0 {}", kinds.name_at(i), x[i], y[i], frame.ids[i]);
+    for (Property const& property : properties) {
+      for (FrameColumn const* column : property.columns) {
+        std::visit([&](auto const& values) { fmt::format_to(std::back_inserter(line), " {}", values[i]); },
+                   column->values);
+      }
+      if (property.pads) line.append(std::string_view(" 0"));
+    }
+    line.push_back('\n');
+    file.append({line.data(), line.size()});
+  }
+}
+
+void write_xyz(Frame const& frame, std::filesystem::path const& path) {
+  AtomicFile file(path);
+  append_xyz(frame, file);
+  file.commit();
+}
+
+void write_xyz(State const& state, std::filesystem::path const& path) { write_xyz(frame_of(state), path); }
+
+}  // namespace gridlock
