@@ -77,17 +77,27 @@ class Scene {
 
   [[nodiscard]] double any_reach() {
     double const shorter = std::min(state_.box.width(), state_.box.height());
-    return (0.001 + 0.499 * random_.uniform()) * shorter;
+    // Often nearly half a side, where the two ways around a periodic box are equally long.
+    return (random_.below(4) == 0 ? 0.49995 : 0.001 + 0.499 * random_.uniform()) * shorter;
   }
   CellLayout any_layout(double reach) {
     if (random_.below(2) == 0) return layout_for_reach(state_.box, reach, state_.disks.size());
     return {state_.box, 1 + random_.below(9), 1 + random_.below(9)};
   }
   /// A point, often on borders of cells and of the box; in most periodic boxes one of its images outside, between walls
-  /// sometimes outside; often one that there is already.
+  /// sometimes outside; often one that there is already, or one half a box from it.
   Vector any_point() {
     if (!state_.disks.empty() && random_.below(8) == 0) {
       return position(state_.disks, static_cast<std::size_t>(random_.below(state_.disks.size())));
+    }
+    if (state_.box.is_periodic() && where_ == Where::inside && !state_.disks.empty() && random_.below(8) == 0) {
+      // Almost half a side from another one.
+      Vector p = position(state_.disks, static_cast<std::size_t>(random_.below(state_.disks.size())));
+      bool const is_along_x = random_.below(2) == 0;
+      double& coordinate = is_along_x ? p.x : p.y;
+      double const half = 0.4999 * (is_along_x ? state_.box.width() : state_.box.height());
+      coordinate += coordinate < half ? half : -half;
+      return p;
     }
     return {coordinate(state_.box.width()), coordinate(state_.box.height())};
   }

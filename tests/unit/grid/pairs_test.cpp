@@ -87,6 +87,20 @@ TYPED_TEST(AnyGrid, FindsPairsOfImagesOutsideAPeriodicBox) {
   }
 }
 
+TYPED_TEST(AnyGrid, FindsEachPairOnceWhereTheBlockOfCellsGoesAroundTheBoxAlongOneSideOnly) {
+  // Two cells along one side and eight along the other: to the left and to the right of each cell lies the same one. The
+  // points are almost half a side apart, both ways around.
+  for (bool const is_x : {true, false}) {
+    State state{.box = is_x ? Box(1.0, 4.0, Edge::periodic) : Box(4.0, 1.0, Edge::periodic)};
+    for (double const p : {0.1, 0.5999}) state.disks.add(is_x ? p : 2.1, is_x ? 2.1 : p, 0.0, 0.0, 0.01, 1.0, 0, 0);
+    CellLayout const layout(state.box, is_x ? 2 : 8, is_x ? 8 : 2);
+    TypeParam const grid(layout, state.disks.column<X>(), state.disks.column<Y>());
+    std::size_t pairs = 0;
+    for_each_pair(state, grid, 0.49995, [&](std::size_t, std::size_t, Vector) { ++pairs; });
+    EXPECT_EQ(pairs, 1U) << (is_x ? "along x" : "along y");
+  }
+}
+
 TYPED_TEST(AnyGrid, FollowsAnAgentOutOfAPeriodicBoxAndBack) {
   State state = points(Edge::periodic, {{0.9, 0.9}, {0.5, 0.5}});
   CellLayout const layout(state.box, 8, 8);

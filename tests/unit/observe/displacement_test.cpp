@@ -84,6 +84,21 @@ TEST(Displacement, FollowsADiskThroughPeriodicEdges) {
   EXPECT_NEAR(row[1], 3.25 * time * time, 1e-12);
 }
 
+TEST(Displacement, CountsEveryCrossingByTheSideThatWasCrossed) {
+  State state = empty_state(Box(4, 9, Edge::periodic));  // √area = 6
+  add_disk(state, {1, 1});
+  add_disk(state, {1, 1});
+  Displacement displacement;
+  displacement.begin({state, {}});
+  state.disks.column<ImageX>()[0] = 2;   // 8 to the right
+  state.disks.column<ImageY>()[0] = -1;  // 9 down
+  state.disks.column<Y>()[0] += 3.0;
+  auto const row = sample(displacement, state);
+  EXPECT_DOUBLE_EQ(row[0], 10.0 / 6.0 / 2.0);
+  EXPECT_DOUBLE_EQ(row[1], 100.0 / 2.0);
+  EXPECT_DOUBLE_EQ(row[2], 10.0 / 6.0 / 2.0);
+}
+
 TEST(Displacement, FollowsIdsWhenRowsAreReordered) {
   State const start = ideal_gas(Box(1, 1, Edge::periodic), 50, 0.01, 2);
   State end = ideal_gas(Box(1, 1, Edge::periodic), 50, 0.01, 3);

@@ -82,6 +82,17 @@ TEST(Speed, HistogramIsADensityOverAllDisks) {
   }
 }
 
+TEST(Speed, TheHistogramOfAMixtureReachesToMultiplesOfTheSpeedOfItsLightestDisks) {
+  // Equal energies per disk: √⟨v²⟩ is 6 for the light disks and 2 for those of nine times the mass.
+  State const state = moving_disks({{2, 0}, {0, 6}, {0, -2}}, {9.0, 1.0, 9.0});
+  Speed speed(range, bins);
+  speed.begin({state, {}});
+  sample(speed, state);
+  std::vector<double> const speeds = speed.distributions()[0].columns_of_values[0];
+  double const width = speeds[1] - speeds[0];
+  EXPECT_NEAR(speeds.back() + 0.5 * width, range * 6.0, 1e-12);
+}
+
 TEST(Speed, DrawnMaxwellVelocitiesFallOnMaxwellsCurveForAMixture) {
   // 40 independent samples; in each bin (measured − Maxwell)/error is Student's t, with variance 31/29 for 32 blocks
   // of one or two samples. The temperature is that of the samples, a relative uncertainty of 1/√(40·500).

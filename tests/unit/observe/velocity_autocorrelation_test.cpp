@@ -77,6 +77,24 @@ TEST(VelocityAutocorrelation, AveragesOverOriginsAndTellsTheErrorFromTheirScatte
   EXPECT_NEAR(columns[2][1], std::sqrt((0.36 + 0.0 + 0.04 + 0.16) / 12.0), 1e-14);
 }
 
+TEST(VelocityAutocorrelation, AnEarlyLastSampleIsInTheSeriesButInNoPointOfTheCurve) {
+  VelocityAutocorrelation correlation(2);
+  State now = maxwell_gas(50, 1);
+  correlation.begin({now, {}});
+  for (double const time : {0.0, 0.5, 1.0, 1.5, 2.0}) {
+    now.clock.time = time;
+    EXPECT_DOUBLE_EQ(sample(correlation, now)[0], 1.0) << time;
+  }
+  // The run ends 0.2 after the third origin, where the curve has its points at 0 and 0.5.
+  State last = turned(now, {-1, 0}, {0, -1});
+  last.clock.time = 2.2;
+  EXPECT_DOUBLE_EQ(sample(correlation, last)[0], -1.0);
+  auto const columns = correlation.distributions()[0].columns_of_values;
+  EXPECT_EQ(columns[0], (std::vector<double>{0.0, 0.5}));
+  EXPECT_NEAR(columns[1][0], 1.0, 1e-14);
+  EXPECT_NEAR(columns[1][1], 1.0, 1e-14);
+}
+
 TEST(VelocityAutocorrelation, OfIndependentVelocitiesIsZeroWithinItsError) {
   // The pull of 16 blocks is Student's t with 15 degrees of freedom, variance 15/13.
   double squares = 0.0;
