@@ -97,8 +97,9 @@ ExitCode sweep(SweepOptions const& options) {
                result.failures, plan.runs.size());
   }
   if (result.interruptions > 0) {
-    fmt::print(stderr, "{} of {} runs were stopped early; the same command goes on with them in {}\n",
-               result.interruptions, plan.runs.size(), directory.string());
+    fmt::print(stderr, "{} of {} runs were stopped early; the same command{} goes on with them in {}\n",
+               result.interruptions, plan.runs.size(), options.output.overwrites ? " without --overwrite" : "",
+               directory.string());
   }
   return ExitCode::run_failed;
 }

@@ -81,6 +81,15 @@ Estimate mean_over(std::vector<Estimate> const& runs) {
 
 }  // namespace
 
+SweepOutcome outcome_of(RunSummary const& summary) {
+  return {.has_begun = true,
+          .ending = summary.ending,
+          .message = summary.failure,
+          .state_hash = summary.state_hash,
+          .seconds = summary.seconds,
+          .results = summary.results};
+}
+
 Table rows_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes) {
   std::vector<std::size_t> runs(plan.runs.size());
   std::iota(runs.begin(), runs.end(), std::size_t{0});
@@ -167,6 +176,11 @@ SweepResult result_of(SweepPlan const& plan, std::vector<SweepOutcome> const& ou
     if (outcome.ending == Ending::interrupted) ++result.interruptions;
   }
   return result;
+}
+
+void write_tables(SweepResult const& result, std::filesystem::path const& directory) {
+  write_csv(result.rows, directory / "sweep.csv");
+  write_csv(result.means, directory / "means.csv");
 }
 
 }  // namespace gridlock

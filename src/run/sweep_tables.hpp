@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "gridlock/run/run.hpp"
+#include "gridlock/run/run_directory.hpp"
 #include "gridlock/run/sweep.hpp"
 
 namespace gridlock {
@@ -26,6 +28,8 @@ struct SweepOutcome {
   }
 };
 
+SweepOutcome outcome_of(RunSummary const& summary);
+
 /// sweep.csv: one row a run, in the order of the plan.
 Table rows_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes);
 
@@ -34,5 +38,8 @@ Table means_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes)
 
 /// Both tables, and how many runs did not come to their end.
 SweepResult result_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes);
+
+/// Writes both tables into the directory of a sweep.
+void write_tables(SweepResult const& result, std::filesystem::path const& directory);
 
 }  // namespace gridlock

@@ -54,7 +54,9 @@ TEST(Sweep, RefusesADirectoryWithOneOfItsRunsUnderOtherSettings) {
   write(workplace / "s.toml", sweep_toml("0.3, 0.5", "400"));
   Outcome const outcome = in(workplace.path(), {"sweep", "s.toml", "-o", "out"});
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_NE(outcome.err.find("was run with other settings"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("was run with other settings: run.steps is 300 in it, and 400 in this sweep"),
+            std::string::npos)
+      << outcome.err;
   EXPECT_NE(outcome.err.find("hint: "), std::string::npos) << outcome.err;
   expect_good(in(workplace.path(), {"sweep", "s.toml", "-o", "out", "--overwrite"}));
 }
@@ -161,9 +163,146 @@ TEST(IdleSettings, AreNotedByCheckAndRunUnlessQuiet) {
 TEST(Collect, RefusesADirectoryWithoutASweep) {
   Workplace const workplace;
   fs::create_directories(workplace / "empty");
-  Outcome const outcome = in(workplace.path(), {"collect", "empty"});
+  for (char const* directory : {"empty", "missing"}) {
+    Outcome const outcome = in(workplace.path(), {"collect", directory, "-o", "out"});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_NE(outcome.err.find(std::string(directory) + " holds no sweep"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("hint: "), std::string::npos) << outcome.err;
+  }
+  EXPECT_FALSE(fs::exists(workplace / "out"));
+}
+
+/// Replaces one text by another wherever it stands in a file.
+void replace_in(fs::path const& file, std::string const& from, std::string const& to) {
+  std::string text = text_of(file);
+  ASSERT_NE(text.find(from), std::string::npos) << file;
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+  write(file, text);
+}
+
+void expect_refused(Outcome const& outcome, std::string const& reason) {
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_NE(outcome.err.find("plan.json"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find(reason), std::string::npos) << outcome.err;
+}
+
+TEST(Collect, TakesNoNameOfARunThatLeadsElsewhere) {
+  Workplace const workplace;
+  write(workplace / "s.toml", sweep_toml("0.3"));
+  expect_good(in(workplace.path(), {"sweep", "s.toml", "-o", "out"}));
+  std::string const plan = text_of(workplace / "out/plan.json");
+  // A run of the stranger's at a place that the names lead to from the output directory as well.
+  fs::create_directories(workplace / "joined/runs");
+  fs::create_directories(workplace / "victim");
+  write(workplace / "victim/final.xyz", "mine");
+  fs::copy(workplace / "out/runs/packing_fraction=0.3_seed=1", workplace / "out/victim");
+  for (std::string const& name : {std::string("../../victim"), std::string("../victim"),
+                                  (workplace / "victim").string(), std::string("."), std::string()}) {
+    write(workplace / "out/plan.json", plan);
+    replace_in(workplace / "out/plan.json", "packing_fraction=0.3_seed=1", name);
+    expect_refused(in(workplace.path(), {"collect", "out", "-o", "joined"}), "is not the name of a run");
+    EXPECT_EQ(contents(workplace / "joined"), std::vector<std::string>{"runs"}) << name;
+    EXPECT_EQ(text_of(workplace / "victim/final.xyz"), "mine") << name;
+  }
+}
+
+TEST(Collect, TakesNoKeyThatMakesAPathOfAName) {
+  Workplace const workplace;
+  write(workplace / "s.toml", "disks.count = 64\nrun.steps = 20\n[sweep]\nrun.seed = [1]\n");
+  expect_good(in(workplace.path(), {"sweep", "s.toml", "-o", "out"}));
+  replace_in(workplace / "out/plan.json", "\"run.seed\"", "\"run./victim\"");
+  replace_in(workplace / "out/plan.json", "\"seed=1\"", "\"/victim=1\"");
+  expect_refused(in(workplace.path(), {"collect", "out", "-o", "joined"}), "is not the name of a run");
+}
+
+TEST(Collect, WritesThroughNoLinkThatLeadsOutOfItsOutput) {
+  Workplace const workplace;
+  write(workplace / "s.toml", sweep_toml("0.3"));
+  std::string const run = "runs/packing_fraction=0.3_seed=1";
+  expect_good(in(workplace.path(), {"sweep", "s.toml", "-o", "good"}));
+  write(workplace / "mine", "mine");
+  fs::create_directories(workplace / "home");
+  struct Link {
+    std::string name;
+    std::string target;
+    bool is_refused;
+  };
+  // The last one is a file of the run itself: it is replaced by the file that is collected.
+  for (Link const& link : {Link{"sweep.csv", "mine", true}, Link{"mean_displacement.svg", "mine", true},
+                           Link{"means.csv", "not yet there", true}, Link{run, "home", true},
+                           Link{"runs", "home", true}, Link{run + "/final.xyz", "mine", false}}) {
+    fs::path const out = workplace / ("out_of_" + fs::path(link.name).filename().string());
+    fs::create_directories((out / link.name).parent_path());
+    fs::create_symlink(workplace / link.target, out / link.name);
+    Outcome const outcome = in(workplace.path(), {"collect", "good", "-o", out.filename().string()});
+    if (link.is_refused) {
+      expect_refused(outcome, "leads");
+    } else {
+      expect_good(outcome);
+      EXPECT_EQ(text_of(out / link.name), text_of(workplace / "good" / link.name));
+    }
+    EXPECT_EQ(text_of(workplace / "mine"), "mine") << link.name;
+    EXPECT_FALSE(fs::exists(workplace / "not yet there")) << link.name;
+    EXPECT_TRUE(fs::is_empty(workplace / "home")) << link.name;
+  }
+}
+
+TEST(Collect, ReplacesARunThatWasStoppedByTheSameOneFinished) {
+  Workplace const workplace;
+  write(workplace / "s.toml", sweep_toml("0.3"));
+  std::string const run = "/runs/packing_fraction=0.3_seed=1";
+  expect_good(in(workplace.path(), {"sweep", "s.toml", "-o", "good"}));
+  expect_good(in(workplace.path(), {"sweep", "s.toml", "-o", "part"}));
+  replace_in(workplace / ("part" + run) / "summary.json", "\"finished\"", "\"interrupted\"");
+  write(workplace / ("part" + run) / "checkpoint.gridlock", "old");
+  expect_good(in(workplace.path(), {"collect", "part", "good"}));
+  EXPECT_EQ(rows_of(workplace / "part"), rows_of(workplace / "good"));
+  EXPECT_EQ(contents(workplace / ("part" + run)), contents(workplace / ("good" + run)));
+}
+
+TEST(Collect, RefusesSweepsThatHaveDifferentSettingsInCommon) {
+  Workplace const workplace;
+  write(workplace / "one.toml", sweep_toml("0.3", "10"));
+  write(workplace / "other.toml", sweep_toml("0.5", "20"));
+  write(workplace / "threads.toml", sweep_toml("0.5", "10") + "[engine]\nthreads = 2\n");
+  for (char const* name : {"one", "other", "threads"}) {
+    expect_good(in(workplace.path(), {"sweep", std::string(name) + ".toml", "-o", name}));
+  }
+  Outcome const outcome = in(workplace.path(), {"collect", "one", "other", "-o", "joined"});
+  expect_refused(outcome, "run.steps is 10 in one, and 20 in other");
+  EXPECT_FALSE(fs::exists(workplace / "joined"));
+  expect_good(in(workplace.path(), {"collect", "one", "threads", "-o", "joined"}));
+  EXPECT_EQ(gridlock::read_csv(workplace / "joined/sweep.csv").row_count(), 4U);
+}
+
+TEST(Collect, RefusesOneRunWithDifferentSettings) {
+  Workplace const workplace;
+  write(workplace / "s.toml", sweep_toml("0.3"));
+  for (char const* name : {"one", "other"}) expect_good(in(workplace.path(), {"sweep", "s.toml", "-o", name}));
+  replace_in(workplace / "other/runs/packing_fraction=0.3_seed=1/config.resolved.toml", "steps = 300", "steps = 400");
+  expect_refused(in(workplace.path(), {"collect", "one", "other", "-o", "joined"}), "run.steps is 300 in one/runs/");
+}
+
+TEST(SlurmArrayScript, SaysHowItIsMeantWhereThereIsNoJobArray) {
+  Workplace const workplace;
+  unsetenv("SLURM_ARRAY_TASK_ID");
+  Outcome const outcome =
+      Process("bash", {GRIDLOCK_SOURCE_DIR "/examples/slurm_array.sh", "s.toml", "out"}, workplace.path()).wait();
+  EXPECT_NE(outcome.exit_code, 0);
+  EXPECT_NE(outcome.err.find("runs as a job array: sbatch --array="), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find("unbound variable"), std::string::npos) << outcome.err;
+}
+
+TEST(Sweep, RefusesADirectoryWithASweepOfOtherSettings) {
+  Workplace const workplace;
+  write(workplace / "s.toml", sweep_toml("0.3", "10"));
+  expect_good(in(workplace.path(), {"sweep", "s.toml", "-o", "out", "--shard", "1/2"}));
+  write(workplace / "s.toml", sweep_toml("0.3", "20"));
+  Outcome const outcome = in(workplace.path(), {"sweep", "s.toml", "-o", "out", "--shard", "2/2"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("run.steps is 10 in it, and 20 in this"), std::string::npos) << outcome.err;
+  expect_good(in(workplace.path(), {"sweep", "s.toml", "-o", "out", "--overwrite"}));
 }
 
 }  // namespace

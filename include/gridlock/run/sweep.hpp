@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -24,6 +25,7 @@ struct SweepRun {
 /// Every combination of the listed values, the last list varying fastest.
 struct SweepPlan {
   std::vector<std::string> keys;
+  std::map<std::string, std::string> base;  ///< dotted key → TOML of what all runs share, engine.threads left out
   std::vector<SweepRun> runs;
 };
 

@@ -7,12 +7,15 @@
 #include <chrono>
 #include <filesystem>
 #include <new>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
+#include "gridlock/io/table.hpp"
 #include "gridlock/run/model_kind.hpp"
 #include "gridlock/run/run_directory.hpp"
 #include "run/expected_work.hpp"
@@ -84,6 +87,75 @@ class SweepDirectory : public ::testing::Test {
 
   fs::path place_;
 };
+
+std::vector<std::string> names_of(SweepPlan const& plan) {
+  std::vector<std::string> names;
+  for (SweepRun const& run : plan.runs) names.push_back(run.name);
+  return names;
+}
+
+TEST_F(SweepDirectory, NamesOfRunsDoNotDependOnTheOrderOfTheValues) {
+  std::string const model = "model.kind = \"brittle\"\n[sweep]\nbrittle.failure = ";
+  std::vector<std::string> const names = names_of(plan(model + "[\"a b\", \"ab\", \"a_b\"]\n"));
+  std::vector<std::string> reversed = names_of(plan(model + "[\"a_b\", \"ab\", \"a b\"]\n"));
+  std::ranges::reverse(reversed);
+  EXPECT_EQ(names, reversed);
+  EXPECT_EQ(names[1], "failure=ab");
+  EXPECT_EQ(names[2], "failure=a_b");
+  EXPECT_EQ(std::set(names.begin(), names.end()).size(), 3U);
+}
+
+TEST_F(SweepDirectory, NamesTooLongForTheirValuesTellThemApart) {
+  // 1 and 23, 12 and 3: only the mark of the name holds them, since the text before fills it.
+  std::string const text = "model.kind = \"brittle\"\n[sweep]\nbrittle.failure = [\"" + std::string(200, 'x') +
+                           "\"]\nrun.seed = [1, 12]\nrun.steps = [3, 23]\n";
+  std::vector<std::string> const names = names_of(plan(text));
+  EXPECT_EQ(std::set(names.begin(), names.end()).size(), 4U);
+  for (std::string const& name : names) EXPECT_LE(name.size(), 120U);
+}
+
+TEST_F(SweepDirectory, RefusesAValueThatIsListedTwice) {
+  try {
+    plan("disks.count = 64\n[sweep]\nrun.seed = [1, 2]\n\"disks.packing_fraction\" = [0.3, 0.5, 0.30]\n");
+    FAIL() << "taken";
+  } catch (Error const& error) {
+    EXPECT_EQ(error.problems().front().what, "disks.packing_fraction lists 0.3 twice");
+    EXPECT_EQ(error.problems().front().line, 4);
+  }
+}
+
+TEST_F(SweepDirectory, TablesListEveryFinishedRunHoweverOftenTheSweepIsStopped) {
+  std::string const text = "disks.count = 64\nrun.steps = 20\n[sweep]\nrun.seed = [1, 2, 3, 4, 5]\n";
+  auto const sweep_until = [&](std::size_t enough) {
+    return run_sweep(plan(text), {.directory = place_, .threads = 1, .on_progress = [=](SweepProgress const& progress) {
+                                    return progress.finished < enough;
+                                  }});
+  };
+  std::size_t const finished = 5 - sweep_until(2).interruptions;
+  ASSERT_GE(finished, 2U);
+  ASSERT_LT(finished, 4U);
+  // A run that ends before the wish to stop is seen counts too.
+  std::size_t const finished_later = 5 - sweep_until(0).interruptions;
+  EXPECT_GE(finished_later, finished);
+  EXPECT_LT(finished_later, 5U);
+  Table const rows = read_csv(place_ / "sweep.csv");
+  auto const& endings = std::get<std::vector<std::string>>(rows.column("ending"));
+  EXPECT_EQ(std::ranges::count(endings, "finished"), finished_later);
+  EXPECT_EQ(read_csv(place_ / "means.csv").numbers("runs"), std::vector<double>{static_cast<double>(finished_later)});
+  EXPECT_EQ(sweep_until(5).interruptions, 0U);
+}
+
+TEST_F(SweepDirectory, MadeAnewAndStoppedHoldsNoOldRunAmongTheNew) {
+  std::string const text = "disks.count = 64\nrun.steps = 20\n[sweep]\nrun.seed = [1, 2, 3]\n";
+  sweep(text);
+  SweepResult const anew = run_sweep(
+      plan(text), {.directory = place_, .overwrites = true, .threads = 1, .on_progress = [](SweepProgress const&) {
+                     return false;
+                   }});
+  EXPECT_GE(anew.interruptions, 2U);
+  EXPECT_FALSE(read_summary(place_ / "runs/seed=3"));
+  EXPECT_EQ(sweep(text).interruptions, 0U);
+}
 
 TEST_F(SweepDirectory, ARunThatFailsInAnyWayIsNamedAndTheOthersGoOn) {
   SweepResult const result = sweep(
