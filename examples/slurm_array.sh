@@ -14,6 +14,9 @@ set -euo pipefail
 scene=${1:?usage: sbatch examples/slurm_array.sh SCENE.toml DIRECTORY}
 directory=${2:?usage: sbatch examples/slurm_array.sh SCENE.toml DIRECTORY}
 gridlock=${GRIDLOCK:-gridlock}
+not_in_array="this script runs as a job array: sbatch --array=1-4 $0 SCENE.toml DIRECTORY; without Slurm: gridlock sweep"
+task=${SLURM_ARRAY_TASK_ID:?$not_in_array}
+tasks=${SLURM_ARRAY_TASK_COUNT:?$not_in_array}
 
-exec "$gridlock" sweep "$scene" -o "$directory" --shard "$SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT" \
+exec "$gridlock" sweep "$scene" -o "$directory" --shard "$task/$tasks" \
   --threads "${SLURM_CPUS_PER_TASK:-1}"
