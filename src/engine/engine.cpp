@@ -9,6 +9,7 @@
 #include <functional>
 #include <utility>
 
+#include "core/magnitude.hpp"
 #include "exact.hpp"
 #include "gridlock/core/error.hpp"
 #include "stepped.hpp"
@@ -35,6 +36,20 @@ constexpr std::array<std::pair<char const*, Maker>, 3> registry{{
        return std::make_unique<ExactEngine>(settings, state);
      }},
 }};
+
+/// A word of the registry; what is none of them stays as it is.
+void visit_kind(SettingVisitor& visitor, std::string& kind) {
+  std::array<std::string_view, registry.size()> kinds;
+  std::ranges::transform(registry, kinds.begin(), [](auto const& entry) { return entry.first; });
+  auto place = static_cast<std::size_t>(std::ranges::find(kinds, kind) - kinds.begin());
+  visitor.visit_choice(
+      {.key = "kind",
+       .documentation = "How the disks move: \"stepped\" is the paper's rule, \"tiled\" the same turns in an order "
+                        "that all cores can share, \"exact\" goes from collision to collision without a "
+                        "time step."},
+      kinds, place);
+  if (place < kinds.size()) kind = kinds[place];
+}
 
 }  // namespace
 
@@ -78,22 +93,19 @@ void carry(Archive& archive, Tally& tally) {
 void describe(EngineSettings& settings, SettingVisitor& visitor) {
   static constexpr std::array<std::string_view, 2> contacts{"always", "approaching"};
   static constexpr std::array<std::string_view, 2> grids{"linked", "packed"};
-  visitor.visit(
-      {.key = "kind",
-       .documentation = "How the disks move: \"stepped\" is the paper's rule, \"tiled\" the same turns in an order "
-                        "that all cores can share, \"exact\" goes from collision to collision without a "
-                        "time step."},
-      settings.kind);
+  visit_kind(visitor, settings.kind);
   visitor.visit({.key = "time_step",
                  .unit = "diameters of the smallest disk per speed",
                  .documentation = "Length of one time step.",
                  .least = 0.0,
+                 .most = 1e6,
                  .least_is_allowed = false},
                 settings.time_step);
   visitor.visit({.key = "speed",
                  .unit = "length / time",
                  .documentation = "The speed that time_step refers to.",
                  .least = 0.0,
+                 .most = most_magnitude,
                  .default_note = "velocities.max"},
                 settings.speed);
   visitor.visit({.key = "substeps",

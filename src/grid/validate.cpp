@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/magnitude.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/pairs.hpp"
 
@@ -36,23 +37,10 @@ class ProblemList {
 
 bool is_positive(double value) { return std::isfinite(value) && value > 0.0; }
 
-/// The engines multiply up to four lengths, speeds and masses, and divide by as many.
-constexpr double least_magnitude = 1e-60;
-constexpr double most_magnitude = 1e60;
-constexpr char const* magnitude_hint =
-    "lengths, masses and the largest speed lie from 1e-60 to 1e60; choose other units";
-
-bool has_bounded_magnitude(double value) { return value >= least_magnitude && value <= most_magnitude; }
-
 /// Numbers so large or small that their squares would no longer be what they stand for.
 std::vector<Problem> find_extreme_magnitudes(State const& state) {
   std::vector<Problem> problems;
-  if (!has_bounded_magnitude(state.box.width()) || !has_bounded_magnitude(state.box.height())) {
-    problems.push_back({.what = fmt::format("the box of {} × {} is too large or too small to compute with",
-                                            state.box.width(), state.box.height()),
-                        .hint = magnitude_hint,
-                        .key = "box"});
-  }
+  if (auto problem = find_extreme_sides(state.box)) problems.push_back(*std::move(problem));
   ProblemList extreme_disks;
   double largest_speed = 0.0;
   Disks const& disks = state.disks;

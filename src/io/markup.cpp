@@ -11,6 +11,12 @@ constexpr std::string_view replacement_character = "\xEF\xBF\xBD";
 
 bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == '\x7F'; }
 
+/// Also those of two bytes, U+0080 to U+009F, which some terminals obey.
+bool is_control(std::string_view character) {
+  return is_control(character.front()) ||
+         (character.front() == '\xC2' && static_cast<unsigned char>(character[1]) < 0xA0);
+}
+
 /// The length of the well-formed UTF-8 character the text begins with; 0 where it begins with none (RFC 3629).
 std::size_t length_of_character(std::string_view text) {
   auto const byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
@@ -80,13 +86,23 @@ std::string one_line(std::string_view text) {
   std::string line;
   line.reserve(text.size());
   for_each_character(text, [&](std::string_view character) {
-    if (is_control(character.front())) {
+    if (is_control(character)) {
       line += ' ';
     } else {
       line += character;
     }
   });
   return line;
+}
+
+std::size_t text_length(std::string_view text) {
+  std::size_t end = 0;
+  while (end < text.size()) {
+    std::size_t const length = length_of_character(text.substr(end));
+    if (length == 0 || (text[end] != '\t' && is_control(text.substr(end, length)))) break;
+    end += length;
+  }
+  return end;
 }
 
 std::string to_base64(std::string_view bytes) {

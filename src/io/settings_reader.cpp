@@ -26,6 +26,47 @@ std::string with_unit(std::string text, SettingInfo const& info) {
 
 std::string listed(std::span<std::string const> names) { return fmt::format("{}", fmt::join(names, ", ")); }
 
+constexpr char const* whole_numbers_in_words = "a whole number from 0 to 18446744073709551615 (2⁶⁴ − 1)";
+
+/// Whole numbers of TOML end at 2⁶³ − 1; seeds go on to 2⁶⁴ − 1 and are written as text from there on.
+std::optional<std::uint64_t> whole_number_of(TomlValue const& value) {
+  if (value.kind == Kind::integer && value.integer >= 0) return static_cast<std::uint64_t>(value.integer);
+  if (value.kind != Kind::text) return std::nullopt;
+  auto const number = parse_number<std::uint64_t>(value.text);
+  constexpr auto most_of_toml = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+  return number && *number > most_of_toml ? number : std::nullopt;
+}
+
+/// Whether a text is a whole number that no integer of the program holds, and TOML therefore takes for no number.
+bool has_too_many_digits(TomlValue const& value) {
+  std::string_view digits = value.text;
+  if (digits.starts_with('-') || digits.starts_with('+')) digits.remove_prefix(1);
+  return value.kind == Kind::text && !digits.empty() &&
+         digits.find_first_not_of("0123456789") == std::string_view::npos && !parse_number<std::int64_t>(value.text);
+}
+
+/// What to do about a text where a number must stand; empty where the text is far from a number.
+std::string number_instead_of(TomlValue const& value) {
+  if (value.kind != Kind::text) return "";
+  auto const number = parse_number<double>(value.text);
+  if (number && value.as_typed.empty()) return "leave the quotes out";
+  if (number && std::isfinite(*number)) return fmt::format("write {}", double_text(*number));
+  std::string with_points = value.text;
+  std::ranges::replace(with_points, ',', '.');
+  if (with_points == value.text || !parse_number<double>(with_points)) return "";
+  return "numbers have a decimal point and no comma, as in 0.7 and 10_000";
+}
+
+std::string whole_number_instead_of(TomlValue const& value) {
+  // "007" too is the text that --set was given.
+  bool const is_typed = value.kind == Kind::text && !value.as_typed.empty();
+  double const number = value.kind == Kind::number ? value.number
+                        : is_typed                 ? parse_number<double>(value.text).value_or(0.5)
+                                                   : 0.5;
+  bool const is_whole = number >= 0.0 && number < 1e18 && number == std::floor(number);
+  return is_whole ? fmt::format("write {}", static_cast<std::uint64_t>(number)) : number_instead_of(value);
+}
+
 /// Where the user reads what the setting may be; entries of a list are explained by the list.
 std::string explanation_of(std::string const& key) {
   return fmt::format("gridlock explain {} says what it can be", key.substr(0, key.find('[')));
@@ -122,9 +163,7 @@ bool SettingsReader::read_number(TomlValue const& value, std::string const& path
   } else if (value.kind == Kind::integer) {
     read = static_cast<double>(value.integer);
   } else {
-    bool const is_quoted_number =
-        value.kind == Kind::text && value.as_typed.empty() && parse_number<double>(value.text);
-    report_type(value, path, with_unit("a number", info), is_quoted_number ? "leave the quotes out" : "");
+    report_type(value, path, with_unit("a number", info), number_instead_of(value));
     return false;
   }
   if (!std::isfinite(read)) {
@@ -138,27 +177,20 @@ bool SettingsReader::read_number(TomlValue const& value, std::string const& path
 
 bool SettingsReader::read_count(TomlValue const& value, std::string const& path, SettingInfo const& info,
                                 std::uint64_t& count) {
-  std::string const expected = with_unit("a whole number, 0 or above", info);
-  std::uint64_t read = 0;
-  if (value.kind == Kind::integer && value.integer >= 0) {
-    read = static_cast<std::uint64_t>(value.integer);
-  } else if (auto const large = value.kind == Kind::text ? parse_number<std::uint64_t>(value.text) : std::nullopt;
-             large && *large > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) {
-    // Whole numbers of TOML end at 2⁶³ − 1; seeds go on to 2⁶⁴ − 1 and are written as text from there on.
-    read = *large;
-  } else {
-    std::string hint;
-    double const number = value.kind == Kind::number ? value.number : 0.5;
-    if (number >= 0.0 && number < 1e18 && number == std::floor(number)) {
-      hint = fmt::format("write {}", static_cast<std::uint64_t>(number));
-    } else if (value.kind == Kind::text && value.as_typed.empty() && parse_number<std::uint64_t>(value.text)) {
-      hint = "leave the quotes out";
-    }
-    report_type(value, path, expected, hint);
+  auto const read = whole_number_of(value);
+  if (!read && has_too_many_digits(value)) {
+    std::string const bounds = bounds_in_words(info);
+    std::string const expected = bounds.empty() ? whole_numbers_in_words : bounds;
+    report(value, path, fmt::format("{} is {}, but must be {}", path, cut(value.text, 60), with_unit(expected, info)),
+           "");
     return false;
   }
-  if (!is_within_bounds(value, path, info, static_cast<double>(read))) return false;
-  count = read;
+  if (!read) {
+    report_type(value, path, with_unit("a whole number, 0 or above", info), whole_number_instead_of(value));
+    return false;
+  }
+  if (!is_within_bounds(value, path, info, static_cast<double>(*read))) return false;
+  count = *read;
   return true;
 }
 

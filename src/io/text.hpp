@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "io/markup.hpp"
+
 namespace gridlock {
 
 /// The shortest decimal text that reads back as the same bits, and as a floating-point number: "1.0", never "1".
@@ -28,26 +30,25 @@ std::optional<Number> parse_number(std::string_view word) {
   return value;
 }
 
-/// At most `longest` bytes of a text, cut between characters of UTF-8, with control bytes replaced.
+/// At most `longest` bytes of a text as one_line(), cut between characters of UTF-8.
 inline std::string cut(std::string_view text, std::size_t longest) {
   std::size_t end = std::min(text.size(), longest);
   while (end < text.size() && end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
-  std::string result(text.substr(0, end));
-  for (char& c : result) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  }
+  std::string const result = one_line(text.substr(0, end));
   return end < text.size() ? result + "…" : result;
 }
 
 /// A word of the user's in an error message.
 inline std::string in_quotes(std::string_view word) { return '"' + cut(word, 60) + '"'; }
 
-/// A line of the user's file in an error message: without the blanks around it.
+/// A line of the user's file in an error message: without the blanks around it, and up to where it is no text.
 inline std::string shown_line(std::string_view line) {
   constexpr std::string_view blanks = " \t\r";
   std::size_t const begin = line.find_first_not_of(blanks);
   if (begin == std::string_view::npos) return "";
-  return cut(line.substr(begin, line.find_last_not_of(blanks) + 1 - begin), 100);
+  line = line.substr(begin, line.find_last_not_of(blanks) + 1 - begin);
+  std::size_t const length = text_length(line);
+  return cut(line.substr(0, length), 100) + (length > 0 && length < std::min<std::size_t>(line.size(), 100) ? "…" : "");
 }
 
 }  // namespace gridlock

@@ -132,7 +132,14 @@ std::string hint_for(std::string_view description) {
     return "a word has to stand in quotes, as in start = \"square\"";
   }
   if (description.find("not representable in 64 bits") != std::string_view::npos) {
-    return "a seed above 9223372036854775807 has to stand in quotes";
+    return "whole numbers of TOML end at 9223372036854775807 (2⁶³ − 1); a seed above that, up to "
+           "18446744073709551615 (2⁶⁴ − 1), has to stand in quotes";
+  }
+  if (description.find("saw ','") != std::string_view::npos) {
+    return "numbers have a decimal point and no comma, as in 0.7 and 10_000";
+  }
+  if (description.find("utf-8") != std::string_view::npos) {
+    return "is this the right file? settings are text, as in count = 841 under [disks]";
   }
   if (description.find("parsing floating-point") != std::string_view::npos) {
     return "numbers have a digit on both sides of the point: 0.5, 1.0, 5e-3";

@@ -1,8 +1,17 @@
 #include <array>
 
+#include "core/magnitude.hpp"
 #include "gridlock/lattice/start.hpp"
 
 namespace gridlock {
+
+namespace {
+
+// The squares of ratios keep all their digits.
+constexpr double least_size_ratio = 1e-30;
+constexpr double most_size_ratio = 1e30;
+
+}  // namespace
 
 void describe(BoxSettings& settings, SettingVisitor& visitor) {
   static constexpr std::array<std::string_view, 2> edges{"wall", "periodic"};
@@ -12,21 +21,21 @@ void describe(BoxSettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "side",
                  .unit = "length",
                  .documentation = "Side of a square box.",
-                 .least = 0.0,
-                 .least_is_allowed = false},
+                 .least = least_magnitude,
+                 .most = most_magnitude},
                 settings.side);
   visitor.visit({.key = "width",
                  .unit = "length",
                  .documentation = "Width of a rectangular box.",
-                 .least = 0.0,
-                 .least_is_allowed = false,
+                 .least = least_magnitude,
+                 .most = most_magnitude,
                  .default_note = "box.side"},
                 settings.width);
   visitor.visit({.key = "height",
                  .unit = "length",
                  .documentation = "Height of a rectangular box.",
-                 .least = 0.0,
-                 .least_is_allowed = false,
+                 .least = least_magnitude,
+                 .most = most_magnitude,
                  .default_note = "box.side"},
                 settings.height);
 }
@@ -40,14 +49,14 @@ void describe(SpeciesSettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "size_ratio",
                  .unit = "disks.radius",
                  .documentation = "Radius of this kind.",
-                 .least = 0.0,
-                 .least_is_allowed = false},
+                 .least = least_size_ratio,
+                 .most = most_size_ratio},
                 settings.size_ratio);
   visitor.visit({.key = "mass",
                  .unit = "mass",
                  .documentation = "Mass of a disk of this kind.",
-                 .least = 0.0,
-                 .least_is_allowed = false},
+                 .least = least_magnitude,
+                 .most = most_magnitude},
                 settings.mass);
 }
 
@@ -70,8 +79,8 @@ void describe(DisksSettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "radius",
                  .unit = "length",
                  .documentation = "R, the radius of a disk with size_ratio 1; give this or disks.packing_fraction.",
-                 .least = 0.0,
-                 .least_is_allowed = false,
+                 .least = least_magnitude,
+                 .most = most_magnitude,
                  .default_note = "from disks.packing_fraction"},
                 settings.radius);
   visit_enum(

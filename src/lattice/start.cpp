@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/magnitude.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/grid/linked_grid.hpp"
@@ -277,7 +278,9 @@ void remove_drift(Disks& disks) {
 }  // namespace
 
 Box make_box(BoxSettings const& settings) {
-  return {settings.width.value_or(settings.side), settings.height.value_or(settings.side), settings.edge};
+  Box const box(settings.width.value_or(settings.side), settings.height.value_or(settings.side), settings.edge);
+  if (auto problem = find_extreme_sides(box)) throw Error(*std::move(problem));
+  return box;
 }
 
 State make_start(Box const& box, DisksSettings const& settings, std::uint64_t seed) {

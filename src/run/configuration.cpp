@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/magnitude.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "run/idle_settings.hpp"
@@ -112,6 +113,16 @@ void resolve(Configuration& configuration) {
   if (configuration.disks.start == StartKind::file) return;
   if (!configuration.disks.count) configuration.disks.count = 841;
   if (!configuration.disks.radius && !configuration.disks.packing_fraction) configuration.disks.packing_fraction = 0.5;
+}
+
+/// A speed near 0 makes a time step that cannot be computed with.
+void require_bounded_step(EngineSettings const& engine, State const& state) {
+  double const duration = step_duration(engine, state);
+  if (engine.kind == "exact" || duration <= most_magnitude) return;
+  throw Error({.what = fmt::format("engine.speed = {} makes a time step of {:.3g}, too long to compute with",
+                                   engine.speed.value_or(1.0), duration),
+               .hint = "use a speed near that of the disks, or 0 for a speed of 1",
+               .key = "engine.speed"});
 }
 
 /// Makes the engine only to see whether it takes the state, so that `check` too refuses what it refuses. What counts
@@ -259,6 +270,7 @@ Setup set_up(Configuration configuration, std::filesystem::path const& directory
   }
   resolve(configuration);
   require_end(configuration, setup.state);
+  require_bounded_step(configuration.engine, setup.state);
   require_engine(setup, configuration.engine);
   require_short_substeps(configuration.engine, setup.state);
   require_trajectory(configuration.trajectory, setup.state);

@@ -31,6 +31,22 @@ TEST(EscapeMarkup, ReplacesBytesThatAreNoUtf8) {
   EXPECT_EQ(escape_markup("\xCF<"), mark + "&lt;");                         // must not swallow what follows
 }
 
+TEST(OneLine, TurnsControlCharactersOfTwoBytesIntoSpaces) {
+  EXPECT_EQ(one_line("a\xC2\x9B"
+                     "31m\xC2\xB0"),
+            "a 31m°");
+}
+
+TEST(TextLength, EndsWhereTheTextEnds) {
+  EXPECT_EQ(text_length(""), 0U);
+  EXPECT_EQ(text_length("α\tβ"), 5U);
+  EXPECT_EQ(text_length("α\nβ"), 2U);
+  EXPECT_EQ(text_length("ab\xC2\x9B"
+                        "31m"),
+            2U);
+  EXPECT_EQ(text_length("ab\xFF"), 2U);
+}
+
 TEST(OneLine, TurnsLineBreaksAndControlCharactersIntoSpaces) { EXPECT_EQ(one_line("a\nb\r\tc\x7F"), "a b  c "); }
 
 TEST(ToBase64, GivesTheExamplesOfTheStandard) {

@@ -304,7 +304,15 @@ INSTANTIATE_TEST_SUITE_P(
         {"OpenHeader", "[box", 5, "this is no TOML"},
         {"OpenText", "[box]\nedge = \"wall", 13, "this is no TOML"},
         {"IntegerTooLarge", "[run]\nseed = 18446744073709551615", 28,
-         "a seed above 9223372036854775807 has to stand in quotes"},
+         "whole numbers of TOML end at 9223372036854775807 (2⁶³ − 1); a seed above that"},
+        {"SeedBeyondTheProgram", "[run]\nseed = \"18446744073709551616\"", 8,
+         "seed is 18446744073709551616, but must be a whole number from 0 to 18446744073709551615 (2⁶⁴ − 1)"},
+        {"SeedFarBelowZero", "[run]\nseed = \"-99999999999999999999\"", 8, "seed is -99999999999999999999, but must"},
+        {"CountBeyondTheProgram", "[disks]\ncount = \"99999999999999999999\"", 9,
+         "count is 99999999999999999999, but must be at least 1 and at most 1000000000"},
+        {"DecimalComma", "[box]\nside = 0,7", 9, "numbers have a decimal point and no comma"},
+        {"DecimalCommaInQuotes", "[box]\nside = \"0,7\"", 8, "numbers have a decimal point and no comma"},
+        {"CommaInCount", "[disks]\ncount = 1,000", 10, "no comma, as in 0.7 and 10_000"},
         {"NotText", "\xff\xfe\x01", 1, "this is no TOML"},
     }),
     [](auto const& given) { return std::string(given.param.name); });
@@ -328,6 +336,8 @@ TEST(SettingsFile, SetIsRefusedWithTheAssignmentItself) {
            {"disks.count=-3", "disks.count is -3"},
            {"box.side=nan", "box.side is nan"},
            {"box.side=", "box.side is the text \"\""},
+           {"run.seed=1180591620717411303424", "run.seed is 1180591620717411303424, but must be a whole number from 0"},
+           {"run.seed=-1", "run.seed is -1, but must be a whole number, 0 or above"},
            {"box.edge=open", "box.edge is \"open\", but must be one of"},
            {"box=3", "box is 3, but must be a table"},
            {"disks.count.x=3", "disks.count is a table, but must be a whole number"},
@@ -339,6 +349,29 @@ TEST(SettingsFile, SetIsRefusedWithTheAssignmentItself) {
     EXPECT_EQ(problems[0].source_line, c.assignment);
     EXPECT_EQ(problems[0].line, 0);
   }
+}
+
+TEST(SettingsFile, SetSaysHowANumberIsWritten) {
+  auto const hint = [](std::string const& assignment) { return problems_of_set(assignment).at(0).hint; };
+  EXPECT_EQ(hint("box.side=0,7"), "numbers have a decimal point and no comma, as in 0.7 and 10_000");
+  EXPECT_EQ(hint("disks.count=1,000"), "numbers have a decimal point and no comma, as in 0.7 and 10_000");
+  EXPECT_EQ(hint("box.side=.5"), "write 0.5");
+  EXPECT_EQ(hint("disks.count=007"), "write 7");
+  EXPECT_EQ(hint("disks.count=1e3"), "write 1000");
+  EXPECT_EQ(hint("box.side=wide, long"), "gridlock explain box.side says what it can be");
+}
+
+TEST(SettingsFile, WhatIsNoTextIsNotShown) {
+  EXPECT_EQ(problems_of_text(std::string("\x7f"
+                                         "ELF\x02\x01",
+                                         6))
+                .at(0)
+                .source_line,
+            "");
+  EXPECT_EQ(problems_of_text("side = \x1b[31m3").at(0).source_line, "side = …");
+  auto const problems = problems_of_text("side = \xc3\x28");
+  EXPECT_EQ(problems.at(0).source_line, "side = …");
+  EXPECT_NE(problems.at(0).hint.find("is this the right file?"), std::string::npos) << problems.at(0).hint;
 }
 
 TEST(SettingsFile, SetCannotReachThroughAValueOrIntoAList) {
