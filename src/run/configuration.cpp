@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
 #include "core/magnitude.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/core/saturating.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "run/idle_settings.hpp"
 #include "run/memory.hpp"
@@ -123,6 +125,30 @@ void require_bounded_step(EngineSettings const& engine, State const& state) {
                                    engine.speed.value_or(1.0), duration),
                .hint = "use a speed near that of the disks, or 0 for a speed of 1",
                .key = "engine.speed"});
+}
+
+/// A run that starts so late that its clock cannot count on would never end, or end at once.
+void require_clock(Setup const& setup, EngineSettings const& engine) {
+  // As many as any run can have from there; the counts of steps end at 2⁶⁴ − 1.
+  constexpr std::uint64_t most_steps = never_reached / 2;
+  // The share of a step by which rounding may change its length.
+  constexpr double most_rounding = 1e-3;
+  Clock const& clock = setup.state.clock;
+  auto const refuse = [&](std::string what, std::string hint) {
+    throw Error({.what = setup.start_file.empty() ? what : fmt::format("{}: {}", setup.start_file.string(), what),
+                 .hint = std::move(hint),
+                 .key = "disks.file"});
+  };
+  if (clock.step > most_steps) {
+    refuse(fmt::format("step {} is too late for a start: the counts of a run end at {}", clock.step, never_reached),
+           "set step in its second line to a smaller number, such as 0");
+  }
+  double const duration = step_duration(engine, setup.state);
+  double const spacing = std::nextafter(clock.time, std::numeric_limits<double>::infinity()) - clock.time;
+  if (0.5 * spacing <= most_rounding * duration) return;
+  refuse(fmt::format("at time {:.6g} a clock cannot count steps of {:.6g}: numbers of that size are {:.3g} apart",
+                     clock.time, duration, spacing),
+         "set Time in its second line to a smaller number, such as 0");
 }
 
 /// Makes the engine only to see whether it takes the state, so that `check` too refuses what it refuses. What counts
@@ -269,6 +295,7 @@ Setup set_up(Configuration configuration, std::filesystem::path const& directory
     draw_velocities(setup.state, configuration.velocities);
   }
   resolve(configuration);
+  require_clock(setup, configuration.engine);
   require_end(configuration, setup.state);
   require_bounded_step(configuration.engine, setup.state);
   require_engine(setup, configuration.engine);
@@ -376,7 +403,7 @@ Horizon horizon_of(Setup const& setup) {
   RunSettings const& run = setup.configuration.run;
   Clock const& clock = setup.state.clock;
   Horizon horizon;
-  if (run.steps) horizon.step = clock.step + std::min(*run.steps, horizon.step - clock.step);
+  if (run.steps) horizon.step = saturating_sum(clock.step, *run.steps);
   if (run.time) horizon.time = clock.time + *run.time;
   if (run.collisions_per_disk) {
     double const pairs = *run.collisions_per_disk * static_cast<double>(setup.state.disks.size()) / 2.0;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/core/saturating.hpp"
 
 namespace gridlock {
 
@@ -140,12 +141,10 @@ void Run::sample() {
 /// Where the next chunk ends.
 Horizon Run::next_stop() const {
   std::uint64_t const step = experiment_.clock().step;
-  std::uint64_t const next_sample = first_.step + (steps_done() / plan_.sample_every + 1) * plan_.sample_every;
+  std::uint64_t next = next_multiple(plan_.sample_every, steps_done());
+  for (Onlooker const* onlooker : onlookers_) next = std::min(next, onlooker->next_after(steps_done()));
   Horizon stop = plan_.horizon;
-  stop.step = std::min(next_sample, step + std::min(plan_.steps_per_chunk, plan_.horizon.step - step));
-  for (Onlooker const* onlooker : onlookers_) {
-    stop.step = std::min(stop.step, first_.step + onlooker->next_after(steps_done()));
-  }
+  stop.step = std::min({stop.step, saturating_sum(first_.step, next), saturating_sum(step, plan_.steps_per_chunk)});
   return stop;
 }
 

@@ -115,7 +115,7 @@ class CheckpointClock {
   [[nodiscard]] bool is_due(std::uint64_t steps) const {
     double const waited = std::chrono::duration<double>(Time::now() - last_).count();
     return (settings_.every_seconds > 0.0 && waited >= settings_.every_seconds) ||
-           (settings_.every_steps > 0 && steps >= last_steps_ + settings_.every_steps);
+           (settings_.every_steps > 0 && steps - last_steps_ >= settings_.every_steps);
   }
   void note(std::uint64_t steps) {
     last_ = Time::now();

@@ -5,17 +5,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <sstream>
 #include <utility>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/core/saturating.hpp"
 
 namespace gridlock {
 
 namespace {
 
-constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
 /// Beyond it not every whole number is a double.
 constexpr double most_steps = 9007199254740992.0;
 
@@ -105,9 +104,8 @@ bool FrameSchedule::is_due(std::uint64_t steps) const {
 
 std::uint64_t FrameSchedule::next_after(std::uint64_t steps) const {
   auto const named = std::ranges::upper_bound(steps_, steps);
-  std::uint64_t const next = named == steps_.end() ? never : *named;
-  if (every_ == 0 || steps > never - every_) return next;
-  return std::min(next, (steps / every_ + 1) * every_);
+  std::uint64_t const next = named == steps_.end() ? never_reached : *named;
+  return every_ == 0 ? next : std::min(next, next_multiple(every_, steps));
 }
 
 TrajectoryOnlooker::TrajectoryOnlooker(TrajectorySettings const& settings, double time_step, Origin origin)

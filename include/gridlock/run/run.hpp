@@ -52,7 +52,7 @@ class Onlooker {
 
   /// Whether it wants to look now, `steps` after the start of the run; asked once for each step the run stops at.
   [[nodiscard]] virtual bool is_due(std::uint64_t steps) const = 0;
-  /// The next step after `steps` it wants to look at; the run stops there.
+  /// The next step after `steps` it wants to look at, `never_reached` where there is none; the run stops there.
   [[nodiscard]] virtual std::uint64_t next_after(std::uint64_t steps) const = 0;
   /// `sample` is the row of the series taken at this very step, without step and time; empty where none was due.
   virtual void look(Experiment const& experiment, std::span<double const> sample) = 0;

@@ -41,7 +41,7 @@ class FrameSchedule {
   FrameSchedule(TrajectorySettings const& settings, double time_step);
 
   [[nodiscard]] bool is_due(std::uint64_t steps) const;
-  /// The next step after `steps`; the largest number where there is none.
+  /// The next step after `steps`; `never_reached` where there is none.
   [[nodiscard]] std::uint64_t next_after(std::uint64_t steps) const;
 
  private:

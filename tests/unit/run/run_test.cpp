@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "gridlock/core/saturating.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/run/simulate.hpp"
 
@@ -93,6 +94,42 @@ TEST_P(RunOfEveryEngine, ThrowsOnWhatTheListenerThrowsAndCanGoOn) {
   EXPECT_EQ(watched.experiment.clock().step, 5U);
   EXPECT_EQ(run.go_on(), Ending::finished);
   EXPECT_EQ(run.record().state_hash, whole.state_hash);
+}
+
+/// Looks at one step only.
+class OneLook final : public Onlooker {
+ public:
+  explicit OneLook(std::uint64_t step) : step_(step) {}
+  [[nodiscard]] bool is_due(std::uint64_t steps) const override { return steps == step_; }
+  [[nodiscard]] std::uint64_t next_after(std::uint64_t steps) const override {
+    return steps < step_ ? step_ : never_reached;
+  }
+  void look(Experiment const&, std::span<double const>) override { ++looks; }
+  void carry(Archive&) override {}
+  int looks = 0;
+
+ private:
+  std::uint64_t step_;
+};
+
+TEST_P(RunOfEveryEngine, ThatStartsAtALaterStepEndsAfterTheLastLookOfItsOnlooker) {
+  gridlock::Setup setup = setup_of(GetParam());
+  setup.state.clock = {.step = 1000, .time = 1.5};
+  RunPlan const plan = plan_of(setup);
+  DiskExperiment experiment(std::move(setup));
+  gridlock::Run run(experiment, plan);
+  OneLook onlooker(10);
+  run.add(onlooker);
+  int asked = 0;
+  Interlude const watchdog{.is_due =
+                               [&](std::uint64_t) {
+                                 if (++asked > 10'000) throw std::logic_error("the run makes no progress");
+                                 return false;
+                               },
+                           .take_place = {}};
+  EXPECT_EQ(run.go_on({}, watchdog), Ending::finished);
+  EXPECT_EQ(experiment.clock().step, 1100U);
+  EXPECT_EQ(onlooker.looks, 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Engines, RunOfEveryEngine, testing::ValuesIn(engine_kinds()),

@@ -5,8 +5,11 @@
 #include <algorithm>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/core/saturating.hpp"
 #include "gridlock/io/settings_file.hpp"
+#include "gridlock/io/xyz.hpp"
 #include "gridlock/run/sweep.hpp"
+#include "unit/io/temporary_directory.hpp"
 
 namespace {
 
@@ -27,6 +30,36 @@ TEST(SetUp, FillsInWhatWasLeftOutSoThatItRunsAgainToTheBit) {
   EXPECT_EQ(setup.configuration.run.steps, 10'000U);
   EXPECT_EQ(setup.configuration.engine.speed, 1.0);
   EXPECT_EQ(hash(set_up(setup.configuration).state), hash(setup.state));
+}
+
+/// What set_up() says to a start file with this clock; empty where it takes it.
+std::string refusal_of_start_at(Clock const& clock, std::string const& engine) {
+  TemporaryDirectory const directory;
+  gridlock::Setup setup = set_up(small());
+  setup.state.clock = clock;
+  write_xyz(setup.state, directory / "late.xyz");
+  Configuration configuration;
+  configuration.disks.file = (directory / "late.xyz").string();
+  configuration.engine.kind = engine;
+  try {
+    static_cast<void>(set_up(configuration));
+  } catch (Error const& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SetUp, RefusesAStartWhoseClockCannotCountOnWithTheNumbers) {
+  for (std::string const& engine : engine_kinds()) {
+    EXPECT_EQ(refusal_of_start_at({.step = 1'000'000, .time = 1e6}, engine), "");
+    std::string const late_step = refusal_of_start_at({.step = never_reached - 5}, engine);
+    EXPECT_NE(late_step.find("step 18446744073709551610 is too late"), std::string::npos) << late_step;
+    EXPECT_NE(late_step.find("hint: set step"), std::string::npos) << late_step;
+    std::string const late_time = refusal_of_start_at({.step = 3, .time = 1e17}, engine);
+    EXPECT_NE(late_time.find("at time 1e+17 a clock cannot count steps of 0.0"), std::string::npos) << late_time;
+    EXPECT_NE(late_time.find("late.xyz"), std::string::npos) << late_time;
+    EXPECT_NE(refusal_of_start_at({.step = 3, .time = -1e17}, engine), "");
+  }
 }
 
 TEST(Simulate, SamplesTheStartEveryIntervalAndTheEnd) {
