@@ -294,10 +294,10 @@ Setup set_up(Configuration configuration, std::filesystem::path const& directory
     setup.state = make_start(make_box(configuration.box), configuration.disks, configuration.run.seed);
     draw_velocities(setup.state, configuration.velocities);
   }
+  if (configuration.engine.speed) require_bounded_step(configuration.engine, setup.state);
   resolve(configuration);
   require_clock(setup, configuration.engine);
   require_end(configuration, setup.state);
-  require_bounded_step(configuration.engine, setup.state);
   require_engine(setup, configuration.engine);
   require_short_substeps(configuration.engine, setup.state);
   require_trajectory(configuration.trajectory, setup.state);
