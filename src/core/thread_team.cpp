@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/resources.hpp"
+
 namespace gridlock {
 
 namespace {
@@ -20,10 +22,8 @@ constexpr std::uint64_t most_threads = 1024;
 /// as a small round of work.
 constexpr std::chrono::microseconds awake_for(100);
 
-std::size_t cores() { return std::max(1U, std::thread::hardware_concurrency()); }
-
 std::size_t number_of(std::uint64_t threads) {
-  if (threads == 0) return cores();
+  if (threads == 0) return usable_cores();
   return static_cast<std::size_t>(std::min(threads, most_threads));
 }
 
@@ -44,7 +44,7 @@ void pause() {
 /// A member enters before it asks and the caller closes before it asks, so one of them always sees the other.
 class ThreadTeam::Crew {
  public:
-  explicit Crew(std::size_t members) : ranges_(members + 1), stays_awake_(members < cores()) {
+  explicit Crew(std::size_t members) : ranges_(members + 1), stays_awake_(members < usable_cores()) {
     for (std::size_t k = 0; k < members; ++k) members_.emplace_back([this, k] { wait_for_work(k + 1); });
   }
   ~Crew() {

@@ -134,7 +134,8 @@ void describe(EngineSettings& settings, SettingVisitor& visitor) {
                                "cells, \"packed\" is faster, chooses its own cells and gives the same bits."},
              grids, settings.grid);
   visitor.visit({.key = "threads",
-                 .documentation = "How many threads tiled uses; any number gives the same bits, and 0 is all cores.",
+                 .documentation = "How many threads tiled uses; any number gives the same bits, and 0 is all "
+                                  "cores that the process may use.",
                  .most = 1024},
                 settings.threads);
 }

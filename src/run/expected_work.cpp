@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 
+#include "core/resources.hpp"
 #include "gridlock/run/simulate.hpp"
 #include "run/memory.hpp"
 
@@ -37,6 +38,15 @@ double steps_of(RunSettings const& run, double duration_of_step) {
 }
 
 }  // namespace
+
+bool uses_threads(Configuration const& configuration) {
+  return configuration.is_of_model() || configuration.engine.kind == "tiled";
+}
+
+std::uint64_t threads_of(Configuration const& configuration) {
+  if (!uses_threads(configuration)) return 1;
+  return configuration.engine.threads > 0 ? configuration.engine.threads : usable_cores();
+}
 
 Expectation expectation_of(Setup const& setup) {
   Configuration const& configuration = setup.configuration;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "gridlock/run/configuration.hpp"
 
 namespace gridlock {
@@ -11,5 +13,11 @@ struct Expectation {
   double bytes = 0.0;
 };
 Expectation expectation_of(Setup const& setup);
+
+/// Whether more threads than one are of any use to a run.
+bool uses_threads(Configuration const& configuration);
+
+/// The threads a run is carried out by.
+std::uint64_t threads_of(Configuration const& configuration);
 
 }  // namespace gridlock

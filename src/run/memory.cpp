@@ -10,6 +10,7 @@
 #include <limits>
 #include <string>
 
+#include "core/resources.hpp"
 #include "gridlock/core/error.hpp"
 
 namespace gridlock {
@@ -69,7 +70,7 @@ std::array<Demand, 3> demands_of(Configuration const& configuration) {
 
 }  // namespace
 
-double free_memory() { return std::min(free_memory_of_machine(), free_memory_of_process()); }
+double free_memory() { return std::min({free_memory_of_machine(), free_memory_of_process(), granted_memory()}); }
 
 double expected_memory(Configuration const& configuration, double agents) {
   double bytes = bytes_per_disk * agents;

@@ -17,7 +17,8 @@ void require_memory(Configuration const& configuration);
 /// The bytes a run needs by the same estimate; of a model the agents are told, since its settings do not say how many.
 double expected_memory(Configuration const& configuration, double agents = 0.0);
 
-/// What programs can still get, in bytes: of the machine, and under the limit of the process (ulimit -v).
+/// What the program can still get, in bytes: of the machine, under the limit of the process (ulimit -v), and under those
+/// of its control groups, such as a container's.
 double free_memory();
 
 /// Memory that several runs share: those that do not fit beside one another wait for one another.

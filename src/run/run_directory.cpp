@@ -15,6 +15,7 @@
 #include "gridlock/io/file.hpp"
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/xyz.hpp"
+#include "run/expected_work.hpp"
 #include "run/run_log.hpp"
 
 namespace gridlock {
@@ -175,6 +176,8 @@ class RunInDirectory {
   }
 
   RunRecord carry_out() {
+    std::uint64_t const threads = threads_of(setup_.configuration);
+    log_.note(fmt::format("on {} thread{}", threads, threads == 1 ? "" : "s"));
     CheckpointClock checkpoints(setup_.configuration.checkpoint);
     Ending const ending =
         run_.go_on(hooks_.on_progress, {.is_due = [&](std::uint64_t steps) { return checkpoints.is_due(steps); },

@@ -35,11 +35,6 @@ std::string reason_of(std::exception const& error) {
   return dynamic_cast<std::bad_alloc const*>(&error) == nullptr ? error.what() : "not enough memory";
 }
 
-/// Whether more threads than one are of any use to it.
-bool uses_threads(Configuration const& configuration) {
-  return configuration.is_of_model() || configuration.engine.kind == "tiled";
-}
-
 SweepOutcome outcome_of(RunRecord const& record) {
   return {.has_begun = true,
           .ending = record.ending,

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tbb/info.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
@@ -13,12 +12,14 @@
 #include <utility>
 #include <vector>
 
+#include "core/resources.hpp"
+
 namespace gridlock {
 
-/// On how many cores `threads` runs at a time are carried out; 0: all. More threads than cores would only wait for one
+/// On how many cores `threads` runs at a time are carried out; 0: all that the process may use. More threads than cores would only wait for one
 /// another, and oneTBB would complain about it on the terminal.
 inline int jobs_for(unsigned threads) {
-  int const cores = tbb::info::default_concurrency();
+  int const cores = static_cast<int>(usable_cores());
   return threads == 0 ? cores : std::min(static_cast<int>(threads), cores);
 }
 

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <functional>
 #include <string_view>
-#include <thread>
 #include <utility>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
 #include "gridlock/run/run_directory.hpp"
+#include "run/team.hpp"
 #include "study/figure_5.hpp"
 #include "study/figures.hpp"
 
@@ -170,10 +170,8 @@ class PaperStudy {
     }
     constexpr double seconds_per_disk_step = 2e-7;
     constexpr double seconds_for_pictures = 4.0;
-    unsigned const cores = std::max(1U, std::thread::hardware_concurrency());
-    unsigned const threads = settings_.threads > 0 ? std::min(settings_.threads, cores) : cores;
     return {is_wanted(5) ? seconds_to_measure(settings_.extent) : 0.0,
-            study_.runs.work() * seconds_per_disk_step / threads, seconds_for_pictures};
+            study_.runs.work() * seconds_per_disk_step / jobs_for(settings_.threads), seconds_for_pictures};
   }
 
   void measure_times() {

@@ -155,6 +155,20 @@ TEST(PublicHeaders, AreGuardedAndNameTheirNamespace) {
   }
 }
 
+TEST(Library, AsksForTheCoresOfTheMachineInOnePlace) {
+  // Affinity mask and limits of containers are what usable_cores() looks at, and these do not.
+  std::regex const counts(R"re(hardware_concurrency|default_concurrency|_SC_NPROCESSORS|get_nprocs)re");
+  std::size_t places = 0;
+  for (Source const& source : all_sources()) {
+    std::ifstream file(source.path);
+    std::string const text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    bool const asks = std::regex_search(text, counts);
+    EXPECT_TRUE(!asks || source.name == "src/core/resources.cpp") << source.name;
+    places += asks ? 1 : 0;
+  }
+  EXPECT_EQ(places, 1U);
+}
+
 TEST(Library, NeverPrints) {
   // Only apps/ touch the terminal; files and processes are io's.
   std::regex const terminal(R"re(std::(cout|cerr|clog)\b|\bfmt::print\(("|stdout|stderr)|\b(printf|puts)\()re");

@@ -54,7 +54,7 @@ struct SweepSettings {
   std::filesystem::path directory;
   bool overwrites = false;     ///< whether everything is run again, also what is finished
   std::optional<Shard> shard;  ///< left out: the whole sweep
-  unsigned threads = 0;        ///< runs at a time; 0: one for each core
+  unsigned threads = 0;        ///< runs at a time; 0: one for each core that the process may use
   /// Called from any thread, one call at a time; returning false stops every run after its present chunk.
   std::function<bool(SweepProgress const&)> on_progress;
 };
