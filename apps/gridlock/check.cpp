@@ -12,6 +12,8 @@
 #include "terminal.hpp"
 #include "verbs.hpp"
 
+namespace gridlock::cli {
+
 namespace {
 
 void print_setup(gridlock::Setup const& setup) {
@@ -80,3 +82,5 @@ void add_check(CLI::App& app, ExitCode& exit_code) {
   options->add_to(*verb);
   verb->callback([options, &exit_code] { exit_code = check(*options); });
 }
+
+}  // namespace gridlock::cli

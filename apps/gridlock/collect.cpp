@@ -10,6 +10,8 @@
 #include "gridlock/run/sweep.hpp"
 #include "verbs.hpp"
 
+namespace gridlock::cli {
+
 namespace {
 
 struct CollectOptions {
@@ -40,3 +42,5 @@ void add_collect(CLI::App& app, ExitCode& exit_code) {
       ->type_name("DIR");
   verb->callback([options, &exit_code] { exit_code = collect(*options); });
 }
+
+}  // namespace gridlock::cli

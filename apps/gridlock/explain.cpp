@@ -5,6 +5,8 @@
 #include "gridlock/run/configuration.hpp"
 #include "verbs.hpp"
 
+namespace gridlock::cli {
+
 void add_explain(CLI::App& app, ExitCode& exit_code) {
   struct ExplainOptions {
     std::string key;
@@ -25,3 +27,5 @@ void add_explain(CLI::App& app, ExitCode& exit_code) {
     exit_code = ExitCode::good;
   });
 }
+
+}  // namespace gridlock::cli

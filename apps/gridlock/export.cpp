@@ -7,6 +7,8 @@
 
 #include "verbs.hpp"
 
+namespace gridlock::cli {
+
 namespace fs = std::filesystem;
 
 fs::path trajectory_file(std::string const& path) {
@@ -45,3 +47,5 @@ void add_export(CLI::App& app, ExitCode& exit_code) {
     exit_code = ExitCode::good;
   });
 }
+
+}  // namespace gridlock::cli

@@ -14,6 +14,8 @@
 #include "gridlock/run/run_directory.hpp"
 #include "verbs.hpp"
 
+namespace gridlock::cli {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -104,7 +106,7 @@ void print_unfinished_run(fs::path const& directory) {
   std::size_t const start = end == std::string::npos ? 0 : log.rfind('\n', end) + 1;
   fmt::print("a run of gridlock in {} without results yet; the last line of its log is\n  {}\n", directory.string(),
              log.substr(start, end + 1 - start));
-  fmt::print("gridlock resume {} goes on where no process works on it\n", directory.string());
+  fmt::print("{} resume {} goes on where no process works on it\n", program_name(), directory.string());
 }
 
 ExitCode info(fs::path const& path) {
@@ -139,3 +141,5 @@ void add_info(CLI::App& app, ExitCode& exit_code) {
   verb->add_option("PATH", *path, "Directory of a run or sweep, .xyz, .csv or .h5 file")->required();
   verb->callback([path, &exit_code] { exit_code = info(*path); });
 }
+
+}  // namespace gridlock::cli

@@ -6,6 +6,8 @@
 
 #include "verbs.hpp"
 
+namespace gridlock::cli {
+
 void add_movie(CLI::App& app, ExitCode& exit_code) {
   struct Options {
     std::string path;
@@ -30,3 +32,5 @@ void add_movie(CLI::App& app, ExitCode& exit_code) {
     exit_code = ExitCode::good;
   });
 }
+
+}  // namespace gridlock::cli

@@ -1,4 +1,16 @@
+#include <utility>
+
 #include "verbs.hpp"
+
+namespace gridlock::cli {
+
+namespace {
+std::string name_of_program = "gridlock";
+}
+
+std::string const& program_name() { return name_of_program; }
+
+void set_program_name(std::string name) { name_of_program = std::move(name); }
 
 void ConfigurationOptions::add_to(CLI::App& verb) {
   verb.add_option("FILE", file, "Configuration, TOML")->required();
@@ -23,3 +35,5 @@ void OutputOptions::add_to(CLI::App& verb, std::string const& default_directory)
 std::filesystem::path OutputOptions::directory_for(std::string const& stem) const {
   return directory.empty() ? std::filesystem::path("results") / stem : std::filesystem::path(directory);
 }
+
+}  // namespace gridlock::cli

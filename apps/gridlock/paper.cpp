@@ -10,6 +10,8 @@
 #include "terminal.hpp"
 #include "verbs.hpp"
 
+namespace gridlock::cli {
+
 namespace {
 
 struct PaperOptions {
@@ -85,3 +87,5 @@ void add_paper(CLI::App& app, ExitCode& exit_code) {
   options->output.add_to(*verb, "results/paper");
   verb->callback([options, &exit_code] { exit_code = make_paper(*options); });
 }
+
+}  // namespace gridlock::cli

@@ -6,6 +6,8 @@
 #include "gridlock/run/pictures.hpp"
 #include "verbs.hpp"
 
+namespace gridlock::cli {
+
 void add_plot(CLI::App& app, ExitCode& exit_code) {
   CLI::App* const verb = app.add_subcommand("plot", "Draw the pictures of a run or sweep again from its data");
   struct Options {
@@ -23,3 +25,5 @@ void add_plot(CLI::App& app, ExitCode& exit_code) {
     exit_code = ExitCode::good;
   });
 }
+
+}  // namespace gridlock::cli

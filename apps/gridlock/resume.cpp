@@ -7,6 +7,8 @@
 #include "run_output.hpp"
 #include "verbs.hpp"
 
+namespace gridlock::cli {
+
 namespace {
 
 struct ResumeOptions {
@@ -32,3 +34,5 @@ void add_resume(CLI::App& app, ExitCode& exit_code) {
   options->run_output.add_to(*verb);
   verb->callback([options, &exit_code] { exit_code = resume(*options); });
 }
+
+}  // namespace gridlock::cli

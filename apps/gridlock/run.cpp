@@ -4,6 +4,8 @@
 #include "run_output.hpp"
 #include "verbs.hpp"
 
+namespace gridlock::cli {
+
 namespace {
 
 struct RunOptions {
@@ -30,3 +32,5 @@ void add_run(CLI::App& app, ExitCode& exit_code) {
   options->run_output.add_to(*verb);
   verb->callback([options, &exit_code] { exit_code = run(*options); });
 }
+
+}  // namespace gridlock::cli

@@ -11,6 +11,8 @@
 
 #include "gridlock/run/pictures.hpp"
 
+namespace gridlock::cli {
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -140,8 +142,9 @@ ExitCode RunOutput::finish(gridlock::RunRecord const& record, std::filesystem::p
   if (!is_quiet_) print_end(record, directory);
   if (record.ending == gridlock::Ending::finished) return ExitCode::good;
   if (record.ending == gridlock::Ending::failed) fmt::print(stderr, "error: {}\n", record.failure);
-  fmt::print(stderr,
-             "{} after {} steps; what there is stands in {}; gridlock resume {} goes on from the last checkpoint\n",
-             gridlock::to_text(record.ending), record.steps, directory.string(), directory.string());
+  fmt::print(stderr, "{} after {} steps; what there is stands in {}; {} resume {} goes on from the last checkpoint\n",
+             gridlock::to_text(record.ending), record.steps, directory.string(), program_name(), directory.string());
   return ExitCode::run_failed;
 }
+
+}  // namespace gridlock::cli

@@ -8,6 +8,8 @@
 #include "terminal.hpp"
 #include "verbs.hpp"
 
+namespace gridlock::cli {
+
 /// What the verbs that carry out one run say while it goes on and when it has ended.
 class RunOutput {
  public:
@@ -32,3 +34,5 @@ class RunOutput {
   std::optional<StopSignals> signals_;
   std::optional<ProgressLine> line_;
 };
+
+}  // namespace gridlock::cli

@@ -14,6 +14,8 @@
 #include "terminal.hpp"
 #include "verbs.hpp"
 
+namespace gridlock::cli {
+
 namespace {
 
 struct SweepOptions {
@@ -49,8 +51,8 @@ ExitCode finish_shard(gridlock::Shard const& shard, std::size_t all, gridlock::S
   std::size_t const ours = (all + shard.count - shard.number) / shard.count;
   std::size_t const others = all - ours;
   std::size_t const open = result.interruptions > others ? result.interruptions - others : 0;
-  fmt::print("shard {} of {}: {} runs, {} failed, {} stopped early; gridlock collect {} makes the tables\n",
-             shard.number, shard.count, ours, result.failures, open, directory.string());
+  fmt::print("shard {} of {}: {} runs, {} failed, {} stopped early; {} collect {} makes the tables\n", shard.number,
+             shard.count, ours, result.failures, open, program_name(), directory.string());
   return result.failures == 0 && open == 0 ? ExitCode::good : ExitCode::run_failed;
 }
 
@@ -118,3 +120,5 @@ void add_sweep(CLI::App& app, ExitCode& exit_code) {
   verb->add_flag("-q,--quiet", options->is_quiet, "Print errors only");
   verb->callback([options, &exit_code] { exit_code = sweep(*options); });
 }
+
+}  // namespace gridlock::cli

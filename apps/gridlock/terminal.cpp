@@ -8,6 +8,8 @@
 #include <csignal>
 #include <cstdio>
 
+namespace gridlock::cli {
+
 namespace {
 
 volatile std::sig_atomic_t signals_received = 0;
@@ -88,3 +90,5 @@ std::string count_text(double count) {
   }
   return fmt::format("{:.3g} ", count);
 }
+
+}  // namespace gridlock::cli

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <string>
 
+namespace gridlock::cli {
+
 /// Stops work politely: Ctrl-C and SIGTERM are remembered, and the work asks at every chunk. A second signal ends the
 /// program at once.
 class StopSignals {
@@ -41,3 +43,5 @@ std::string duration_text(double seconds);
 
 /// 12'345'678.0 → "12.3 M".
 std::string count_text(double count);
+
+}  // namespace gridlock::cli

@@ -8,6 +8,8 @@
 
 #include "gridlock/io/settings_file.hpp"
 
+namespace gridlock::cli {
+
 /// What a verb ends with, as the shell sees it.
 enum class ExitCode : int {
   good = 0,
@@ -27,6 +29,10 @@ void add_info(CLI::App& app, ExitCode& exit_code);
 void add_plot(CLI::App& app, ExitCode& exit_code);
 void add_export(CLI::App& app, ExitCode& exit_code);
 void add_movie(CLI::App& app, ExitCode& exit_code);
+
+/// The name the program was started by, for messages that say what to type; "gridlock" before it is known.
+std::string const& program_name();
+void set_program_name(std::string name);
 
 /// The trajectory meant by the directory of a run, or by its own name.
 std::filesystem::path trajectory_file(std::string const& path);
@@ -49,3 +55,5 @@ struct OutputOptions {
   /// The directory asked for, or results/<stem>.
   [[nodiscard]] std::filesystem::path directory_for(std::string const& stem) const;
 };
+
+}  // namespace gridlock::cli

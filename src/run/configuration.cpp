@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -251,14 +252,26 @@ void refuse_tables_of_others(Configuration const& configuration, IsGiven const& 
   }
 }
 
+/// What is wrong with a model that this program does not have; nothing where it has it.
+std::optional<Problem> unknown_model(Configuration const& configuration) {
+  std::string const& kind = configuration.model.kind;
+  if (!configuration.is_of_model() || configuration.models.find(kind) != nullptr) return std::nullopt;
+  return Problem{.what = fmt::format("there is no model \"{}\" in this program", kind),
+                 .hint = fmt::format("its models are {}; a model of one's own runs in one's own program, see "
+                                     "docs/tutorial_model.md",
+                                     names_of(configuration.models)),
+                 .key = "model.kind"};
+}
+
+/// Whether a problem is about a table of that name or something in it.
+bool is_about_table(Problem const& problem, std::string const& table) {
+  return problem.key == table || problem.key.starts_with(table + ".");
+}
+
 /// A model brings its own agents and settings; of the disks' tables only engine.threads means anything to it.
 Setup set_up_model(Configuration configuration) {
+  if (auto const problem = unknown_model(configuration)) throw Error(*problem);
   ModelKind const* const kind = configuration.models.find(configuration.model.kind);
-  if (kind == nullptr) {
-    throw Error({.what = fmt::format("there is no model \"{}\"", configuration.model.kind),
-                 .hint = fmt::format("the models are {}", names_of(configuration.models)),
-                 .key = "model.kind"});
-  }
   if (configuration.run.collisions_per_disk) {
     throw Error({.what = "the length of a run of a model cannot be given in collisions",
                  .hint = "give run.steps or run.time",
@@ -381,9 +394,24 @@ Describe describing(Configuration& configuration) {
   return [&configuration](SettingVisitor& visitor) { describe(configuration, visitor); };
 }
 
-Setup set_up(SettingsFile const& file) {
+Configuration read_configuration(SettingsFile const& file) {
   Configuration configuration;
-  file.read_into(describing(configuration));
+  try {
+    file.read_into(describing(configuration));
+  } catch (Error const& error) {
+    auto const problem = unknown_model(configuration);
+    if (!problem) throw;
+    // Its table is unknown for that reason alone.
+    std::vector<Problem> problems = file.locate(Error(*problem)).problems();
+    std::ranges::copy_if(error.problems(), std::back_inserter(problems),
+                         [&](Problem const& other) { return !is_about_table(other, configuration.model.kind); });
+    throw Error(std::move(problems));
+  }
+  return configuration;
+}
+
+Setup set_up(SettingsFile const& file) {
+  Configuration configuration = read_configuration(file);
   try {
     // A file named on the command line is meant from where the user stands, one named in the TOML file from there.
     auto const location = file.location("disks.file");

@@ -94,9 +94,8 @@ void require_readable(SettingsFile const& file, std::vector<SettingList> const& 
     for (std::size_t choice = 0; choice < list.values.size(); ++choice) {
       SettingsFile settings = file;
       settings.set(list.key, list.values[choice], place_of(list, choice));
-      Configuration configuration;
       try {
-        settings.read_into(describing(configuration));
+        static_cast<void>(read_configuration(settings));
       } catch (Error const& error) {
         std::ranges::copy_if(error.problems(), std::back_inserter(problems), std::not_fn(is_known));
       }

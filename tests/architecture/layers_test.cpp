@@ -65,9 +65,11 @@ std::vector<Source> sources_under(std::string const& folder, bool is_layered) {
   std::vector<Source> sources;
   for (auto const& entry : fs::recursive_directory_iterator(root / folder)) {
     if (!entry.is_regular_file() || !is_source(entry.path())) continue;
-    std::string const layer =
-        is_layered ? entry.path().lexically_relative(root / folder).begin()->string() : std::string("apps");
-    sources.push_back({entry.path(), entry.path().lexically_relative(root).string(), layer});
+    fs::path const inside = entry.path().lexically_relative(root / folder);
+    // A header beside the folders of the layers is the interface of apps/.
+    bool const is_of_layer = is_layered && inside.has_parent_path();
+    sources.push_back({entry.path(), entry.path().lexically_relative(root).string(),
+                       is_of_layer ? inside.begin()->string() : std::string("apps")});
   }
   return sources;
 }
@@ -79,13 +81,16 @@ std::vector<Source> all_sources() {
   return all;
 }
 
-/// The layer a quoted include belongs to: "gridlock/<layer>/…", "<layer>/…", or a file beside the including one.
+/// The layer a quoted include belongs to: "gridlock/<layer>/…", "<layer>/…", a file beside the including one, or the
+/// interface of apps/, "gridlock/command_line.hpp".
 std::string layer_of(std::string const& include, Source const& from) {
   fs::path path(include);
   auto part = path.begin();
-  if (*part == "gridlock") ++part;
-  bool const is_beside = std::next(part) == path.end();
-  return is_beside ? from.layer : part->string();
+  bool const is_public = *part == "gridlock";
+  if (is_public) ++part;
+  bool const is_in_no_folder = std::next(part) == path.end();
+  if (is_in_no_folder) return is_public ? "apps" : from.layer;
+  return part->string();
 }
 
 /// What is wrong with an include, or nothing.
@@ -128,6 +133,8 @@ TEST(Layers, TheRuleItselfTellsGoodFromBad) {
   EXPECT_FALSE(is_allowed("run", "gridlock/study/paper.hpp"));
   EXPECT_TRUE(is_allowed("apps", "gridlock/study/paper.hpp"));
   EXPECT_FALSE(is_allowed("engine", "../grid/pairs.hpp"));
+  EXPECT_TRUE(is_allowed("apps", "gridlock/command_line.hpp"));
+  EXPECT_FALSE(is_allowed("run", "gridlock/command_line.hpp"));
 }
 
 TEST(PublicHeaders, IncludeNothingButThePublicHeadersAndTheStandardLibrary) {

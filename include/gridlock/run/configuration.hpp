@@ -84,6 +84,10 @@ struct Setup {
   std::vector<IdleSetting> idle_settings = {};
 };
 
+/// The configuration that the settings give, with the defaults for what they leave out.
+/// Errors: Error with the place in the file of every key, type or value that cannot be used.
+Configuration read_configuration(SettingsFile const& file);
+
 /// Reads the settings and sets up the run they describe.
 /// Errors: Error with the place in the file of everything that is wrong: keys, types, bounds, and set-ups that cannot
 /// exist or that the engine cannot treat rightly.
