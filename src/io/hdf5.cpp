@@ -58,6 +58,43 @@ void trim_padding(std::string& text) {
   while (!text.empty() && text.back() == '\0') text.pop_back();
 }
 
+/// Notes which file a link leads to, and keeps HDF5 from following it there.
+herr_t stay_in_file(char const*, char const*, char const* file, char const*, unsigned*, hid_t, void* other_file) {
+  *static_cast<std::string*>(other_file) = file;
+  return -1;
+}
+
+/// Calls open(access list) for an object of the kind that `list_class` is about, and refuses links to other files: a file
+/// from a stranger must not show what else there is on this machine.
+template <class Open>
+Handle opened_in_file(hid_t list_class, std::string const& path, Handle::Close close, Open open) {
+  keep_quiet();
+  Handle const list(H5Pcreate(list_class), H5Pclose, "prepare to look for " + path);
+  std::string other_file;
+  require(H5Pset_elink_cb(list.id(), stay_in_file, &other_file), "prepare to look for " + path);
+  hid_t const id = open(list.id());
+  if (!other_file.empty()) throw Failure(fmt::format("{} is a link to another file, {}", path, other_file));
+  return {id, close, "find " + path};
+}
+
+/// Refuses a dataset whose numbers are in other files, or pass through filters that this program never uses: HDF5 would
+/// look for libraries with them.
+void require_own_numbers(Handle const& dataset, std::string const& path) {
+  Handle const list(H5Dget_create_plist(dataset.id()), H5Pclose, "look at " + path);
+  if (H5Pget_layout(list.id()) == H5D_VIRTUAL || H5Pget_external_count(list.id()) != 0) {
+    throw Failure(path + " has its numbers in other files");
+  }
+  int const filters = require(H5Pget_nfilters(list.id()), "look at " + path);
+  for (int k = 0; k < filters; ++k) {
+    unsigned flags = 0;
+    std::size_t no_parameters = 0;
+    H5Z_filter_t const filter =
+        H5Pget_filter2(list.id(), static_cast<unsigned>(k), &flags, &no_parameters, nullptr, 0, nullptr, nullptr);
+    if (filter == H5Z_FILTER_SHUFFLE || filter == H5Z_FILTER_DEFLATE) continue;
+    throw Failure(fmt::format("{} is packed by a filter of HDF5 (number {}) that gridlock does not use", path, filter));
+  }
+}
+
 constexpr std::size_t longest_text = std::size_t{1} << 28;
 
 std::size_t text_length(Handle const& type, std::string const& name) {
@@ -162,8 +199,8 @@ Handle create_group(Handle const& parent, std::string const& path) {
 }
 
 Handle open_group(Handle const& parent, std::string const& path) {
-  keep_quiet();
-  return {H5Gopen2(parent.id(), path.c_str(), H5P_DEFAULT), H5Gclose, "find " + path};
+  return opened_in_file(H5P_GROUP_ACCESS, path, H5Gclose,
+                        [&](hid_t access) { return H5Gopen2(parent.id(), path.c_str(), access); });
 }
 
 std::vector<std::string> names_in(Handle const& group) {
@@ -269,8 +306,10 @@ std::string read_text_attribute(Handle const& object, std::string const& name) {
 }
 
 Handle open_dataset(Handle const& parent, std::string const& path) {
-  keep_quiet();
-  return {H5Dopen2(parent.id(), path.c_str(), H5P_DEFAULT), H5Dclose, "find " + path};
+  Handle dataset = opened_in_file(H5P_DATASET_ACCESS, path, H5Dclose,
+                                  [&](hid_t access) { return H5Dopen2(parent.id(), path.c_str(), access); });
+  require_own_numbers(dataset, path);
+  return dataset;
 }
 
 std::vector<hsize_t> extent_of(Handle const& dataset) {

@@ -90,6 +90,7 @@ void repair_file(std::filesystem::path const& path);
 void flush(Handle const& file);
 
 Handle create_group(Handle const& parent, std::string const& path);
+/// Refuses a link to another file.
 Handle open_group(Handle const& parent, std::string const& path);
 /// The names in a group, in the order they were created.
 std::vector<std::string> names_in(Handle const& group);
@@ -107,6 +108,7 @@ std::vector<std::string> read_texts(Handle const& object, std::string const& nam
 /// The text of an attribute, empty where there is none.
 std::string read_text_attribute(Handle const& object, std::string const& name);
 
+/// Refuses a link to another file, numbers in other files and filters that are not written here.
 Handle open_dataset(Handle const& parent, std::string const& path);
 std::vector<hsize_t> extent_of(Handle const& dataset);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <string>
+#include <utility>
 
 #include "program.hpp"
 
@@ -151,6 +152,55 @@ TEST(Trajectories, ThatAreNoneAreRefusedByName) {
     Outcome const outcome = gridlock_in(workplace, {"export", name, "--to", "csv"});
     EXPECT_EQ(outcome.exit_code, 2);
     EXPECT_NE(outcome.err.find(name), std::string::npos) << outcome.err;
+  }
+}
+
+TEST(Trajectories, ThatLeadToOtherFilesAreRefused) {
+  if (!have_readers()) GTEST_SKIP() << "the readers are not installed: ./dev install";
+  Workplace const workplace;
+  run_with_frames(workplace);
+  // Each trap leads to the true numbers, in another file: only a reader that looks where they come from refuses them.
+  write(workplace / "craft.py", R"(import shutil, h5py, numpy
+other = h5py.File("run/trajectory.h5", "r")
+def craft(name, path, replace):
+    shutil.copy("run/trajectory.h5", name)
+    with h5py.File(name, "r+") as file:
+        numbers = file[path][()] if isinstance(file[path], h5py.Dataset) else None
+        del file[path]
+        replace(file, path, numbers)
+def virtual(file, path, numbers):
+    layout = h5py.VirtualLayout(shape=numbers.shape, dtype=numbers.dtype)
+    layout[...] = h5py.VirtualSource("run/trajectory.h5", path, shape=numbers.shape)
+    file.create_virtual_dataset(path, layout)
+def external(file, path, numbers):
+    numbers.tofile("numbers.raw")
+    file.create_dataset(path, numbers.shape, numbers.dtype, external=[("numbers.raw", 0, numbers.nbytes)])
+link = h5py.ExternalLink
+craft("dataset.h5", "/parameters/seed", lambda f, path, n: f.__setitem__(path, link("run/trajectory.h5", path)))
+craft("group.h5", "/particles/disks/box", lambda f, path, n: f.__setitem__(path, link("run/trajectory.h5", path)))
+craft("parent.h5", "/observables", lambda f, path, n: f.__setitem__(path, link("run/trajectory.h5", path)))
+craft("text.h5", "/parameters/configuration", lambda f, path, n: f.__setitem__(path, link("run/trajectory.h5", path)))
+craft("virtual.h5", "/particles/disks/mass/value", virtual)
+craft("external.h5", "/parameters/frames/checksum", external)
+craft("filter.h5", "/particles/disks/mass/value",
+      lambda f, path, n: f.create_dataset(path, data=n, compression="lzf"))
+craft("whole.h5", "/particles/disks/mass/value", lambda f, path, n: f.create_dataset(path, data=n))
+)");
+  Outcome const crafted = Process("/usr/bin/python3", {"craft.py"}, workplace.path()).wait();
+  ASSERT_EQ(crafted.exit_code, 0) << crafted.err;
+  EXPECT_EQ(gridlock_in(workplace, {"info", "whole.h5"}).exit_code, 0) << "what is replaced by itself is read";
+  std::pair<char const*, char const*> const traps[] = {
+      {"dataset.h5", "/parameters/seed is a link to another file, run/trajectory.h5"},
+      {"group.h5", "/particles/disks/box is a link to another file"},
+      {"parent.h5", "/observables is a link to another file"},
+      {"text.h5", "/parameters/configuration is a link to another file"},
+      {"virtual.h5", "/particles/disks/mass/value has its numbers in other files"},
+      {"external.h5", "/parameters/frames/checksum has its numbers in other files"},
+      {"filter.h5", "/particles/disks/mass/value is packed by a filter of HDF5 (number 32000)"}};
+  for (auto const& [name, message] : traps) {
+    Outcome const outcome = gridlock_in(workplace, {"info", name});
+    EXPECT_EQ(outcome.exit_code, 2) << name;
+    EXPECT_NE(outcome.err.find(message), std::string::npos) << name << ": " << outcome.err;
   }
 }
 
