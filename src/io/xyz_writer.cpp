@@ -1,5 +1,8 @@
 #include <fmt/format.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
@@ -106,27 +109,78 @@ std::string header(Frame const& frame, std::vector<Property> const& properties) 
                      double_text(frame.clock.time), frame.clock.step, frame.seed);
 }
 
+/// The rows of a frame as text.
+class Rows {
+ public:
+  explicit Rows(Frame const& frame)
+      : frame_(frame),
+        x_(reals_of(frame, X::name)),
+        y_(reals_of(frame, Y::name)),
+        kinds_(frame),
+        properties_(properties_of(frame)) {}
+
+  [[nodiscard]] std::size_t size() const { return frame_.size(); }
+  [[nodiscard]] std::string header() const { return gridlock::header(frame_, properties_); }
+
+  [[nodiscard]] std::string text(std::size_t first, std::size_t end) const {
+    std::string text;
+    auto const out = std::back_inserter(text);
+    for (std::size_t i = first; i < end; ++i) {
+      fmt::format_to(out, "{} {} {} 0 {}", kinds_.name_at(i), x_[i], y_[i], frame_.ids[i]);
+      for (Property const& property : properties_) {
+        for (FrameColumn const* column : property.columns) {
+          std::visit([&](auto const& values) { fmt::format_to(out, " {}", values[i]); }, column->values);
+        }
+        if (property.pads) text += " 0";
+      }
+      text += '\n';
+    }
+    return text;
+  }
+
+ private:
+  Frame const& frame_;
+  std::span<double const> x_;
+  std::span<double const> y_;
+  Kinds kinds_;
+  std::vector<Property> properties_;
+};
+
+/// About 1 MB of text: long enough to be worth another thread.
+constexpr std::size_t rows_per_block = 8192;
+
+/// Formats the blocks on all cores and appends them in their order, so that the bytes are those of one thread.
+void append_blocks(Rows const& rows, AtomicFile& file) {
+  constexpr std::size_t blocks_in_memory = 16;
+  std::size_t next = 0;
+  auto const take_next = [&](tbb::flow_control& control) {
+    std::size_t const first = next;
+    if (first >= rows.size()) control.stop();
+    next += rows_per_block;
+    return first;
+  };
+  auto const format = [&](std::size_t first) {
+    return rows.text(first, std::min(first + rows_per_block, rows.size()));
+  };
+  // Isolated: a thread that waits for the others must not begin another run of a sweep meanwhile.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_pipeline(
+        blocks_in_memory, tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, take_next) &
+                              tbb::make_filter<std::size_t, std::string>(tbb::filter_mode::parallel, format) &
+                              tbb::make_filter<std::string, void>(tbb::filter_mode::serial_in_order,
+                                                                  [&](std::string const& text) { file.append(text); }));
+  });
+}
+
 }  // namespace
 
 void append_xyz(Frame const& frame, AtomicFile& file) {
-  std::vector<Property> const properties = properties_of(frame);
-  std::span<double const> const x = reals_of(frame, X::name);
-  std::span<double const> const y = reals_of(frame, Y::name);
-  Kinds const kinds(frame);
-  file.append(header(frame, properties));
-  fmt::memory_buffer line;
-  for (std::size_t i = 0; i < frame.size(); ++i) {
-    line.clear();
-    fmt::format_to(std::back_inserter(line), "{} {} {} 0 {}", kinds.name_at(i), x[i], y[i], frame.ids[i]);
-    for (Property const& property : properties) {
-      for (FrameColumn const* column : property.columns) {
-        std::visit([&](auto const& values) { fmt::format_to(std::back_inserter(line), " {}", values[i]); },
-                   column->values);
-      }
-      if (property.pads) line.append(std::string_view(" 0"));
-    }
-    line.push_back('\n');
-    file.append({line.data(), line.size()});
+  Rows const rows(frame);
+  file.append(rows.header());
+  if (rows.size() <= rows_per_block) {
+    file.append(rows.text(0, rows.size()));
+  } else {
+    append_blocks(rows, file);
   }
 }
 

@@ -33,7 +33,7 @@ void write_xyz(Frame const& frame, std::filesystem::path const& path);
 /// The disks lie at z = 0 in a box of height 1, so that its volume is the area of the box. pbc is "T T F" for a periodic
 /// box. Positions are inside the box; `image` counts the periodic edges that the disk crossed. Numbers are the shortest
 /// that read back the same.
-/// Errors: RunFailure. Cost: about 1 µs a disk; never the whole text in memory.
+/// Errors: RunFailure. Cost: about 1 µs a disk, shared by all cores; 16 MB of text in memory at most.
 void write_xyz(State const& state, std::filesystem::path const& path);
 
 /// What a file of extended XYZ holds.

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdlib>
@@ -108,6 +110,26 @@ std::string types_in(std::filesystem::path const& file) {
     if (k >= 2) types += line.substr(0, line.find(' '));
   }
   return types;
+}
+
+TEST(Xyz, IsTheSameTextOnAnyNumberOfThreads) {
+  TemporaryDirectory const directory;
+  State const state = state_of(70'000, 3, Edge::periodic);
+  EXPECT_EQ(hash(written_and_read(state)), hash(state));
+  auto const text_on = [&](std::size_t threads) {
+    tbb::global_control const limit(tbb::global_control::max_allowed_parallelism, threads);
+    write_xyz(state, directory / "state.xyz");
+    return read_file(directory / "state.xyz");
+  };
+  std::string const text = text_on(1);
+  EXPECT_EQ(text_on(2), text);
+  EXPECT_EQ(text_on(7), text);
+  EXPECT_EQ(std::ranges::count(text, '\n'), 70'002);
+}
+
+TEST(Xyz, AFullDiskEndsTheWritingOfManyRows) {
+  State const state = state_of(70'000, 3, Edge::periodic);
+  EXPECT_THROW(write_xyz(state, "/dev/full"), RunFailure);
 }
 
 TEST(Xyz, TheTypeNamesTheKindByRadiusAndMass) {
