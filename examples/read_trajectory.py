@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Read a trajectory of Gridlock with h5py, draw it with matplotlib, and analyse it with MDAnalysis.
 
-    gridlock run scenes/mixture.toml --set run.steps=2000 --set trajectory.every=100 -o results/second
-    python3 examples/read_trajectory.py results/second/trajectory.h5
+    gridlock run scenes/mixture.toml --set run.steps=2000 --set trajectory.every=100 -o results/frames
+    python3 examples/read_trajectory.py results/frames/trajectory.h5
 
 Two things need care in other programs. Positions are inside the box, so displacements in a periodic box need the
 column `image`. The disks live in a plane: the box has height 1 and z is 0, so anything that divides by a volume of

@@ -19,7 +19,7 @@ namespace {
 void print_setup(gridlock::Setup const& setup) {
   gridlock::State const& state = setup.state;
   if (setup.configuration.is_of_model()) {
-    auto const experiment = gridlock::make_experiment(setup);
+    auto const experiment = gridlock::make_experiment(gridlock::Setup(setup));
     fmt::print("model {}: {} agents, {} box {} × {}, step {:.6g} of time\n", setup.configuration.model.kind,
                experiment->agents(), state.box.is_periodic() ? "periodic" : "walled", state.box.width(),
                state.box.height(), experiment->time_step());

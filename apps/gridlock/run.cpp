@@ -1,4 +1,5 @@
 #include <memory>
+#include <utility>
 
 #include "gridlock/run/run_directory.hpp"
 #include "run_output.hpp"
@@ -15,11 +16,11 @@ struct RunOptions {
 };
 
 ExitCode run(RunOptions& options) {
-  gridlock::Setup const setup = gridlock::set_up(options.configuration.read());
+  gridlock::Setup setup = gridlock::set_up(options.configuration.read());
   auto const directory =
       options.output.directory_for(std::filesystem::path(options.configuration.file).stem().string());
   gridlock::open_run_directory(directory, options.output.overwrites);
-  return options.run_output.finish(gridlock::run_in(directory, setup, options.run_output.hooks()), directory);
+  return options.run_output.finish(gridlock::run_in(directory, std::move(setup), options.run_output.hooks()), directory);
 }
 
 }  // namespace

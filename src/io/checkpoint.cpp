@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -61,33 +62,57 @@ class NamedArchive : public Archive {
   std::vector<std::string> path_;
 };
 
+/// The members, each as its bytes in CBOR, in the order of their names.
 class SavingArchive final : public NamedArchive {
  public:
   [[nodiscard]] bool is_restoring() const override { return false; }
-  void visit(std::string_view name, bool& value) override { members_[full(name)] = value; }
+  void visit(std::string_view name, bool& value) override { save(name, value); }
   /// As the bits it has, since CBOR keeps one kind of NaN only.
-  void visit(std::string_view name, double& value) override {
-    members_[full(name)] = std::bit_cast<std::uint64_t>(value);
-  }
-  void visit(std::string_view name, std::uint64_t& value) override { members_[full(name)] = value; }
-  void visit(std::string_view name, std::string& value) override { members_[full(name)] = value; }
-  void visit(std::string_view name, std::vector<double>& values) override { save(name, values); }
-  void visit(std::string_view name, std::vector<std::int32_t>& values) override { save(name, values); }
-  void visit(std::string_view name, std::vector<std::uint32_t>& values) override { save(name, values); }
-  void visit(std::string_view name, std::vector<std::uint64_t>& values) override { save(name, values); }
+  void visit(std::string_view name, double& value) override { save(name, std::bit_cast<std::uint64_t>(value)); }
+  void visit(std::string_view name, std::uint64_t& value) override { save(name, value); }
+  void visit(std::string_view name, std::string& value) override { save(name, value); }
+  void visit(std::string_view name, std::vector<double>& values) override { save_list(name, values); }
+  void visit(std::string_view name, std::vector<std::int32_t>& values) override { save_list(name, values); }
+  void visit(std::string_view name, std::vector<std::uint32_t>& values) override { save_list(name, values); }
+  void visit(std::string_view name, std::vector<std::uint64_t>& values) override { save_list(name, values); }
 
-  [[nodiscard]] Json const& members() const { return members_; }
+  /// Calls take(text) for all parts of the checkpoint, in their order.
+  template <class Take>
+  void for_each_part(Take take) const {
+    take(map_head(members_.size()));
+    for (auto const& [name, value] : members_) {
+      take(in_cbor(name));
+      take(value);
+    }
+  }
 
  private:
+  static std::string in_cbor(Json const& value) {
+    std::string bytes;
+    Json::to_cbor(value, bytes);
+    return bytes;
+  }
+
+  /// What CBOR puts before that many pairs of a name and a value: the length in as few bytes as hold it.
+  static std::string map_head(std::uint64_t pairs) {
+    constexpr unsigned char map_of_length_0 = 0xA0;
+    // A whole number differs from the head of a map only in the three bits that tell their kinds.
+    std::string head = in_cbor(Json(pairs));
+    head[0] = static_cast<char>(static_cast<unsigned char>(head[0]) | map_of_length_0);
+    return head;
+  }
+
+  void save(std::string_view name, Json const& value) { members_[full(name)] = in_cbor(value); }
+
   template <class Number>
-  void save(std::string_view name, std::vector<Number> const& values) {
+  void save_list(std::string_view name, std::vector<Number> const& values) {
     Bytes bytes(1 + values.size() * sizeof(Number));
     bytes[0] = letter_of<Number>();
     if (!values.empty()) std::memcpy(bytes.data() + 1, values.data(), values.size() * sizeof(Number));
-    members_[full(name)] = Json::binary(std::move(bytes));
+    save(name, Json::binary(std::move(bytes)));
   }
 
-  Json members_ = Json::object();
+  std::map<std::string, std::string> members_;
 };
 
 using Member = std::variant<bool, std::uint64_t, std::string, Bytes>;
@@ -199,10 +224,39 @@ class RestoringArchive final : public NamedArchive {
   std::map<std::string, Member> members_;
 };
 
+/// XXH3 of 128 bits over text that comes in parts.
+class Checksum {
+ public:
+  Checksum() : state_(XXH3_createState(), &XXH3_freeState) { XXH3_128bits_reset(state_.get()); }
+  void add(std::string_view text) { XXH3_128bits_update(state_.get(), text.data(), text.size()); }
+  [[nodiscard]] std::string bytes() const {
+    XXH128_canonical_t canonical;
+    XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(state_.get()));
+    return {reinterpret_cast<char const*>(canonical.digest), sizeof canonical.digest};
+  }
+
+ private:
+  std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state_;
+};
+
 std::string checksum_of(std::string_view payload) {
-  XXH128_canonical_t canonical;
-  XXH128_canonicalFromHash(&canonical, XXH3_128bits(payload.data(), payload.size()));
-  return {reinterpret_cast<char const*>(canonical.digest), sizeof canonical.digest};
+  Checksum checksum;
+  checksum.add(payload);
+  return checksum.bytes();
+}
+
+/// Calls take(text) for the parts of a checkpoint of everything `carry` visits, one after the other.
+template <class Take>
+void save_in_parts(CarryAll const& carry, Take take) {
+  SavingArchive archive;
+  carry(archive);
+  Checksum checksum;
+  archive.for_each_part([&](std::string_view part) { checksum.add(part); });
+  std::string header(magic);
+  header.resize(checksum_offset, '\0');
+  std::memcpy(header.data() + magic.size(), &format_version, sizeof format_version);
+  take(header + checksum.bytes());
+  archive.for_each_part(take);
 }
 
 [[noreturn]] void refuse(std::string const& name, std::string const& why, std::string hint) {
@@ -231,15 +285,8 @@ std::string_view payload_of(std::string_view bytes, std::string const& name) {
 }  // namespace
 
 std::string to_checkpoint(CarryAll const& carry) {
-  SavingArchive archive;
-  carry(archive);
-  std::string payload;
-  Json::to_cbor(archive.members(), payload);
-  std::string bytes(magic);
-  bytes.resize(checksum_offset, '\0');
-  std::memcpy(bytes.data() + magic.size(), &format_version, sizeof format_version);
-  bytes += checksum_of(payload);
-  bytes += payload;
+  std::string bytes;
+  save_in_parts(carry, [&](std::string_view part) { bytes += part; });
   return bytes;
 }
 
@@ -259,7 +306,7 @@ void from_checkpoint(std::string_view bytes, std::string const& name, CarryAll c
 
 void write_checkpoint(std::filesystem::path const& directory, CarryAll const& carry) {
   AtomicFile file(directory / newest_name);
-  file.append(to_checkpoint(carry));
+  save_in_parts(carry, [&](std::string_view part) { file.append(part); });
   file.commit(directory / previous_name);
 }
 

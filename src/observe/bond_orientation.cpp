@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstdint>
 #include <numbers>
 #include <vector>
 
@@ -11,12 +12,6 @@
 namespace gridlock {
 
 namespace {
-
-/// Σ_k exp(6 i θ_jk) of one disk and the number of its neighbours.
-struct Bonds {
-  std::complex<double> sum;
-  double count = 0.0;
-};
 
 /// exp(6 i θ) of the direction of a vector that is not zero.
 std::complex<double> sixth_power_of_direction(Vector r) {
@@ -35,25 +30,24 @@ double neighbour_distance(State const& state) {
   return std::min(reach, 0.5 * std::min(state.box.width(), state.box.height()));
 }
 
-/// ψ6 of each disk.
+/// ψ6 of each disk: the mean of exp(6 i θ_jk) over its neighbours k.
 std::vector<std::complex<double>> bond_orientations(State const& state) {
   double const reach = neighbour_distance(state);
-  std::vector<Bonds> bonds(state.disks.size());
+  std::vector<std::complex<double>> sums(state.disks.size());
+  std::vector<std::uint32_t> counts(state.disks.size());
   for_each_pair(state, grid_for_reach(state, reach), reach, [&](std::size_t i, std::size_t j, Vector separation) {
     if (!(squared_length(separation) > 0.0)) return;
     // Six is even: the direction back gives the same number.
     std::complex<double> const bond = sixth_power_of_direction(separation);
-    bonds[i].sum += bond;
-    bonds[j].sum += bond;
-    bonds[i].count += 1.0;
-    bonds[j].count += 1.0;
+    sums[i] += bond;
+    sums[j] += bond;
+    ++counts[i];
+    ++counts[j];
   });
-  std::vector<std::complex<double>> orders;
-  orders.reserve(bonds.size());
-  for (Bonds const& of_disk : bonds) {
-    orders.push_back(of_disk.count > 0.0 ? of_disk.sum / of_disk.count : std::complex<double>{});
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    if (counts[i] > 0) sums[i] /= static_cast<double>(counts[i]);
   }
-  return orders;
+  return sums;
 }
 
 }  // namespace

@@ -66,15 +66,15 @@ std::optional<double> packing_fraction_of(Frame const& frame) {
   return area / frame.box.area();
 }
 
-std::string summary_json(Setup const& setup, RunRecord const& record, Frame const& frame) {
+std::string summary_json(Configuration const& configuration, std::uint64_t start_hash, RunRecord const& record,
+                         Frame const& frame) {
   Json json;
   json["gridlock"] = version();
   json["ending"] = to_text(record.ending);
   if (!record.failure.empty()) json["failure"] = record.failure;
-  json["start_hash"] = fmt::format("{:016x}", hash(setup.state));
+  json["start_hash"] = fmt::format("{:016x}", start_hash);
   json["state_hash"] = fmt::format("{:016x}", record.state_hash);
   json["seed"] = frame.seed;
-  Configuration const& configuration = setup.configuration;
   json[configuration.is_of_model() ? "model" : "engine"] =
       configuration.is_of_model() ? configuration.model.kind : configuration.engine.kind;
   json[configuration.is_of_model() ? "agents_at_end" : "disks"] = record.agents;
@@ -95,8 +95,8 @@ std::string summary_json(Setup const& setup, RunRecord const& record, Frame cons
   return json.dump(2) + '\n';
 }
 
-void write_results(std::filesystem::path const& directory, Setup const& setup, RunRecord const& record,
-                   Frame const& frame) {
+void write_results(std::filesystem::path const& directory, Configuration const& configuration, std::uint64_t start_hash,
+                   RunRecord const& record, Frame const& frame) {
   // Last to come and first to go, so that a directory with a summary is a complete one.
   std::error_code ignored;
   std::filesystem::remove(directory / summary_name, ignored);
@@ -105,7 +105,7 @@ void write_results(std::filesystem::path const& directory, Setup const& setup, R
     write_csv(to_table(distribution), directory / (distribution.name + ".csv"));
   }
   write_xyz(frame, directory / "final.xyz");
-  write_file(directory / summary_name, summary_json(setup, record, frame));
+  write_file(directory / summary_name, summary_json(configuration, start_hash, record, frame));
 }
 
 /// When the next checkpoint is due.
@@ -133,15 +133,17 @@ class CheckpointClock {
 /// A run at home in its directory.
 class RunInDirectory {
  public:
-  RunInDirectory(std::filesystem::path directory, Setup const& setup, std::string configuration, RunHooks const& hooks)
+  RunInDirectory(std::filesystem::path directory, Setup setup, std::string configuration, RunHooks const& hooks)
       : directory_(std::move(directory)),
-        setup_(setup),
+        setup_(std::move(setup)),
+        start_hash_(hash(setup_.state)),
         hooks_(hooks),
         log_(directory_, hooks.on_note),
         configuration_(std::move(configuration)),
-        experiment_(make_experiment(setup)),
-        run_(*experiment_, plan_of(setup)) {
-    TrajectorySettings const& settings = setup.configuration.trajectory;
+        plan_(plan_of(setup_)),
+        experiment_(make_experiment(std::move(setup_))),
+        run_(*experiment_, plan_) {
+    TrajectorySettings const& settings = setup_.configuration.trajectory;
     if (!settings.has_frames()) return;
     trajectory_.emplace(settings, experiment_->time_step(),
                         TrajectoryOnlooker::Origin{directory_ / trajectory_name, configuration_, version()});
@@ -153,7 +155,7 @@ class RunInDirectory {
     std::filesystem::remove(directory_ / summary_name, ignored);
     remove_checkpoints(directory_);
     std::filesystem::remove(directory_ / trajectory_name, ignored);
-    if (!setup_.start_file.empty()) write_xyz(setup_.state, directory_ / "start.xyz");
+    if (!setup_.start_file.empty()) write_xyz(experiment_->frame(), directory_ / "start.xyz");
     write_file(directory_ / configuration_name, configuration_);
     for (std::string const& note : notes_on({setup_.idle_settings})) log_.note(note);
     Configuration const& configuration = setup_.configuration;
@@ -189,7 +191,7 @@ class RunInDirectory {
     if (ending == Ending::interrupted) save();
     RunRecord record = run_.record();
     try {
-      write_results(directory_, setup_, record, experiment_->frame());
+      write_results(directory_, setup_.configuration, start_hash_, record, experiment_->frame());
     } catch (RunFailure const& failure) {
       // A full disk ends the run first and keeps its results out next: the first reason is the one to tell.
       if (record.failure.empty()) throw;
@@ -220,10 +222,12 @@ class RunInDirectory {
   }
 
   std::filesystem::path directory_;
-  Setup const& setup_;
+  Setup setup_;  ///< without its state, which is the experiment's
+  std::uint64_t start_hash_;
   RunHooks const& hooks_;
   RunLog log_;
   std::string configuration_;
+  RunPlan plan_;
   std::unique_ptr<Experiment> experiment_;
   Run run_;
   std::optional<TrajectoryOnlooker> trajectory_;
@@ -267,10 +271,11 @@ std::string resolved_configuration(Setup const& setup) {
   return to_toml(describing(configuration));
 }
 
-RunRecord run_in(std::filesystem::path const& directory, Setup const& setup, RunHooks const& hooks) {
+RunRecord run_in(std::filesystem::path const& directory, Setup setup, RunHooks const& hooks) {
   make_output_directory(directory);
   DirectoryLock const lock(directory);
-  RunInDirectory run(directory, setup, resolved_configuration(setup), hooks);
+  std::string configuration = resolved_configuration(setup);
+  RunInDirectory run(directory, std::move(setup), std::move(configuration), hooks);
   run.begin();
   return run.carry_out();
 }
@@ -291,7 +296,7 @@ RunRecord resume_in(std::filesystem::path const& directory, RunHooks const& hook
   Setup setup = set_up(SettingsFile::from_path(directory / configuration_name));
   std::string configuration = resolved_configuration(setup);
   if (hooks.threads) setup.configuration.engine.threads = *hooks.threads;
-  RunInDirectory run(directory, setup, std::move(configuration), hooks);
+  RunInDirectory run(directory, std::move(setup), std::move(configuration), hooks);
   run.restore();
   return run.carry_out();
 }

@@ -127,7 +127,7 @@ void DiskExperiment::carry(Archive& archive) {
   }
 }
 
-std::unique_ptr<Experiment> make_experiment(Setup setup) {
+std::unique_ptr<Experiment> make_experiment(Setup&& setup) {
   Configuration const& configuration = setup.configuration;
   if (!configuration.is_of_model()) return std::make_unique<DiskExperiment>(std::move(setup));
   return configuration.models.find(configuration.model.kind)

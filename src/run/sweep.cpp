@@ -286,7 +286,7 @@ class SweepInProgress {
       Setup setup = set_up(plan_.runs[run].settings);
       // What is recorded is what is used.
       if (prospect.takes_threads) setup.configuration.engine.threads = prospect.threads;
-      return outcome_of(run_in(directory_of(run), setup, hooks));
+      return outcome_of(run_in(directory_of(run), std::move(setup), hooks));
     } catch (std::exception const& error) {
       return {.has_begun = true, .ending = Ending::failed, .message = reason_of(error), .results = {}};
     }

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -75,9 +76,10 @@ class Process {
 
   void signal(int number) const { kill(id_, number); }
 
-  Outcome wait() const {
+  /// Waits for the end; what the process used goes to `usage` where that is given.
+  Outcome wait(rusage* usage = nullptr) const {
     int status = 0;
-    waitpid(id_, &status, 0);
+    wait4(id_, &status, 0, usage);
     return {.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
             .out = text_of(directory_ / ".stdout"),
             .err = text_of(directory_ / ".stderr")};

@@ -62,7 +62,7 @@ struct RunHooks {
 /// A run that is interrupted saves itself; one that fails leaves the last checkpoint before. A checkpoint that cannot be
 /// written is noted, and the run goes on. Every file is written whole or not at all; summary.json comes last.
 /// Errors: Error where another process works in the directory; RunFailure where results cannot be written.
-RunRecord run_in(std::filesystem::path const& directory, Setup const& setup, RunHooks const& hooks = {});
+RunRecord run_in(std::filesystem::path const& directory, Setup setup, RunHooks const& hooks = {});
 
 /// Goes on with a run that was interrupted, killed or failed: from its newest checkpoint that is whole, or from the start
 /// where there is none. It ends with the same bits as a run that was never interrupted, whatever the number of threads.

@@ -47,8 +47,8 @@ class DiskExperiment final : public Experiment {
   std::uint64_t collisions_seen_ = 0;
 };
 
-/// The experiment a set-up describes. Errors: those of its constructor.
-std::unique_ptr<Experiment> make_experiment(Setup setup);
+/// The experiment a set-up describes. Takes the state out of it; the settings stay. Errors: those of its constructor.
+std::unique_ptr<Experiment> make_experiment(Setup&& setup);
 
 /// How far a set-up is carried on, and what is looked at on the way.
 RunPlan plan_of(Setup const& setup);

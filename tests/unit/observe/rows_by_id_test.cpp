@@ -5,6 +5,8 @@
 #include <array>
 #include <vector>
 
+#include "gridlock/io/checkpoint.hpp"
+
 namespace gridlock {
 namespace {
 
@@ -19,6 +21,29 @@ TEST(RowsById, FindsThePlaceOfAnIdFromAnyRow) {
     EXPECT_EQ(rows.place_of(1, row), RowsById::not_found);
   }
   EXPECT_EQ(RowsById().place_of(0, 0), RowsById::not_found);
+}
+
+TEST(RowsById, IdsWithoutAGapAreFoundFromAnyRow) {
+  std::array<Id, 4> const ids{6, 8, 5, 7};
+  RowsById const rows(ids);
+  EXPECT_EQ(rows.size(), 4U);
+  for (std::size_t row = 0; row < 6; ++row) {
+    for (Id const id : ids) EXPECT_EQ(rows.place_of(id, row), id - 5);
+    for (Id const other : {Id{0}, Id{4}, Id{9}, (Id{1} << 32) | 6}) {
+      EXPECT_EQ(rows.place_of(other, row), RowsById::not_found);
+    }
+  }
+}
+
+TEST(RowsById, ComeBackFromACheckpointWithAndWithoutGaps) {
+  for (std::vector<Id> const& ids : {std::vector<Id>{}, {4, 5, 6}, {4, 6, 5, (Id{1} << 32) | 3}}) {
+    RowsById saved(ids);
+    RowsById restored;
+    from_checkpoint(to_checkpoint([&](Archive& archive) { saved.carry(archive); }), "a",
+                    [&](Archive& archive) { restored.carry(archive); });
+    EXPECT_EQ(restored.size(), ids.size());
+    for (Id const id : ids) EXPECT_EQ(restored.place_of(id, 0), saved.place_of(id, 9));
+  }
 }
 
 TEST(RowsById, BlocksAreConsecutiveAndEqualToOneAgent) {
