@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "io/gzip.hpp"
 #include "io/text.hpp"
 #include "io/xyz_names.hpp"
 
@@ -503,6 +504,20 @@ class XyzReader {
 
 XyzFrame parse_xyz(std::string_view text, std::string const& name) { return XyzReader(text, name).read(); }
 
-XyzFrame read_xyz(std::filesystem::path const& path) { return parse_xyz(read_file(path), path.string()); }
+XyzFrame read_xyz(std::filesystem::path const& path) {
+  std::string text = read_file(path);
+  if (is_gzip(text)) {
+    // Rows of numbers become five times as small at most; a file that asks for much more is a trap.
+    constexpr std::size_t most_packed = 100;
+    auto unpacked = unpacked_gzip(text, most_packed * text.size());
+    if (!unpacked) {
+      throw Error({.what = fmt::format("cannot unpack {}: it is damaged or cut off", path.string()),
+                   .hint = "pack it again with gzip",
+                   .file = path.string()});
+    }
+    text = std::move(*unpacked);
+  }
+  return parse_xyz(text, path.string());
+}
 
 }  // namespace gridlock

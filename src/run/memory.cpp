@@ -17,9 +17,16 @@ namespace gridlock {
 
 namespace {
 
-// Measured at 10⁶ disks: 250 bytes a disk for the stepped engine, 390 for the exact one.
-constexpr double bytes_per_disk = 250.0;
-constexpr double bytes_per_disk_of_exact = 390.0;
+/// The most that a run holds for each disk, and what a checkpoint adds to that: measured as the peak of `gridlock run` with
+/// 10⁶ disks, docs/performance.md, without the 15 MB of the program.
+struct BytesPerDisk {
+  double of_run;
+  double of_checkpoint;
+};
+constexpr BytesPerDisk bytes_of_stepped{.of_run = 223.0, .of_checkpoint = 0.0};
+constexpr BytesPerDisk bytes_of_tiled{.of_run = 232.0, .of_checkpoint = 19.0};
+constexpr BytesPerDisk bytes_of_exact{.of_run = 320.0, .of_checkpoint = 139.0};
+constexpr double bytes_per_agent_of_model = 250.0;
 constexpr double bytes_per_cell = 4.0;
 constexpr double bytes_per_row = 25 * 8.0;
 
@@ -54,14 +61,24 @@ struct Demand {
   char const* hint;
 };
 
+double bytes_per_disk(Configuration const& configuration) {
+  std::string const& engine = configuration.engine.kind;
+  BytesPerDisk const& bytes = engine == "exact"   ? bytes_of_exact
+                              : engine == "tiled" ? bytes_of_tiled
+                                                  : bytes_of_stepped;
+  CheckpointSettings const& checkpoint = configuration.checkpoint;
+  bool const has_checkpoints = checkpoint.every_seconds > 0.0 || checkpoint.every_steps > 0;
+  return bytes.of_run + (has_checkpoints ? bytes.of_checkpoint : 0.0);
+}
+
 std::array<Demand, 3> demands_of(Configuration const& configuration) {
   auto const disks = static_cast<double>(configuration.disks.count.value_or(0));
   auto const cells = static_cast<double>(configuration.engine.cells.value_or(0));
   std::uint64_t const samples =
       configuration.run.steps.value_or(0) / std::max<std::uint64_t>(1, configuration.observe.every);
   auto const rows = static_cast<double>(samples);
-  double const per_disk = configuration.engine.kind == "exact" ? bytes_per_disk_of_exact : bytes_per_disk;
-  return {Demand{fmt::format("{:.0f} disks", disks), "disks.count", per_disk * disks, "use fewer disks"},
+  return {Demand{fmt::format("{:.0f} disks", disks), "disks.count", bytes_per_disk(configuration) * disks,
+                 "use fewer disks"},
           Demand{fmt::format("a grid of {0:.0f} × {0:.0f} cells", cells), "engine.cells",
                  bytes_per_cell * cells * cells, "leave engine.cells out, or use fewer"},
           Demand{fmt::format("a series of {:.0f} samples", rows), "observe.every", bytes_per_row * rows,
@@ -73,7 +90,7 @@ std::array<Demand, 3> demands_of(Configuration const& configuration) {
 double free_memory() { return std::min({free_memory_of_machine(), free_memory_of_process(), granted_memory()}); }
 
 double expected_memory(Configuration const& configuration, double agents) {
-  double bytes = bytes_per_disk * agents;
+  double bytes = bytes_per_agent_of_model * agents;
   for (Demand const& demand : demands_of(configuration)) bytes += demand.bytes;
   return bytes;
 }

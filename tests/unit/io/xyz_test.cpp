@@ -299,6 +299,31 @@ TEST(Xyz, AnyDamageIsEitherReadOrRefused) {
   EXPECT_GT(refused, 1000);
 }
 
+TEST(Xyz, PackedByGzipIsReadAndDamageOfItRefused) {
+  TemporaryDirectory const directory;
+  State const state = state_of(2'000, 8, Edge::periodic);
+  write_xyz(state, directory / "state.xyz");
+  std::string const packed = (directory / "state.xyz.gz").string();
+  std::string const plain = (directory / "state.xyz").string();
+  ASSERT_EQ(std::system(fmt::format("gzip -c {} > {}", plain, packed).c_str()), 0);
+  EXPECT_EQ(hash(read_xyz(packed).state), hash(state));
+  // Two parts, as parallel packers write them.
+  ASSERT_EQ(std::system(fmt::format("(head -n 100 {0} | gzip; tail -n +101 {0} | gzip) > {1}", plain, packed).c_str()),
+            0);
+  EXPECT_EQ(hash(read_xyz(packed).state), hash(state));
+  std::string const bytes = read_file(packed);
+  for (std::size_t const length : {std::size_t{2}, std::size_t{20}, bytes.size() / 2, bytes.size() - 1}) {
+    write_file(packed, bytes.substr(0, length));
+    EXPECT_THROW(read_xyz(packed), Error) << length;
+  }
+  std::string flipped = bytes;
+  flipped[bytes.size() / 3] ^= 4;
+  write_file(packed, flipped);
+  EXPECT_THROW(read_xyz(packed), Error);
+  ASSERT_EQ(std::system(fmt::format("head -c 30000000 /dev/zero | gzip > {}", packed).c_str()), 0);
+  EXPECT_THROW(read_xyz(packed), Error) << "a small file that asks for much memory";
+}
+
 TEST(Xyz, AMissingFileIsRefusedByName) { EXPECT_THROW(read_xyz("/nowhere/disks.xyz"), Error); }
 
 TEST(Xyz, AseReadsPositionsCellEdgesAndColumns) {
