@@ -2,9 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <memory>
 #include <set>
+#include <string>
+#include <vector>
 
+#include "gridlock/io/checkpoint.hpp"
 #include "unit/observe/hand_built.hpp"
 
 namespace gridlock {
@@ -106,6 +113,146 @@ TEST(Observables, GiveOnlyNumbersForTheSmallestSystemsAndTheShortestRuns) {
           }
         }
       }
+    }
+  }
+}
+
+TEST(MakeObservables, OfAnEngineWithoutTurnsLeavesOutTheirShare) {
+  State state = ideal_gas(Box(1, 1, Edge::periodic), 10, 0.01, 1);
+  for (bool const has_turns : {true, false}) {
+    auto const observables = make_observables({}, {state, {}}, has_turns);
+    bool has_share = false;
+    State later = state;
+    later.clock.time = 1.0;
+    for (auto const& observable : observables) {
+      sample(*observable, later, {.turns = 100, .blocked_turns = 10});
+      has_share = has_share || result(*observable, "blocked_share");
+    }
+    EXPECT_EQ(has_share, has_turns);
+  }
+}
+
+TEST(MakeObservables, TheStructureIsMeasuredAtEveryStructureEverySampleWhateverTheStepsBetweenSamples) {
+  // Every third sample counts a triangular lattice, all others an ideal gas.
+  State const lattice = triangular_lattice(8, 8);
+  State const gas = ideal_gas(lattice.box, 64, 0.4, 3);
+  ObserveSettings const settings{.every = 1, .structure_every = 3, .pair_correlation_bins = 20};
+  auto const all = make_observables(settings, {lattice, {}});
+  auto const of_lattice =
+      make_observables({.every = 1, .structure_every = 1, .pair_correlation_bins = 20}, {lattice, {}});
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    for (int n = 0; n < 7; ++n) sample(*all[k], n % 3 == 0 ? lattice : gas);
+    sample(*of_lattice[k], lattice);
+    if (auto const order = result(*all[k], "global_bond_orientation_order")) {
+      EXPECT_NEAR(order->value, 1.0, 1e-12);
+    }
+    for (Distribution const& distribution : all[k]->distributions()) {
+      if (distribution.name != "pair_correlation") continue;
+      auto const expected = of_lattice[k]->distributions()[0].columns_of_values[1];
+      for (std::size_t b = 0; b < expected.size(); ++b) {
+        EXPECT_NEAR(distribution.columns_of_values[1][b], expected[b], 1e-12 * (1.0 + expected[b])) << b;
+      }
+    }
+  }
+}
+
+/// A run of 45 samples of a gas that is stirred anew between them.
+class StirredRun {
+ public:
+  static constexpr int samples = 45;
+
+  explicit StirredRun(Edge edge) : state_(ideal_gas(Box(3, 2, edge), 40, 0.1, 5)) { stir(0); }
+
+  [[nodiscard]] std::vector<std::unique_ptr<Observable>> begin() const {
+    return make_observables(
+        {.structure_every = 2, .pair_correlation_bins = 4, .speed_bins = 6, .velocity_origin_every = 3},
+        {state_, tally_});
+  }
+  void go_to(int n) {
+    stir(static_cast<std::uint64_t>(n));
+    state_.clock.time = 0.5 * n;
+    state_.disks.column<ImageX>()[3] = n;
+    auto const count = static_cast<std::uint64_t>(n);
+    tally_ = {.turns = 40 * count,
+              .blocked_turns = count * count / 9,
+              .pair_collisions = 7 * count + count * count / 5,
+              .wall_hits = {count, 2 * count, 3 * count, count * count},
+              .pair_virial = 0.1 * n * n};
+    tally_.wall_impulse = {1.0 * n, 0.5 * n * n, 2.0 * n, 1.5 * n};
+  }
+  [[nodiscard]] std::vector<double> sample_of(Observable& observable, int n) const {
+    return sample(observable, state_, tally_, n > 4);
+  }
+
+ private:
+  void stir(std::uint64_t seed) {
+    State const drawn = ideal_gas(state_.box, 40, 0.1, 5 + seed);
+    std::ranges::copy(drawn.disks.column<X>(), state_.disks.column<X>().begin());
+    std::ranges::copy(drawn.disks.column<Y>(), state_.disks.column<Y>().begin());
+    draw_maxwell(state_, 1.0 + 0.1 * static_cast<double>(seed), seed);
+  }
+  State state_;
+  Tally tally_;
+};
+
+/// Every number that an observable gives, as text that tells every bit.
+std::string everything_of(Observable const& observable) {
+  std::string text;
+  auto const add = [&](double value) { text += std::to_string(std::bit_cast<std::uint64_t>(value)) + " "; };
+  for (NamedEstimate const& named : observable.results()) {
+    text += named.name + " ";
+    add(named.estimate.value);
+    add(named.estimate.error.value_or(no_value));
+  }
+  for (Distribution const& distribution : observable.distributions()) {
+    for (auto const& values : distribution.columns_of_values) std::ranges::for_each(values, add);
+  }
+  return text;
+}
+
+TEST(Observables, SavedAndRestoredAtAnySampleTheyGiveTheSameBits) {
+  for (Edge const edge : {Edge::wall, Edge::periodic}) {
+    for (int const stop : {0, 1, 3, 6, 17, 33, 40}) {
+      StirredRun run(edge);
+      auto const whole = run.begin();
+      auto const resumed = run.begin();
+      for (int n = 1; n <= StirredRun::samples; ++n) {
+        run.go_to(n);
+        for (std::size_t k = 0; k < whole.size(); ++k) {
+          auto const row = run.sample_of(*whole[k], n);
+          if (n == stop) {
+            std::string const saved = to_checkpoint([&](Archive& archive) { whole[k]->carry(archive); });
+            from_checkpoint(saved, "saved", [&](Archive& archive) { resumed[k]->carry(archive); });
+            EXPECT_EQ(everything_of(*resumed[k]), everything_of(*whole[k])) << "restored after " << n;
+          } else if (n > stop) {
+            auto const resumed_row = run.sample_of(*resumed[k], n);
+            for (std::size_t c = 0; c < row.size(); ++c) {
+              EXPECT_EQ(std::bit_cast<std::uint64_t>(resumed_row[c]), std::bit_cast<std::uint64_t>(row[c]))
+                  << whole[k]->columns()[c].name << ", sample " << n << " after " << stop;
+            }
+          }
+        }
+      }
+      for (std::size_t k = 0; k < whole.size(); ++k) {
+        EXPECT_EQ(everything_of(*resumed[k]), everything_of(*whole[k])) << "stopped after " << stop;
+      }
+    }
+  }
+}
+
+TEST(Observables, EveryResultHasTheUnitOfItsColumn) {
+  StirredRun run(Edge::wall);
+  auto const observables = run.begin();
+  for (int n = 1; n < 12; ++n) {
+    run.go_to(n);
+    for (auto const& observable : observables) static_cast<void>(run.sample_of(*observable, n));
+  }
+  for (auto const& observable : observables) {
+    auto const columns = observable->columns();
+    for (NamedEstimate const& named : observable->results()) {
+      auto const column = std::ranges::find(columns, named.name, &ColumnInfo::name);
+      ASSERT_NE(column, columns.end()) << named.name;
+      EXPECT_EQ(named.unit, column->unit) << named.name;
     }
   }
 }

@@ -44,6 +44,24 @@ TEST(Pressure, OfPairsComesFromTheirVirial) {
   EXPECT_DOUBLE_EQ(cell(pressure, row, "compressibility_factor"), 2.0);
 }
 
+TEST(Pressure, AveragesOfTheCompressibilityAreRatiosOfSumsThoughTheTemperatureChanges) {
+  // 24 of virial while N kT = 3 for a time of 4, 48 while N kT = 12 for a time of 1: Z = 1 + ΣW / (2 Σ N kT t).
+  State state = two_disks(Box(3, 2, Edge::wall));
+  Tally tally;
+  Pressure pressure;
+  pressure.begin({state, tally});
+  state.clock.time = 4.0;
+  tally.pair_virial = 24.0;
+  sample(pressure, state, tally);
+  for (double& v : state.disks.column<VelocityX>()) v *= 2.0;
+  for (double& v : state.disks.column<VelocityY>()) v *= 2.0;
+  state.clock.time = 5.0;
+  tally.pair_virial += 48.0;
+  sample(pressure, state, tally);
+  EXPECT_DOUBLE_EQ(result(pressure, "compressibility_factor")->value, 1.0 + 72.0 / (2.0 * (3.0 * 4.0 + 12.0 * 1.0)));
+  EXPECT_DOUBLE_EQ(result(pressure, "virial_pressure")->value, ((3.0 * 4.0 + 12.0 * 1.0) + 36.0) / (5.0 * 6.0));
+}
+
 TEST(Pressure, OfWallsIsImpulsePerTimeAndLength) {
   State state = two_disks(Box(3, 2, Edge::wall));
   Tally tally;

@@ -41,6 +41,17 @@ TEST(VelocityAutocorrelation, IsOneWhereNothingTurnedMinusOneReversedAndTheCosin
   EXPECT_NEAR(distributions[0].columns_of_values[2][3], 0.0, 1e-14) << "every disk agrees";
 }
 
+TEST(VelocityAutocorrelation, IsInUnitsOfTheSquaredVelocitiesAtTheOrigin) {
+  State state = empty_state(Box(1, 1, Edge::wall));
+  add_disk(state, {0.2, 0.5}, {1, 0});
+  add_disk(state, {0.8, 0.5}, {0, 2});
+  VelocityAutocorrelation correlation;
+  correlation.begin({state, {}});
+  sample(correlation, state);
+  state.disks.column<VelocityX>()[0] = 3.0;  // (1·3 + 2·2) / (1 + 4)
+  EXPECT_DOUBLE_EQ(sample(correlation, state)[0], 7.0 / 5.0);
+}
+
 TEST(VelocityAutocorrelation, StartsAtTheFirstSampleThatCounts) {
   State early = maxwell_gas(50, 1);
   State late = maxwell_gas(50, 2);
