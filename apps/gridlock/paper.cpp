@@ -27,6 +27,7 @@ struct PaperOptions {
 gridlock::PaperSettings settings_of(PaperOptions const& options) {
   gridlock::PaperSettings settings{.extent = options.is_full ? gridlock::full_paper() : gridlock::quick_paper(),
                                    .output = options.output.directory_for("paper"),
+                                   .overwrites = options.output.overwrites,
                                    .threads = options.threads,
                                    .seed = options.seed};
   if (options.figure != 0) settings.figure = options.figure;
@@ -58,6 +59,12 @@ ExitCode make_paper(PaperOptions const& options) {
     });
   }
   for (std::string const& note : result.notes) fmt::print(stderr, "note: {}\n", note);
+  if (result.ending != gridlock::Ending::finished) {
+    fmt::print(stderr, "{} with {} of {} simulations finished, which {} holds; the same command{} does the rest\n",
+               gridlock::to_text(result.ending), result.finished_simulations, result.simulations,
+               (settings.output / "partial_results").string(), settings.overwrites ? " without --overwrite" : "");
+    return ExitCode::run_failed;
+  }
   if (!options.is_quiet) {
     for (gridlock::PaperClaim const& claim : result.claims) {
       fmt::print("{:<12} {}: {}\n", word_for(claim.verdict), claim.where, claim.statement);
@@ -65,10 +72,7 @@ ExitCode make_paper(PaperOptions const& options) {
     fmt::print("{} in {}; open {}\n", gridlock::to_text(result.ending), duration_text(result.seconds),
                (settings.output / "report.html").string());
   }
-  if (result.ending == gridlock::Ending::finished) return ExitCode::good;
-  fmt::print(stderr, "{}: the study was stopped; what there is stands in {}\n", gridlock::to_text(result.ending),
-             settings.output.string());
-  return ExitCode::run_failed;
+  return ExitCode::good;
 }
 
 }  // namespace

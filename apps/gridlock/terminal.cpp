@@ -56,9 +56,11 @@ void ProgressLine::show(double fraction, double seconds, std::string const& what
   double const waited = std::chrono::duration<double>(now - last_time_).count();
   bool const is_done = fraction >= 1.0;
   // A line for the end alone would say nothing that the summary does not.
-  bool const is_due = is_terminal_ ? waited >= 0.2 || (is_done && is_line_open_)
-                                   : waited >= 30.0 || (waited >= 1.0 && fraction - last_fraction_ >= 0.1);
+  bool const is_due = is_terminal_
+                          ? waited >= 0.2 || (is_done && is_line_open_)
+                          : waited >= 30.0 || (waited >= 1.0 && (is_first_ || fraction - last_fraction_ >= 0.1));
   if (!is_due) return;
+  is_first_ = false;
   last_time_ = now;
   last_fraction_ = fraction;
   double const seconds_left = fraction > 0.0 ? seconds * (1.0 - fraction) / fraction : 0.0;

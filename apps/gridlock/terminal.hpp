@@ -18,7 +18,7 @@ class StopSignals {
 };
 
 /// Shows how far the work has come, on standard error: one line redrawn a few times a second on a terminal, a plain line
-/// every ten percent or half minute where the output goes to a file or pipe.
+/// after a second, and then every ten percent or half minute, where the output goes to a file or pipe.
 class ProgressLine {
  public:
   ProgressLine();
@@ -34,6 +34,7 @@ class ProgressLine {
 
   bool is_terminal_;
   bool is_line_open_ = false;
+  bool is_first_ = true;  ///< nothing has been shown yet
   double last_fraction_ = 0.0;
   Clock::time_point last_time_;
 };

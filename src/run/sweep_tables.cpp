@@ -67,7 +67,22 @@ void add_key_columns(Table& table, SweepPlan const& plan, std::vector<std::size_
   }
 }
 
-/// Mean over runs with its standard error from their scatter; a single run keeps its own error.
+/// √(Σ e²)/n from the errors e of the runs; 0 where a run has none.
+double error_by_runs(std::vector<Estimate> const& runs) {
+  double squares = 0.0;
+  for (Estimate const& run : runs) {
+    if (!run.error || !std::isfinite(*run.error)) return 0.0;
+    squares += *run.error * *run.error;
+  }
+  return std::sqrt(squares) / static_cast<double>(runs.size());
+}
+
+/// Mean over runs with its standard error; a single run keeps its own error.
+///
+/// The error is the larger one of two estimates: from the scatter of the runs, and from the errors of the runs. The scatter
+/// of few runs is a poor estimate: that of two is less than half of the true error in 38 % of all cases (|z| < 1/2). The
+/// errors of the runs know nothing of what changes more slowly than their blocks, or from start to start. Where both
+/// are right, the larger one is too large by 17 % on average for two runs, and by less for more (E max(|z|, 1) = 1.17).
 Estimate mean_over(std::vector<Estimate> const& runs) {
   if (runs.empty()) return {.value = not_measured};
   if (runs.size() == 1) return runs.front();
@@ -76,7 +91,7 @@ Estimate mean_over(std::vector<Estimate> const& runs) {
   for (Estimate const& run : runs) mean += run.value / count;
   double squares = 0.0;
   for (Estimate const& run : runs) squares += (run.value - mean) * (run.value - mean);
-  return {mean, std::sqrt(squares / (count * (count - 1.0)))};
+  return {mean, std::max(std::sqrt(squares / (count * (count - 1.0))), error_by_runs(runs))};
 }
 
 }  // namespace

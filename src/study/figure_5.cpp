@@ -8,7 +8,9 @@
 #include <iterator>
 #include <numbers>
 #include <optional>
+#include <utility>
 
+#include "gridlock/run/pace.hpp"
 #include "study/distance_checks.hpp"
 #include "study/power_law.hpp"
 
@@ -40,36 +42,143 @@ Configuration timing_configuration(Study const& study, std::uint64_t disks, std:
   return configuration;
 }
 
-/// CPU time of one fresh run of the set-up.
-double seconds_of(Setup const& setup) {
-  State state = setup.state;
-  auto const engine = make_engine(setup.configuration.engine, state);
-  Tally tally;
-  std::clock_t const start = std::clock();
-  engine->advance(state, tally, {.step = timing_steps});
-  return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-}
-
-/// The counts of the same run, and what they would be without halting, step by step.
-StepCost count_checks(Setup const& setup, std::uint64_t k) {
-  State state = setup.state;
-  auto const engine = make_engine(setup.configuration.engine, state);
-  Tally tally;
-  StepCost cost{.disks = state.disks.size(), .k = k, .packing_fraction = covered_area(state.disks) / state.box.area()};
-  for (std::uint64_t step = 1; step <= timing_steps; ++step) {
-    cost.free_checks += static_cast<double>(substeps_of_a_turn * checks_of_one_look(state, k));
-    engine->advance(state, tally, {.step = step});
-  }
-  cost.checks = static_cast<double>(tally.distance_checks);
-  cost.blocked_share = static_cast<double>(tally.blocked_turns) / static_cast<double>(tally.turns);
-  return cost;
-}
-
 double median(std::vector<double> values) {
   std::ranges::sort(values);
   std::size_t const middle = values.size() / 2;
   return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
+
+/// One size of Figure 5, as far as it is measured.
+struct Measurement {
+  Setup setup;
+  StepCost cost;
+  bool is_counted = false;
+  std::vector<double> seconds;
+};
+
+void carry(Archive& archive, Measurement& measurement) {
+  StepCost& cost = measurement.cost;
+  archive.visit("is_counted", measurement.is_counted);
+  archive.visit("packing_fraction", cost.packing_fraction);
+  archive.visit("checks", cost.checks);
+  archive.visit("free_checks", cost.free_checks);
+  archive.visit("blocked_share", cost.blocked_share);
+  archive.visit("seconds", measurement.seconds);
+}
+
+/// CPU time of one fresh run of the set-up; nothing where goes_on() says no, which is asked outside of that time.
+std::optional<double> seconds_of(Setup const& setup, std::function<bool()> const& goes_on) {
+  constexpr double seconds_between_looks = 0.1;
+  State state = setup.state;
+  auto const engine = make_engine(setup.configuration.engine, state);
+  Tally tally;
+  Pace pace(seconds_between_looks);
+  std::clock_t ticks = 0;
+  while (state.clock.step < timing_steps) {
+    std::clock_t const start = std::clock();
+    engine->advance(state, tally, {.step = timing_steps, .goes_on = [&] { return !pace.is_due(); }});
+    ticks += std::clock() - start;
+    if (state.clock.step < timing_steps && !goes_on()) return std::nullopt;
+  }
+  return static_cast<double>(ticks) / CLOCKS_PER_SEC;
+}
+
+/// The counts of the same run, and what they would be without halting, step by step; false where goes_on() says no.
+bool count_checks(Measurement& measurement, std::function<bool()> const& goes_on) {
+  State state = measurement.setup.state;
+  auto const engine = make_engine(measurement.setup.configuration.engine, state);
+  Tally tally;
+  StepCost& cost = measurement.cost;
+  cost.packing_fraction = covered_area(state.disks) / state.box.area();
+  cost.free_checks = 0.0;
+  for (std::uint64_t step = 1; step <= timing_steps; ++step) {
+    cost.free_checks += static_cast<double>(substeps_of_a_turn * checks_of_one_look(state, cost.k));
+    engine->advance(state, tally, {.step = step});
+    if (!goes_on()) return false;
+  }
+  cost.checks = static_cast<double>(tally.distance_checks);
+  cost.blocked_share = static_cast<double>(tally.blocked_turns) / static_cast<double>(tally.turns);
+  measurement.is_counted = true;
+  return true;
+}
+
+/// All sizes of Figure 5, measured in rounds.
+class MeasurementsInProgress {
+ public:
+  MeasurementsInProgress(Study& study, std::function<bool(double)> const& on_progress)
+      : study_(study), on_progress_(on_progress), repeats_(study.extent().timing_repeats) {
+    for (std::uint64_t const disks : study.extent().timing_counts) {
+      for (std::uint64_t const k : timing_ks) {
+        Configuration configuration = timing_configuration(study, disks, k);
+        key_ += to_toml(describing(configuration));
+        measurements_.push_back({.setup = set_up(configuration), .cost = {.disks = disks, .k = k}});
+      }
+    }
+    std::vector<Measurement> restored = measurements_;
+    if (study_.partial_results.restore(key_, carrying(restored))) measurements_ = std::move(restored);
+  }
+
+  /// False where on_progress has stopped it. What is measured is kept either way.
+  bool measure_all() {
+    bool const is_complete = measure_in_rounds();
+    keep();
+    return is_complete;
+  }
+
+  [[nodiscard]] std::vector<StepCost> costs() const {
+    std::vector<StepCost> costs;
+    for (Measurement const& measurement : measurements_) {
+      auto const [least, most] = std::ranges::minmax(measurement.seconds);
+      costs.push_back(measurement.cost);
+      costs.back().spread = most - least;
+      costs.back().seconds = median(measurement.seconds);
+    }
+    return costs;
+  }
+
+ private:
+  static std::function<void(Archive&)> carrying(std::vector<Measurement>& measurements) {
+    return [&measurements](Archive& archive) {
+      for (std::size_t m = 0; m < measurements.size(); ++m) {
+        carry_inside(archive, fmt::format("measurement_{}", m), [&] { carry(archive, measurements[m]); });
+      }
+    };
+  }
+  void keep() { study_.partial_results.keep(key_, carrying(measurements_)); }
+
+  [[nodiscard]] bool goes_on() const {
+    std::size_t done = 0;
+    for (Measurement const& m : measurements_) {
+      done += (m.is_counted ? 1 : 0) + std::min<std::size_t>(m.seconds.size(), repeats_);
+    }
+    return on_progress_(static_cast<double>(done) / static_cast<double>(measurements_.size() * (repeats_ + 1)));
+  }
+
+  bool measure_in_rounds() {
+    auto const asks = [this] { return goes_on(); };
+    for (Measurement& measurement : measurements_) {
+      if (!measurement.is_counted && !count_checks(measurement, asks)) return false;
+    }
+    // All sizes once, then all again: a machine that slows down for a while then spoils one repeat, not one size.
+    for (std::uint64_t repeat = 0; repeat < repeats_; ++repeat) {
+      keep();
+      for (Measurement& measurement : measurements_) {
+        if (measurement.seconds.size() > repeat) continue;
+        auto const seconds = seconds_of(measurement.setup, asks);
+        if (!seconds) return false;
+        measurement.seconds.push_back(*seconds);
+        if (!goes_on()) return false;
+      }
+    }
+    return true;
+  }
+
+  Study& study_;
+  std::function<bool(double)> const& on_progress_;
+  std::uint64_t repeats_;
+  std::string key_ = "Figure 5\n";
+  std::vector<Measurement> measurements_;
+};
 
 /// Looks at all neighbours in a whole run: every disk, every sub-step of every step.
 constexpr double looks = static_cast<double>(timing_steps * substeps_of_a_turn);
@@ -324,37 +433,9 @@ double seconds_to_measure(PaperExtent const& extent) {
   return seconds;
 }
 
-std::vector<StepCost> measure_step_costs(Study const& study, std::function<bool(double)> const& on_progress) {
-  struct Measurement {
-    Setup setup;
-    StepCost cost;
-    std::vector<double> seconds;
-  };
-  std::vector<Measurement> measurements;
-  for (std::uint64_t const disks : study.extent().timing_counts) {
-    for (std::uint64_t const k : timing_ks) {
-      Setup const setup = set_up(timing_configuration(study, disks, k));
-      measurements.push_back({.setup = setup, .cost = count_checks(setup, k)});
-    }
-  }
-  // All sizes once, then all again: a machine that slows down for a while then spoils one repeat, not one size.
-  std::uint64_t const repeats = study.extent().timing_repeats;
-  for (std::uint64_t repeat = 0; repeat < repeats; ++repeat) {
-    for (std::size_t m = 0; m < measurements.size(); ++m) {
-      measurements[m].seconds.push_back(seconds_of(measurements[m].setup));
-      double const done =
-          static_cast<double>(repeat) + static_cast<double>(m + 1) / static_cast<double>(measurements.size());
-      if (!on_progress(done / static_cast<double>(repeats))) return {};
-    }
-  }
-  std::vector<StepCost> costs;
-  for (Measurement& measurement : measurements) {
-    auto const [least, most] = std::ranges::minmax(measurement.seconds);
-    measurement.cost.spread = most - least;
-    measurement.cost.seconds = median(measurement.seconds);
-    costs.push_back(measurement.cost);
-  }
-  return costs;
+std::vector<StepCost> measure_step_costs(Study& study, std::function<bool(double)> const& on_progress) {
+  MeasurementsInProgress measurements(study, on_progress);
+  return measurements.measure_all() ? measurements.costs() : std::vector<StepCost>{};
 }
 
 Chapter figure_5(Study& study, std::vector<StepCost> const& costs) {

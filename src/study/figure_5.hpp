@@ -32,8 +32,9 @@ bool fits_neighbourhoods(PaperExtent const& extent);
 double seconds_to_measure(PaperExtent const& extent);
 
 /// Measures every N and k of the extent, one after the other on this thread: anything else running in the process would
-/// be in the CPU time. Stops early where on_progress(fraction) returns false; what is unfinished is left out.
-std::vector<StepCost> measure_step_costs(Study const& study, std::function<bool(double)> const& on_progress);
+/// be in the CPU time. on_progress(fraction) is called several times a second; where it returns false, what has been
+/// measured is kept among the partial results, and nothing is returned.
+std::vector<StepCost> measure_step_costs(Study& study, std::function<bool(double)> const& on_progress);
 
 Chapter figure_5(Study& study, std::vector<StepCost> const& costs);
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "gridlock/core/error.hpp"
@@ -22,6 +23,7 @@ namespace {
 
 constexpr int first_figure = 4;
 constexpr int last_figure = 7;
+constexpr char const* report_name = "report.html";
 
 Error impossible(std::string what, std::string hint) {
   return Error({.what = std::move(what), .hint = std::move(hint), .key = "paper"});
@@ -149,13 +151,16 @@ constexpr Part parts[] = {
 class PaperStudy {
  public:
   PaperStudy(PaperSettings const& settings, OnPaperProgress const& on_progress)
-      : settings_(settings), study_(settings), progression_(on_progress, expected_seconds()) {}
+      : settings_(settings),
+        study_(settings, [this](std::string const& name) { return report_drawing("drawing " + name); }),
+        progression_(on_progress, expected_seconds()) {}
 
   PaperResult run() {
+    is_resumed_ = study_.runs.finished() > 0;
     measure_times();
     simulate_all();
     for (Part const& part : parts) {
-      if (is_wanted(part)) make(part);
+      if (is_wanted(part) && !progression_.is_stopped()) make(part);
     }
     return finish();
   }
@@ -168,6 +173,7 @@ class PaperStudy {
     for (Part const& part : parts) {
       if (part.plan && is_wanted(part)) part.plan(study_);
     }
+    study_.runs.keep_in(study_.partial_results);
     constexpr double seconds_per_disk_step = 2e-7;
     constexpr double seconds_for_pictures = 4.0;
     return {is_wanted(5) ? seconds_to_measure(settings_.extent) : 0.0,
@@ -176,8 +182,9 @@ class PaperStudy {
 
   void measure_times() {
     if (is_wanted(5)) {
-      costs_ = measure_step_costs(study_,
-                                  [&](double share) { return progression_.report(share, "Figure 5: timing steps"); });
+      costs_ = measure_step_costs(study_, [&](double share) {
+        return progression_.report(share, "Figure 5: counting distances and timing steps");
+      });
     }
     progression_.next_part();
   }
@@ -187,7 +194,7 @@ class PaperStudy {
       study_.runs.run_all(settings_.threads, [&](double share, std::size_t finished) {
         return progression_.report(share, fmt::format("{} of {} simulations", finished, study_.runs.size()));
       });
-      study_.write(study_.runs.rows(), "runs.csv");
+      if (!progression_.is_stopped()) study_.write(study_.runs.rows(), "runs.csv");
     }
     progression_.next_part();
   }
@@ -198,20 +205,28 @@ class PaperStudy {
     } else {
       chapters_.push_back(part.make(study_));
     }
-    // Half of the runs may say the opposite of all of them.
-    if (part.plan && progression_.is_stopped()) {
-      for (PaperClaim& claim : chapters_.back().claims) claim.verdict = Verdict::undecided;
-    }
+    report_drawing("drawing");
+  }
+
+  bool report_drawing(std::string const& what) {
     double const made = static_cast<double>(chapters_.size()) / static_cast<double>(std::size(parts));
-    progression_.report(std::min(made, 1.0), "drawing");
+    return progression_.report(std::min(made, 1.0), what);
   }
 
   PaperResult finish() {
     for (std::string const& failure : study_.runs.failures()) study_.note(failure);
-    PaperResult result{.ending = progression_.is_stopped() ? Ending::interrupted : Ending::finished};
-    for (Chapter const& chapter : chapters_) std::ranges::copy(chapter.claims, std::back_inserter(result.claims));
+    if (std::string const problem = study_.partial_results.problem(); !problem.empty()) {
+      study_.note("partial results were not all kept: " + problem);
+    }
+    PaperResult result{.ending = progression_.is_stopped() ? Ending::interrupted : Ending::finished,
+                       .simulations = study_.runs.size(),
+                       .finished_simulations = study_.runs.finished()};
     result.seconds = progression_.seconds();
-    write_report(result);
+    if (result.ending == Ending::finished) {
+      for (Chapter const& chapter : chapters_) std::ranges::copy(chapter.claims, std::back_inserter(result.claims));
+      write_report(result);
+      study_.partial_results.remove_all();
+    }
     result.files = study_.files();
     result.notes = study_.notes();
     return result;
@@ -230,12 +245,10 @@ class PaperStudy {
                   "(J.-X. Shen). {}",
                   summary_of(result.claims)));
     page.paragraph(
-        fmt::format("Extent: {}. Gridlock {}, seed {}, {:.0f} s. Every plot has its data (.csv) and script (.gp) "
+        fmt::format("Extent: {}. Gridlock {}, seed {}, {:.0f} s{}. Every plot has its data (.csv) and script (.gp) "
                     "beside it.{}",
-                    settings_.extent.name, version(), settings_.seed, result.seconds, runs_text()));
-    if (result.ending == Ending::interrupted) {
-      page.paragraph("**The study was stopped before its end**: what stands here rests on the runs that had finished.");
-    }
+                    settings_.extent.name, version(), settings_.seed, result.seconds,
+                    is_resumed_ ? " since the last interruption" : "", runs_text()));
     page.heading("Claim by claim");
     page.table(overview_of(result.claims));
     for (Chapter const& chapter : chapters_) {
@@ -245,8 +258,8 @@ class PaperStudy {
       page.heading("What went wrong");
       page.list(study_.notes());
     }
-    write_file(study_.path_of("report.html"), page.html());
-    study_.add_file("report.html");
+    write_file(study_.path_of(report_name), page.html());
+    study_.add_file(report_name);
   }
 
   PaperSettings const& settings_;
@@ -254,6 +267,7 @@ class PaperStudy {
   Progression progression_;
   std::vector<StepCost> costs_;
   std::vector<Chapter> chapters_;
+  bool is_resumed_ = false;
 };
 
 }  // namespace
@@ -314,6 +328,11 @@ PaperExtent full_paper() {
 PaperResult run_paper(PaperSettings const& settings, OnPaperProgress const& on_progress) {
   require_possible(settings);
   make_output_directory(settings.output);
+  DirectoryLock const lock(settings.output);
+  if (settings.overwrites) PartialResults(settings.output / partial_results_name).remove_all();
+  // Last to come and first to go: a directory with a report holds a finished study.
+  std::error_code ignored;
+  std::filesystem::remove(settings.output / report_name, ignored);
   return PaperStudy(settings, on_progress).run();
 }
 

@@ -84,6 +84,29 @@ void put_on(std::vector<Vector> const& sites, State& state) {
 
 }  // namespace
 
+void carry(Archive& archive, StudyOutcome& outcome) {
+  archive.visit("steps", outcome.steps);
+  archive.visit("times", outcome.times);
+  archive.visit("displacements", outcome.displacements);
+  archive.visit("centre_displacements", outcome.centre_displacements);
+  archive.visit("displacements_about_centre", outcome.displacements_about_centre);
+  archive.visit("blocked_shares", outcome.blocked_shares);
+  archive.visit("collision_rates", outcome.collision_rates);
+  archive.visit("compressibility_factors", outcome.compressibility_factors);
+  archive.visit("wall_pressures", outcome.wall_pressures);
+  archive.visit("state_hash", outcome.state_hash);
+  archive.visit("seconds", outcome.seconds);
+  for (auto const* series :
+       {&outcome.times, &outcome.displacements, &outcome.centre_displacements, &outcome.displacements_about_centre,
+        &outcome.blocked_shares, &outcome.collision_rates, &outcome.compressibility_factors}) {
+    archive.require(series->size() == outcome.steps.size(), "the series differ in length");
+  }
+  archive.require(outcome.wall_pressures.empty() || outcome.wall_pressures.size() == outcome.steps.size(),
+                  "the series differ in length");
+  archive.require(!outcome.steps.empty(), "there are no samples");
+  if (archive.is_restoring()) outcome.is_finished = true;
+}
+
 SiteList square_sites_to_walls(double side, std::uint64_t count, double radius) {
   auto const rows = static_cast<std::uint64_t>(std::llround(std::sqrt(static_cast<double>(count))));
   if (rows * rows != count || rows < 2) {
@@ -159,22 +182,49 @@ void RunPool::add(StudyRun const& run) {
   if (is_new) entries_.push_back({.run = run, .work = work_of(run.configuration)});
 }
 
+void RunPool::keep_in(PartialResults& partial_results) {
+  partial_results_ = &partial_results;
+  for (Entry& entry : entries_) {
+    StudyOutcome outcome;
+    if (partial_results.restore(key_of(entry.run), [&](Archive& archive) { carry(archive, outcome); })) {
+      entry.outcome = std::move(outcome);
+    }
+  }
+}
+
+std::size_t RunPool::finished() const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(entries_, [](Entry const& entry) { return entry.outcome.is_finished; }));
+}
+
 double RunPool::work() const {
-  return std::accumulate(entries_.begin(), entries_.end(), 0.0,
-                         [](double sum, Entry const& entry) { return sum + entry.work; });
+  return std::accumulate(entries_.begin(), entries_.end(), 0.0, [](double sum, Entry const& entry) {
+    return entry.outcome.is_finished ? sum : sum + entry.work;
+  });
 }
 
 void RunPool::run_all(unsigned threads, std::function<bool(double, std::size_t)> const& on_progress) {
+  std::vector<Entry*> open;
   std::vector<double> work;
-  for (Entry const& entry : entries_) work.push_back(entry.work);
-  Team team(std::move(work), on_progress);
-  team.run_all(threads, [&](std::size_t run) {
-    Entry& entry = entries_[run];
+  for (Entry& entry : entries_) {
+    if (entry.outcome.is_finished) continue;
+    open.push_back(&entry);
+    work.push_back(entry.work);
+  }
+  std::size_t const finished_before = entries_.size() - open.size();
+  Team team(std::move(work), [&](double fraction, std::size_t finished) {
+    return !on_progress || on_progress(fraction, finished_before + finished);
+  });
+  team.run_all(threads, [&](std::size_t k) {
+    Entry& entry = *open[k];
     try {
       entry.outcome = outcome_from(
-          simulate(set_up(entry.run), [&](Progress const& progress) { return team.report(run, progress.fraction); }));
+          simulate(set_up(entry.run), [&](Progress const& progress) { return team.report(k, progress.fraction); }));
     } catch (std::exception const& error) {
       entry.outcome.failure = error.what();
+    }
+    if (entry.outcome.is_finished && partial_results_ != nullptr) {
+      partial_results_->keep(key_of(entry.run), [&](Archive& archive) { carry(archive, entry.outcome); });
     }
   });
 }

@@ -10,6 +10,7 @@
 #include "gridlock/io/table.hpp"
 #include "gridlock/run/configuration.hpp"
 #include "gridlock/run/simulate.hpp"
+#include "study/partial_results.hpp"
 
 namespace gridlock {
 
@@ -43,6 +44,9 @@ struct StudyOutcome {
   double seconds = 0.0;
 };
 
+/// Carries the outcome of a finished run.
+void carry(Archive& archive, StudyOutcome& outcome);
+
 /// The sites of the paper's starts that the lattices of lattice/start.hpp do not make.
 ///
 /// to_walls needs a square number of disks; perfect has rows of p and p − 1 sites, as lattice/start.hpp, with the spacing
@@ -63,13 +67,18 @@ class RunPool {
   /// Notes that a run is needed; a run asked for before is not done twice.
   void add(StudyRun const& run);
 
-  /// Does everything that was added, on `threads` cores (0: all), the longest runs first.
-  /// on_progress(fraction, finished) is called from any thread, one call at a time; returning false stops every run after
+  /// Takes over the outcomes that partial results hold, and keeps there every outcome to come; they must outlive the pool.
+  void keep_in(PartialResults& partial_results);
+
+  /// Does everything that was added and is not finished, on `threads` cores (0: all), the longest runs first.
+  /// on_progress(fraction, finished), the fraction of what this call has to do, is called from any thread, one call at a time; returning false stops every run after
   /// its present chunk.
   void run_all(unsigned threads, std::function<bool(double fraction, std::size_t finished)> const& on_progress);
 
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
-  /// Disk-steps of all runs together.
+  /// Runs that are finished.
+  [[nodiscard]] std::size_t finished() const;
+  /// Disk-steps of all runs that are not finished.
   [[nodiscard]] double work() const;
 
   /// The outcome of a run that was added (asserted).
@@ -89,6 +98,7 @@ class RunPool {
 
   std::vector<Entry> entries_;
   std::map<std::string, std::size_t> by_settings_;
+  PartialResults* partial_results_ = nullptr;
 };
 
 }  // namespace gridlock

@@ -14,6 +14,7 @@ void Study::write(Table const& table, std::string const& file) {
 }
 
 void Study::draw(State const& state, PictureSettings const& settings, std::string const& name) {
+  if (!on_drawing_(name)) return;
   for (char const* extension : {".svg", ".png"}) {
     draw_disks(state, settings, path_of(name + extension));
     add_file(name + extension);
@@ -21,6 +22,7 @@ void Study::draw(State const& state, PictureSettings const& settings, std::strin
 }
 
 void Study::draw(Plot const& plot) {
+  if (!on_drawing_(plot.name)) return;
   try {
     PlotOutcome const outcome = draw_plot(plot, settings_.output);
     add_file(plot.name + ".gp");

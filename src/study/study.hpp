@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "gridlock/io/table.hpp"
 #include "gridlock/observe/estimate.hpp"
 #include "gridlock/study/paper.hpp"
+#include "study/partial_results.hpp"
 #include "study/run_pool.hpp"
 
 namespace gridlock {
@@ -31,14 +33,22 @@ struct Chapter {
   std::vector<std::string> conclusions;
 };
 
+/// Within the directory of a study.
+inline constexpr char const* partial_results_name = "partial_results";
+
 /// What all chapters are made with: the settings, the simulations and the directory they write into.
 class Study {
  public:
-  explicit Study(PaperSettings const& settings) : settings_(settings) {}
+  /// on_drawing(name) is called before each picture; where it returns false, nothing more is drawn.
+  explicit Study(PaperSettings const& settings, std::function<bool(std::string const& name)> on_drawing)
+      : partial_results(settings.output / partial_results_name),
+        settings_(settings),
+        on_drawing_(std::move(on_drawing)) {}
 
   [[nodiscard]] PaperExtent const& extent() const { return settings_.extent; }
   [[nodiscard]] std::uint64_t seed(std::uint64_t number) const { return settings_.seed + number; }
 
+  PartialResults partial_results;
   RunPool runs;
 
   /// Writes a table as CSV.
@@ -57,6 +67,7 @@ class Study {
 
  private:
   PaperSettings const& settings_;
+  std::function<bool(std::string const&)> on_drawing_;
   std::vector<std::filesystem::path> files_;
   std::vector<std::string> notes_;
 };

@@ -62,7 +62,9 @@ struct SweepSettings {
 /// What a sweep leaves behind, besides one run directory in runs/ for each run.
 struct SweepResult {
   Table rows;   ///< sweep.csv: one row a run in the order of the plan: values, ending, state_hash, every observable
-  Table means;  ///< means.csv: averages over runs that differ in run.seed alone, errors from their scatter
+  /// means.csv: averages over runs that differ in run.seed alone; errors from their scatter or, where that is larger,
+  /// from the errors of the runs.
+  Table means;
   std::size_t failures = 0;           ///< runs that failed or could not be set up
   std::size_t interruptions = 0;      ///< runs stopped early or never begun
   std::vector<std::string> messages;  ///< why, one for each failure

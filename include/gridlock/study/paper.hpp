@@ -69,6 +69,7 @@ struct PaperSettings {
   PaperExtent extent = quick_paper();
   std::optional<int> figure;     ///< 4, 5, 6 or 7 alone; left out: all of them and the choices the paper leaves open
   std::filesystem::path output;  ///< a directory; made where it is missing, files of the same names are replaced
+  bool overwrites = false;       ///< whether everything is made again, also what an interrupted study has kept
   unsigned threads = 0;          ///< simulations at a time; 0: one for each core
   std::uint64_t seed = 1;        ///< the seeds of the runs are seed, seed + 1 …
 };
@@ -80,8 +81,8 @@ struct PaperProgress {
   std::string what;       ///< what is being done now, in a few words
 };
 
-/// Called from any thread, one call at a time; returning false ends the study: unfinished runs are dropped, and what can
-/// be drawn from the finished ones is.
+/// Called from any thread, one call at a time; returning false ends the study within about a second. What is finished is
+/// kept, and the same call again continues from there.
 using OnPaperProgress = std::function<bool(PaperProgress const&)>;
 
 /// One statement of the paper beside what was measured.
@@ -94,8 +95,10 @@ struct PaperClaim {
 
 struct PaperResult {
   Ending ending = Ending::finished;
-  std::vector<PaperClaim> claims;
-  std::vector<std::filesystem::path> files;  ///< everything written, report.html last
+  std::size_t simulations = 0;
+  std::size_t finished_simulations = 0;
+  std::vector<PaperClaim> claims;            ///< of a finished study
+  std::vector<std::filesystem::path> files;  ///< everything written, report.html last, which only a finished study has
   std::vector<std::string> notes;            ///< runs that failed, pictures that could not be drawn
   double seconds = 0.0;                      ///< of real time
 };
@@ -105,7 +108,11 @@ struct PaperResult {
 /// Writes into settings.output, for each figure, its data (figure_*.csv), gnuplot script (.gp), SVG and PNG; runs.csv
 /// with every simulation, its settings and state hash; and report.html, which holds all pictures, claims and verdicts and
 /// needs no other file. The numbers, except for the timings of Figure 5, follow from settings.seed alone.
-/// Errors: Error for an impossible extent (naming it) or an unusable directory; RunFailure where a file cannot be written.
+/// A study that is stopped or killed draws no report. It keeps every simulation and every timing that is finished in
+/// partial_results/, by its settings and the version of the library, and the same call again does only the rest; the
+/// results are those of a study that was never interrupted. A finished study removes partial_results/.
+/// Errors: Error for an impossible extent (naming it) or for a directory that is unusable or in use; RunFailure where a
+/// file cannot be written.
 /// Cost: quick about 1.5 minutes, full about an hour on two cores.
 /// Source: J.-X. Shen, Agent based simulations and optimization with uniform grid applied to colloidal jamming
 /// transitions.

@@ -20,6 +20,7 @@
 #include "gridlock/run/run_directory.hpp"
 #include "run/expected_work.hpp"
 #include "run/memory.hpp"
+#include "run/sweep_tables.hpp"
 #include "run/team.hpp"
 
 namespace gridlock {
@@ -245,6 +246,30 @@ TEST_F(SweepDirectory, AnInterruptedRunResumesOnAnotherNumberOfThreads) {
   write_file(place_ / "plan.json", "{}");
   EXPECT_EQ(sweep(long_run + "[sweep]\nrun.seed = [1]\n").failures, 0U);
   EXPECT_EQ(read_summary(runs / "seed=1")->state_hash, whole);
+}
+
+/// The mean over runs of one group with these values and errors.
+Estimate mean_of(std::vector<Estimate> const& estimates) {
+  SweepPlan plan{.keys = {"run.seed"}, .base = {}, .runs = {}};
+  std::vector<SweepOutcome> outcomes;
+  for (std::size_t k = 0; k < estimates.size(); ++k) {
+    plan.runs.push_back({.name = "", .values = {std::to_string(k)}, .settings = {}});
+    outcomes.push_back({.has_begun = true, .ending = Ending::finished, .message = "", .results = {}});
+    outcomes.back().results.push_back({.name = "z", .estimate = estimates[k], .unit = ""});
+  }
+  Table const means = means_of(plan, outcomes);
+  return {means.numbers("z").front(), means.numbers("z_error").front()};
+}
+
+TEST(SweepMeans, HaveTheErrorsOfTheRunsWhereTheseHappenToAgree) {
+  Estimate const mean = mean_of({{1.000, 0.03}, {1.002, 0.04}});
+  EXPECT_DOUBLE_EQ(mean.value, 1.001);
+  EXPECT_DOUBLE_EQ(*mean.error, 0.025) << "√(0.03² + 0.04²)/2; the scatter alone says 0.001";
+}
+
+TEST(SweepMeans, HaveTheScatterOfTheRunsWhereTheirErrorsMissIt) {
+  EXPECT_DOUBLE_EQ(*mean_of({{1.0, 0.03}, {2.0, 0.04}}).error, 0.5);
+  EXPECT_NEAR(*mean_of({{1.0, 0.03}, {1.2, std::nullopt}}).error, 0.1, 1e-12) << "one run has no error";
 }
 
 TEST(MemoryBudget, RunsThatDoNotFitTogetherWaitForOneAnother) {

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <map>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -188,21 +191,118 @@ TEST(Paper, ComparesTheOrdersOfTurnsFromTheSameStarts) {
   EXPECT_GT(largest, 0.0);
 }
 
-TEST(Paper, StoppedEarlyStillLeavesAReportThatSaysSo) {
-  TemporaryDirectory const directory;
-  PaperResult const result =
-      run_paper({.extent = tiny_paper(), .output = directory.path(), .threads = 1},
-                [](PaperProgress const& progress) { return progress.what.find(" simulations") == std::string::npos; });
-  EXPECT_EQ(result.ending, Ending::interrupted);
-  std::string const report = read_file(directory / "report.html");
-  EXPECT_NE(report.find("was stopped before its end"), std::string::npos);
-  for (PaperClaim const& claim : result.claims) {
-    bool const needs_simulations = claim.where == "Figure 6" || claim.where == "Figure 7";
-    if (needs_simulations) {
-      EXPECT_EQ(claim.verdict, Verdict::undecided) << claim.statement;
+/// Every table of a study, without the timings.
+std::map<std::string, std::string> tables_in(std::filesystem::path const& directory) {
+  std::map<std::string, std::string> tables;
+  for (std::string const& name : names_in(directory)) {
+    if (!name.ends_with(".csv")) continue;
+    Table const table = read_csv(directory / name);
+    Table kept;
+    for (std::size_t k = 0; k < table.column_count(); ++k) {
+      if (!table.names()[k].starts_with("seconds")) kept.add_column(table.names()[k], table.column(k));
     }
+    tables[name] = to_csv(kept);
   }
-  EXPECT_TRUE(std::filesystem::exists(directory / "figure_5.csv"));
+  return tables;
+}
+
+/// The first number of "3 of 40 simulations"; nothing for other work.
+std::optional<std::size_t> simulations_in(std::string const& what) {
+  if (!what.ends_with(" simulations")) return std::nullopt;
+  return std::stoul(what);
+}
+
+std::size_t files_in(std::filesystem::path const& directory) {
+  return std::filesystem::exists(directory) ? names_in(directory).size() : 0;
+}
+
+TEST(Paper, StoppedInEveryPartAndCalledAgainMakesTheTablesOfAnUninterruptedStudy) {
+  TemporaryDirectory const directory;
+  PaperSettings const settings{.extent = tiny_paper(), .output = directory / "parts", .threads = 2};
+  std::size_t finished = 0;
+  int calls = 0;
+  // Stopped at the first report of a part, or after two more simulations.
+  std::set<std::string> stopped_in;
+  PaperResult result;
+  do {
+    std::optional<std::size_t> first;
+    result = run_paper(settings, [&](PaperProgress const& progress) {
+      auto const simulations = simulations_in(progress.what);
+      if (!simulations) return !stopped_in.insert(progress.what.substr(0, 9)).second;
+      if (!first) first = simulations;
+      EXPECT_GE(*simulations, finished) << "a finished simulation is made again";
+      return *simulations < *first + 40;
+    });
+    if (result.ending == Ending::finished) break;
+    EXPECT_FALSE(std::filesystem::exists(settings.output / "report.html"));
+    EXPECT_GE(result.finished_simulations, finished);
+    EXPECT_TRUE(result.claims.empty());
+    finished = result.finished_simulations;
+  } while (++calls < 100);
+  EXPECT_EQ(result.ending, Ending::finished);
+  EXPECT_GE(calls, 4);
+  EXPECT_EQ(stopped_in, (std::set<std::string>{"Figure 5:", "drawing", "drawing f", "drawing o", "drawing t"}));
+  PaperSettings whole = settings;
+  whole.output = directory / "whole";
+  run_paper(whole);
+  EXPECT_EQ(names_in(settings.output), names_in(whole.output));
+  EXPECT_EQ(tables_in(settings.output), tables_in(whole.output));
+}
+
+TEST(Paper, KeepsEachSimulationAsSoonAsItIsFinished) {
+  TemporaryDirectory const directory;
+  PaperSettings settings{.extent = tiny_paper(), .figure = 6, .output = directory.path(), .threads = 1};
+  std::filesystem::path const kept = directory / "partial_results";
+  std::size_t most = 0;
+  // Whatever kills the process at this moment, the files are there.
+  auto const stop_after_three = [&](PaperProgress const& progress) {
+    std::size_t const finished = simulations_in(progress.what).value_or(0);
+    EXPECT_GE(files_in(kept), finished);
+    most = std::max(most, finished);
+    return finished < 3;
+  };
+  EXPECT_EQ(run_paper(settings, stop_after_three).finished_simulations, 3U);
+  EXPECT_EQ(files_in(kept), 3U);
+
+  // Neither a damaged result nor one of other settings is taken for one of these.
+  auto const first = std::filesystem::directory_iterator(kept)->path();
+  write_file(first, "GRIDLOCK, damaged");
+  EXPECT_EQ(run_paper(settings, [](PaperProgress const&) { return false; }).finished_simulations, 2U);
+  PaperSettings other = settings;
+  other.seed = 1000;
+  EXPECT_EQ(run_paper(other, [](PaperProgress const&) { return false; }).finished_simulations, 0U);
+
+  settings.overwrites = true;
+  EXPECT_EQ(run_paper(settings, [](PaperProgress const&) { return false; }).finished_simulations, 0U);
+  EXPECT_FALSE(std::filesystem::exists(kept));
+}
+
+TEST(Paper, RemovesOfItsPartialResultsWhatItHasMade) {
+  TemporaryDirectory const directory;
+  std::filesystem::create_directories(directory / "partial_results");
+  write_file(directory / "partial_results" / "notes.txt", "mine");
+  write_file(directory / "partial_results" / ".0123456789abcdef.gridlock.77-0.part", "of a killed process");
+  run_paper({.extent = tiny_paper(), .figure = 4, .output = directory.path()});
+  EXPECT_EQ(names_in(directory / "partial_results"), std::set<std::string>{"notes.txt"});
+}
+
+TEST(Paper, MeasuresNoSizeOfFigure5AgainThatItHasMeasured) {
+  TemporaryDirectory const directory;
+  PaperSettings const settings{.extent = tiny_paper(), .figure = 5, .output = directory.path()};
+  double done = 0.0;
+  run_paper(settings, [&](PaperProgress const& progress) {
+    done = progress.fraction;
+    return progress.fraction < 0.1;
+  });
+  ASSERT_GE(done, 0.1);
+  EXPECT_EQ(files_in(directory / "partial_results"), 1U);
+  std::optional<double> first;
+  PaperResult const result = run_paper(settings, [&](PaperProgress const& progress) {
+    if (!first) first = progress.fraction;
+    return true;
+  });
+  EXPECT_GE(*first, done - 1e-12);
+  EXPECT_EQ(result.ending, Ending::finished);
 }
 
 TEST(Paper, RefusesWhatItCannotMake) {
