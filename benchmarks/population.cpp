@@ -114,7 +114,7 @@ int main() {
   constexpr std::size_t agents = 1'000'000;
   World<Points> world{.box = Box(side, side, Edge::periodic), .seed = 1};
   PackedGrid grid(layout_for_reach(world.box, reach, agents));
-  OpenWorld<Points> open(world, grid, false);
+  OpenWorld<Points> open(world, grid, reach, false);
   Places places;
   for (std::size_t n = 0; n < agents; ++n) open.add(side * places.uniform(), side * places.uniform());
   auto const churn = [&](std::size_t times) {

@@ -1,11 +1,16 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <iomanip>
 #include <numbers>
 #include <optional>
+#include <sstream>
+#include <string>
 #include <string_view>
 
+#include "gridlock/core/error.hpp"
 #include "gridlock/model/model.hpp"
 
 namespace gridlock {
@@ -63,7 +68,8 @@ struct Catalyst {
     number("adsorption_rate_b", "1 / (area · time)", "k_B: tries of the species B.", adsorption_rate_b);
     number("desorption_rate", "1 / time", "k_d, of each molecule.", desorption_rate);
     number("hop_rate", "1 / time", "ν: tries of each molecule to hop.", hop_rate);
-    number("hop", "length", "The farthest a molecule hops; 0: anywhere, which mixes well.", hop);
+    number("hop", "length",
+           "The farthest a molecule hops, less than the sides of the box; 0: anywhere, which mixes well.", hop);
     visit_enum(visitor, {.key = "reaction", .documentation = "Who leaves together with whom on contact."}, reactions,
                reaction);
     visitor.visit({.key = "reaction_probability",
@@ -71,30 +77,61 @@ struct Catalyst {
                    .least = 0.0,
                    .most = 1.0},
                   reaction_probability);
-    visitor.visit({.key = "count", .documentation = "Molecules A at the start, where they fit."}, count);
-    visitor.visit({.key = "count_b", .documentation = "Molecules B at the start, where they fit."}, count_b);
+    visitor.visit({.key = "count", .documentation = "Molecules A at the start, at random places.", .most = 2e9}, count);
+    visitor.visit({.key = "count_b", .documentation = "Molecules B at the start, at random places.", .most = 2e9},
+                  count_b);
     visitor.visit({.key = "step_length",
                    .unit = "time",
-                   .documentation = "Physical time of one step, in which any number of events happen.",
+                   .documentation = "Physical time of one step, in which any number of events happen, up to 10⁸ on "
+                                    "average.",
                    .least = 0.0,
                    .least_is_allowed = false},
                   step_length);
   }
 
+  /// Refuses more molecules than the closest packing holds, and steps that would take minutes.
+  void check(Box const& box) const {
+    require_displacement(box, hop, "hop");
+    double const wanted = static_cast<double>(count) + static_cast<double>(count_b);
+    if (wanted > most_molecules(box)) {
+      throw too_many_molecules("the closest packing holds at most " + in_words(most_molecules(box)), box);
+    }
+    bool const grows = adsorption_rate + adsorption_rate_b > 0.0;
+    double const molecules = grows ? most_molecules(box) : wanted;
+    double const rate = (adsorption_rate + adsorption_rate_b) * box.area() + molecules * (desorption_rate + hop_rate);
+    if (rate * step_length <= most_events) return;
+    throw Error({.what = "a step of " + in_words(step_length) + " of time would take up to " +
+                         in_words(rate * step_length) + " events, more than " + in_words(most_events),
+                 .hint = "use step_length = " + in_words(most_events / rate) + " or less, or smaller rates",
+                 .key = "step_length"});
+  }
+  [[nodiscard]] std::uint64_t agents_at_start() const { return count + count_b; }
+
   [[nodiscard]] double reach() const { return 2.0 * radius; }
   [[nodiscard]] double time_step() const { return step_length; }
 
+  /// Errors: Error where random places are not found for all molecules.
   void start(World<Catalyst>& world) const {
-    PackedGrid grid(layout_for_reach(world.box, reach(), 2 * (count + count_b) + 16));
-    OpenWorld<Catalyst> open(world, grid, false);
+    std::uint64_t const wanted = count + count_b;
+    // In a small box the saturation of the infinite plane can be passed by chance.
+    double const saturation = random_molecules(world.box);
+    if (wanted >= 1000 && static_cast<double>(wanted) > 1.05 * saturation) {
+      throw too_many_molecules("at random places about " + in_words(saturation) + " find room", world.box);
+    }
+    PackedGrid grid(layout_for_reach(world.box, reach(), 2 * wanted + 16));
+    OpenWorld<Catalyst> open(world, grid, reach(), false);
     RandomStream random = world.start_random(0);
-    // One try in 10,000 fits at a coverage of 0.54: more than that has no place.
-    std::uint64_t tries = 10'000 * (count + count_b);
-    for (std::uint64_t n = 0; n < count + count_b && tries > 0; --tries) {
+    // Near saturation one try in some thousands finds room.
+    std::uint64_t tries = 20'000'000 + 1000 * wanted;
+    std::uint64_t placed = 0;
+    for (; placed < wanted && tries > 0; --tries) {
       Vector const p = world.anywhere(random);
       if (open.nearest(p, reach())) continue;
-      open.add(p.x, p.y, radius, n < count ? 0U : 1U);
-      ++n;
+      open.add(p.x, p.y, radius, placed < count ? 0U : 1U);
+      ++placed;
+    }
+    if (placed < wanted) {
+      throw too_many_molecules("random places were found for " + std::to_string(placed), world.box);
     }
   }
 
@@ -133,6 +170,36 @@ struct Catalyst {
   }
 
  private:
+  /// One takes about 0.2 µs, and a run can be stopped between two steps only.
+  static constexpr double most_events = 1e8;
+
+  /// How many points can lie at least a diameter apart: the closest packing, and at walls the inequality of Oler 1961,
+  /// N ≤ (2/√3) A/d² + P/(2d) + 1.
+  [[nodiscard]] double most_molecules(Box const& box) const {
+    double const d = 2.0 * radius;
+    double const closest = 2.0 / std::numbers::sqrt3 * (box.width() / d) * (box.height() / d);
+    double const at_walls = box.is_periodic() ? 0.0 : (box.width() + box.height()) / d + 1.0;
+    return std::floor((closest + at_walls) * (1.0 + 1e-12));
+  }
+  /// How many find room one after the other at random: a share 0.547069 of the area (Wang 1994), that of the molecules
+  /// on the edge included.
+  [[nodiscard]] double random_molecules(Box const& box) const {
+    double const margin = box.is_periodic() ? 0.0 : 2.0 * radius;
+    return std::floor(0.547069 / std::numbers::pi * ((box.width() + margin) / radius) *
+                      ((box.height() + margin) / radius));
+  }
+  static std::string in_words(double number) {
+    std::ostringstream text;
+    text << std::setprecision(10) << number;
+    return text.str();
+  }
+  [[nodiscard]] Error too_many_molecules(std::string const& what_fits, Box const& box) const {
+    return Error({.what = std::to_string(count + count_b) + " molecules of radius " + in_words(radius) +
+                          " find no room at the start: " + what_fits,
+                  .hint = "use " + in_words(std::floor(0.9 * random_molecules(box))) + " or fewer, or a smaller radius",
+                  .key = count > 0 ? "count" : "count_b"});
+  }
+
   static Vector anywhere(OpenWorld<Catalyst> const& surface, RandomStream& random) {
     double const x = random.uniform() * surface.box().width();
     return {x, random.uniform() * surface.box().height()};

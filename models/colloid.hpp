@@ -48,7 +48,7 @@ struct ColloidInOrder {
                    .least = 0.0,
                    .least_is_allowed = false},
                   step_length);
-    visitor.visit({.key = "substeps", .documentation = "Moves tried in a turn.", .least = 1}, substeps);
+    visitor.visit({.key = "substeps", .documentation = "Moves tried in a turn.", .least = 1, .most = 1e6}, substeps);
     visit_enum(visitor,
                {.key = "contact", .documentation = "Who scatters: every pair that meets, or pairs that approach."},
                contacts, contact);
@@ -59,6 +59,8 @@ struct ColloidInOrder {
     gridlock::describe(velocities, visitor);
     visitor.leave();
   }
+
+  [[nodiscard]] std::uint64_t agents_at_start() const { return disks.count.value_or(841); }
 
   /// The largest contact distance.
   [[nodiscard]] double reach(World<Self> const& world) const { return 2.0 * radius_range(world.agents).largest; }

@@ -3,8 +3,10 @@
 #include <array>
 #include <cstdint>
 #include <numbers>
+#include <string>
 #include <string_view>
 
+#include "gridlock/core/error.hpp"
 #include "gridlock/model/model.hpp"
 
 namespace gridlock {
@@ -54,7 +56,11 @@ struct Epidemic {
                    .least = 0.0,
                    .least_is_allowed = false},
                   radius);
-    visitor.visit({.key = "speed", .unit = "length / time", .documentation = "Of every walker.", .least = 0.0}, speed);
+    visitor.visit({.key = "speed",
+                   .unit = "length / time",
+                   .documentation = "Of every walker; a step is shorter than the box.",
+                   .least = 0.0},
+                  speed);
     rate("turning_rate", "How often a walker takes a new direction.", turning_rate);
     rate("infection_rate", "β, for each infected agent within the radius.", infection_rate);
     rate("recovery_rate", "γ, of each infected agent.", recovery_rate);
@@ -63,11 +69,19 @@ struct Epidemic {
                   most_agents);
     visitor.visit({.key = "step_length",
                    .unit = "time",
-                   .documentation = "dt; every rate times dt is a probability and should be small.",
+                   .documentation = "dt; every rate times dt is a probability, at most 1, and should be small.",
                    .least = 0.0,
                    .least_is_allowed = false},
                   step_length);
   }
+  void check(Box const& box) const {
+    require_displacement(box, speed * step_length, "speed");
+    require_probability("turning_rate", turning_rate);
+    require_probability("infection_rate", infection_rate);
+    require_probability("recovery_rate", recovery_rate);
+    require_probability("turnover_rate", turnover_rate);
+  }
+  [[nodiscard]] std::uint64_t agents_at_start() const { return count; }
 
   [[nodiscard]] double reach() const { return radius; }
   [[nodiscard]] double time_step() const { return step_length; }
@@ -100,6 +114,14 @@ struct Epidemic {
   }
 
  private:
+  void require_probability(std::string const& key, double rate) const {
+    if (rate * step_length <= 1.0) return;
+    throw Error({.what = key + " · step_length is " + std::to_string(rate * step_length) +
+                         ", but is a probability and at most 1",
+                 .hint = "use a smaller step_length or a smaller rate",
+                 .key = key});
+  }
+
   void meet_others(Turn<Epidemic>& self, RandomStream& random) const {
     double escape = 1.0;
     self.for_each_neighbour(radius, [&](Neighbour<Epidemic> const& other) {

@@ -54,7 +54,11 @@ struct Flocking {
                    .least = 0.0,
                    .least_is_allowed = false},
                   radius);
-    visitor.visit({.key = "speed", .unit = "length / step", .documentation = "Of every agent.", .least = 0.0}, speed);
+    visitor.visit({.key = "speed",
+                   .unit = "length / step",
+                   .documentation = "Of every agent; a step is shorter than the box.",
+                   .least = 0.0},
+                  speed);
     visitor.visit({.key = "noise",
                    .unit = "radian",
                    .documentation = "η of vicsek: headings turn by a random angle in [−η/2, η/2].",
@@ -64,11 +68,15 @@ struct Flocking {
     visitor.visit(
         {.key = "separation", .unit = "length", .documentation = "Boids nearer than this keep apart.", .least = 0.0},
         separation);
-    visitor.visit({.key = "cohesion_factor", .documentation = "How much boids come together."}, cohesion_factor);
-    visitor.visit({.key = "separation_factor", .documentation = "How much boids keep apart."}, separation_factor);
-    visitor.visit({.key = "alignment_factor", .documentation = "How much boids turn to the others' way."},
-                  alignment_factor);
+    auto const factor = [&](std::string_view key, std::string_view text, double& value) {
+      visitor.visit({.key = key, .documentation = text, .least = -1e6, .most = 1e6}, value);
+    };
+    factor("cohesion_factor", "How much boids come together.", cohesion_factor);
+    factor("separation_factor", "How much boids keep apart.", separation_factor);
+    factor("alignment_factor", "How much boids turn to the others' way.", alignment_factor);
   }
+  void check(Box const& box) const { require_displacement(box, speed, "speed"); }
+  [[nodiscard]] std::uint64_t agents_at_start() const { return count; }
 
   [[nodiscard]] double reach() const { return radius; }
   [[nodiscard]] double time_step() const { return 1.0; }

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <iterator>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -280,7 +280,10 @@ Setup set_up_model(Configuration configuration) {
   if (!configuration.run.steps && !configuration.run.time) configuration.run.steps = default_steps;
   Setup setup;
   setup.state = {.box = make_box(configuration.box), .seed = configuration.run.seed};
-  kind->check(setup.state.box, configuration.run.seed);
+  kind->check_settings(setup.state.box);
+  require_memory_for_agents(static_cast<double>(kind->agents_at_start()), static_cast<double>(kind->bytes_per_agent()),
+                            std::string(kind->name()) + ".count");
+  kind->check_start(setup.state.box, configuration.run.seed);
   setup.configuration = std::move(configuration);
   return setup;
 }

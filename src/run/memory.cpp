@@ -56,7 +56,7 @@ double free_memory_of_process() {
 
 struct Demand {
   std::string what;
-  char const* key;
+  std::string key;
   double bytes;
   char const* hint;
 };
@@ -85,6 +85,15 @@ std::array<Demand, 3> demands_of(Configuration const& configuration) {
                  "use a larger observe.every, or fewer run.steps"}};
 }
 
+void require_free(Demand const& demand) {
+  double const available = free_memory();
+  if (demand.bytes <= available) return;
+  throw Error({.what = fmt::format("{} would need about {:.3g} GB of memory, but {:.3g} GB are free", demand.what,
+                                   demand.bytes / 1e9, available / 1e9),
+               .hint = demand.hint,
+               .key = demand.key});
+}
+
 }  // namespace
 
 double free_memory() { return std::min({free_memory_of_machine(), free_memory_of_process(), granted_memory()}); }
@@ -97,13 +106,11 @@ double expected_memory(Configuration const& configuration, double agents) {
 
 void require_memory(Configuration const& configuration) {
   std::array<Demand, 3> const demands = demands_of(configuration);
-  Demand const& largest = *std::ranges::max_element(demands, {}, &Demand::bytes);
-  double const available = free_memory();
-  if (largest.bytes <= available) return;
-  throw Error({.what = fmt::format("{} would need about {:.3g} GB of memory, but {:.3g} GB are free", largest.what,
-                                   largest.bytes / 1e9, available / 1e9),
-               .hint = largest.hint,
-               .key = largest.key});
+  require_free(*std::ranges::max_element(demands, {}, &Demand::bytes));
+}
+
+void require_memory_for_agents(double agents, double bytes_per_agent, std::string const& key) {
+  require_free({fmt::format("{:.0f} agents", agents), key, bytes_per_agent * agents, "use fewer agents"});
 }
 
 void MemoryBudget::take(double bytes) {

@@ -3,6 +3,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <mutex>
+#include <string>
 
 #include "gridlock/run/configuration.hpp"
 
@@ -13,6 +14,9 @@ namespace gridlock {
 ///
 /// Counts what can become large: the disks, the cells of the grid, the rows of the series. An estimate, on the low side.
 void require_memory(Configuration const& configuration);
+
+/// The same for the agents of a model, blaming a setting of it.
+void require_memory_for_agents(double agents, double bytes_per_agent, std::string const& key);
 
 /// The bytes a run needs by the same estimate; of a model the agents are told, since its settings do not say how many.
 double expected_memory(Configuration const& configuration, double agents = 0.0);

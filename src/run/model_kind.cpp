@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+#include <vector>
+
 namespace gridlock {
 
 namespace {
@@ -12,6 +15,20 @@ ModelKinds& all_known() {
 }
 
 }  // namespace
+
+void blame_table(std::string_view model, std::function<void()> const& act) {
+  try {
+    act();
+  } catch (RunFailure const& failure) {
+    throw Error({.what = failure.what(), .key = std::string(model)});
+  } catch (Error const& error) {
+    std::vector<Problem> problems = error.problems();
+    for (Problem& problem : problems) {
+      problem.key = problem.key.empty() ? std::string(model) : fmt::format("{}.{}", model, problem.key);
+    }
+    throw Error(std::move(problems));
+  }
+}
 
 ModelKinds known_models() { return all_known(); }
 

@@ -95,7 +95,7 @@ class Town {
   World<Marked> world_;
   PackedGrid grid_;
   double reach_;
-  OpenWorld<Marked> open_{world_, grid_, true};
+  OpenWorld<Marked> open_{world_, grid_, reach_, true};
   std::map<Id, Agent> alive_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <tuple>
+#include <type_traits>
 
 #include "gridlock/core/large_array.hpp"
 
@@ -22,14 +23,20 @@ class ColumnSet {
 
   template <class Column>
   [[nodiscard]] LargeArray<typename Column::type>& values() {
-    return std::get<Storage<Column>>(columns_).values;
+    static_assert(has<Column>, "these agents have no such column: name it in Population<...>");
+    // The one error that says what is wrong, in place of many from std::get.
+    if constexpr (has<Column>) return std::get<Storage<Column>>(columns_).values;
   }
   template <class Column>
   [[nodiscard]] LargeArray<typename Column::type> const& values() const {
-    return std::get<Storage<Column>>(columns_).values;
+    static_assert(has<Column>, "these agents have no such column: name it in Population<...>");
+    if constexpr (has<Column>) return std::get<Storage<Column>>(columns_).values;
   }
 
  private:
+  template <class Column>
+  static constexpr bool has = (std::is_same_v<Column, Columns> || ...);
+
   /// The tag makes columns of one type different members of the tuple.
   template <class Column>
   struct Storage {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -15,6 +16,7 @@
 #include "gridlock/grid/tiling.hpp"
 #include "gridlock/grid/waiting.hpp"
 #include "gridlock/model/cell_order.hpp"
+#include "gridlock/model/checks.hpp"
 #include "gridlock/model/open_world.hpp"
 #include "gridlock/model/turn.hpp"
 
@@ -43,8 +45,10 @@ void require_reach(Box const& box, double reach, std::string_view model);
 ///     void step(OpenWorld<Model>&) const;            events: what happens in a step
 ///     void observe(World<Model> const&, Observations&) const;
 ///     void describe(SettingVisitor&);                its settings
+///     void check(Box const&) const;                  throws Error for settings with which no run is possible
+///     std::uint64_t agents_at_start() const;         for the estimate of the memory that it needs
 ///
-/// and, if it likes, `static constexpr std::array<std::string_view, n> events`, the names of what it counts. reach() and
+/// of which the last four may be left out, and, if it likes, `static constexpr std::array<std::string_view, n> events`, the names of what it counts. reach() and
 /// time_step() may take the World they are asked for.
 ///
 /// In a tiled model nobody looks or goes farther than the reach from where its turn began. A model in which a few do says
@@ -65,7 +69,8 @@ class ModelEngine {
 
   [[nodiscard]] Model const& model() const { return model_; }
 
-  /// Errors: RunFailure where a verified search differs from brute force, or what the model throws.
+  /// Errors: RunFailure where a verified search differs from brute force, where an agent is outside the box, looks
+  /// farther than the model says or counts what is not declared, or what the model throws.
   void advance(World<Model>& world, Horizon const& horizon) {
     // Between two calls the world may have become another one.
     bool knows_world = false;
@@ -79,11 +84,22 @@ class ModelEngine {
       } else if constexpr (Model::schedule == Schedule::tiled) {
         step_in_tiles(world);
       } else {
-        OpenWorld<Model> open(world, grid_, is_verified(world));
+        OpenWorld<Model> open(world, grid_, reach_, is_verified(world));
         model_.step(open);
       }
       ++world.clock.step;
       world.clock.time += time_step_;
+    }
+  }
+
+  /// Throws RunFailure for an agent outside the box.
+  static void require_inside(World<Model> const& world) {
+    auto const x = world.agents.template column<X>();
+    auto const y = world.agents.template column<Y>();
+    for (std::size_t row = 0; row < world.agents.size(); ++row) {
+      if (!is_inside(world.box, {x[row], y[row]})) {
+        throw_outside(world.clock.step, world.agents.ids()[row], {x[row], y[row]}, world.box);
+      }
     }
   }
 
@@ -96,8 +112,13 @@ class ModelEngine {
 
   /// Brings the grid into the form that the state alone decides, and the rows of those who take turns at the same time.
   void prepare(World<Model>& world, bool knows_world) {
+    // What comes from outside: a start, a checkpoint. Within a step births and moves are looked at one by one.
+    if (!knows_world) require_inside(world);
     reach_ = reach_of(model_, world);
     time_step_ = time_step_of(model_, world);
+    if (!(reach_ > 0.0 && time_step_ > 0.0 && std::isfinite(reach_) && std::isfinite(time_step_))) {
+      throw_bad_step(world.clock.step, reach_, time_step_);
+    }
     [[maybe_unused]] CellLayout const before = layout_;
     if constexpr (requires { model_.cells(world); }) {
       layout_ = model_.cells(world);
@@ -185,6 +206,9 @@ class ModelEngine {
           copy_present(world, row);
           Turn<Model> turn(around, row);
           model_.turn(turn);
+          // Here, while the new place is at hand, whatever has set it.
+          Vector const p{values_.template values<X>()[row], values_.template values<Y>()[row]};
+          if (!is_inside(world.box, p)) throw_outside(world.clock.step, turn.id(), p, world.box);
         }
       }
     }

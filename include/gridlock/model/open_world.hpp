@@ -13,6 +13,7 @@
 
 #include "gridlock/core/look_ahead.hpp"
 #include "gridlock/grid/packed_grid.hpp"
+#include "gridlock/model/checks.hpp"
 #include "gridlock/model/motion.hpp"
 #include "gridlock/model/verify.hpp"
 #include "gridlock/model/world.hpp"
@@ -22,15 +23,17 @@ namespace gridlock {
 /// The world in the hands of a model of events: every birth, death and move takes effect at once.
 ///
 /// Cost of each: O(1); among a million agents at random places about 330 ns for a birth and a death, two waits for memory
-/// one after the other, or 90 ns where they are known beforehand. Contract: an Id passed in is alive (asserted), points
-/// lie in the box, searches go no farther than the model's reach.
+/// one after the other, or 90 ns where they are known beforehand.
+/// Errors: RunFailure, in every build, for an Id that is not alive, a birth or move to a point outside the box, a search
+/// beyond the model's reach, and an event that is not declared.
 template <class Model>
 class OpenWorld {
  public:
   using Agents = typename World<Model>::Agents;
+  using Row = typename Agents::Values;  ///< one value per column
 
-  OpenWorld(World<Model>& world, PackedGrid& grid, bool is_verified)
-      : world_(world), grid_(grid), is_verified_(is_verified) {}
+  OpenWorld(World<Model>& world, PackedGrid& grid, double reach, bool is_verified)
+      : world_(world), grid_(grid), reach_(reach), is_verified_(is_verified) {}
 
   [[nodiscard]] Box const& box() const { return world_.box; }
   [[nodiscard]] Clock const& clock() const { return world_.clock; }
@@ -45,12 +48,12 @@ class OpenWorld {
 
   template <class Column>
   [[nodiscard]] typename Column::type get(Id id) const {
-    return world_.agents.template column<Column>()[world_.agents.index_of(id)];
+    return world_.agents.template column<Column>()[living_row_of(id)];
   }
   template <class Column>
   void set(Id id, typename Column::type value) {
     static_assert(!std::is_same_v<Column, X> && !std::is_same_v<Column, Y>, "move_to() tells the grid, too");
-    world_.agents.template column<Column>()[world_.agents.index_of(id)] = value;
+    world_.agents.template column<Column>()[living_row_of(id)] = value;
   }
   [[nodiscard]] Vector position(Id id) const { return {get<X>(id), get<Y>(id)}; }
 
@@ -60,9 +63,10 @@ class OpenWorld {
   /// A newborn agent with these values, one per column in the order they are declared.
   template <class... Values>
   Id add(Values... values) {
+    Vector const p = position_of<Agents>(Row{values...});
+    if (!is_inside(world_.box, p)) throw_birth_outside(world_.clock.step, {}, p, world_.box);
     Id const id = world_.agents.add(values...);
-    std::size_t const row = size() - 1;
-    grid_.insert(row, position_of_row(row));
+    grid_.insert(size() - 1, p);
     return id;
   }
   void remove(Id id) {
@@ -88,12 +92,13 @@ class OpenWorld {
   }
   void add_all(std::span<typename Agents::Values const> newborn) {
     carry_out_with_look_ahead(
-        newborn.size(), [&](std::size_t k) { grid_.prefetch_cell_of(position_of(newborn[k])); },
-        [&](std::size_t k) { grid_.prefetch_second_block_of(position_of(newborn[k])); },
+        newborn.size(), [&](std::size_t k) { grid_.prefetch_cell_of(position_of<Agents>(newborn[k])); },
+        [&](std::size_t k) { grid_.prefetch_second_block_of(position_of<Agents>(newborn[k])); },
         [&](std::size_t k) { std::apply([&](auto... values) { add(values...); }, newborn[k]); });
   }
   void move_to(Id id, Vector p) {
     std::size_t const row = row_of(id);
+    if (!is_inside(world_.box, p)) throw_outside(world_.clock.step, id, p, world_.box);
     world_.agents.template column<X>()[row] = p.x;
     world_.agents.template column<Y>()[row] = p.y;
     grid_.move(row, p);
@@ -121,18 +126,25 @@ class OpenWorld {
     for (Id const id : ids) visit(id);
   }
 
-  void count(std::size_t event) { ++world_.events[event]; }
+  /// Counts an event of the model, see `Model::events`.
+  void count(std::size_t event) {
+    if (event >= event_names<Model>().size()) {
+      throw_unknown_event(world_.clock.step, {}, event, event_names<Model>());
+    }
+    ++world_.events[event];
+  }
 
  private:
-  static Vector position_of(typename Agents::Values const& values) {
-    return {std::get<Agents::template place_of<X>>(values), std::get<Agents::template place_of<Y>>(values)};
-  }
   [[nodiscard]] Vector position_of_row(std::size_t row) const {
     return {world_.agents.template column<X>()[row], world_.agents.template column<Y>()[row]};
   }
 
   template <class Visit>
   void for_each_row_within(Vector p, double reach, std::optional<Id> except, Visit visit) const {
+    if (!(reach >= 0.0 && reach <= reach_ && is_finite(p))) {
+      throw_far_search(
+          {.step = world_.clock.step, .agent = {}, .point = p, .position = p, .reach = reach, .declared = reach_});
+    }
     std::size_t const left_out = except ? world_.agents.index_of(*except) : Agents::not_found;
     std::vector<Id> found;
     grid_.for_each_candidate(p, reach, [&](std::size_t row) {
@@ -150,11 +162,17 @@ class OpenWorld {
   /// has come from memory, and the processor goes on with it.
   [[nodiscard]] std::size_t row_of(Id id) const {
     if (last_row_ < size() && world_.agents.ids()[last_row_] == id) return last_row_;
-    return world_.agents.index_of(id);
+    return living_row_of(id);
+  }
+  [[nodiscard]] std::size_t living_row_of(Id id) const {
+    std::size_t const row = world_.agents.index_of(id);
+    if (row == Agents::not_found) throw_not_alive(world_.clock.step, id);
+    return row;
   }
 
   World<Model>& world_;
   PackedGrid& grid_;
+  double reach_;
   mutable std::size_t last_row_ = 0;
   bool is_verified_;
 };

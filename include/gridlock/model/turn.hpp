@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "gridlock/grid/packed_grid.hpp"
+#include "gridlock/model/checks.hpp"
 #include "gridlock/model/motion.hpp"
 #include "gridlock/model/near_rows.hpp"
 #include "gridlock/model/requests.hpp"
@@ -79,10 +80,13 @@ struct Surroundings {
 /// In a synchronous model get() and all neighbours are as they were before the step, and set() and moves are what the
 /// agent will be after it. In a sequential or tiled model everything takes effect at once, save for births and deaths: these
 /// come at the end of the step, in an order that the state alone decides.
+/// Errors: RunFailure, in every build, for an agent that leaves the box, a search beyond the model's reach and an event
+/// that is not declared.
 template <class Model>
 class Turn {
  public:
   using Agents = typename World<Model>::Agents;
+  using Row = typename Agents::Values;  ///< one value per column
 
   Turn(Surroundings<Model>& surroundings, std::size_t row) : around_(surroundings), row_(row) {
     if constexpr (Model::schedule == Schedule::tiled) home_ = around_.grid->cell_of(row_);
@@ -104,17 +108,16 @@ class Turn {
   }
   template <class Column>
   void set(typename Column::type value) {
-    if constexpr (Model::schedule == Schedule::synchronous) {
-      around_.next->template values<Column>()[row_] = value;
-    } else {
-      around_.world.agents.template column<Column>()[row_] = value;
-    }
+    static_assert(Model::schedule == Schedule::synchronous || !(std::is_same_v<Column, X> || std::is_same_v<Column, Y>),
+                  "move_to() tells the grid, too");
+    write<Column>(value);
   }
 
   /// Walks from position() by `way`: into the next image of a periodic box, mirrored at walls. Says which walls turned
   /// it back, so that the model can turn its heading too. Columns ImageX and ImageY are kept.
-  /// Contract: the way is shorter than the sides of the box.
+  /// Errors: RunFailure for a way that is not shorter than the sides of the box.
   Bounce move_by(Vector way) {
+    if (!is_shorter_than_box(box(), way)) throw_long_displacement(clock().step, id(), way, box());
     Motion const to = motion(box(), position(), way);
     if constexpr (Agents::template has<ImageX>) {
       set<ImageX>(get<ImageX>() + to.crossed_x);
@@ -123,11 +126,14 @@ class Turn {
     move_to(to.end);
     return to.bounce;
   }
-  /// Goes to a point of the box.
+  /// Goes to a point of the box. Errors: RunFailure for a point outside; in a synchronous model after the turn.
   void move_to(Vector p) {
-    set<X>(p.x);
-    set<Y>(p.y);
-    if constexpr (Model::schedule != Schedule::synchronous) around_.grid->move(row_, p);
+    if constexpr (Model::schedule != Schedule::synchronous) {
+      if (!is_inside(box(), p)) throw_outside(clock().step, id(), p, box());
+      around_.grid->move(row_, p);
+    }
+    write<X>(p.x);
+    write<Y>(p.y);
   }
 
   /// Random numbers of this agent in this step; those of different purposes 0, 1, 2 … are independent.
@@ -135,15 +141,77 @@ class Turn {
     return {world().seed, world().clock.step, id(), purpose_of_turn(purpose)};
   }
 
-  /// Calls visit(neighbour) for every other agent nearer than `reach`, which is at most the model's own.
+  /// Calls visit(neighbour) for every other agent nearer than `reach`. Errors: RunFailure where that is more than the
+  /// model's own.
   template <class Visit>
   void for_each_neighbour(double reach, Visit visit) const {
-    for_each_neighbour(position(), reach, visit);
+    Vector const p = position();
+    if (!(reach >= 0.0 && reach <= around_.reach)) throw_far(p, reach);
+    visit_near(p, reach, visit);
   }
   /// The same around another point: in a synchronous model one from which the neighbours within `reach` are also within
   /// the model's reach of the agent.
   template <class Visit>
   void for_each_neighbour(Vector p, double reach, Visit visit) const {
+    if (!(reach >= 0.0 && reach <= around_.reach && is_searchable(p, reach))) throw_far(p, reach);
+    visit_near(p, reach, visit);
+  }
+
+  /// Another agent with these values, one per column in the order they are declared, from the next step on.
+  /// Errors: RunFailure for a point outside the box.
+  template <class... Values>
+  void give_birth(Values... values) {
+    Row const newborn{values...};
+    Vector const p = position_of<Agents>(newborn);
+    if (!is_inside(box(), p)) throw_birth_outside(clock().step, id(), p, box());
+    around_.requests.births.push_back(newborn);
+    around_.requests.parents.push_back(id());
+  }
+  /// Dies at the end of the step.
+  void die() { around_.requests.deaths.push_back(id()); }
+  /// Counts an event of the model, see `Model::events`. Errors: RunFailure for one that is not declared.
+  void count(std::size_t event) {
+    if (event >= event_names<Model>().size()) {
+      throw_unknown_event(clock().step, id(), event, event_names<Model>());
+    }
+    ++around_.requests.events[event];
+  }
+
+ private:
+  [[nodiscard]] World<Model> const& world() const { return around_.world; }
+
+  template <class Column>
+  void write(typename Column::type value) {
+    if constexpr (Model::schedule == Schedule::synchronous) {
+      around_.next->template values<Column>()[row_] = value;
+    } else {
+      around_.world.agents.template column<Column>()[row_] = value;
+    }
+  }
+
+  /// Whether a search around `p` finds everybody: in a synchronous model it sees what the agent itself can see.
+  [[nodiscard]] bool is_searchable(Vector p, double reach) const {
+    if constexpr (Model::schedule == Schedule::synchronous) {
+      // The cells are wider than the reach by as much, so that sums which round do not count as too far.
+      constexpr double rounding = 1.0 + 1e-9;
+      double const room = around_.reach - reach;
+      return squared_length(box().displacement(position(), p)) <= room * room * rounding;
+    } else {
+      return is_finite(p);
+    }
+  }
+
+  [[noreturn, gnu::cold]] void throw_far(Vector p, double reach) const {
+    throw_far_search({.step = clock().step,
+                      .agent = id(),
+                      .point = p,
+                      .position = position(),
+                      .reach = reach,
+                      .declared = around_.reach});
+  }
+
+  template <class Visit>
+  void visit_near(Vector p, double reach, Visit& visit) const {
     Requests<Model>& requests = around_.requests;
     std::size_t const first = requests.found_top;
     if constexpr (Model::schedule == Schedule::synchronous) {
@@ -158,20 +226,6 @@ class Turn {
     }
     requests.found_top = first;
   }
-
-  /// Another agent with these values, one per column in the order they are declared, from the next step on.
-  template <class... Values>
-  void give_birth(Values... values) {
-    around_.requests.births.push_back({values...});
-    around_.requests.parents.push_back(id());
-  }
-  /// Dies at the end of the step.
-  void die() { around_.requests.deaths.push_back(id()); }
-  /// Counts an event of the model, see `Model::events`.
-  void count(std::size_t event) { ++around_.requests.events[event]; }
-
- private:
-  [[nodiscard]] World<Model> const& world() const { return around_.world; }
 
   void find_in_stretches(Vector p, double reach) const {
     Requests<Model>& requests = around_.requests;

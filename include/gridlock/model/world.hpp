@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <tuple>
 
 #include "gridlock/core/random.hpp"
 #include "gridlock/core/state.hpp"
@@ -54,6 +55,12 @@ struct World {
     return {x, random.uniform() * box.height()};
   }
 };
+
+/// Where an agent with these values is.
+template <class Agents>
+Vector position_of(typename Agents::Values const& values) {
+  return {std::get<Agents::template place_of<X>>(values), std::get<Agents::template place_of<Y>>(values)};
+}
 
 /// How far an agent of the model searches, and the physical time of a step: numbers of the model alone, or of its world.
 template <class Model>

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -23,14 +24,23 @@ class ModelKind {
   [[nodiscard]] virtual std::string_view documentation() const = 0;
   virtual void describe(SettingVisitor& visitor) = 0;
   [[nodiscard]] virtual std::unique_ptr<ModelKind> copy() const = 0;
-  /// Refuses a box the model cannot live in, and a start it cannot make. Errors: Error.
-  virtual void check(Box const& box, std::uint64_t seed) const = 0;
+  /// Refuses settings with which no run in this box is possible, as far as that is plain without a start. Errors: Error.
+  virtual void check_settings(Box const& box) const = 0;
+  /// How many agents the model starts with, where it says so before, and the bytes that each of them takes at least.
+  [[nodiscard]] virtual std::uint64_t agents_at_start() const = 0;
+  [[nodiscard]] virtual std::size_t bytes_per_agent() const = 0;
+  /// Makes a start only to see whether the model can, and that its agents are in the box. Errors: Error.
+  virtual void check_start(Box const& box, std::uint64_t seed) const = 0;
   [[nodiscard]] virtual std::unique_ptr<Experiment> make(Box const& box, std::uint64_t seed,
                                                          ModelEngineSettings const& settings) const = 0;
 
  protected:
   ModelKind(ModelKind const&) = default;
 };
+
+/// Calls `act`; what is wrong with a model is then one of the settings in its own table, and what its start does wrong
+/// is refused like any other input. Errors: Error.
+void blame_table(std::string_view model, std::function<void()> const& act);
 
 /// The kind a model is.
 template <class Model>
@@ -48,21 +58,32 @@ class ModelKindOf final : public ModelKind {
     if constexpr (requires { model_.describe(visitor); }) model_.describe(visitor);
   }
   [[nodiscard]] std::unique_ptr<ModelKind> copy() const override { return std::make_unique<ModelKindOf>(*this); }
-  void check(Box const& box, std::uint64_t seed) const override {
-    if constexpr (requires { model_.reach(); }) {
-      require_reach(box, model_.reach(), Model::name);
+  void check_settings(Box const& box) const override {
+    blame_table(Model::name, [&] {
+      if constexpr (requires { model_.check(box); }) model_.check(box);
+    });
+    if constexpr (requires { model_.reach(); }) require_reach(box, model_.reach(), Model::name);
+  }
+  [[nodiscard]] std::uint64_t agents_at_start() const override {
+    if constexpr (requires { model_.agents_at_start(); }) {
+      return model_.agents_at_start();
     } else {
-      World<Model> world{.box = box, .seed = seed};
-      try {
-        model_.start(world);
-      } catch (Error const& error) {
-        // What is wrong with the start is one of the model's own settings.
-        std::vector<Problem> problems = error.problems();
-        for (Problem& problem : problems) problem.key = std::string(Model::name) + "." + problem.key;
-        throw Error(std::move(problems));
-      }
-      require_reach(box, model_.reach(world), Model::name);
+      return 0;
     }
+  }
+  [[nodiscard]] std::size_t bytes_per_agent() const override {
+    // The values, their successors and the room to sort them; Id, slot and the place in the grid.
+    constexpr std::size_t copies =
+        Model::schedule == Schedule::synchronous || Model::schedule == Schedule::tiled ? 3 : 1;
+    return copies * sizeof(typename Model::Agents::Values) + 40;
+  }
+  void check_start(Box const& box, std::uint64_t seed) const override {
+    World<Model> world{.box = box, .seed = seed};
+    blame_table(Model::name, [&] {
+      model_.start(world);
+      ModelEngine<Model>::require_inside(world);
+    });
+    require_reach(box, reach_of(model_, world), Model::name);
   }
   [[nodiscard]] std::unique_ptr<Experiment> make(Box const& box, std::uint64_t seed,
                                                  ModelEngineSettings const& settings) const override {

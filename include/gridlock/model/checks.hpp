@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "gridlock/core/box.hpp"
+#include "gridlock/core/population.hpp"
+
+namespace gridlock {
+
+/// Whether a point lies in the box, its edges included; false for coordinates that are not numbers.
+inline bool is_inside(Box const& box, Vector p) {
+  return p.x >= 0.0 && p.x <= box.width() && p.y >= 0.0 && p.y <= box.height();
+}
+
+/// Whether a displacement is shorter than both sides of the box; false for one that is not a number.
+inline bool is_shorter_than_box(Box const& box, Vector displacement) {
+  return std::abs(displacement.x) < box.width() && std::abs(displacement.y) < box.height();
+}
+
+inline bool is_finite(Vector p) { return std::isfinite(p.x) && std::isfinite(p.y); }
+
+/// Refuses settings with which agents would move by a side of the box or more in a step. Errors: Error, blaming `key`.
+void require_displacement(Box const& box, double longest, std::string const& key);
+
+// What a model does wrong ends its run in every build: each throws RunFailure with the step, the agent and the numbers.
+// Out of line, so that the checks themselves cost a comparison.
+
+/// An agent at, or on its way to, a point outside the box.
+[[noreturn, gnu::cold]] void throw_outside(std::uint64_t step, Id agent, Vector p, Box const& box);
+
+/// A newborn at a point outside the box, of that parent where agents take turns.
+[[noreturn, gnu::cold]] void throw_birth_outside(std::uint64_t step, std::optional<Id> parent, Vector p,
+                                                 Box const& box);
+
+/// A displacement that is not finite, or as long as a side of the box.
+[[noreturn, gnu::cold]] void throw_long_displacement(std::uint64_t step, Id agent, Vector displacement, Box const& box);
+
+/// A search that does not lie within the cutoff that the model declares.
+struct FarSearch {
+  std::uint64_t step = 0;
+  std::optional<Id> agent;  ///< whose turn it is, where agents take turns
+  Vector point;
+  Vector position;  ///< of that agent
+  double reach = 0.0;
+  double declared = 0.0;
+};
+[[noreturn, gnu::cold]] void throw_far_search(FarSearch const& search);
+
+/// An event that the model does not declare.
+[[noreturn, gnu::cold]] void throw_unknown_event(std::uint64_t step, std::optional<Id> agent, std::size_t event,
+                                                 std::span<std::string_view const> declared);
+
+/// The Id of an agent that is dead or never was.
+[[noreturn, gnu::cold]] void throw_not_alive(std::uint64_t step, Id agent);
+
+/// A cutoff or a time step that is not a finite positive number.
+[[noreturn, gnu::cold]] void throw_bad_step(std::uint64_t step, double reach, double time_step);
+
+}  // namespace gridlock

@@ -1,0 +1,86 @@
+#include "gridlock/model/checks.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <string>
+
+#include "gridlock/core/error.hpp"
+
+namespace gridlock {
+
+namespace {
+
+std::string in_words(Vector p) { return fmt::format("({}, {})", p.x, p.y); }
+
+std::string in_words(std::optional<Id> agent) { return agent ? fmt::format("agent {}", *agent) : "the model"; }
+
+}  // namespace
+
+void require_displacement(Box const& box, double longest, std::string const& key) {
+  constexpr double rounding = 1.0 + 1e-9;  // unit vectors are a little longer than 1
+  double const shorter = std::min(box.width(), box.height());
+  if (longest * rounding < shorter) return;
+  throw Error(
+      {.what = fmt::format("agents that move by {} in a step would cross the whole box, whose shorter side is {}",
+                           longest, shorter),
+       .hint = fmt::format("displacements have to stay below {}", shorter),
+       .key = key});
+}
+
+void throw_outside(std::uint64_t step, Id agent, Vector p, Box const& box) {
+  throw RunFailure(fmt::format(
+      "step {}: agent {} is put at {}, outside the box of {} × {}\n  hint: this is a mistake of the model: "
+      "move_by() goes around the edges and turns back at walls, while start() and move_to() need a point in the box",
+      step, agent, in_words(p), box.width(), box.height()));
+}
+
+void throw_birth_outside(std::uint64_t step, std::optional<Id> parent, Vector p, Box const& box) {
+  throw RunFailure(
+      fmt::format("step {}: {} puts a newborn agent at {}, outside the box of {} × {}\n  hint: this is a "
+                  "mistake of the model: the columns x and y of a birth need a point in the box",
+                  step, in_words(parent), in_words(p), box.width(), box.height()));
+}
+
+void throw_long_displacement(std::uint64_t step, Id agent, Vector displacement, Box const& box) {
+  throw RunFailure(
+      fmt::format("step {}: agent {} moves by {} in a box of {} × {}\n  hint: this is a mistake of the model: "
+                  "a displacement has to be finite and shorter than the sides of the box",
+                  step, agent, in_words(displacement), box.width(), box.height()));
+}
+
+void throw_far_search(FarSearch const& search) {
+  bool const is_elsewhere = search.agent && !(search.point == search.position);
+  throw RunFailure(
+      fmt::format("step {}: {} searches within {} of {}{}, but the model declares that it looks {} far\n  hint: this "
+                  "is a mistake of "
+                  "the model: let reach() return the largest distance at which an agent looks for others",
+                  search.step, in_words(search.agent), search.reach, in_words(search.point),
+                  is_elsewhere ? fmt::format(" from {}", in_words(search.position)) : "", search.declared));
+}
+
+void throw_unknown_event(std::uint64_t step, std::optional<Id> agent, std::size_t event,
+                         std::span<std::string_view const> declared) {
+  throw RunFailure(fmt::format(
+      "step {}: {} counts event {}, but the model declares {}\n  hint: this is a mistake of the model: name every "
+      "event in its array `events`; count() takes the place in it, from 0",
+      step, in_words(agent), event,
+      declared.empty() ? "no events" : fmt::format("{} events: {}", declared.size(), fmt::join(declared, ", "))));
+}
+
+void throw_not_alive(std::uint64_t step, Id agent) {
+  throw RunFailure(fmt::format(
+      "step {}: there is no agent {}\n  hint: this is a mistake of the model: the agent is dead, or never was; "
+      "contains() tells",
+      step, agent));
+}
+
+void throw_bad_step(std::uint64_t step, double reach, double time_step) {
+  throw RunFailure(
+      fmt::format("step {}: the model looks {} far and its time step is {}\n  hint: this is a mistake of the "
+                  "model: reach() and time_step() have to return finite numbers above 0",
+                  step, reach, time_step));
+}
+
+}  // namespace gridlock

@@ -1,0 +1,59 @@
+// Models that cannot be run are refused before anything is written, and none of the refusals searches for long.
+#include <gtest/gtest.h>
+
+#include "cli/program.hpp"
+
+namespace {
+
+using namespace gridlock::test;
+
+/// `check` and `run` refuse the settings with such a text, and `run` writes nothing.
+void expect_refused(std::string const& model, std::vector<std::string> const& settings, std::string const& text) {
+  Workplace const workplace;
+  write(workplace / "m.toml", "model.kind = \"" + model + "\"\nrun.steps = 2\n");
+  for (std::string const verb : {"check", "run"}) {
+    // A limit of the memory, so that the test says the same on every machine.
+    std::string command = "ulimit -v 8000000; exec \"$0\" " + verb + " m.toml";
+    for (std::string const& setting : settings) command += " --set " + setting;
+    if (verb == "run") command += " -o out";
+    Outcome const outcome = Process("sh", {"-c", command, GRIDLOCK_PROGRAM}, workplace.path()).wait();
+    EXPECT_EQ(outcome.exit_code, 2) << verb << ": " << outcome.out << outcome.err;
+    EXPECT_NE(outcome.err.find(text), std::string::npos) << verb << ": " << outcome.err;
+    EXPECT_NE(outcome.err.find("hint: "), std::string::npos) << outcome.err;
+  }
+  EXPECT_FALSE(fs::exists(workplace / "out"));
+}
+
+TEST(ModelLimits, MoreMoleculesThanTheClosestPackingAreRefused) {
+  expect_refused("catalyst", {"catalyst.count=1000000", "box.edge=periodic"}, "the closest packing holds at most 2886");
+  expect_refused("catalyst", {"catalyst.count=1500", "catalyst.count_b=1500"}, "the closest packing holds at most");
+  expect_refused("catalyst", {"catalyst.count=9200000000000000000"}, "must be at least 0 and at most 2");
+}
+
+TEST(ModelLimits, MoreMoleculesThanRandomPlacesHoldAreRefused) {
+  expect_refused("catalyst", {"catalyst.count=2000", "box.edge=periodic"}, "at random places about 1741 find room");
+}
+
+TEST(ModelLimits, AgentsThatDoNotFitIntoMemoryAreRefused) {
+  expect_refused("flocking", {"flocking.count=2000000000"}, "2000000000 agents would need about");
+  expect_refused("epidemic", {"epidemic.count=2000000000"}, "2000000000 agents would need about");
+  expect_refused("colloid", {"colloid.disks.count=2000000000"}, "2000000000 agents would need about");
+}
+
+TEST(ModelLimits, StepsThatWouldNotEndAreRefused) {
+  expect_refused("colloid", {"colloid.substeps=9000000000000000000"}, "at most 1");
+  expect_refused("catalyst", {"catalyst.adsorption_rate=1e300"}, "events, more than 100000000");
+  expect_refused("catalyst", {"catalyst.hop_rate=1e12", "catalyst.count=1"}, "events, more than 100000000");
+}
+
+TEST(ModelLimits, DisplacementsAsLongAsTheBoxAreRefused) {
+  expect_refused("flocking", {"flocking.speed=3", "box.side=2"}, "would cross the whole box");
+  expect_refused("epidemic", {"epidemic.speed=1e300"}, "would cross the whole box");
+  expect_refused("catalyst", {"catalyst.hop=1.0"}, "would cross the whole box");
+}
+
+TEST(ModelLimits, ProbabilitiesAboveOneAreRefused) {
+  expect_refused("epidemic", {"epidemic.infection_rate=21"}, "infection_rate · step_length is 1.05");
+}
+
+}  // namespace
