@@ -113,6 +113,8 @@ TEST(H5md, GoesOnWhereItStopped) {
   EXPECT_EQ(writer.state_hash_at(0), first.state_hash);
   EXPECT_EQ(writer.state_hash_at(1), std::nullopt);
   writer.write(random_frame(4, 12));
+  EXPECT_EQ(writer.state_hash_at(2), std::nullopt) << "a step between two frames";
+  EXPECT_EQ(writer.state_hash_at(4), random_frame(4, 12).state_hash);
   H5mdReader const reader(directory / "t.h5");
   expect_same(reader.frame(0), first);
   expect_same(reader.frame(1), random_frame(4, 12));
@@ -143,6 +145,9 @@ TEST(H5md, RefusesAFrameOfOtherColumns) {
   H5mdFrame other = random_frame(0, 5);
   other.frame.columns.pop_back();
   EXPECT_THROW(writer.write(other), RunFailure);
+  H5mdFrame walled = random_frame(0, 5);
+  walled.frame.box = Box(walled.frame.box.width(), walled.frame.box.height(), Edge::wall);
+  EXPECT_THROW(writer.write(walled), RunFailure);
   EXPECT_THROW(H5mdWriter::append(directory / "t.h5", Frame{.columns = {{"smell", std::vector<double>{}}}}), Error);
 }
 

@@ -51,11 +51,11 @@ TEST(Rates, AveragesAreRatiosOfSumsOverIntervalsOfAnyLength) {
   sample(rates, run.state, run.tally);
   run.pass(3.0, 0, 0, 350, 0);  // an interval without collisions counts with its time
   EXPECT_TRUE(std::isnan(cell(rates, sample(rates, run.state, run.tally), "mean_free_time")));
-  run.pass(1.0, 5, 6, 50, 0);
+  run.pass(1.0, 5, 6, 150, 0);
   sample(rates, run.state, run.tally);
   EXPECT_DOUBLE_EQ(result(rates, "collision_rate")->value, 2.0 * 15 / (4 * 5.0));
   EXPECT_DOUBLE_EQ(result(rates, "wall_hit_rate")->value, 10 / (4 * 5.0));
-  EXPECT_DOUBLE_EQ(result(rates, "blocked_share")->value, 0.1);
+  EXPECT_DOUBLE_EQ(result(rates, "blocked_share")->value, 50.0 / 600.0);
   Estimate const rate = *result(rates, "collision_rate");
   Estimate const free_time = *result(rates, "mean_free_time");
   EXPECT_DOUBLE_EQ(free_time.value, 1.0 / rate.value);
