@@ -33,20 +33,20 @@ void print_setup(gridlock::Setup const& setup) {
              setup.configuration.engine.kind, gridlock::step_duration(setup.configuration.engine, state));
 }
 
-void print_notes(std::vector<std::vector<gridlock::IdleSetting>> const& idle_settings) {
-  for (std::string const& note : gridlock::notes_on(idle_settings)) fmt::print(stderr, "note: {}\n", note);
+void print_notes(std::vector<std::vector<gridlock::SetupNote>> const& notes) {
+  for (std::string const& note : gridlock::notes_on(notes)) fmt::print(stderr, "note: {}\n", note);
 }
 
 /// Sets up every run of a sweep; what is wrong with any of them comes at the end.
 void check_all(gridlock::SweepPlan const& plan) {
   std::vector<gridlock::Problem> problems;
-  std::vector<std::vector<gridlock::IdleSetting>> idle;
+  std::vector<std::vector<gridlock::SetupNote>> notes;
   for (gridlock::SweepRun const& run : plan.runs) {
     try {
       gridlock::Setup const setup = gridlock::set_up(run.settings);
       fmt::print("{}: ", run.name);
       print_setup(setup);
-      idle.push_back(setup.idle_settings);
+      notes.push_back(setup.notes);
     } catch (gridlock::Error const& error) {
       for (gridlock::Problem problem : error.problems()) {
         problem.what = fmt::format("{}: {}", run.name, problem.what);
@@ -57,7 +57,7 @@ void check_all(gridlock::SweepPlan const& plan) {
     }
   }
   if (!problems.empty()) throw gridlock::Error(std::move(problems));
-  print_notes(idle);
+  print_notes(notes);
   fmt::print("{} runs\n", plan.runs.size());
 }
 
@@ -66,7 +66,7 @@ ExitCode check(ConfigurationOptions const& options) {
   if (!settings.is_given("sweep")) {
     gridlock::Setup const setup = gridlock::set_up(settings);
     print_setup(setup);
-    print_notes({setup.idle_settings});
+    print_notes({setup.notes});
   } else {
     check_all(gridlock::plan_sweep(settings));
   }

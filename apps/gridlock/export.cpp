@@ -5,6 +5,8 @@
 #include <map>
 #include <memory>
 
+#include "gridlock/io/file.hpp"
+#include "gridlock/run/result_files.hpp"
 #include "verbs.hpp"
 
 namespace gridlock::cli {
@@ -41,6 +43,8 @@ void add_export(CLI::App& app, ExitCode& exit_code) {
     fs::path const file =
         options->output.empty() ? fs::path(source).replace_extension(extension) : fs::path(options->output);
     gridlock::H5mdReader const trajectory(source);
+    gridlock::remove_leftovers(fs::absolute(file).parent_path());
+    gridlock::record_further_result(file);
     auto const files =
         gridlock::export_trajectory(trajectory, {.format = format, .file = file, .every = options->every});
     fmt::print("{}\n", files.front().string());

@@ -14,23 +14,34 @@ namespace {
 struct ResumeOptions {
   std::string directory;
   std::optional<std::uint64_t> threads;
+  gridlock::RunLength length;
   RunOutput run_output;
 };
 
 ExitCode resume(ResumeOptions& options) {
   gridlock::RunHooks hooks = options.run_output.hooks();
   hooks.threads = options.threads;
-  return options.run_output.finish(gridlock::resume_in(options.directory, hooks), options.directory);
+  gridlock::RunLength const& length = options.length;
+  bool const lengthens = length.steps || length.time || length.collisions_per_disk;
+  return options.run_output.finish(lengthens ? gridlock::lengthen_in(options.directory, length, hooks)
+                                             : gridlock::resume_in(options.directory, hooks),
+                                   options.directory);
 }
 
 }  // namespace
 
 void add_resume(CLI::App& app, ExitCode& exit_code) {
-  CLI::App* const verb =
-      app.add_subcommand("resume", "Go on with a run that was interrupted or killed, to the same bits");
+  CLI::App* const verb = app.add_subcommand(
+      "resume", "Go on with a run that was interrupted or killed, or make a run longer, to the same bits");
   auto const options = std::make_shared<ResumeOptions>();
   verb->add_option("DIR", options->directory, "Directory of the run")->required();
   verb->add_option("-j,--threads", options->threads, "Threads of the engine tiled; left out: as configured");
+  verb->add_option("--steps", options->length.steps,
+                   "Make it a run of so many steps from its start, in place of the length it has")
+      ->type_name("N");
+  verb->add_option("--time", options->length.time, "The same in physical time")->type_name("T");
+  verb->add_option("--collisions-per-disk", options->length.collisions_per_disk, "The same in collisions")
+      ->type_name("C");
   options->run_output.add_to(*verb);
   verb->callback([options, &exit_code] { exit_code = resume(*options); });
 }

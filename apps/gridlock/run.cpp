@@ -1,4 +1,6 @@
 #include <memory>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "gridlock/run/run_directory.hpp"
@@ -13,14 +15,21 @@ struct RunOptions {
   ConfigurationOptions configuration;
   OutputOptions output;
   RunOutput run_output;
+  std::optional<unsigned> threads;
 };
 
 ExitCode run(RunOptions& options) {
-  gridlock::Setup setup = gridlock::set_up(options.configuration.read());
+  gridlock::SettingsFile settings = options.configuration.read();
+  if (options.threads) {
+    std::string const number = std::to_string(*options.threads);
+    settings.set("engine.threads", number, {.file = "--threads", .source_line = number});
+  }
+  gridlock::Setup setup = gridlock::set_up(settings);
   auto const directory =
       options.output.directory_for(std::filesystem::path(options.configuration.file).stem().string());
   gridlock::open_run_directory(directory, options.output.overwrites);
-  return options.run_output.finish(gridlock::run_in(directory, std::move(setup), options.run_output.hooks()), directory);
+  return options.run_output.finish(gridlock::run_in(directory, std::move(setup), options.run_output.hooks()),
+                                   directory);
 }
 
 }  // namespace
@@ -30,6 +39,8 @@ void add_run(CLI::App& app, ExitCode& exit_code) {
   auto const options = std::make_shared<RunOptions>();
   options->configuration.add_to(*verb);
   options->output.add_to(*verb, "results/<name of FILE>");
+  verb->add_option("-j,--threads", options->threads, "Threads of the engine tiled and of models, as engine.threads")
+      ->check(CLI::Range(1U, 1024U));
   options->run_output.add_to(*verb);
   verb->callback([options, &exit_code] { exit_code = run(*options); });
 }

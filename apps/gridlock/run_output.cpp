@@ -78,6 +78,15 @@ void print_results(gridlock::RunRecord const& record) {
   }
 }
 
+/// How to go on, unless somebody has taken the run away meanwhile.
+std::string resume_text(std::filesystem::path const& directory) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(directory / "config.resolved.toml", ignored)) {
+    return ", but the run itself is gone: somebody has removed its files";
+  }
+  return fmt::format("; continue with: {} resume {}", program_name(), directory.string());
+}
+
 }  // namespace
 
 void RunOutput::add_to(CLI::App& verb) {
@@ -95,11 +104,11 @@ gridlock::RunHooks RunOutput::hooks() {
     print_progress(progress);
     return !StopSignals::is_stop_asked();
   };
-  hooks.on_note = [this](std::string const& note) {
-    bool const is_warning = note.find("no checkpoint") == 0 || note.find("going back") != std::string::npos;
-    bool const is_on_settings = note.find(" has no effect ") != std::string::npos && !is_quiet_;
-    if (!is_verbose_ && !is_warning && !is_on_settings) return;
-    fmt::print(stderr, "{}{}\n", is_warning ? "warning: " : is_on_settings ? "note: " : "", note);
+  hooks.on_note = [this](gridlock::LogLine const& line) {
+    bool const is_warning = line.level == gridlock::LogLevel::warning;
+    bool const is_note = line.level == gridlock::LogLevel::note && !is_quiet_;
+    if (!is_verbose_ && !is_warning && !is_note) return;
+    fmt::print(stderr, "{}{}\n", is_warning ? "warning: " : is_note ? "note: " : "", line.text);
   };
   return hooks;
 }
@@ -142,8 +151,8 @@ ExitCode RunOutput::finish(gridlock::RunRecord const& record, std::filesystem::p
   if (!is_quiet_) print_end(record, directory);
   if (record.ending == gridlock::Ending::finished) return ExitCode::good;
   if (record.ending == gridlock::Ending::failed) fmt::print(stderr, "error: {}\n", record.failure);
-  fmt::print(stderr, "{} after {} steps; what there is stands in {}; {} resume {} goes on from the last checkpoint\n",
-             gridlock::to_text(record.ending), record.steps, directory.string(), program_name(), directory.string());
+  fmt::print(stderr, "{} after {} steps; partial results are in {}{}\n", gridlock::to_text(record.ending), record.steps,
+             directory.string(), resume_text(directory));
   return ExitCode::run_failed;
 }
 

@@ -317,6 +317,8 @@ std::optional<Restored> restore_checkpoint(std::filesystem::path const& director
     std::filesystem::path const path = directory / name;
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) continue;
+    // Not among what a damaged one may be replaced for: the next checkpoint would go into it too.
+    require_regular_file(path);
     try {
       from_checkpoint(read_file(path, largest_file), path.string(), carry);
       return Restored{path, note};
@@ -327,6 +329,19 @@ std::optional<Restored> restore_checkpoint(std::filesystem::path const& director
   }
   if (error) throw *error;
   return std::nullopt;
+}
+
+bool has_checkpoint(std::filesystem::path const& directory) {
+  std::error_code ignored;
+  return std::filesystem::exists(directory / newest_name, ignored) ||
+         std::filesystem::exists(directory / previous_name, ignored);
+}
+
+void remove_previous_checkpoint(std::filesystem::path const& directory) {
+  std::error_code ignored;
+  if (std::filesystem::exists(directory / newest_name, ignored)) {
+    std::filesystem::remove(directory / previous_name, ignored);
+  }
 }
 
 void remove_checkpoints(std::filesystem::path const& directory) {

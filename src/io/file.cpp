@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -12,6 +13,7 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
+#include "io/file_lock.hpp"
 
 namespace gridlock {
 
@@ -36,13 +38,34 @@ bool is_written_directly(std::filesystem::path const& path) {
   return type == character || type == block || type == fifo || type == socket;
 }
 
-/// Opens a new file beside `target`; its name tells a user who finds one after a crash what it was to become.
+/// Opens a new file beside `target`, locked; its name tells a user who finds one after a crash what it was to become.
 int open_temporary(std::filesystem::path const& target, std::filesystem::path& temporary) {
   for (int attempt = 0;; ++attempt) {
     temporary = target.parent_path() / fmt::format(".{}.{}-{}.part", target.filename().string(), getpid(), attempt);
     int const descriptor = open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor >= 0 || errno != EEXIST || attempt > 1000) return descriptor;
+    if (descriptor < 0 && (errno != EEXIST || attempt > 1000)) return descriptor;
+    if (descriptor < 0) continue;
+    // Some file systems know no locks; leftovers stay there.
+    while (flock(descriptor, LOCK_EX) != 0 && errno == EINTR) {
+    }
+    // Between the two calls another process may have taken it for a leftover.
+    if (is_still_named(descriptor, temporary)) return descriptor;
+    close(descriptor);
   }
+}
+
+/// Whether a name is one that open_temporary() gives.
+bool is_name_of_temporary(std::string_view name) {
+  constexpr std::string_view end = ".part";
+  if (!name.starts_with('.') || !name.ends_with(end)) return false;
+  name.remove_suffix(end.size());
+  std::string_view const numbers = name.substr(name.rfind('.') + 1);
+  std::size_t const dash = numbers.find('-');
+  auto const is_number = [](std::string_view text) {
+    return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+  };
+  return numbers.size() + 2 < name.size() && dash != std::string_view::npos && is_number(numbers.substr(0, dash)) &&
+         is_number(numbers.substr(dash + 1));
 }
 
 /// A file descriptor that is closed at the end of its scope.
@@ -65,6 +88,15 @@ class Descriptor {
 void bring_names_to_disk(std::filesystem::path const& directory) {
   Descriptor const opened(open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (opened.value() >= 0) fsync(opened.value());
+}
+
+/// Removes a temporary file unless a living process has locked it.
+void remove_if_abandoned(std::filesystem::path const& path) {
+  Descriptor const file(open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  struct stat status {};
+  bool const is_file = file.value() >= 0 && fstat(file.value(), &status) == 0 && S_ISREG(status.st_mode);
+  if (!is_file || flock(file.value(), LOCK_EX | LOCK_NB) != 0) return;
+  if (is_still_named(file.value(), path)) unlink(path.c_str());
 }
 
 [[noreturn]] void refuse_reading(std::filesystem::path const& path, std::string const& why, std::string hint) {
@@ -104,12 +136,16 @@ void AtomicFile::append(std::string_view text) {
 void AtomicFile::commit(std::filesystem::path const& previous) {
   write_out(buffer_);
   buffer_.clear();
-  if (!temporary_.empty() && fsync(descriptor_) != 0) fail(errno);
-  if (close(std::exchange(descriptor_, -1)) != 0) fail(errno);
-  if (temporary_.empty()) return;
+  if (temporary_.empty()) {
+    if (close(std::exchange(descriptor_, -1)) != 0) fail(errno);
+    return;
+  }
+  if (fsync(descriptor_) != 0) fail(errno);
+  // Closed after it has its name: closing gives up the lock that keeps others from removing it.
   if (!previous.empty() && std::rename(target_.c_str(), previous.c_str()) != 0 && errno != ENOENT) fail(errno);
   if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail(errno);
   temporary_.clear();
+  close(std::exchange(descriptor_, -1));
   bring_names_to_disk(target_.parent_path());
 }
 
@@ -137,6 +173,20 @@ void write_file(std::filesystem::path const& path, std::string_view content) {
   AtomicFile file(path);
   file.append(content);
   file.commit();
+}
+
+void remove_leftovers(std::filesystem::path const& directory) {
+  std::error_code error;
+  std::filesystem::directory_iterator entry(directory, error);
+  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    if (is_name_of_temporary(entry->path().filename().string())) remove_if_abandoned(entry->path());
+  }
+}
+
+void require_regular_file(std::filesystem::path const& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(path, ignored)) return;
+  refuse_reading(path, "it is not a regular file", "remove it");
 }
 
 std::string read_file(std::filesystem::path const& path, std::uint64_t largest) {
@@ -183,8 +233,9 @@ void make_output_directory(std::filesystem::path const& path) {
   std::filesystem::path probe;
   int const descriptor = open_temporary(path / "probe", probe);
   if (descriptor < 0) refuse(reason(errno));
-  close(descriptor);
   unlink(probe.c_str());
+  close(descriptor);
+  remove_leftovers(path);
 }
 
 }  // namespace gridlock

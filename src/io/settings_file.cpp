@@ -190,6 +190,17 @@ void SettingsFile::set(std::string_view key, std::string_view value, SettingLoca
   }
 }
 
+void SettingsFile::leave_out(std::string_view key) {
+  TomlValue* table = &content_->root;
+  std::vector<KeyPart> const parts = parts_of(key);
+  for (std::size_t k = 0; k + 1 < parts.size() && table != nullptr; ++k) table = table->find(parts[k].name);
+  if (table == nullptr || !table->is_table()) return;
+  auto const found = std::ranges::find(table->names, parts.back().name);
+  if (found == table->names.end()) return;
+  table->items.erase(table->items.begin() + (found - table->names.begin()));
+  table->names.erase(found);
+}
+
 std::vector<SettingList> SettingsFile::take_lists(std::string_view table) {
   TomlValue& root = content_->root;
   auto const found = std::ranges::find(root.names, table);

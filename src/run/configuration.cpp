@@ -13,8 +13,8 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/saturating.hpp"
 #include "gridlock/io/xyz.hpp"
-#include "run/idle_settings.hpp"
 #include "run/memory.hpp"
+#include "run/setup_notes.hpp"
 
 namespace gridlock {
 
@@ -292,7 +292,8 @@ Setup set_up(Configuration configuration, std::filesystem::path const& directory
   if (configuration.is_of_model()) {
     Setup setup = set_up_model(std::move(configuration));
     refuse_tables_of_others(setup.configuration, is_given);
-    setup.idle_settings = idle_settings(setup.configuration, is_given);
+    setup.notes = unused_settings(setup.configuration, is_given);
+    std::ranges::move(notes_of(setup), std::back_inserter(setup.notes));
     return setup;
   }
   refuse_tables_of_others(configuration, is_given);
@@ -300,8 +301,7 @@ Setup set_up(Configuration configuration, std::filesystem::path const& directory
   configuration.models.clear();
   require_memory(configuration);
   Setup setup;
-  // Before anything is resolved, which makes the default of what was left out look like a choice.
-  setup.idle_settings = idle_settings(configuration, is_given);
+  setup.notes = unused_settings(configuration, is_given);
   bool const is_from_file = configuration.disks.start == StartKind::file || !configuration.disks.file.empty();
   if (is_from_file && !configuration.disks.file.empty()) {
     setup.start_file = directory / configuration.disks.file;
@@ -318,6 +318,7 @@ Setup set_up(Configuration configuration, std::filesystem::path const& directory
   require_short_substeps(configuration.engine, setup.state);
   require_trajectory(configuration.trajectory, setup.state);
   setup.configuration = std::move(configuration);
+  std::ranges::move(notes_of(setup), std::back_inserter(setup.notes));
   return setup;
 }
 
@@ -352,6 +353,11 @@ void describe(CheckpointSettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "every_steps",
                  .documentation = "Besides, a checkpoint whenever about this many steps have passed; 0 for none."},
                 settings.every_steps);
+  visitor.visit(
+      {.key = "keep_last",
+       .documentation = "Whether a finished run keeps its last checkpoint, with which gridlock resume --steps "
+                        "lengthens it."},
+      settings.keep_last);
 }
 
 void describe(ModelSettings& settings, SettingVisitor& visitor) {

@@ -1,7 +1,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -9,6 +8,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/run/run_directory.hpp"
+#include "io/file_lock.hpp"
 
 namespace gridlock {
 
@@ -16,13 +16,6 @@ namespace {
 
 [[noreturn]] void refuse(std::string const& what, std::string hint) {
   throw Error({.what = what, .hint = std::move(hint), .key = "-o"});
-}
-
-/// Whether the file that was locked still is the one with that name: its last owner may have removed it meanwhile.
-bool is_still_named(int descriptor, std::filesystem::path const& path) {
-  struct stat locked {};
-  struct stat named {};
-  return fstat(descriptor, &locked) == 0 && stat(path.c_str(), &named) == 0 && locked.st_ino == named.st_ino;
 }
 
 }  // namespace

@@ -74,8 +74,10 @@ double bytes_per_disk(Configuration const& configuration) {
 std::array<Demand, 3> demands_of(Configuration const& configuration) {
   auto const disks = static_cast<double>(configuration.disks.count.value_or(0));
   auto const cells = static_cast<double>(configuration.engine.cells.value_or(0));
-  std::uint64_t const samples =
-      configuration.run.steps.value_or(0) / std::max<std::uint64_t>(1, configuration.observe.every);
+  // Where another length ends the run, most of the steps may never come.
+  bool const is_as_long = !configuration.run.time && !configuration.run.collisions_per_disk;
+  std::uint64_t const steps = is_as_long ? configuration.run.steps.value_or(0) : 0;
+  std::uint64_t const samples = steps / std::max<std::uint64_t>(1, configuration.observe.every);
   auto const rows = static_cast<double>(samples);
   return {Demand{fmt::format("{:.0f} disks", disks), "disks.count", bytes_per_disk(configuration) * disks,
                  "use fewer disks"},

@@ -17,6 +17,7 @@
 #include "gridlock/io/table.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/run/configuration.hpp"
+#include "gridlock/run/result_files.hpp"
 #include "run/frame_picture.hpp"
 
 namespace gridlock {
@@ -65,6 +66,7 @@ class Artist {
 
  private:
   void attempt(std::string const& name, std::function<void()> const& draw, std::vector<fs::path> const& files) {
+    for (fs::path const& file : files) record_result(file);
     try {
       draw();
       for (fs::path const& file : files) {

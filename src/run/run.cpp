@@ -26,6 +26,12 @@ char const* to_text(Ending ending) {
   return "failed";
 }
 
+void carry(Archive& archive, Extent& extent) {
+  archive.visit("steps", extent.steps);
+  archive.visit("time", extent.time);
+  archive.visit("pair_collisions", extent.pair_collisions);
+}
+
 Run::Run(Experiment& experiment, RunPlan const& plan)
     : experiment_(experiment),
       plan_(plan),
@@ -43,6 +49,10 @@ Ending Run::go_on(OnProgress const& on_progress, Interlude const& interlude) {
   ending_ = Ending::interrupted;
   try {
     while (true) {
+      if (is_at_horizon() && interlude.take_place_at_end) {
+        note_time();
+        interlude.take_place_at_end(steps_done());
+      }
       stop_here();
       if (is_at_horizon()) {
         ending_ = Ending::finished;
@@ -95,16 +105,32 @@ bool Run::is_at_horizon() const {
          experiment_.pair_collisions() >= plan_.horizon.pair_collisions;
 }
 
+std::optional<std::uint64_t> Run::last_stop() const {
+  return last_stop_ ? std::optional(last_stop_->step - first_.step) : std::nullopt;
+}
+
+Extent Run::extent() const {
+  return {.steps = steps_done(),
+          .time = experiment_.clock().time - first_.time,
+          .pair_collisions = experiment_.pair_collisions()};
+}
+
 /// The share of the run that is done: the largest of the shares of its lengths.
-double Run::fraction_done() const {
-  Clock const clock = experiment_.clock();
+double Run::fraction_of(Extent const& extent) const {
   Horizon const& end = plan_.horizon;
   auto const share = [](double done, double all) { return all > 0.0 ? done / all : 1.0; };
-  double const steps = share(static_cast<double>(steps_done()), static_cast<double>(end.step - first_.step));
-  double const time = share(clock.time - first_.time, end.time - first_.time);
+  double const steps = share(static_cast<double>(extent.steps), static_cast<double>(end.step - first_.step));
+  double const time = share(extent.time, end.time - first_.time);
   double const collisions =
-      share(static_cast<double>(experiment_.pair_collisions()), static_cast<double>(end.pair_collisions));
+      share(static_cast<double>(extent.pair_collisions), static_cast<double>(end.pair_collisions));
   return std::min(std::max({steps, time, collisions}), 1.0);
+}
+
+double Run::fit_discard() {
+  bool const is_left_out = fraction_of(last_left_out_) <= plan_.discard;
+  bool const is_averaged = !first_averaged_ || fraction_of(*first_averaged_) > plan_.discard;
+  if (!is_left_out || !is_averaged) plan_.discard = fraction_of(last_left_out_);
+  return plan_.discard;
 }
 
 /// What is due at this moment, once: multiples of sample_every are counted from the start, so that the times of the
@@ -115,8 +141,8 @@ void Run::stop_here() {
   bool const is_new_step = !last_stop_ || last_stop_->step != experiment_.clock().step;
   bool const is_first = !last_stop_;
   last_stop_ = experiment_.clock();
-  bool const is_sample_due = is_first || (is_new_step && steps_done() % plan_.sample_every == 0) || is_at_horizon();
-  if (is_sample_due) sample();
+  bool const is_sample_due = is_first || (is_new_step && steps_done() % plan_.sample_every == 0);
+  if (is_sample_due || is_at_horizon()) sample();
   if (!is_new_step) return;
   std::span<double const> row = last_row_;
   row = is_sample_due ? row.subspan(2) : row.first(0);
@@ -128,6 +154,8 @@ void Run::stop_here() {
 void Run::sample() {
   // The first sample is the start itself, which is no average of anything.
   bool const counts = steps_done() > 0 && fraction_done() > plan_.discard;
+  if (!counts) last_left_out_ = extent();
+  if (counts && !first_averaged_) first_averaged_ = extent();
   Clock const clock = experiment_.clock();
   std::vector<double> values(columns_.size() - 2, no_value);
   experiment_.sample(values, counts);
@@ -176,6 +204,12 @@ void Run::carry(Archive& archive) {
   for (std::size_t k = 0; k < onlookers_.size(); ++k) {
     carry_inside(archive, "onlooker_" + std::to_string(k), [&] { onlookers_[k]->carry(archive); });
   }
+  carry_inside(archive, "last_left_out", [&] { gridlock::carry(archive, last_left_out_); });
+  bool has_averaged = first_averaged_.has_value();
+  Extent first_averaged = first_averaged_.value_or(Extent{});
+  archive.visit("has_averaged", has_averaged);
+  carry_inside(archive, "first_averaged", [&] { gridlock::carry(archive, first_averaged); });
+  first_averaged_ = has_averaged ? std::optional(first_averaged) : std::nullopt;
 }
 
 void Run::carry_series(Archive& archive) {

@@ -1,13 +1,16 @@
 #include "gridlock/run/run_directory.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <new>
 #include <numbers>
+#include <set>
 #include <utility>
 
 #include "gridlock/core/error.hpp"
@@ -15,8 +18,10 @@
 #include "gridlock/io/file.hpp"
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/xyz.hpp"
+#include "gridlock/run/result_files.hpp"
 #include "run/expected_work.hpp"
 #include "run/run_log.hpp"
+#include "run/settings_difference.hpp"
 
 namespace gridlock {
 
@@ -26,6 +31,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr char const* configuration_name = "config.resolved.toml";
 constexpr char const* trajectory_name = "trajectory.h5";
+constexpr char const* begun_trajectory_name = "trajectory.h5.part";
 constexpr char const* summary_name = "summary.json";
 
 Json to_json(std::vector<Count> const& counts) {
@@ -100,8 +106,10 @@ void write_results(std::filesystem::path const& directory, Configuration const& 
   // Last to come and first to go, so that a directory with a summary is a complete one.
   std::error_code ignored;
   std::filesystem::remove(directory / summary_name, ignored);
+  for (char const* name : {"series.csv", "final.xyz", summary_name}) record_result(directory / name);
   write_csv(record.series, directory / "series.csv");
   for (Distribution const& distribution : record.distributions) {
+    record_result(directory / (distribution.name + ".csv"));
     write_csv(to_table(distribution), directory / (distribution.name + ".csv"));
   }
   write_xyz(frame, directory / "final.xyz");
@@ -151,35 +159,78 @@ class RunInDirectory {
   }
 
   void begin() {
+    remove_results(directory_);
+    // Of versions that kept no list of their results.
     std::error_code ignored;
     std::filesystem::remove(directory_ / summary_name, ignored);
     remove_checkpoints(directory_);
-    std::filesystem::remove(directory_ / trajectory_name, ignored);
+    for (char const* name : {trajectory_name, begun_trajectory_name}) {
+      std::filesystem::remove(directory_ / name, ignored);
+    }
+    for (char const* name : {"run.log", configuration_name, "start.xyz", "checkpoint.gridlock",
+                             "checkpoint.previous.gridlock", trajectory_name, begun_trajectory_name}) {
+      record_result(directory_ / name);
+    }
     if (!setup_.start_file.empty()) write_xyz(experiment_->frame(), directory_ / "start.xyz");
     write_file(directory_ / configuration_name, configuration_);
-    for (std::string const& note : notes_on({setup_.idle_settings})) log_.note(note);
+    for (std::string const& note : notes_on({setup_.notes})) log_.note(note);
     Configuration const& configuration = setup_.configuration;
     std::string const what = configuration.is_of_model()
                                  ? fmt::format("model {}, {} agents", configuration.model.kind, experiment_->agents())
                                  : fmt::format("engine {}, {} disks", configuration.engine.kind, experiment_->agents());
-    log_.note(fmt::format("gridlock {} begins: {}, seed {}, start hash {:016x}", version(), what,
+    log_.info(fmt::format("gridlock {} begins: {}, seed {}, start hash {:016x}", version(), what,
                           configuration.run.seed, experiment_->state_hash()));
   }
 
   void restore() {
+    std::error_code ignored;
+    std::filesystem::remove(directory_ / begun_trajectory_name, ignored);
+    std::uint64_t const first_step = experiment_->clock().step;
     auto const restored = restore_checkpoint(directory_, [&](Archive& archive) { carry(archive); });
     if (!restored) {
-      log_.note("there is no checkpoint: the run begins again from its start");
+      log_.info("there is no checkpoint: the run begins again from its start");
       return;
     }
-    if (!restored->note.empty()) log_.note(fmt::format("{}; going back to the previous one", restored->note));
-    log_.note(fmt::format("gridlock {} goes on from step {} of {}", version(), experiment_->clock().step,
+    auto const last_stop = run_.last_stop();
+    if (trajectory_ && last_stop) trajectory_->restore(*experiment_, first_step, *last_stop);
+    if (restored->note.empty()) saved_at_ = experiment_->clock();
+    if (!restored->note.empty()) log_.warn(fmt::format("{}; going back to the previous one", restored->note));
+    log_.info(fmt::format("gridlock {} goes on from step {} of {}", version(), experiment_->clock().step,
                           restored->file.filename().string()));
+  }
+
+  /// Refuses a length that the run has passed. Returns the share to leave out of averages, see Run::fit_discard().
+  double take_length() {
+    if (run_.is_at_horizon()) {
+      Clock const clock = experiment_->clock();
+      throw Error({.what = fmt::format("the run in {} has come to step {}, time {:.6g} already", directory_.string(),
+                                       clock.step, clock.time),
+                   .hint = "the new length counts from the start of the run and has to be above what it has",
+                   .file = directory_.string()});
+    }
+    double const discard = run_.fit_discard();
+    if (discard != setup_.configuration.observe.discard) {
+      log_.note(
+          fmt::format("observe.discard is {:.4g} of the new length, so that averages leave out the samples that they "
+                      "have left out so far",
+                      discard));
+    }
+    return discard;
+  }
+
+  /// From here on the directory holds a run of another length that is not finished.
+  void record_length(std::string configuration, std::string const& length) {
+    configuration_ = std::move(configuration);
+    std::error_code ignored;
+    // Without a summary the run is one that was interrupted, whichever of the two lengths a kill leaves it.
+    std::filesystem::remove(directory_ / summary_name, ignored);
+    write_file(directory_ / configuration_name, configuration_);
+    log_.info(fmt::format("lengthened to {}", length));
   }
 
   RunRecord carry_out() {
     std::uint64_t const threads = threads_of(setup_.configuration);
-    log_.note(fmt::format("on {} thread{}", threads, threads == 1 ? "" : "s"));
+    log_.info(fmt::format("on {} thread{}", threads, threads == 1 ? "" : "s"));
     CheckpointClock checkpoints(setup_.configuration.checkpoint);
     Ending const ending =
         run_.go_on(hooks_.on_progress, {.is_due = [&](std::uint64_t steps) { return checkpoints.is_due(steps); },
@@ -187,6 +238,10 @@ class RunInDirectory {
                                             [&](std::uint64_t steps) {
                                               save();
                                               checkpoints.note(steps);
+                                            },
+                                        .take_place_at_end =
+                                            [&](std::uint64_t) {
+                                              if (setup_.configuration.checkpoint.keep_last) save();
                                             }});
     if (ending == Ending::interrupted) save();
     RunRecord record = run_.record();
@@ -197,9 +252,13 @@ class RunInDirectory {
       if (record.failure.empty()) throw;
       throw RunFailure(fmt::format("{}; then {}", record.failure, failure.what()));
     }
-    if (ending == Ending::finished) remove_checkpoints(directory_);
-    if (auto const audits = audits_text(record.counts)) log_.note(*audits);
-    log_.note(fmt::format("{} at step {} after {:.1f} s, state hash {:016x}{}{}", to_text(ending), record.clock.step,
+    if (ending == Ending::finished) {
+      setup_.configuration.checkpoint.keep_last ? remove_previous_checkpoint(directory_)
+                                                : remove_checkpoints(directory_);
+    }
+    remove_leftovers(directory_);
+    if (auto const audits = audits_text(record.counts)) log_.info(*audits);
+    log_.info(fmt::format("{} at step {} after {:.1f} s, state hash {:016x}{}{}", to_text(ending), record.clock.step,
                           record.seconds, record.state_hash, record.failure.empty() ? "" : ": ", record.failure));
     return record;
   }
@@ -208,16 +267,36 @@ class RunInDirectory {
   void carry(Archive& archive) {
     std::string configuration = configuration_;
     archive.visit("configuration", configuration);
-    archive.require(configuration == configuration_, "its configuration is not the one of this directory");
+    if (archive.is_restoring()) require_same_configuration(configuration);
     carry_inside(archive, "run", [&] { run_.carry(archive); });
   }
 
+  /// A run that was killed while it was lengthened has a checkpoint of the shorter run. What a length changes in what has
+  /// been measured so far is Run::fit_discard()'s.
+  void require_same_configuration(std::string const& configuration) const {
+    static std::set<std::string> const free_to_change{"run.steps", "run.time", "run.collisions_per_disk",
+                                                      "observe.discard"};
+    auto const difference = find_difference(setting_texts(configuration, "checkpoint"),
+                                            setting_texts(configuration_, configuration_name), free_to_change);
+    if (!difference) return;
+    throw Error({.what = fmt::format("its configuration is not the one of this directory: {}",
+                                     to_text(*difference, "the checkpoint", configuration_name))});
+  }
+
   void save() {
+    Clock const clock = experiment_->clock();
+    if (saved_at_ == clock) return;
+    auto const warn = [&](std::string const& why) {
+      log_.warn(fmt::format("no checkpoint at step {}: {}", clock.step, why));
+    };
     try {
       write_checkpoint(directory_, [&](Archive& archive) { carry(archive); });
-      log_.note(fmt::format("checkpoint at step {}", experiment_->clock().step));
+      saved_at_ = clock;
+      log_.info(fmt::format("checkpoint at step {}", clock.step));
     } catch (RunFailure const& failure) {
-      log_.note(fmt::format("no checkpoint at step {}: {}", experiment_->clock().step, failure.what()));
+      warn(failure.what());
+    } catch (std::bad_alloc const&) {
+      warn("not enough memory");
     }
   }
 
@@ -231,6 +310,7 @@ class RunInDirectory {
   std::unique_ptr<Experiment> experiment_;
   Run run_;
   std::optional<TrajectoryOnlooker> trajectory_;
+  std::optional<Clock> saved_at_;  ///< where the newest checkpoint is of
 };
 
 std::uint64_t hash_in(Json const& json, char const* key) {
@@ -242,6 +322,96 @@ Ending ending_in(Json const& json) {
     if (json.at("ending") == to_text(ending)) return ending;
   }
   return Ending::failed;
+}
+
+std::string resolved(Configuration configuration, bool starts_from_file) {
+  if (starts_from_file) configuration.disks.file = "start.xyz";
+  return to_toml(describing(configuration));
+}
+
+std::string length_text(RunLength const& length) {
+  std::vector<std::string> parts;
+  if (length.steps) parts.push_back(fmt::format("{} steps", *length.steps));
+  if (length.time) parts.push_back(fmt::format("time {}", *length.time));
+  if (length.collisions_per_disk) parts.push_back(fmt::format("{} collisions per disk", *length.collisions_per_disk));
+  return fmt::format("{}", fmt::join(parts, " or "));
+}
+
+/// Refuses a length below one of the same kind that the run has: its frames and samples may lie beyond already.
+void require_longer(RunSettings const& old, RunLength const& length, std::filesystem::path const& directory) {
+  RunLength const had{.steps = old.steps, .time = old.time, .collisions_per_disk = old.collisions_per_disk};
+  bool const is_shorter =
+      (length.steps && had.steps && *length.steps < *had.steps) ||
+      (length.time && had.time && *length.time < *had.time) ||
+      (length.collisions_per_disk && had.collisions_per_disk && *length.collisions_per_disk < *had.collisions_per_disk);
+  if (!is_shorter) return;
+  throw Error({.what = fmt::format("the run in {} has a length of {} already, which {} is below", directory.string(),
+                                   length_text(had), length_text(length)),
+               .hint = "give the whole length, counted from the start of the run",
+               .file = directory.string()});
+}
+
+void set_length(SettingsFile& file, RunLength const& length) {
+  auto const set = [&](char const* key, char const* option, auto const& value) {
+    file.leave_out(key);
+    if (!value) return;
+    std::string const text = fmt::format("{}", *value);
+    file.set(key, text, {.file = option, .source_line = text});
+  };
+  set("run.steps", "--steps", length.steps);
+  set("run.time", "--time", length.time);
+  set("run.collisions_per_disk", "--collisions-per-disk", length.collisions_per_disk);
+}
+
+[[noreturn]] void refuse_finished(std::filesystem::path const& directory) {
+  if (has_checkpoint(directory)) {
+    throw Error({.what = fmt::format("the run in {} is finished", directory.string()),
+                 .hint = fmt::format("gridlock resume {} --steps N lengthens it to N steps from its start",
+                                     directory.string())});
+  }
+  throw Error(
+      {.what = fmt::format("the run in {} is finished and kept no checkpoint to go on from", directory.string()),
+       .hint = fmt::format("run {} in another directory with a longer run.steps",
+                           (directory / configuration_name).string())});
+}
+
+bool are_same(RunSettings const& old, RunLength const& length) {
+  return old.steps == length.steps && old.time == length.time && old.collisions_per_disk == length.collisions_per_disk;
+}
+
+RunRecord go_on_in(std::filesystem::path const& directory, std::optional<RunLength> length, RunHooks const& hooks) {
+  std::filesystem::path const path = directory / configuration_name;
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) {
+    throw Error({.what = fmt::format("{} holds no run: there is no {}", directory.string(), configuration_name),
+                 .hint = "name the directory of a run, or start one with gridlock run"});
+  }
+  require_regular_file(path);
+  DirectoryLock const lock(directory);
+  remove_leftovers(directory);
+  auto const summary = read_summary(directory);
+  bool const is_finished = summary && summary->ending == Ending::finished;
+  if (is_finished && (!length || !has_checkpoint(directory))) refuse_finished(directory);
+  SettingsFile file = SettingsFile::from_path(path);
+  if (length) {
+    Configuration old;
+    file.read_into(describing(old));
+    require_longer(old.run, *length, directory);
+    // As after a kill in the middle of lengthening to it.
+    if (!is_finished && are_same(old.run, *length)) length.reset();
+  }
+  if (length) set_length(file, *length);
+  Setup setup = set_up(file);
+  Configuration configuration = setup.configuration;
+  if (hooks.threads) setup.configuration.engine.threads = *hooks.threads;
+  bool const starts_from_file = !setup.start_file.empty();
+  RunInDirectory run(directory, std::move(setup), resolved(configuration, starts_from_file), hooks);
+  run.restore();
+  if (length) {
+    configuration.observe.discard = run.take_length();
+    run.record_length(resolved(configuration, starts_from_file), length_text(*length));
+  }
+  return run.carry_out();
 }
 
 }  // namespace
@@ -266,9 +436,7 @@ void open_run_directory(std::filesystem::path const& directory, bool overwrites)
 }
 
 std::string resolved_configuration(Setup const& setup) {
-  Configuration configuration = setup.configuration;
-  if (!setup.start_file.empty()) configuration.disks.file = "start.xyz";
-  return to_toml(describing(configuration));
+  return resolved(setup.configuration, !setup.start_file.empty());
 }
 
 RunRecord run_in(std::filesystem::path const& directory, Setup setup, RunHooks const& hooks) {
@@ -281,30 +449,18 @@ RunRecord run_in(std::filesystem::path const& directory, Setup setup, RunHooks c
 }
 
 RunRecord resume_in(std::filesystem::path const& directory, RunHooks const& hooks) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(directory / configuration_name, ignored)) {
-    throw Error({.what = fmt::format("{} holds no run: there is no {}", directory.string(), configuration_name),
-                 .hint = "name the directory of a run, or start one with gridlock run"});
-  }
-  DirectoryLock const lock(directory);
-  auto const summary = read_summary(directory);
-  if (summary && summary->ending == Ending::finished) {
-    throw Error(
-        {.what = fmt::format("the run in {} is finished", directory.string()),
-         .hint = "to go on from its last state, run a copy of config.resolved.toml with disks.file = final.xyz"});
-  }
-  Setup setup = set_up(SettingsFile::from_path(directory / configuration_name));
-  std::string configuration = resolved_configuration(setup);
-  if (hooks.threads) setup.configuration.engine.threads = *hooks.threads;
-  RunInDirectory run(directory, std::move(setup), std::move(configuration), hooks);
-  run.restore();
-  return run.carry_out();
+  return go_on_in(directory, std::nullopt, hooks);
+}
+
+RunRecord lengthen_in(std::filesystem::path const& directory, RunLength const& length, RunHooks const& hooks) {
+  return go_on_in(directory, length, hooks);
 }
 
 std::optional<RunSummary> read_summary(std::filesystem::path const& directory) {
   std::filesystem::path const path = directory / summary_name;
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return std::nullopt;
+  require_regular_file(path);
   std::string const text = read_file(path);
   try {
     Json const json = Json::parse(text);

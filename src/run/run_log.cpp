@@ -8,12 +8,13 @@
 
 namespace gridlock {
 
-RunLog::RunLog(std::filesystem::path const& directory, std::function<void(std::string const&)> on_note)
-    : file_(directory / "run.log", std::ios::app), on_note_(std::move(on_note)) {}
+RunLog::RunLog(std::filesystem::path const& directory, std::function<void(LogLine const&)> on_note)
+    : path_(directory / "run.log"), on_note_(std::move(on_note)) {}
 
-void RunLog::note(std::string const& text) {
+void RunLog::write(LogLevel level, std::string const& text) {
+  if (!file_.is_open()) file_.open(path_, std::ios::app);
   file_ << fmt::format("{:%Y-%m-%dT%H:%M:%SZ}  {}\n", fmt::gmtime(std::time(nullptr)), text) << std::flush;
-  if (on_note_) on_note_(text);
+  if (on_note_) on_note_({level, text});
 }
 
 }  // namespace gridlock

@@ -16,6 +16,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
+#include "gridlock/run/result_files.hpp"
 #include "gridlock/run/run_directory.hpp"
 #include "run/expected_work.hpp"
 #include "run/memory.hpp"
@@ -64,7 +65,7 @@ class SweepInProgress {
         outcomes_(plan.runs.size()),
         errors_(plan.runs.size()),
         prospects_(plan.runs.size()),
-        idle_settings_(plan.runs.size()) {}
+        notes_(plan.runs.size()) {}
 
   void run() {
     set_up_all();
@@ -73,18 +74,23 @@ class SweepInProgress {
     share_out_threads();
     open_sweep_directory(settings_.directory, settings_.overwrites);
     DirectoryLock const lock(settings_.directory, settings_.shard ? Sharing::with_others : Sharing::alone);
-    if (settings_.overwrites) forget_all();
+    if (settings_.overwrites) {
+      std::error_code ignored;
+      // Results of something else; a sweep that is there already keeps the runs of other shards.
+      if (!std::filesystem::exists(settings_.directory / sweep_plan_name, ignored)) remove_results(settings_.directory);
+      forget_all();
+    }
     write_plan(plan_, settings_.directory);
     carry_out_all();
   }
 
   [[nodiscard]] std::vector<SweepOutcome> const& outcomes() const { return outcomes_; }
   [[nodiscard]] std::vector<std::string> notes() const {
-    std::vector<std::vector<IdleSetting>> idle;
-    for (auto const& settings : idle_settings_) {
-      if (settings) idle.push_back(*settings);
+    std::vector<std::vector<SetupNote>> notes;
+    for (auto const& run : notes_) {
+      if (run) notes.push_back(*run);
     }
-    return notes_on(idle);
+    return notes_on(notes);
   }
 
  private:
@@ -123,7 +129,7 @@ class SweepInProgress {
       plan_.runs[run].settings.read_into(describing(configuration));
       MemoryBudget::Part const memory(memory_, expected_memory(configuration));
       Setup setup = set_up(plan_.runs[run].settings);
-      idle_settings_[run] = setup.idle_settings;
+      notes_[run] = setup.notes;
       require_same_run(run, setup);
       if (!is_ours(run)) return;
       // Where this call does not come to the run, the tables list what earlier ones have made of it.
@@ -306,7 +312,7 @@ class SweepInProgress {
   std::vector<SweepOutcome> outcomes_;
   std::vector<std::optional<Error>> errors_;
   std::vector<Prospect> prospects_;
-  std::vector<std::optional<std::vector<IdleSetting>>> idle_settings_;  ///< of the runs that can be set up
+  std::vector<std::optional<std::vector<SetupNote>>> notes_;  ///< of the runs that can be set up
   std::mutex mutex_;
   std::optional<Error> is_in_the_way_;
 };

@@ -17,6 +17,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
 #include "gridlock/run/configuration.hpp"
+#include "gridlock/run/result_files.hpp"
 #include "io/text.hpp"
 #include "run/settings_difference.hpp"
 
@@ -140,6 +141,7 @@ std::filesystem::path directory_of(std::filesystem::path const& sweep, SweepRun 
 void write_plan(SweepPlan const& plan, std::filesystem::path const& directory) {
   Json json{{"keys", plan.keys}, {"base", plan.base}, {"runs", Json::array()}};
   for (SweepRun const& run : plan.runs) json["runs"].push_back({{"name", run.name}, {"values", run.values}});
+  record_result(directory / sweep_plan_name);
   write_file(directory / sweep_plan_name, json.dump(1) + '\n');
 }
 

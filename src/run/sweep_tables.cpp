@@ -10,6 +10,8 @@
 #include <set>
 #include <utility>
 
+#include "gridlock/run/result_files.hpp"
+
 namespace gridlock {
 
 namespace {
@@ -194,6 +196,7 @@ SweepResult result_of(SweepPlan const& plan, std::vector<SweepOutcome> const& ou
 }
 
 void write_tables(SweepResult const& result, std::filesystem::path const& directory) {
+  for (char const* name : {"sweep.csv", "means.csv"}) record_result(directory / name);
   write_csv(result.rows, directory / "sweep.csv");
   write_csv(result.means, directory / "means.csv");
 }

@@ -129,6 +129,30 @@ void TrajectoryOnlooker::open(Experiment const& experiment, Frame const& frame) 
   writer_ = H5mdWriter::create(origin_.file, header, frame);
 }
 
+void TrajectoryOnlooker::restore(Experiment const& experiment, std::uint64_t first_step, std::uint64_t looked_until) {
+  auto const refuse = [&](std::string const& what) {
+    throw Error({.what = what,
+                 .hint = "put the whole file back, or run config.resolved.toml again in another directory",
+                 .file = origin_.file.string()});
+  };
+  std::error_code ignored;
+  if (!std::filesystem::exists(origin_.file, ignored)) {
+    refuse(
+        fmt::format("{} is missing: the frames of the first {} steps are lost", origin_.file.string(), looked_until));
+  }
+  try {
+    writer_ = H5mdWriter::append(origin_.file, with_columns(experiment.frame(), settings_.columns));
+  } catch (Error const& error) {
+    refuse(error.problems().front().what);
+  }
+  auto const last = writer_->last_step();
+  if (!last || *last < first_step) refuse(fmt::format("{} lacks the frames of this run", origin_.file.string()));
+  std::uint64_t const next = schedule_.next_after(*last - first_step);
+  if (next > looked_until) return;
+  refuse(fmt::format("{} lacks frames: the last is of step {}, and the run has written one of step {}",
+                     origin_.file.string(), *last, first_step + next));
+}
+
 void TrajectoryOnlooker::look(Experiment const& experiment, std::span<double const> sample) {
   Clock const clock = experiment.clock();
   std::uint64_t const state_hash = experiment.state_hash();

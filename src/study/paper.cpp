@@ -12,6 +12,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
+#include "gridlock/run/result_files.hpp"
 #include "gridlock/run/run_directory.hpp"
 #include "run/team.hpp"
 #include "study/figure_5.hpp"
@@ -258,6 +259,7 @@ class PaperStudy {
       page.heading("What went wrong");
       page.list(study_.notes());
     }
+    record_result(study_.path_of(report_name));
     write_file(study_.path_of(report_name), page.html());
     study_.add_file(report_name);
   }

@@ -6,9 +6,12 @@
 #include <cmath>
 #include <exception>
 
+#include "gridlock/run/result_files.hpp"
+
 namespace gridlock {
 
 void Study::write(Table const& table, std::string const& file) {
+  record_result(path_of(file));
   write_csv(table, path_of(file));
   add_file(file);
 }
@@ -16,6 +19,7 @@ void Study::write(Table const& table, std::string const& file) {
 void Study::draw(State const& state, PictureSettings const& settings, std::string const& name) {
   if (!on_drawing_(name)) return;
   for (char const* extension : {".svg", ".png"}) {
+    record_result(path_of(name + extension));
     draw_disks(state, settings, path_of(name + extension));
     add_file(name + extension);
   }
@@ -23,6 +27,7 @@ void Study::draw(State const& state, PictureSettings const& settings, std::strin
 
 void Study::draw(Plot const& plot) {
   if (!on_drawing_(plot.name)) return;
+  for (char const* extension : {".gp", ".svg", ".png"}) record_result(path_of(plot.name + extension));
   try {
     PlotOutcome const outcome = draw_plot(plot, settings_.output);
     add_file(plot.name + ".gp");

@@ -146,7 +146,7 @@ TEST(Sweep, OfTheExactEngineHasNoBlockedShare) {
   EXPECT_TRUE(fs::exists(workplace / "out/collision_rate.svg"));
 }
 
-TEST(IdleSettings, AreNotedByCheckAndRunUnlessQuiet) {
+TEST(UnusedSettings, AreNotedByCheckAndRunUnlessQuiet) {
   Workplace const workplace;
   write(workplace / "a.toml", "disks.count = 64\nrun.steps = 20\n");
   std::vector<std::string> const settings{"a.toml", "--set", "engine.threads=2"};

@@ -279,6 +279,50 @@ TEST(DamagedCheckpoint, WithNoOtherIsRefused) {
   EXPECT_NE(outcome.err.find("cannot use the checkpoint"), std::string::npos) << outcome.err;
 }
 
+TEST(KilledWhileItIsMadeLonger, ARunEndsWithTheBitsOfALongOne) {
+  Workplace const workplace;
+  write(workplace / "run.toml", toml_of({"short", "run.steps = 3000"}));
+  Arguments const longer{"resume", "run", "--steps", "9000", "-q", "--no-pictures"};
+  EXPECT_EQ(
+      gridlock::test::gridlock({"run", "run.toml", "-o", "short", "-q", "--no-pictures"}, workplace.path()).exit_code,
+      0);
+  fs::copy(workplace / "short", workplace / "run", fs::copy_options::recursive);
+  auto const start = std::chrono::steady_clock::now();
+  EXPECT_EQ(gridlock::test::gridlock(longer, workplace.path()).exit_code, 0);
+  double const milliseconds =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  fs::copy(workplace / "run" / "config.resolved.toml", workplace / "long.toml");
+  EXPECT_EQ(
+      gridlock::test::gridlock({"run", "long.toml", "-o", "long", "-q", "--no-pictures"}, workplace.path()).exit_code,
+      0);
+  std::mt19937 random(seed());
+  // Half of the kills at the beginning, where the files of the short run give way to those of the long one.
+  std::uniform_real_distribution<double> at_the_beginning(1.0, 30.0);
+  std::uniform_real_distribution<double> anywhen(1.0, milliseconds);
+  for (int attempt = 0; attempt < tries() / 2; ++attempt) {
+    fs::remove_all(workplace / "run");
+    fs::copy(workplace / "short", workplace / "run", fs::copy_options::recursive);
+    Process const process(GRIDLOCK_PROGRAM, longer, workplace.path());
+    double const wait = attempt % 2 == 0 ? at_the_beginning(random) : anywhen(random);
+    std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(wait));
+    process.signal(SIGKILL);
+    process.wait();
+    bool const is_long = text_of(workplace / "run" / "summary.json").find("\"steps\": 9000") != std::string::npos;
+    if (!is_long) {
+      Outcome const outcome = gridlock::test::gridlock(longer, workplace.path());
+      EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    }
+    EXPECT_EQ(summary_without_times(workplace / "run"), summary_without_times(workplace / "long"));
+    for (char const* name : {"series.csv", "final.xyz", "speed_distribution.csv", "config.resolved.toml"}) {
+      EXPECT_EQ(text_of(workplace / "run" / name), text_of(workplace / "long" / name)) << name;
+    }
+    gridlock::H5mdReader const frames(workplace / "run" / "trajectory.h5");
+    EXPECT_EQ(frames.frame_count(), 61U);
+    for (std::string const& name : contents(workplace / "run")) EXPECT_FALSE(name.ends_with(".part")) << name;
+    if (HasFailure()) FAIL() << "attempt " << attempt << " of GRIDLOCK_FAULT_SEED=" << seed();
+  }
+}
+
 /// Runs the program through a shell that limits it first.
 Outcome limited(std::string const& limit, Arguments const& arguments, fs::path const& directory) {
   std::string command = limit + "; exec \"$0\" \"$@\"";

@@ -45,10 +45,16 @@ struct Restored {
 };
 
 /// Restores the newest checkpoint of a directory that is whole; nothing where there is none.
-/// Errors: Error where there are checkpoints and none can be used.
+/// Errors: Error where there are checkpoints and none can be used, or where one of them is not a regular file.
 std::optional<Restored> restore_checkpoint(std::filesystem::path const& directory, CarryAll const& carry);
 
-/// Removes the checkpoints of a directory, once the run is finished.
+/// Whether there is anything to restore.
+bool has_checkpoint(std::filesystem::path const& directory);
+
+/// Removes the previous checkpoint of a directory where there is a newer one.
+void remove_previous_checkpoint(std::filesystem::path const& directory);
+
+/// Removes the checkpoints of a directory.
 void remove_checkpoints(std::filesystem::path const& directory);
 
 }  // namespace gridlock

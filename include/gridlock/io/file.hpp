@@ -9,9 +9,9 @@ namespace gridlock {
 
 /// A file that appears under its name complete or not at all.
 ///
-/// Text goes to a temporary file beside it; commit() brings that to the disk and renames it. Without a commit() nothing
-/// is left behind, so a crash or a full disk never destroys the file that was there before. A device or pipe
-/// ("/dev/stdout") is written directly.
+/// Text goes to a temporary file beside it; commit() brings that to the disk and renames it. A crash or a full disk never
+/// destroys the file that was there before. Without a commit() nothing is left behind, but where the process is killed:
+/// then the temporary file stays until remove_leftovers() finds it. A device or pipe ("/dev/stdout") is written directly.
 /// Errors: RunFailure with the reason of the operating system. Cost: one buffer of 256 KiB, whatever the file's size.
 class AtomicFile {
  public:
@@ -40,11 +40,22 @@ class AtomicFile {
 /// Writes the whole file at once, as AtomicFile does.
 void write_file(std::filesystem::path const& path, std::string_view content);
 
+/// Removes the temporary files that AtomicFile of killed processes left in a directory: `.NAME.PID-NUMBER.part`.
+///
+/// A process holds a lock on its temporary file, and the lock goes with the process, on whatever machine of a shared file
+/// system it runs. So a file that can be locked belongs to no living process; its number in the name proves nothing, as
+/// processes of other machines and containers have the same numbers.
+void remove_leftovers(std::filesystem::path const& directory);
+
+/// Refuses a name that stands for anything but a regular file; reading a pipe would wait for its writer for ever.
+/// Errors: Error naming the file.
+void require_regular_file(std::filesystem::path const& path);
+
 /// The bytes of a file.
 /// Errors: Error for a file that is missing, a directory, unreadable or larger than `largest` bytes (2 GiB).
 std::string read_file(std::filesystem::path const& path, std::uint64_t largest = std::uint64_t{1} << 31);
 
-/// Creates a directory with its parents, and makes sure that files can be created in it.
+/// Creates a directory with its parents, makes sure that files can be created in it, and removes leftovers from it.
 /// Errors: Error under the key "-o", with the reason of the operating system.
 void make_output_directory(std::filesystem::path const& path);
 

@@ -56,6 +56,9 @@ class SettingsFile {
   /// The same, with the place to blame in errors.
   void set(std::string_view key, std::string_view value, SettingLocation const& where);
 
+  /// Forgets what is said of a dotted key, so that its default counts.
+  void leave_out(std::string_view key);
+
   /// Takes a top-level table of lists, such as `[sweep]`, out of the file: what is left is for read_into(). Keys may be
   /// dotted or quoted (`disks.count = [1]`, `"disks.count" = [1]`); the lists come in the order of the file.
   /// Empty where there is no such table. Errors: Error for anything but lists, for empty lists, for keys given twice.

@@ -32,6 +32,7 @@ void describe(RunSettings& settings, SettingVisitor& visitor);
 struct CheckpointSettings {
   double every_seconds = 60.0;    ///< of real time; 0: never
   std::uint64_t every_steps = 0;  ///< looked at after every chunk of work; 0: never
+  bool keep_last = true;          ///< whether a finished run keeps one, to be lengthened
 };
 void describe(CheckpointSettings& settings, SettingVisitor& visitor);
 
@@ -63,25 +64,33 @@ void describe(Configuration& configuration, SettingVisitor& visitor);
 /// describe() of a configuration as the io layer takes it.
 Describe describing(Configuration& configuration);
 
-/// A setting that was given although nothing of the run depends on it.
-struct IdleSetting {
-  std::string key;
-  std::string why;          ///< "has no effect with engine.kind = \"stepped\""
-  bool is_default = false;  ///< it has the value it would have anyway, as in a resolved configuration
-
-  [[nodiscard]] std::string text() const { return key + " " + why; }
+/// What a note on a set-up is about.
+enum class NoteKind {
+  unused_setting,     ///< a setting was given on which nothing of the run depends
+  misleading_rule,    ///< the engine has a time step where that is known to mislead
+  frames_beyond_end,  ///< frames are asked for that lie beyond the end of the run
+  nothing_moves,      ///< no disk has a velocity
 };
 
-/// What to tell of the idle settings of several runs: of those that are idle in every one of them. A sweep over engines
-/// sets what only some of them need.
-std::vector<std::string> notes_on(std::vector<std::vector<IdleSetting>> const& runs);
+/// Something worth telling of a set-up that can be run all the same.
+struct SetupNote {
+  NoteKind kind = NoteKind::unused_setting;
+  std::string key;  ///< the setting to look at
+  std::string text;
+  bool is_default = false;  ///< an unused setting with the value it has anyway, as in a resolved configuration
+};
+
+/// What to tell of the notes of several runs. Unused settings are told of where they are unused in every run and one run
+/// gives another value than the default: a sweep over engines sets what only some of them need. Of other notes it is told in
+/// how many runs they hold.
+std::vector<std::string> notes_on(std::vector<std::vector<SetupNote>> const& runs);
 
 /// A run about to start: the state, and the configuration with every choice made, so that it gives the same bits again.
 struct Setup {
   Configuration configuration;
   State state;
   std::filesystem::path start_file;  ///< the file the state was read from; empty for a lattice or random start
-  std::vector<IdleSetting> idle_settings = {};
+  std::vector<SetupNote> notes = {};
 };
 
 /// The configuration that the settings give, with the defaults for what they leave out.

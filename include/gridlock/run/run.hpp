@@ -36,7 +36,18 @@ using OnProgress = std::function<bool(Progress const&)>;
 struct Interlude {
   std::function<bool(std::uint64_t steps)> is_due;  ///< asked as often as progress is reported
   std::function<void(std::uint64_t steps)> take_place;
+  /// Called once the run has reached its end, before the sample that may be due only there: what is saved here can go on
+  /// to a later end with the bits of a run that never ended.
+  std::function<void(std::uint64_t steps)> take_place_at_end = {};
 };
+
+/// How far a run has come since its start, in every unit its length can have.
+struct Extent {
+  std::uint64_t steps = 0;
+  double time = 0.0;
+  std::uint64_t pair_collisions = 0;
+};
+void carry(Archive& archive, Extent& extent);
 
 /// How a run ended.
 enum class Ending { finished, interrupted, failed };
@@ -54,7 +65,8 @@ class Onlooker {
   [[nodiscard]] virtual bool is_due(std::uint64_t steps) const = 0;
   /// The next step after `steps` it wants to look at, `never_reached` where there is none; the run stops there.
   [[nodiscard]] virtual std::uint64_t next_after(std::uint64_t steps) const = 0;
-  /// `sample` is the row of the series taken at this very step, without step and time; empty where none was due.
+  /// `sample` is the row of the series taken at this very step, without step and time; empty where sample_every asks for
+  /// none, also at the end of the run, so that what is seen does not depend on how long the run is.
   virtual void look(Experiment const& experiment, std::span<double const> sample) = 0;
   /// Brings what it has seen to the disk and carries how much that is: a run that is restored goes back to it.
   virtual void carry(Archive& archive) = 0;
@@ -96,7 +108,8 @@ struct RunRecord {
 ///
 /// A chunk reaches to the next sample or the next look of an onlooker, since some engines pay for beginning one.
 /// Samples are taken at the start, at every multiple of sample_every steps and at the horizon. The bits of the
-/// experiment and of the series depend neither on how often progress is reported nor on interruptions.
+/// experiment and of the series depend neither on how often progress is reported nor on interruptions, nor, up to the
+/// sample at the horizon, on how long the run is.
 /// The experiment must outlive the run.
 class Run {
  public:
@@ -109,6 +122,16 @@ class Run {
   /// Lets someone look on from now on; it must outlive the run.
   void add(Onlooker& onlooker) { onlookers_.push_back(&onlooker); }
 
+  /// Whether there is nothing left to do but to sample the end.
+  [[nodiscard]] bool is_at_horizon() const;
+  /// Steps from the start to the last step that onlookers were asked about; nothing before the first.
+  [[nodiscard]] std::optional<std::uint64_t> last_stop() const;
+
+  /// After a run of another length was restored: chooses the share to leave out of averages so that the samples taken so
+  /// far count, or not, as they did, and every later one as in a run that had this share and length from its start.
+  /// The share of the plan stays where it does so already. Returns the share.
+  double fit_discard();
+
   [[nodiscard]] RunRecord record() const;
 
   /// Carries everything the rest of the run depends on, the experiment with it.
@@ -116,8 +139,9 @@ class Run {
 
  private:
   [[nodiscard]] std::uint64_t steps_done() const { return experiment_.clock().step - first_.step; }
-  [[nodiscard]] bool is_at_horizon() const;
-  [[nodiscard]] double fraction_done() const;
+  [[nodiscard]] Extent extent() const;
+  [[nodiscard]] double fraction_of(Extent const& extent) const;
+  [[nodiscard]] double fraction_done() const { return fraction_of(extent()); }
   void stop_here();
   void sample();
   void carry_series(Archive& archive);
@@ -130,7 +154,9 @@ class Run {
   RunPlan plan_;
   Pace pace_;
   Clock first_;
-  std::optional<Clock> last_stop_;  ///< where it was sampled and looked at, if that was due
+  std::optional<Clock> last_stop_;        ///< where it was sampled and looked at, if that was due
+  Extent last_left_out_;                  ///< at the last sample that is left out of averages; the first always is
+  std::optional<Extent> first_averaged_;  ///< at the first sample that is not
   std::vector<double> last_row_;
   std::vector<Onlooker*> onlookers_;
   double seconds_ = 0.0;  ///< real time of all calls of go_on()

@@ -51,7 +51,7 @@ class FrameSchedule {
 
 /// Writes the frames of a run into a file as it goes on.
 ///
-/// Nothing of it needs a checkpoint: the file itself says which frames it holds. A run that goes on from an earlier step
+/// Nothing of it is in a checkpoint: the file itself says which frames it holds. A run that goes on from an earlier step
 /// comes by frames that are there already; they stay, and their state hash must be the one of the run.
 class TrajectoryOnlooker final : public Onlooker {
  public:
@@ -63,6 +63,10 @@ class TrajectoryOnlooker final : public Onlooker {
 
   /// Begins the file at the first frame, or goes on with one that is there.
   TrajectoryOnlooker(TrajectorySettings const& settings, double time_step, Origin origin);
+
+  /// Opens the file of a run that was restored. Errors: Error where it is missing, damaged, or lacks a frame that was due
+  /// up to the step `looked_until` after the start: going on would leave it out without a word.
+  void restore(Experiment const& experiment, std::uint64_t first_step, std::uint64_t looked_until);
 
   [[nodiscard]] bool is_due(std::uint64_t steps) const override { return schedule_.is_due(steps); }
   [[nodiscard]] std::uint64_t next_after(std::uint64_t steps) const override { return schedule_.next_after(steps); }

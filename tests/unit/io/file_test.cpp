@@ -1,10 +1,15 @@
 #include "gridlock/io/file.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 
 #include "gridlock/core/error.hpp"
@@ -139,6 +144,75 @@ TEST(File, AnOutputDirectoryThatCannotBeWrittenIsRefusedUnderItsOption) {
     EXPECT_FALSE(problem.hint.empty());
   }
   EXPECT_TRUE(fs::is_regular_file(directory / "file"));
+}
+
+/// Starts a process that has begun a file and not finished it, and returns its number.
+pid_t start_writer(fs::path const& file) {
+  int ready[2];
+  if (pipe(ready) != 0) return -1;
+  pid_t const writer = fork();
+  if (writer == 0) {
+    AtomicFile unfinished(file);
+    unfinished.append("half");
+    static_cast<void>(write(ready[1], "x", 1));
+    pause();
+    _exit(0);
+  }
+  char byte = 0;
+  EXPECT_EQ(read(ready[0], &byte, 1), 1);
+  close(ready[0]);
+  close(ready[1]);
+  return writer;
+}
+
+void kill_writer(pid_t writer) {
+  kill(writer, SIGKILL);
+  waitpid(writer, nullptr, 0);
+}
+
+TEST(Leftovers, OfAKilledProcessAreRemovedAndThoseOfALivingOneStay) {
+  TemporaryDirectory const directory;
+  pid_t const killed = start_writer(directory / "killed.csv");
+  pid_t const living = start_writer(directory / "living.csv");
+  kill_writer(killed);
+  EXPECT_EQ(entries_in(directory.path()), 2U);
+  remove_leftovers(directory.path());
+  std::string const part = fmt::format(".living.csv.{}-0.part", living);
+  EXPECT_TRUE(fs::exists(directory / part));
+  EXPECT_EQ(entries_in(directory.path()), 1U);
+  kill_writer(living);
+  make_output_directory(directory.path());
+  EXPECT_EQ(entries_in(directory.path()), 0U);
+}
+
+TEST(Leftovers, AreNotTakenForThemWhatHasAnotherName) {
+  TemporaryDirectory const directory;
+  char const* const names[] = {"x.csv.12-0.part", ".x.csv.part",  ".x.csv.12.part", ".12-0.part",
+                               ".x.12-0.partial", ".x.12-a.part", "x.csv"};
+  for (char const* name : names) write_file(directory / name, "mine");
+  fs::create_directories(directory / ".x.csv.12-0.part");
+  ASSERT_EQ(mkfifo((directory / ".y.csv.12-0.part").c_str(), 0600), 0);
+  remove_leftovers(directory.path());
+  EXPECT_EQ(entries_in(directory.path()), std::size(names) + 2);
+}
+
+TEST(Leftovers, OfAFileThatIsBeingWrittenHereStay) {
+  TemporaryDirectory const directory;
+  AtomicFile file(directory / "a.csv");
+  file.append("whole");
+  remove_leftovers(directory.path());
+  file.commit();
+  EXPECT_EQ(read_file(directory / "a.csv"), "whole");
+  EXPECT_EQ(entries_in(directory.path()), 1U);
+}
+
+TEST(RequireRegularFile, RefusesAPipeInsteadOfWaitingForItsWriter) {
+  TemporaryDirectory const directory;
+  ASSERT_EQ(mkfifo((directory / "pipe").c_str(), 0600), 0);
+  EXPECT_THROW(require_regular_file(directory / "pipe"), Error);
+  EXPECT_THROW(require_regular_file(directory.path()), Error);
+  write_file(directory / "file", "");
+  require_regular_file(directory / "file");
 }
 
 }  // namespace

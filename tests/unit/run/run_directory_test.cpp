@@ -1,6 +1,7 @@
 #include "gridlock/run/run_directory.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -93,7 +94,7 @@ TEST_P(Interrupted, ResumedAfterEveryChunkItEndsWithTheSameBitsAsARunNeverInterr
                            "velocity_autocorrelation.csv", "config.resolved.toml"}) {
     EXPECT_EQ(read_file(directory / "whole" / name), read_file(directory / "parts" / name)) << name;
   }
-  EXPECT_FALSE(fs::exists(directory / "parts" / "checkpoint.gridlock"));
+  EXPECT_FALSE(fs::exists(directory / "parts" / "checkpoint.previous.gridlock"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, Interrupted,
@@ -153,7 +154,7 @@ TEST(RunDirectory, KeepsALogOverInterruptions) {
   std::vector<std::string> notes;
   run_in(directory / "a", set_up(small()),
          {.on_progress = stopping_after(2),
-          .on_note = [&](std::string const& note) { notes.push_back(note); },
+          .on_note = [&](LogLine const& line) { notes.push_back(line.text); },
           .threads = {}});
   resume_in(directory / "a");
   ASSERT_GE(notes.size(), 3U);
@@ -214,10 +215,10 @@ TEST(RunDirectory, SaysWhereAnAuditDoesNotLookForMissedEvents) {
 }
 
 std::vector<std::string> notes_of(std::string const& text) {
-  return notes_on({set_up(SettingsFile::from_text(text, "run.toml")).idle_settings});
+  return notes_on({set_up(SettingsFile::from_text(text, "run.toml")).notes});
 }
 
-TEST(IdleSettings, AreNoted) {
+TEST(UnusedSettings, AreNoted) {
   using Notes = std::vector<std::string>;
   EXPECT_EQ(notes_of("engine = { threads = 2, audit_every = 5 }"),
             (Notes{"engine.audit_every has no effect with engine.kind = \"stepped\"",
@@ -234,7 +235,7 @@ TEST(IdleSettings, AreNoted) {
   EXPECT_EQ(notes_of("engine = { cells = 5, grid = \"linked\", contact = \"approaching\", substeps = 6 }"), Notes{});
 }
 
-TEST(IdleSettings, OfAResolvedConfigurationAreNotNotedWhereTheyHaveTheirDefaults) {
+TEST(UnusedSettings, OfAResolvedConfigurationAreNotNotedWhereTheyHaveTheirDefaults) {
   for (char const* kind : {"stepped", "tiled", "exact"}) {
     gridlock::Setup const setup =
         set_up(SettingsFile::from_text(std::string("engine.kind = \"") + kind + "\"", "run.toml"));
@@ -242,11 +243,87 @@ TEST(IdleSettings, OfAResolvedConfigurationAreNotNotedWhereTheyHaveTheirDefaults
   }
 }
 
-TEST(IdleSettings, StandInTheLogOfTheRun) {
+TEST(UnusedSettings, StandInTheLogOfTheRun) {
   Directory const directory;
   run_in(directory / "a", set_up(SettingsFile::from_text("engine.threads = 2\nrun.steps = 2", "run.toml")));
   std::string const log = read_file(directory / "a" / "run.log");
   EXPECT_NE(log.find("engine.threads has no effect"), std::string::npos) << log;
+}
+
+TEST(SetupNotes, NameExactWhereTheRuleWithATimeStepMisleads) {
+  std::string const periodic = "disks.packing_fraction = 0.5\nbox.edge = \"periodic\"\nengine.kind = ";
+  for (char const* kind : {"stepped", "tiled"}) {
+    auto const notes = notes_of(periodic + "\"" + kind + "\"");
+    ASSERT_EQ(notes.size(), 1U) << kind;
+    EXPECT_EQ(notes[0], std::string("with engine.kind = \"") + kind +
+                            "\" the centre of all disks drifts in a periodic box, because of its time step; \"exact\" "
+                            "has none");
+  }
+  EXPECT_TRUE(notes_of(periodic + "\"exact\"").empty());
+  EXPECT_TRUE(notes_of("disks.packing_fraction = 0.72").empty());
+  auto const dense = notes_of("disks.packing_fraction = 0.74\nrun.steps = 5");
+  ASSERT_EQ(dense.size(), 1U);
+  EXPECT_NE(dense[0].find("above a packing fraction of 0.72 (here 0.74)"), std::string::npos) << dense[0];
+  auto const both = notes_of("disks.packing_fraction = 0.74\nbox.edge = \"periodic\"\nrun.steps = 5");
+  EXPECT_EQ(both.size(), 1U) << "one note on one engine";
+}
+
+TEST(SetupNotes, TellOfFramesThatLieBeyondTheEnd) {
+  auto const notes = notes_of("run.steps = 20\ntrajectory = { steps = [5, 20, 21, 500], times = [1e3] }");
+  ASSERT_EQ(notes.size(), 2U);
+  EXPECT_EQ(notes[0], "2 of 4 in trajectory.steps lie beyond the end of the run at step 20: no frame there");
+  EXPECT_NE(notes[1].find("1 of 1 in trajectory.times lies beyond the end of the run at time 0."), std::string::npos)
+      << notes[1];
+  auto const by_time = notes_of("run.time = 0.01\ntrajectory = { steps = [500], times = [0.01] }");
+  ASSERT_EQ(by_time.size(), 1U);
+  EXPECT_NE(by_time[0].find("trajectory.steps"), std::string::npos) << by_time[0];
+  EXPECT_TRUE(notes_of("run.collisions_per_disk = 3\ntrajectory.steps = [500]").empty()) << "nobody knows";
+  EXPECT_EQ(notes_of("model.kind = \"epidemic\"\nrun.steps = 20\ntrajectory.steps = [21]").size(), 1U);
+}
+
+TEST(SetupNotes, TellWhereNothingMoves) {
+  using Notes = std::vector<std::string>;
+  EXPECT_EQ(notes_of("velocities.max = 0"), Notes{"velocities.max is 0: nothing moves"});
+}
+
+TEST(SetupNotes, OfSeveralRunsSayHowManyTheyAreOf) {
+  auto const note = [](char const* text) {
+    return std::vector<SetupNote>{{.kind = NoteKind::misleading_rule, .key = "engine.kind", .text = text}};
+  };
+  using Notes = std::vector<std::string>;
+  EXPECT_EQ(notes_on({note("a"), {}, note("b")}), Notes{"2 of 3 runs: a"});
+  EXPECT_EQ(notes_on({note("a"), note("a")}), Notes{"a"});
+  EXPECT_EQ(notes_on({note("a"), note("b")}), Notes{"2 of 2 runs: a"});
+}
+
+TEST(SetupNotes, ComeWithTheirLevel) {
+  Directory const directory;
+  std::vector<std::string> notes;
+  run_in(directory / "a",
+         set_up(SettingsFile::from_text("disks.count = 9\nvelocities.max = 0\nrun.steps = 2", "run.toml")),
+         {.on_progress = {}, .on_note = [&](LogLine const& line) {
+            if (line.level == LogLevel::note) notes.push_back(line.text);
+          }});
+  EXPECT_EQ(notes, std::vector<std::string>{"velocities.max is 0: nothing moves"});
+}
+
+TEST(RunDirectory, ACheckpointThatIsAPipeIsRefusedAndNotWaitedFor) {
+  Directory const directory;
+  run_in(directory / "a", set_up(small()), {.on_progress = stopping_after(2), .on_note = {}, .threads = {}});
+  fs::remove(directory / "a" / "checkpoint.gridlock");
+  ASSERT_EQ(mkfifo((directory / "a" / "checkpoint.gridlock").c_str(), 0600), 0);
+  std::string const text = refusal([&] { resume_in(directory / "a"); });
+  EXPECT_NE(text.find("checkpoint.gridlock: it is not a regular file"), std::string::npos) << text;
+}
+
+TEST(RequireMemory, CountsNoSamplesThatNeverComeWhereAnotherLengthEndsTheRun) {
+  std::string const endless = "disks.count = 9\nrun.steps = 9000000000000000000\nobserve.every = 1\n";
+  EXPECT_NE(
+      refusal([&] { static_cast<void>(set_up(SettingsFile::from_text(endless, "run.toml"))); }).find("a series of"),
+      std::string::npos);
+  for (char const* length : {"run.collisions_per_disk = 2", "run.time = 1"}) {
+    EXPECT_EQ(refusal([&] { static_cast<void>(set_up(SettingsFile::from_text(endless + length, "run.toml"))); }), "");
+  }
 }
 
 TEST(RunSummary, ReadsBackWhatTheRunWrote) {

@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/io/file.hpp"
 #include "gridlock/run/run_directory.hpp"
 #include "unit/io/temporary_directory.hpp"
 
@@ -111,6 +113,58 @@ TEST(Trajectory, OfAnotherRunIsNotContinued) {
     if (entry.path().filename().string().find("checkpoint") != std::string::npos) std::filesystem::remove(entry.path());
   }
   EXPECT_EQ(resume_in(directory.path()).ending, Ending::failed);
+}
+
+/// A run that was interrupted after step 25, with frames of the steps 0, 10 and 20.
+void leave_half_a_run(std::filesystem::path const& directory) {
+  OnProgress const stop = [](Progress const& p) { return p.steps < 25; };
+  run_in(directory, setup_with_frames(), {.on_progress = stop, .on_note = {}, .threads = {}});
+}
+
+std::string refusal_to_resume(std::filesystem::path const& directory) {
+  try {
+    resume_in(directory);
+  } catch (Error const& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Trajectory, ThatWasRemovedIsMissedByTheRunThatIsResumed) {
+  TemporaryDirectory const directory;
+  leave_half_a_run(directory.path());
+  std::filesystem::remove(directory / "trajectory.h5");
+  std::string const summary = read_file(directory / "summary.json");
+  std::string const text = refusal_to_resume(directory.path());
+  EXPECT_NE(text.find("trajectory.h5 is missing"), std::string::npos) << text;
+  EXPECT_EQ(text.find("remove the file"), std::string::npos) << text;
+  EXPECT_FALSE(std::filesystem::exists(directory / "trajectory.h5"));
+  EXPECT_EQ(read_file(directory / "summary.json"), summary);
+}
+
+TEST(Trajectory, ThatLacksFramesOrWasCutOffIsRefusedBeforeTheRunIsResumed) {
+  TemporaryDirectory const directory;
+  leave_half_a_run(directory.path());
+  TemporaryDirectory const shorter;
+  run_in(shorter.path(), setup_with_frames(),
+         {.on_progress = [](Progress const& p) { return p.steps < 5; }, .on_note = {}, .threads = {}});
+  std::filesystem::copy(directory / "trajectory.h5", directory / "whole.h5");
+  auto const replace_by = [&](std::filesystem::path const& file) {
+    std::filesystem::copy(file, directory / "trajectory.h5", std::filesystem::copy_options::overwrite_existing);
+  };
+  replace_by(shorter / "trajectory.h5");
+  std::string const lacking = refusal_to_resume(directory.path());
+  EXPECT_NE(lacking.find("lacks frames: the last is of step 0, and the run has written one of step 10"),
+            std::string::npos)
+      << lacking;
+  write_file(directory / "cut.h5", read_file(directory / "whole.h5").substr(0, 3000));
+  replace_by(directory / "cut.h5");
+  std::string const cut = refusal_to_resume(directory.path());
+  EXPECT_NE(cut.find("is damaged"), std::string::npos) << cut;
+  EXPECT_EQ(cut.find("remove the file"), std::string::npos) << cut;
+  EXPECT_NE(cut.find("hint: put the whole file back"), std::string::npos) << cut;
+  replace_by(directory / "whole.h5");
+  EXPECT_EQ(resume_in(directory.path()).ending, Ending::finished);
 }
 
 }  // namespace

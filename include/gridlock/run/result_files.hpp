@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+
+namespace gridlock {
+
+/// Adds a file that is about to be written to the list of results in its directory, `.gridlock.files`: one name a line.
+///
+/// The list is what remove_results() goes by. Names alone do not tell whose a file is: a user may keep a report.html, an
+/// energy.png or a table beside the results, models and sweeps name files after their columns, and other versions write
+/// other files. A name is listed before its file is written, so that a kill leaves no file that is not listed. A list that
+/// cannot be written is no failure: the file itself cannot be written then either.
+void record_result(std::filesystem::path const& file);
+
+/// The same where the directory has a list already: for files that a user may want anywhere, and often beside results.
+void record_further_result(std::filesystem::path const& file);
+
+/// Removes what the list of a directory names, summary.json first, and of a sweep the runs that have lists of their own.
+/// Directories with anything else in them stay, and so does every file that is not listed.
+void remove_results(std::filesystem::path const& directory);
+
+}  // namespace gridlock
