@@ -91,7 +91,7 @@ struct Catalyst {
 
   /// Refuses more molecules than the closest packing holds, and steps that would take minutes.
   void check(Box const& box) const {
-    require_displacement(box, hop, "hop");
+    if (hop_rate > 0.0) require_displacement(box, hop, "hop");
     double const wanted = static_cast<double>(count) + static_cast<double>(count_b);
     if (wanted > most_molecules(box)) {
       throw too_many_molecules("the closest packing holds at most " + in_words(most_molecules(box)), box);

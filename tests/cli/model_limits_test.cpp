@@ -49,7 +49,7 @@ TEST(ModelLimits, StepsThatWouldNotEndAreRefused) {
 TEST(ModelLimits, DisplacementsAsLongAsTheBoxAreRefused) {
   expect_refused("flocking", {"flocking.speed=3", "box.side=2"}, "would cross the whole box");
   expect_refused("epidemic", {"epidemic.speed=1e300"}, "would cross the whole box");
-  expect_refused("catalyst", {"catalyst.hop=1.0"}, "would cross the whole box");
+  expect_refused("catalyst", {"catalyst.hop=1.0", "catalyst.hop_rate=1.0"}, "would cross the whole box");
 }
 
 TEST(ModelLimits, ProbabilitiesAboveOneAreRefused) {

@@ -108,8 +108,7 @@ class Turn {
   }
   template <class Column>
   void set(typename Column::type value) {
-    static_assert(Model::schedule == Schedule::synchronous || !(std::is_same_v<Column, X> || std::is_same_v<Column, Y>),
-                  "move_to() tells the grid, too");
+    static_assert(!std::is_same_v<Column, X> && !std::is_same_v<Column, Y>, "move_to() and move_by() set the place");
     write<Column>(value);
   }
 
@@ -123,17 +122,13 @@ class Turn {
       set<ImageX>(get<ImageX>() + to.crossed_x);
       set<ImageY>(get<ImageY>() + to.crossed_y);
     }
-    move_to(to.end);
+    go_to(to.end);
     return to.bounce;
   }
-  /// Goes to a point of the box. Errors: RunFailure for a point outside; in a synchronous model after the turn.
+  /// Goes to a point of the box. Errors: RunFailure for a point outside.
   void move_to(Vector p) {
-    if constexpr (Model::schedule != Schedule::synchronous) {
-      if (!is_inside(box(), p)) throw_outside(clock().step, id(), p, box());
-      around_.grid->move(row_, p);
-    }
-    write<X>(p.x);
-    write<Y>(p.y);
+    if (!is_inside(box(), p)) throw_outside(clock().step, id(), p, box());
+    go_to(p);
   }
 
   /// Random numbers of this agent in this step; those of different purposes 0, 1, 2 … are independent.
@@ -187,6 +182,12 @@ class Turn {
     } else {
       around_.world.agents.template column<Column>()[row_] = value;
     }
+  }
+
+  void go_to(Vector p) {
+    write<X>(p.x);
+    write<Y>(p.y);
+    if constexpr (Model::schedule != Schedule::synchronous) around_.grid->move(row_, p);
   }
 
   /// Whether a search around `p` finds everybody: in a synchronous model it sees what the agent itself can see.

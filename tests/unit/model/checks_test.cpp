@@ -133,13 +133,6 @@ TEST(SynchronousModel, RefusesASearchAroundAPointFromWhichItSeesNotAll) {
   EXPECT_NE(what.find("searches within 0.07 of (0.54, 0.5) from (0.5, 0.5)"), std::string::npos) << what;
 }
 
-TEST(SynchronousModel, RefusesACoordinateOutsideTheBoxThatIsSetAsAColumn) {
-  using Model = Scripted<Schedule::synchronous>;
-  std::string const what =
-      failure_of(Model{.act = [](Turn<Model>& self) { self.set<X>(2.0); }}, Box(1.0, 1.0, Edge::wall));
-  EXPECT_EQ(what.rfind("step 2: agent 1 is put at (2, 0.5)", 0), 0U) << what;
-}
-
 /// A model without events.
 struct Silent {
   static constexpr std::string_view name = "silent";
