@@ -12,6 +12,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/checkpoint.hpp"
 #include "gridlock/io/file.hpp"
+#include "gridlock/run/result_files.hpp"
 #include "gridlock/run/run_directory.hpp"
 #include "gridlock/run/sweep.hpp"
 #include "run/settings_difference.hpp"
@@ -144,8 +145,11 @@ void copy_run(RecordedRun const& run, fs::path const& into, fs::path const& targ
     std::string const name = entry.path().filename().string();
     // Hidden files are locks, and what a killed process has left.
     bool const is_of_run = entry.is_regular_file(ignored) && !name.starts_with('.') && name != summary_name;
-    if (is_of_run) copy_whole(entry.path(), target / name);
+    if (!is_of_run) continue;
+    record_result(target / name);
+    copy_whole(entry.path(), target / name);
   }
+  record_result(target / summary_name);
   copy_whole(run.directory / summary_name, target / summary_name);
 }
 

@@ -74,7 +74,8 @@ TEST(Overwrite, OfASweepByARunLeavesNoneOfItsRuns) {
   Workplace const workplace;
   write(workplace / "sweep.toml", "disks.count = 25\nrun.steps = 20\n[sweep]\nrun.seed = [1, 2]\n");
   write(workplace / "run.toml", "disks.count = 25\nrun.steps = 20\n");
-  ASSERT_EQ(in(workplace, {"sweep", "sweep.toml", "-o", "out", "-q"}).exit_code, 0);
+  ASSERT_EQ(in(workplace, {"sweep", "sweep.toml", "-o", "made", "-q"}).exit_code, 0);
+  ASSERT_EQ(in(workplace, {"collect", "made", "-o", "out"}).exit_code, 0);
   write(workplace / "out/runs/seed=2/notes.txt", "my own");
   ASSERT_EQ(in(workplace, {"run", "run.toml", "-o", "out", "--overwrite", "--no-pictures", "-q"}).exit_code, 0);
   for (char const* name : {"plan.json", "sweep.csv", "means.csv", "runs/seed=1", "runs/seed=2/summary.json"}) {
