@@ -67,7 +67,7 @@ double bytes_per_disk(Configuration const& configuration) {
                               : engine == "tiled" ? bytes_of_tiled
                                                   : bytes_of_stepped;
   CheckpointSettings const& checkpoint = configuration.checkpoint;
-  bool const has_checkpoints = checkpoint.every_seconds > 0.0 || checkpoint.every_steps > 0;
+  bool const has_checkpoints = checkpoint.every_seconds > 0.0 || checkpoint.every_steps > 0 || checkpoint.keep_last;
   return bytes.of_run + (has_checkpoints ? bytes.of_checkpoint : 0.0);
 }
 
