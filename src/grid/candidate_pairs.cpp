@@ -4,6 +4,7 @@
 #include <array>
 
 #include "grid/lane_bits.hpp"
+#include "grid/require.hpp"
 
 namespace gridlock {
 
@@ -143,6 +144,7 @@ void find_candidate_pairs(PackedGrid const& grid, double reach, AddPairsOfRow ad
 }
 
 void PackedGrid::find_candidate_pairs(double reach, OnPairs const& on_pairs) const {
+  require_cutoff(reach);
   static AddPairsOfRow const way =
       can_add_pairs_with_avx512() ? add_pairs_of_row_with_avx512 : add_pairs_of_row_plainly;
   gridlock::find_candidate_pairs(*this, reach, way, on_pairs);

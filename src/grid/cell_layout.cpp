@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "grid/require.hpp"
 #include "gridlock/core/error.hpp"
 
 namespace gridlock {
@@ -44,6 +45,7 @@ int CellLayout::index_from_outside(double p, double per_length, int count, doubl
 }
 
 CellLayout layout_for_reach(Box const& box, double reach, std::size_t agents) {
+  require_cutoff(reach);
   // A hair more than the reach, so that the margin of columns_within() does not ask for a second ring of cells.
   reach *= 1.0 + 1e-9;
   // Cells far smaller in number than agents would make long lists; far more would only be empty memory.

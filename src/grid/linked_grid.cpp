@@ -1,5 +1,8 @@
 #include "gridlock/grid/linked_grid.hpp"
 
+#include <algorithm>
+
+#include "grid/require.hpp"
 #include "gridlock/grid/neighbour_grid.hpp"
 
 namespace gridlock {
@@ -13,7 +16,7 @@ LinkedGrid::LinkedGrid(CellLayout const& layout, std::size_t agents)
 
 LinkedGrid::LinkedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y)
     : LinkedGrid(layout, x.size()) {
-  assert(x.size() == y.size());
+  require_points(x, y);
   for (std::size_t i = 0; i < x.size(); ++i) insert(i, {x[i], y[i]});
 }
 
@@ -21,6 +24,18 @@ void LinkedGrid::grow(std::size_t agents) {
   next_.resize(agents, none);
   previous_.resize(agents, none);
   cell_.resize(agents, outside);
+}
+
+void LinkedGrid::move_all(std::span<double const> x, std::span<double const> y) {
+  require_equal_lengths(x, y);
+  std::size_t const agents = std::min(cell_.size(), x.size());
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i < agents; ++i) {
+    if (cell_[i] == outside) continue;
+    move(i, {x[i], y[i]});
+    ++moved;
+  }
+  require_all_moved(moved, size_, x.size());
 }
 
 void LinkedGrid::link(std::size_t agent, int cell) {

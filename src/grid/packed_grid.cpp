@@ -4,6 +4,7 @@
 
 #include <mutex>
 
+#include "grid/require.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/neighbour_grid.hpp"
 
@@ -52,7 +53,7 @@ PackedGrid::PackedGrid(CellLayout const& layout, std::size_t agents)
 
 PackedGrid::PackedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y)
     : PackedGrid(layout, x.size()) {
-  assert(x.size() == y.size());
+  require_points(x, y);
   for (std::size_t i = 0; i < x.size(); ++i) insert(i, {x[i], y[i]});
 }
 
@@ -145,13 +146,18 @@ void PackedGrid::drop_second_block(Block& base) {
 }
 
 void PackedGrid::move_all(std::span<double const> x, std::span<double const> y) {
-  assert(x.size() == y.size());
+  require_equal_lengths(x, y);
   // Agents in no order: the line of one is on its way while others are moved.
   constexpr std::size_t ahead = 16;
-  for (std::size_t i = 0; i < place_.size(); ++i) {
-    if (i + ahead < place_.size()) prefetch_block_of(i + ahead);
-    if (place_[i] != none) move(i, {x[i], y[i]});
+  std::size_t const agents = std::min(place_.size(), x.size());
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i < agents; ++i) {
+    if (i + ahead < agents) prefetch_block_of(i + ahead);
+    if (place_[i] == none) continue;
+    move(i, {x[i], y[i]});
+    ++moved;
   }
+  require_all_moved(moved, size_, x.size());
 }
 
 bool PackedGrid::is_consistent() const {

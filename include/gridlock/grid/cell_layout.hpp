@@ -130,6 +130,7 @@ class CellLayout {
 };
 
 /// The finest layout whose 3×3 block holds every point nearer than `reach`, with at most about two cells an agent.
+/// Errors: Error for a reach that is negative or no number.
 CellLayout layout_for_reach(Box const& box, double reach, std::size_t agents);
 
 }  // namespace gridlock

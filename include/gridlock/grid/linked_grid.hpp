@@ -24,6 +24,7 @@ class LinkedGrid {
   /// With room for agents 0 … agents − 1.
   explicit LinkedGrid(CellLayout const& layout, std::size_t agents = 0);
   /// Holds every point given, agent i at (x[i], y[i]).
+  /// Errors: Error for lists of different lengths, and for coordinates that are not finite.
   LinkedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y);
 
   [[nodiscard]] CellLayout const& layout() const { return layout_; }
@@ -60,12 +61,8 @@ class LinkedGrid {
   }
 
   /// Agent i of all that are held is at (x[i], y[i]).
-  void move_all(std::span<double const> x, std::span<double const> y) {
-    assert(x.size() == y.size());
-    for (std::size_t i = 0; i < cell_.size(); ++i) {
-      if (cell_[i] != outside) move(i, {x[i], y[i]});
-    }
-  }
+  /// Errors: Error for lists of different lengths, or too short for the agents held.
+  void move_all(std::span<double const> x, std::span<double const> y);
 
   /// Calls visit(agent) for every agent of one cell.
   template <class Visit>

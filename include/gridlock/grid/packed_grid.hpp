@@ -68,6 +68,7 @@ class PackedGrid {
   /// With room for agents 0 … agents − 1: asking for it at once takes half the memory that asking for it later does.
   explicit PackedGrid(CellLayout const& layout, std::size_t agents = 0);
   /// Holds every point given, agent i at (x[i], y[i]).
+  /// Errors: Error for lists of different lengths, and for coordinates that are not finite.
   PackedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y);
 
   [[nodiscard]] CellLayout const& layout() const { return layout_; }
@@ -149,6 +150,7 @@ class PackedGrid {
   }
 
   /// Agent i of all that are held is at (x[i], y[i]).
+  /// Errors: Error for lists of different lengths, or too short for the agents held.
   void move_all(std::span<double const> x, std::span<double const> y);
 
   template <class Visit>
@@ -181,6 +183,7 @@ class PackedGrid {
   using OnPairs = std::function<void(std::span<AgentPair const>)>;
   /// The same pairs in portions of up to a thousand. Sixteen candidates are looked at at a time where the processor has
   /// AVX-512, chosen at run time, four elsewhere; the same pairs in the same order on both.
+  /// Errors: Error for a reach that is negative or no number.
   void find_candidate_pairs(double reach, OnPairs const& on_pairs) const;
 
   /// Whether every block holds only agents of its cell, at their places, and all agents are in one.

@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <set>
 #include <utility>
+#include <vector>
 
+#include "gridlock/core/error.hpp"
 #include "gridlock/grid/linked_grid.hpp"
 #include "gridlock/grid/packed_grid.hpp"
 
@@ -57,6 +60,48 @@ template <class Grid>
 class AnyGrid : public testing::Test {};
 using Grids = testing::Types<LinkedGrid, PackedGrid>;
 TYPED_TEST_SUITE(AnyGrid, Grids);
+
+TYPED_TEST(AnyGrid, RefusesPointsThatAreNotFinite) {
+  CellLayout const layout(Box(1.0, 1.0, Edge::wall), 4, 4);
+  double const infinity = std::numeric_limits<double>::infinity();
+  for (double const bad : {std::nan(""), infinity, -infinity}) {
+    std::vector<double> const good_ones{0.1, 0.2, 0.3};
+    std::vector<double> const with_bad_one{0.1, 0.2, bad};
+    EXPECT_THROW(TypeParam(layout, with_bad_one, good_ones), Error) << bad;
+    EXPECT_THROW(TypeParam(layout, good_ones, with_bad_one), Error) << bad;
+  }
+}
+
+TYPED_TEST(AnyGrid, RefusesListsOfDifferentLengths) {
+  CellLayout const layout(Box(1.0, 1.0, Edge::wall), 4, 4);
+  std::vector<double> const two{0.1, 0.2};
+  std::vector<double> const three{0.1, 0.2, 0.3};
+  EXPECT_THROW(TypeParam(layout, three, two), Error);
+  EXPECT_THROW(TypeParam(layout, two, three), Error);
+  TypeParam grid(layout, three, three);
+  EXPECT_THROW(grid.move_all(three, two), Error);
+  EXPECT_THROW(grid.move_all(two, two), Error) << "the grid holds three";
+}
+
+TYPED_TEST(AnyGrid, MovesAllItHoldsAlsoWhereItHasRoomForMore) {
+  CellLayout const layout(Box(1.0, 1.0, Edge::wall), 4, 4);
+  TypeParam grid(layout);
+  grid.reserve(100);
+  grid.insert(1, {0.1, 0.1});
+  grid.move_all(std::vector<double>{0.0, 0.9}, std::vector<double>{0.0, 0.9});
+  EXPECT_EQ(grid.cell_of(1), 15);
+}
+
+TEST(PackedGrid, RefusesACutoffThatIsNoDistance) {
+  State const state = points(Edge::wall, {{0.1, 0.5}, {0.5, 0.5}, {0.9, 0.5}});
+  PackedGrid const grid = grid_for_reach(state, 0.2);
+  for (double const bad : {-1.0, std::nan("")}) {
+    EXPECT_THROW(static_cast<void>(layout_for_reach(state.box, bad, 3)), Error) << bad;
+    EXPECT_THROW(pairs_within(state, bad), Error) << bad;
+    EXPECT_THROW(grid.for_each_candidate_pair(bad, [](std::size_t, std::size_t) {}), Error) << bad;
+  }
+  EXPECT_EQ(pairs_within(state, 0.0), Pairs{});
+}
 
 TYPED_TEST(AnyGrid, FindsPairsOfImagesOutsideAPeriodicBox) {
   // All 0.125 from each other, as they stand or as images of one another.
