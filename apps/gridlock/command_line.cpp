@@ -2,17 +2,16 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <new>
 #include <string>
-#include <vector>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/run/run_directory.hpp"
+#include "usage_error.hpp"
 #include "verbs.hpp"
 
 namespace gridlock {
@@ -21,20 +20,13 @@ namespace {
 
 using cli::ExitCode;
 
-/// What CLI11 found wrong, in our words where the verb is missing or unknown.
-void print_usage_error(CLI::App const& app, CLI::ParseError const& error, std::string const& first_word) {
-  if (!app.get_subcommands().empty()) {
-    fmt::print(stderr, "error: {}\n  hint: {} {} --help shows what there is\n", error.what(), cli::program_name(),
-               app.get_subcommands().front()->get_name());
-    return;
+/// An empty text, as of a shell variable without a value, never means anything.
+void refuse_empty_values(CLI::App& app) {
+  for (CLI::App* const verb : app.get_subcommands({})) {
+    for (CLI::Option* const option : verb->get_options()) {
+      if (option->get_items_expected_max() > 0) option->check(cli::not_empty());
+    }
   }
-  std::vector<std::string> verbs;
-  for (CLI::App const* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
-  std::string const what = first_word.empty()            ? cli::program_name() + " needs a verb"
-                           : first_word.starts_with("-") ? std::string(error.what())
-                                                         : fmt::format("there is no verb \"{}\"", first_word);
-  fmt::print(stderr, "error: {}\n  hint: the verbs are {}; {} --help explains them\n", what, fmt::join(verbs, ", "),
-             cli::program_name());
 }
 
 ExitCode run_command_line(int argc, char** argv) {
@@ -55,6 +47,7 @@ ExitCode run_command_line(int argc, char** argv) {
   cli::add_plot(app, exit_code);
   cli::add_export(app, exit_code);
   cli::add_movie(app, exit_code);
+  refuse_empty_values(app);
   app.footer(fmt::format("Start with:  {0} paper --quick    or    {0} explain", cli::program_name()));
   try {
     app.parse(argc, argv);
@@ -63,8 +56,7 @@ ExitCode run_command_line(int argc, char** argv) {
       app.exit(error);
       return ExitCode::good;
     }
-    print_usage_error(app, error, argc > 1 ? argv[1] : "");
-    return ExitCode::bad_input;
+    throw Error(cli::usage_problem(app, error, argc > 1 ? argv[1] : ""));
   }
   return exit_code;
 }

@@ -1,3 +1,7 @@
+#include <fmt/format.h>
+
+#include <charconv>
+#include <system_error>
 #include <utility>
 
 #include "verbs.hpp"
@@ -11,6 +15,29 @@ std::string name_of_program = "gridlock";
 std::string const& program_name() { return name_of_program; }
 
 void set_program_name(std::string name) { name_of_program = std::move(name); }
+
+CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
+  bool const is_bounded = most < std::numeric_limits<std::uint64_t>::max();
+  std::string const range = is_bounded ? fmt::format("from {} to {}", least, most) : fmt::format("at least {}", least);
+  return {[=](std::string& text) {
+            // As in TOML, 10_000 is ten thousand.
+            std::erase(text, '_');
+            std::uint64_t number = 0;
+            auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+            bool const is_read = error == std::errc{} && end == text.data() + text.size();
+            if (!is_read || number < least || number > most) {
+              return fmt::format("must be a whole number, {}, but is {}", range, text);
+            }
+            // CLI11 would read "010" as octal.
+            text = fmt::format("{}", number);
+            return std::string();
+          },
+          range};
+}
+
+CLI::Validator not_empty() {
+  return {[](std::string const& text) { return text.empty() ? std::string("must not be empty") : std::string(); }, ""};
+}
 
 void ConfigurationOptions::add_to(CLI::App& verb) {
   verb.add_option("FILE", file, "Configuration, TOML")->required();

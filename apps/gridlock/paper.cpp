@@ -83,10 +83,11 @@ void add_paper(CLI::App& app, ExitCode& exit_code) {
   auto* const quick = verb->add_flag("--quick", options->is_quick, "10,000 steps, about a minute and a half (default)");
   verb->add_flag("--full", options->is_full, "The paper's 100,000 steps, about half an hour on two cores")
       ->excludes(quick);
-  verb->add_option("--figure", options->figure, "Make this figure alone")->check(CLI::Range(4, 7));
-  verb->add_option("--seed", options->seed, "The seeds of the runs are this one and those after it");
+  verb->add_option("--figure", options->figure, "Make this figure alone")->check(whole_number(4, 7));
+  verb->add_option("--seed", options->seed, "The seeds of the runs are this one and those after it")
+      ->check(whole_number(0));
   verb->add_option("-j,--threads", options->threads, "Simulations at a time; left out: one for each core")
-      ->check(CLI::Range(1U, 4096U));
+      ->check(whole_number(1, 4096));
   verb->add_flag("-q,--quiet", options->is_quiet, "Print errors only");
   options->output.add_to(*verb, "results/paper");
   verb->callback([options, &exit_code] { exit_code = make_paper(*options); });

@@ -35,10 +35,12 @@ void add_resume(CLI::App& app, ExitCode& exit_code) {
       "resume", "Go on with a run that was interrupted or killed, or make a run longer, to the same bits");
   auto const options = std::make_shared<ResumeOptions>();
   verb->add_option("DIR", options->directory, "Directory of the run")->required();
-  verb->add_option("-j,--threads", options->threads, "Threads of the engine tiled; left out: as configured");
+  verb->add_option("-j,--threads", options->threads, "Threads of the engine tiled; left out: as configured")
+      ->check(whole_number(0, 1024));
   verb->add_option("--steps", options->length.steps,
                    "Make it a run of so many steps from its start, in place of the length it has")
-      ->type_name("N");
+      ->type_name("N")
+      ->check(whole_number(0));
   verb->add_option("--time", options->length.time, "The same in physical time")->type_name("T");
   verb->add_option("--collisions-per-disk", options->length.collisions_per_disk, "The same in collisions")
       ->type_name("C");

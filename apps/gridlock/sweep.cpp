@@ -114,7 +114,7 @@ void add_sweep(CLI::App& app, ExitCode& exit_code) {
   options->configuration.add_to(*verb);
   options->output.add_to(*verb, "results/<name of FILE>");
   verb->add_option("-j,--threads", options->threads, "Runs at a time; left out: one for each core")
-      ->check(CLI::Range(1U, 4096U));
+      ->check(whole_number(1, 4096));
   verb->add_option("--shard", options->shard, "Make only part I of N, for one of N jobs; gridlock collect joins them")
       ->type_name("I/N");
   verb->add_flag("-q,--quiet", options->is_quiet, "Print errors only");

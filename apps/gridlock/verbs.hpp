@@ -2,7 +2,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -33,6 +35,11 @@ void add_movie(CLI::App& app, ExitCode& exit_code);
 /// The name the program was started by, for messages that say what to type; "gridlock" before it is known.
 std::string const& program_name();
 void set_program_name(std::string name);
+
+/// Accepts whole numbers in a range. CLI11's own validators speak of floating-point ranges and take −1 for 2⁶⁴ − 1.
+CLI::Validator whole_number(std::uint64_t least, std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
+/// Refuses an empty text.
+CLI::Validator not_empty();
 
 /// The trajectory meant by the directory of a run, or by its own name.
 std::filesystem::path trajectory_file(std::string const& path);

@@ -152,7 +152,7 @@ SettingsFile SettingsFile::from_text(std::string_view text, std::string const& n
 }
 
 void SettingsFile::set(std::string_view assignment) {
-  SettingLocation const where{.file = "--set", .source_line = std::string(assignment)};
+  SettingLocation const where{.file = "--set", .source_line = shown_line(assignment)};
   std::size_t const equals = assignment.find('=');
   if (equals == std::string_view::npos) {
     throw Error(problem_at(where, "", fmt::format("{} sets nothing", in_quotes(assignment)),

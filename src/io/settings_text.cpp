@@ -4,8 +4,8 @@
 #include <limits>
 #include <utility>
 
+#include "gridlock/io/nearest_name.hpp"
 #include "gridlock/io/settings_file.hpp"
-#include "io/nearest_name.hpp"
 #include "io/settings_reader.hpp"
 #include "io/text.hpp"
 #include "io/toml_tree.hpp"
@@ -302,6 +302,15 @@ std::string explain(Describe const& describe, std::string_view key) {
   if (text.empty()) text = explain_all([&](Entry const& e) { return e.name == key; });
   if (text.empty()) refuse_unknown(key, entries);
   return text;
+}
+
+std::vector<std::string> setting_keys(Describe const& describe) {
+  Catalogue const catalogue(describe);
+  std::vector<std::string> keys;
+  for (Entry const& entry : catalogue.entries()) {
+    if (!entry.is_table) keys.push_back(entry.path);
+  }
+  return keys;
 }
 
 std::string reference_markdown(Describe const& describe) {

@@ -210,11 +210,43 @@ TEST(Explain, TheReferencePageIsWhatTheProgramSays) {
       << "run: gridlock explain --markdown > docs/settings.md";
 }
 
+TEST(Explain, ThePageOfObservablesSaysWhatTheProgramSays) {
+  Workplace const workplace;
+  write(workplace / "a.toml", small_run);
+  expect_good(gridlock::test::gridlock({"run", "a.toml", "-o", "out", "--no-pictures"}, workplace.path()));
+  std::string const series = text_of(workplace / "out/series.csv");
+  std::string const page = text_of(fs::path(GRIDLOCK_SOURCE_DIR) / "docs/observables.md");
+  Outcome const all = gridlock::test::gridlock({"explain", "observables"}, workplace.path());
+  expect_good(all);
+
+  std::string names;
+  std::istringstream lines(all.out);
+  for (std::string name, documentation, unit, blank; std::getline(lines, name); std::getline(lines, blank)) {
+    std::getline(lines, documentation);
+    std::getline(lines, unit);
+    names += (names.empty() ? "" : ",") + name;
+    EXPECT_EQ(gridlock::test::gridlock({"explain", name}, workplace.path()).out,
+              name + "\n" + documentation + "\n" + unit + "\n");
+    std::string const in = "    column of series.csv, in ";
+    std::string const shown_unit = unit.starts_with(in) ? unit.substr(in.size()) : "";
+    static std::regex const bar(R"(\|)");
+    std::string const cell = std::regex_replace(documentation.substr(4), bar, R"(\|)");
+    std::string const row = "| `" + name + "` | " + shown_unit + " | " + cell + " |\n";
+    EXPECT_NE(page.find(row), std::string::npos) << "missing in docs/observables.md: " << row;
+  }
+  EXPECT_EQ(names, series.substr(0, series.find('\n')));
+  auto const summary = summary_of(workplace / "out");
+  for (auto const& [key, entry] : summary.items()) {
+    EXPECT_NE(page.find("`" + key + "`"), std::string::npos) << "missing in docs/observables.md: " << key;
+  }
+}
+
 TEST(Help, IsThereForEveryVerb) {
   Workplace const workplace;
   expect_good(gridlock::test::gridlock({"--help"}, workplace.path()));
   expect_good(gridlock::test::gridlock({"--version"}, workplace.path()));
-  for (char const* verb : {"run", "resume", "sweep", "collect", "paper", "check", "explain", "info", "plot"}) {
+  for (char const* verb :
+       {"run", "resume", "sweep", "collect", "paper", "check", "explain", "info", "plot", "export", "movie"}) {
     expect_good(gridlock::test::gridlock({verb, "--help"}, workplace.path()));
   }
 }
@@ -256,10 +288,10 @@ std::vector<std::string> documented_commands() {
     bool is_in_block = false;
     for (std::string line; std::getline(lines, line);) {
       if (line.starts_with("```")) is_in_block = line == "```sh";
-      std::string const program = "./build/apps/gridlock/gridlock ";
       // The paper's study takes minutes; its own tests run it in small.
-      if (is_in_block && line.starts_with(program) && line.find(" paper") == std::string::npos) {
-        commands.push_back(line.substr(program.size()));
+      if (!is_in_block || line.find(" paper") != std::string::npos) continue;
+      for (std::string const program : {"./build/apps/gridlock/gridlock ", "gridlock "}) {
+        if (line.starts_with(program)) commands.push_back(line.substr(program.size()));
       }
     }
   }
@@ -270,7 +302,7 @@ TEST(Documentation, EveryCommandRuns) {
   Workplace const workplace;
   fs::create_directory_symlink(fs::path(GRIDLOCK_SOURCE_DIR) / "scenes", workplace / "scenes");
   auto const commands = documented_commands();
-  EXPECT_GE(commands.size(), 7U);
+  EXPECT_GE(commands.size(), 20U);
   for (std::string const& command : commands) {
     std::istringstream words(command.substr(0, command.find(" #")));
     Arguments arguments;

@@ -96,6 +96,9 @@ std::string to_toml(Describe const& describe);
 /// Errors: Error for an unknown key, with the nearest one.
 std::string explain(Describe const& describe, std::string_view key);
 
+/// The dotted key of every setting, in the order they are described.
+std::vector<std::string> setting_keys(Describe const& describe);
+
 /// The reference page in Markdown, one section for each table.
 std::string reference_markdown(Describe const& describe);
 

@@ -1,4 +1,4 @@
-#include "io/nearest_name.hpp"
+#include "gridlock/io/nearest_name.hpp"
 
 #include <gtest/gtest.h>
 

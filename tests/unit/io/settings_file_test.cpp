@@ -568,6 +568,14 @@ TEST(SettingsText, ExplainsASettingATableAndEverything) {
   }
 }
 
+TEST(SettingsText, ListsTheKeyOfEverySetting) {
+  Configuration c;
+  EXPECT_EQ(setting_keys(describe_of(c)),
+            (std::vector<std::string>{"box.edge", "box.side", "box.width", "disks.count", "disks.packing_fraction",
+                                      "disks.file", "disks.species.fraction", "disks.species.size_ratio", "run.seed",
+                                      "run.pictures", "run.times"}));
+}
+
 TEST(SettingsText, AnUnknownKeyIsRefusedWithTheNearest) {
   Configuration c;
   auto const hint = [&](std::string_view key) { return problems_of([&] { explain(describe_of(c), key); }).at(0).hint; };

@@ -1,0 +1,129 @@
+#include "usage_error.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include "gridlock/io/nearest_name.hpp"
+#include "gridlock/io/settings_file.hpp"
+#include "gridlock/run/configuration.hpp"
+#include "verbs.hpp"
+
+namespace gridlock::cli {
+
+namespace {
+
+bool is_option(std::string_view word) { return word.size() > 1 && word.front() == '-'; }
+
+std::string command(CLI::App const& verb) { return fmt::format("{} {}", program_name(), verb.get_name()); }
+
+bool has_option(CLI::App const& verb, std::string const& name) { return verb.get_option_no_throw(name) != nullptr; }
+
+std::vector<std::string> long_names(CLI::App const& verb) {
+  std::vector<std::string> names;
+  for (CLI::Option const* option : verb.get_options()) {
+    for (std::string const& name : option->get_lnames()) names.push_back(name);
+  }
+  return names;
+}
+
+/// What a user calls an option: "time-step" for --time-step, and "threads" for -j, which means --threads in other verbs.
+std::string name_of(CLI::App const& verb, std::string const& option) {
+  std::string const name = option.substr(option.find_first_not_of('-'));
+  if (name.size() > 1) return name;
+  for (CLI::App const* other : verb.get_parent()->get_subcommands({})) {
+    CLI::Option const* const known = other->get_option_no_throw(option);
+    if (known != nullptr && !known->get_lnames().empty()) return known->get_lnames().front();
+  }
+  return name;
+}
+
+/// The setting whose key, or the last part of whose key, is a name or nearly so; empty where there is none.
+std::string setting_like(std::string_view name) {
+  Configuration configuration;
+  std::vector<std::string> const keys = setting_keys(describing(configuration));
+  std::vector<std::string> last_parts;
+  for (std::string const& key : keys) last_parts.push_back(key.substr(key.rfind('.') + 1));
+  if (std::ranges::find(keys, name) != keys.end()) return std::string(name);
+  auto const found = std::ranges::find(last_parts, nearest_name(name, last_parts));
+  return found == last_parts.end() ? "" : keys[static_cast<std::size_t>(found - last_parts.begin())];
+}
+
+/// `--time-step 0.1` for a verb that has no such option.
+Problem unknown_option(CLI::App const& verb, std::vector<std::string> const& extras) {
+  std::string_view const word = extras.front();
+  std::size_t const equals = word.find('=');
+  std::string const option(word.substr(0, equals));
+  std::string value = extras.size() > 1 && !is_option(extras[1]) ? extras[1] : "…";
+  if (equals != std::string_view::npos) value = word.substr(equals + 1);
+  std::string const name = name_of(verb, option);
+  std::string key = name;
+  std::ranges::replace(key, '-', '_');
+
+  std::string const setting = has_option(verb, "--set") ? setting_like(key) : "";
+  std::string const nearest = nearest_name(name, long_names(verb));
+  bool const is_setting = setting == key || setting.ends_with("." + key);
+  std::string hint = fmt::format("{} --help lists the options", command(verb));
+  if (!setting.empty()) hint = fmt::format("settings are given by --set {}={}", setting, value);
+  if (!nearest.empty() && !is_setting) hint = fmt::format("did you mean --{}?", nearest);
+  return {.what = fmt::format("{} has no option {}", command(verb), option), .hint = hint, .key = option};
+}
+
+/// A word that no positional argument is left for.
+Problem extra_word(CLI::App const& verb, std::string const& word) {
+  std::vector<std::string> places;
+  for (CLI::Option const* option : verb.get_options()) {
+    if (option->get_positional()) places.push_back(option->get_name());
+  }
+  std::string hint = fmt::format("{} --help shows what it takes", command(verb));
+  if (has_option(verb, "--output")) hint = fmt::format("results go where -o says: -o {}", word);
+  if (has_option(verb, "--set") && word.find('=') != std::string::npos) hint = fmt::format("write --set {}", word);
+  return {.what = fmt::format("\"{}\" is one word too many: {} takes {} only", word, command(verb),
+                              fmt::join(places, " and ")),
+          .hint = hint};
+}
+
+/// What CLI11 says of an option by its name: "--to: 1 required TEXT missing".
+Problem wrong_number_of_values(CLI::App const& verb, std::string const& said) {
+  std::string const name = said.substr(0, said.find(':'));
+  CLI::Option const* const option = verb.get_option_no_throw(name);
+  std::string what = said;
+  if (option != nullptr) {
+    what = option->count() > 1 ? fmt::format("{} is given {} times", name, option->count())
+                               : fmt::format("{} needs a value: {}", name, option->get_type_name());
+  }
+  return {.what = what, .hint = fmt::format("{} --help lists the options", command(verb)), .key = name};
+}
+
+Problem unknown_verb(CLI::App const& app, std::string const& word, std::string const& said) {
+  std::vector<std::string> verbs;
+  for (CLI::App const* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
+  std::string const nearest = nearest_name(word, verbs);
+  std::string const help = fmt::format("{} --help explains them", program_name());
+  return {.what = word.empty()      ? program_name() + " needs a verb"
+                  : is_option(word) ? said
+                                    : fmt::format("there is no verb \"{}\"", word),
+          .hint = nearest.empty() ? fmt::format("the verbs are {}; {}", fmt::join(verbs, ", "), help)
+                                  : fmt::format("did you mean {} {}?", program_name(), nearest)};
+}
+
+}  // namespace
+
+Problem usage_problem(CLI::App const& app, CLI::ParseError const& error, std::string const& first_word) {
+  if (app.get_subcommands().empty()) return unknown_verb(app, first_word, error.what());
+  CLI::App const& verb = *app.get_subcommands().front();
+  std::vector<std::string> const extras = verb.remaining();
+  if (!extras.empty())
+    return is_option(extras.front()) ? unknown_option(verb, extras) : extra_word(verb, extras.front());
+  if (!app.remaining().empty()) {
+    return {.what = fmt::format("\"{}\" stands before the verb", app.remaining().front()),
+            .hint = fmt::format("options come after it: {} {}", command(verb), app.remaining().front())};
+  }
+  if (dynamic_cast<CLI::ArgumentMismatch const*>(&error) != nullptr) return wrong_number_of_values(verb, error.what());
+  return {.what = error.what(), .hint = fmt::format("{} --help shows what there is", command(verb))};
+}
+
+}  // namespace gridlock::cli

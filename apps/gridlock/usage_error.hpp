@@ -1,0 +1,15 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+
+#include "gridlock/core/error.hpp"
+
+namespace gridlock::cli {
+
+/// What is wrong with a command line that CLI11 refused, with a hint: the setting that was meant, the option or verb
+/// with nearly the same name, or where the help is.
+Problem usage_problem(CLI::App const& app, CLI::ParseError const& error, std::string const& first_word);
+
+}  // namespace gridlock::cli
