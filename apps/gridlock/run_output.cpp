@@ -90,7 +90,8 @@ std::string resume_text(std::filesystem::path const& directory) {
 }  // namespace
 
 void RunOutput::add_to(CLI::App& verb) {
-  verb.add_flag("--no-pictures", draws_nothing_, "Write data only");
+  verb.add_flag("--pictures,!--no-pictures", draws_,
+                "Draw the pictures of the run at its end, as gridlock plot DIR does");
   auto* const quiet = verb.add_flag("-q,--quiet", is_quiet_, "Print errors only");
   verb.add_flag("-v,--verbose", is_verbose_, "Print every line of run.log as well")->excludes(quiet);
   verb.add_flag("--json", writes_json_, "Print progress and end as lines of JSON, for other programs")->excludes(quiet);
@@ -140,12 +141,15 @@ void RunOutput::print_end(gridlock::RunRecord const& record, std::filesystem::pa
              record.agents, duration_text(record.seconds), count_text(record.agent_steps_per_second()));
   print_results(record);
   fmt::print("  {:<26} {:016x}\nresults in {}\n", "state_hash", record.state_hash, directory.string());
+  if (!draws_ && record.ending == gridlock::Ending::finished) {
+    fmt::print("pictures: gridlock plot {}\n", directory.string());
+  }
 }
 
 ExitCode RunOutput::finish(gridlock::RunRecord const& record, std::filesystem::path const& directory) {
   line_.reset();
   signals_.reset();
-  if (!draws_nothing_) {
+  if (draws_) {
     for (std::string const& note : gridlock::draw_results(directory).notes) fmt::print(stderr, "note: {}\n", note);
   }
   if (!is_quiet_) print_end(record, directory);

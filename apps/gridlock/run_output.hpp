@@ -18,14 +18,14 @@ class RunOutput {
   /// Shows progress and notes, and asks the run to end when the user does.
   [[nodiscard]] gridlock::RunHooks hooks();
 
-  /// Draws the pictures and says how the run has ended.
+  /// Draws the pictures where they were asked for, and says how the run has ended.
   [[nodiscard]] ExitCode finish(gridlock::RunRecord const& record, std::filesystem::path const& directory);
 
  private:
   void print_progress(gridlock::Progress const& progress);
   void print_end(gridlock::RunRecord const& record, std::filesystem::path const& directory) const;
 
-  bool draws_nothing_ = false;
+  bool draws_ = false;
   bool is_quiet_ = false;
   bool is_verbose_ = false;
   bool writes_json_ = false;

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <regex>
@@ -30,7 +31,7 @@ char const* const small_run =
 TEST(Run, LeavesEverythingItPromises) {
   Workplace const workplace;
   write(workplace / "a.toml", small_run);
-  expect_good(gridlock::test::gridlock({"run", "a.toml", "-o", "out"}, workplace.path()));
+  expect_good(gridlock::test::gridlock({"run", "a.toml", "-o", "out", "--pictures"}, workplace.path()));
   for (char const* name :
        {"config.resolved.toml", "summary.json", "series.csv", "final.xyz", "pair_correlation.csv", "start.svg",
         "start.png", "final.svg", "final.png", "displacement.svg", "displacement.png", "displacement.gp"}) {
@@ -50,6 +51,26 @@ TEST(Run, LeavesEverythingItPromises) {
   gridlock::Table const series = gridlock::read_csv(workplace / "out/series.csv");
   EXPECT_EQ(series.row_count(), 21U);
   EXPECT_EQ(series.numbers("mean_displacement").back(), summary["mean_displacement"]["value"].get<double>());
+}
+
+bool holds_pictures(fs::path const& directory) {
+  return std::ranges::any_of(contents(directory), [](std::string const& name) {
+    return name.ends_with(".svg") || name.ends_with(".png") || name.ends_with(".gp");
+  });
+}
+
+TEST(Run, DrawsNothingUnlessAskedAndSaysHowTo) {
+  Workplace const workplace;
+  write(workplace / "a.toml", small_run);
+  Outcome const run = gridlock::test::gridlock({"run", "a.toml", "-o", "out"}, workplace.path());
+  expect_good(run);
+  EXPECT_NE(run.out.find("pictures: gridlock plot out\n"), std::string::npos) << run.out;
+  EXPECT_FALSE(holds_pictures(workplace / "out"));
+  Outcome const drawn = gridlock::test::gridlock({"run", "a.toml", "-o", "drawn", "--pictures"}, workplace.path());
+  expect_good(drawn);
+  EXPECT_EQ(drawn.out.find("gridlock plot"), std::string::npos) << drawn.out;
+  EXPECT_TRUE(holds_pictures(workplace / "drawn"));
+  EXPECT_NE(gridlock::test::gridlock({"resume", "--help"}, workplace.path()).out.find("--pictures"), std::string::npos);
 }
 
 TEST(Run, FromItsResolvedConfigurationGivesTheSameBytes) {
@@ -267,7 +288,7 @@ TEST(Info, KnowsRunsSweepsStatesAndTables) {
 TEST(Plot, DrawsAgainFromTheDataAlone) {
   Workplace const workplace;
   write(workplace / "a.toml", small_run);
-  expect_good(gridlock::test::gridlock({"run", "a.toml", "-o", "out"}, workplace.path()));
+  expect_good(gridlock::test::gridlock({"run", "a.toml", "-o", "out", "--pictures"}, workplace.path()));
   std::string const before = text_of(workplace / "out/final.svg");
   fs::remove(workplace / "out/final.svg");
   fs::remove(workplace / "out/displacement.png");
