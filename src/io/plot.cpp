@@ -274,6 +274,11 @@ void append_preamble(std::string& script, Plot const& plot) {
                  "set pointintervalbox 1e-6  # no white spots below points; 0 would mean 1\n"
                  "set samples 500\n",
                  ink, faint);
+  bool const has_points = std::ranges::any_of(plot.curves, [](PlotCurve const& curve) {
+    return curve.style == PlotStyle::points || curve.style == PlotStyle::line_and_points;
+  });
+  // Points at the ends of the data stay clear of the frame; ends that are set, and logarithmic axes, have no offset.
+  if (has_points) script += "set offsets graph 0.03, graph 0.03, graph 0.04, graph 0.04\n";
 }
 
 /// The text of name.gp.

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <map>
+#include <numeric>
 #include <set>
 #include <utility>
 #include <vector>
@@ -19,6 +19,7 @@
 #include "gridlock/run/configuration.hpp"
 #include "gridlock/run/result_files.hpp"
 #include "run/frame_picture.hpp"
+#include "run/labels.hpp"
 
 namespace gridlock {
 
@@ -127,16 +128,15 @@ Frame last_frame(fs::path const& file) {
 /// The agents where they are at the end.
 void draw_last(Artist& artist, std::string const& colour) {
   Frame const last = last_frame(artist.path_of("final.xyz"));
+  FramePainter painter(last, colour);
+  painter.widen_bar(last);
   artist.picture("final", [&](fs::path const& file) {
-    FramePainter painter(last, colour);
-    painter.widen_bar(last);
     painter.draw(last, PictureSettings{}.width, fmt::format("step {}, t = {:.4g}", last.clock.step, last.clock.time),
                  file);
   });
 }
 
-void draw_states(Artist& artist) {
-  Setup const setup = set_up(SettingsFile::from_path(artist.path_of("config.resolved.toml")));
+void draw_start(Artist& artist, Setup const& setup) {
   std::uint64_t const cells = setup.configuration.engine.cells.value_or(0);
   // A grid finer than the disks would hide them.
   bool const shows_grid = cells > 0 && cells <= 40;
@@ -145,6 +145,10 @@ void draw_states(Artist& artist) {
                 .columns = shows_grid ? cells : 0,
                 .rows = shows_grid ? cells : 0,
                 .title = fmt::format("start, φ = {:.4g}", covered_area(setup.state.disks) / setup.state.box.area())});
+}
+
+/// The disks at the end, coloured by how far they have come.
+void draw_displacements(Artist& artist, Setup const& setup) {
   State const last = read_xyz(artist.path_of("final.xyz")).state;
   std::vector<double> const values = displacements(setup.state, last);
   artist.disks("final", last,
@@ -155,15 +159,39 @@ void draw_states(Artist& artist) {
                 .title = fmt::format("after {} steps", last.clock.step - setup.state.clock.step)});
 }
 
+/// g(r) over the distance in mean diameters.
+void draw_pair_correlation(Artist& artist, State const& state) {
+  auto const radii = state.disks.column<Radius>();
+  if (radii.empty()) return;
+  auto const [least, most] = std::ranges::minmax(radii);
+  double const diameter = 2.0 * std::accumulate(radii.begin(), radii.end(), 0.0) / static_cast<double>(radii.size());
+  artist.plot({.name = "pair_correlation",
+               .title = "Pair correlation",
+               .x = {.label = least == most ? "distance r / diameter σ" : "distance r / mean diameter"},
+               .y = {.label = "pair correlation g(r)", .least = 0.0},
+               .curves = {{.file = "pair_correlation.csv",
+                           .x = "distance",
+                           .y = "pair_correlation",
+                           .error = "error",
+                           .x_factor = 1.0 / diameter}},
+               .references = {{.at = 1.0}},
+               .key = PlotKey::none});
+}
+
 /// A run of a model: its agents at the end, and every column of its series against time.
 void draw_model_run(Artist& artist, std::string const& colour) {
+  if (colour == "displacement") {
+    throw Error({.what = "final.xyz does not tell how far the agents of a model have come",
+                 .hint = "gridlock movie DIR --colour displacement shows it, where the run keeps frames",
+                 .key = "--colour"});
+  }
   draw_last(artist, colour);
   Table const series = read_csv(artist.path_of("series.csv"));
   for (std::string const& name : series.names()) {
     if (name == "step" || name == "time") continue;
     artist.plot({.name = name,
-                 .x = {.label = "time"},
-                 .y = {.label = name, .least = 0.0},
+                 .x = {.label = axis_label("time")},
+                 .y = {.label = axis_label(name), .least = 0.0},
                  .curves = {{.file = "series.csv", .x = "time", .y = name}},
                  .key = PlotKey::none});
   }
@@ -174,30 +202,29 @@ void draw_run(Artist& artist, std::string const& colour) {
     draw_model_run(artist, colour);
     return;
   }
-  draw_states(artist);
-  if (!colour.empty() && colour != "displacement") draw_last(artist, colour);
-  artist.plot({.name = "displacement",
-               .title = "Mean displacement from the start",
-               .x = {.label = "time"},
-               .y = {.label = "mean displacement / side", .least = 0.0},
-               .curves = {{.file = "series.csv", .x = "time", .y = "mean_displacement"}},
-               .references = {{.at = 0.1, .label = "10 % of the box"}},
-               .key = PlotKey::none});
-  if (artist.has("pair_correlation.csv")) {
-    artist.plot(
-        {.name = "pair_correlation",
-         .title = "Pair correlation",
-         .x = {.label = "distance"},
-         .y = {.label = "g(r)", .least = 0.0},
-         .curves = {{.file = "pair_correlation.csv", .x = "distance", .y = "pair_correlation", .error = "error"}},
-         .references = {{.at = 1.0}},
-         .key = PlotKey::none});
+  Setup const setup = set_up(SettingsFile::from_path(artist.path_of("config.resolved.toml")));
+  if (colour.empty() || colour == "displacement") {
+    draw_displacements(artist, setup);
+  } else {
+    draw_last(artist, colour);
   }
+  draw_start(artist, setup);
+  // The paper's mark of jamming, of its rule between its walls.
+  bool const is_as_in_paper = setup.state.box.edge() == Edge::wall && setup.configuration.engine.kind != "exact";
+  Plot displacement{.name = "displacement",
+                    .title = "Mean displacement from the start",
+                    .x = {.label = axis_label("time")},
+                    .y = {.label = axis_label("mean_displacement"), .least = 0.0},
+                    .curves = {{.file = "series.csv", .x = "time", .y = "mean_displacement"}},
+                    .key = PlotKey::none};
+  if (is_as_in_paper) displacement.references.push_back({.at = 0.1, .label = "10 % of the box"});
+  artist.plot(displacement);
+  if (artist.has("pair_correlation.csv")) draw_pair_correlation(artist, setup.state);
   if (artist.has("speed_distribution.csv")) {
     artist.plot({.name = "speed_distribution",
                  .title = "Distribution of speed",
-                 .x = {.label = "speed", .least = 0.0},
-                 .y = {.label = "density", .least = 0.0},
+                 .x = {.label = "speed v / (length / time)", .least = 0.0},
+                 .y = {.label = "density of disks / (time / length)", .least = 0.0},
                  .curves = {{.label = "measured",
                              .file = "speed_distribution.csv",
                              .x = "speed",
@@ -260,11 +287,33 @@ std::vector<PlotCurve> curves_against(std::string const& axis, std::string const
       if (key == axis) continue;
       std::string const entry = entry_of(means, key, row);
       curve.where.push_back({.column = key, .equals = entry});
-      curve.label += fmt::format("{}{} = {}", curve.label.empty() ? "" : ", ", key, entry);
+      curve.label += fmt::format("{}{} = {}", curve.label.empty() ? "" : ", ", axis_label(key), entry);
     }
     if (labels.insert(curve.label).second) curves.push_back(std::move(curve));
   }
   return curves;
+}
+
+/// What a sweep is drawn for: a few observables of disks; a model has few, none of them these, and all are drawn.
+std::vector<std::string> drawn_observables(Table const& means) {
+  std::vector<std::string> observables;
+  std::vector<std::string> all;
+  for (std::string const& name : means.names()) {
+    if (means.contains(name + "_error")) all.push_back(name);
+  }
+  for (char const* name :
+       {"mean_displacement", "compressibility_factor", "wall_pressure", "collision_rate", "blocked_share"}) {
+    if (means.contains(name)) observables.emplace_back(name);
+  }
+  return observables.empty() ? all : observables;
+}
+
+/// How many runs stand behind a point.
+std::string sweep_title(Table const& means) {
+  std::vector<double> const runs = means.numbers("runs");
+  auto const [least, most] = std::ranges::minmax(runs);
+  if (most == 1.0) return "One run a point";
+  return least == most ? fmt::format("Means over {} runs", most) : fmt::format("Means over {} to {} runs", least, most);
 }
 
 void draw_sweep(Artist& artist) {
@@ -273,9 +322,8 @@ void draw_sweep(Artist& artist) {
   std::vector<std::string> const keys = swept_keys(means);
   std::string const axis = axis_of(means, keys);
   if (axis.empty()) return;
-  for (char const* observable :
-       {"mean_displacement", "compressibility_factor", "wall_pressure", "collision_rate", "blocked_share"}) {
-    if (!means.contains(observable)) continue;
+  std::string const title = sweep_title(means);
+  for (std::string const& observable : drawn_observables(means)) {
     std::vector<PlotCurve> const curves = curves_against(axis, observable, means, keys);
     if (curves.empty()) continue;
     if (curves.size() > most_curves) {
@@ -284,8 +332,9 @@ void draw_sweep(Artist& artist) {
       continue;
     }
     artist.plot({.name = observable,
-                 .x = {.label = axis},
-                 .y = {.label = observable},
+                 .title = title,
+                 .x = {.label = axis_label(axis)},
+                 .y = {.label = axis_label(observable)},
                  .curves = curves,
                  .key = curves.size() > 1 ? PlotKey::outside : PlotKey::none});
   }
@@ -298,6 +347,11 @@ Pictures draw_results(fs::path const& directory, std::string const& colour) {
   if (artist.has("config.resolved.toml") && artist.has("final.xyz")) {
     draw_run(artist, colour);
   } else if (artist.has("means.csv")) {
+    if (!colour.empty()) {
+      throw Error({.what = "a sweep has no agents to colour",
+                   .hint = "name the directory of one of its runs, below runs/",
+                   .key = "--colour"});
+    }
     draw_sweep(artist);
   } else {
     throw Error({.what = fmt::format("{} holds neither a run nor a sweep", directory.string()),
