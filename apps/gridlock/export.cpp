@@ -15,7 +15,13 @@ namespace fs = std::filesystem;
 
 fs::path trajectory_file(std::string const& path) {
   std::error_code ignored;
-  return fs::is_directory(path, ignored) ? fs::path(path) / "trajectory.h5" : fs::path(path);
+  if (!fs::is_directory(path, ignored)) return path;
+  fs::path const file = fs::path(path) / "trajectory.h5";
+  if (!fs::exists(file, ignored) && fs::exists(fs::path(path) / "config.resolved.toml", ignored)) {
+    throw gridlock::Error({.what = fmt::format("the run in {} kept no frames", path),
+                           .hint = "run it again with --set trajectory.every=100, or another number of steps"});
+  }
+  return file;
 }
 
 void add_export(CLI::App& app, ExitCode& exit_code) {

@@ -42,6 +42,7 @@ CLI::Validator whole_number(std::uint64_t least, std::uint64_t most = std::numer
 CLI::Validator not_empty();
 
 /// The trajectory meant by the directory of a run, or by its own name.
+/// Errors: Error for a directory of a run that kept no frames.
 std::filesystem::path trajectory_file(std::string const& path);
 
 /// A configuration file and the `--set` options on top of it: what run, sweep and check have in common.

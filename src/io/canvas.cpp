@@ -143,6 +143,27 @@ std::string PixelCanvas::png() const {
   return bytes;
 }
 
+std::uint32_t PixelCanvas::width() const {
+  return static_cast<std::uint32_t>(cairo_image_surface_get_width(surface_.get()));
+}
+
+std::uint32_t PixelCanvas::height() const {
+  return static_cast<std::uint32_t>(cairo_image_surface_get_height(surface_.get()));
+}
+
+std::string PixelCanvas::pixels() const {
+  require(cairo_status(context_.get()));
+  cairo_surface_flush(surface_.get());
+  unsigned char const* const rows = cairo_image_surface_get_data(surface_.get());
+  auto const stride = static_cast<std::size_t>(cairo_image_surface_get_stride(surface_.get()));
+  std::string bytes;
+  bytes.reserve(std::size_t{4} * width() * height());
+  for (std::uint32_t row = 0; row < height(); ++row) {
+    bytes.append(reinterpret_cast<char const*>(rows + row * stride), std::size_t{4} * width());
+  }
+  return bytes;
+}
+
 void PixelCanvas::use(Colour colour, double opacity) const {
   cairo_set_source_rgba(context_.get(), colour.red, colour.green, colour.blue, opacity);
 }

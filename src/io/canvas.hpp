@@ -2,6 +2,7 @@
 
 #include <cairo.h>
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -46,6 +47,10 @@ class Canvas {
   Canvas& operator=(Canvas const&) = delete;
   virtual ~Canvas() = default;
 
+ protected:
+  Canvas(Canvas&&) = default;
+
+ public:
   virtual void fill(PixelRectangle const& rectangle, Colour colour) = 0;
   virtual void outline(PixelRectangle const& rectangle, Stroke const& stroke) = 0;
   virtual void line(Vector from, Vector to, Stroke const& stroke) = 0;
@@ -96,8 +101,12 @@ class PixelCanvas final : public Canvas {
   /// A canvas that shows the part `view` of the picture, magnified by `scale`.
   PixelCanvas(PixelRectangle const& view, double scale);
 
+  [[nodiscard]] std::uint32_t width() const;
+  [[nodiscard]] std::uint32_t height() const;
   /// The picture so far as a PNG file.
   [[nodiscard]] std::string png() const;
+  /// The picture so far, row by row from the top, each pixel a 32-bit number 0x00RRGGBB.
+  [[nodiscard]] std::string pixels() const;
 
   void fill(PixelRectangle const& rectangle, Colour colour) override;
   void outline(PixelRectangle const& rectangle, Stroke const& stroke) override;

@@ -335,6 +335,19 @@ bool is_raster(State const& state, PictureSettings const& settings) {
   return state.disks.size() > settings.most_vector_disks;
 }
 
+PixelCanvas painted(State const& state, PictureSettings const& settings) {
+  check(state, settings);
+  Picture const picture(state, settings);
+  Arrangement const& at = picture.arrangement();
+  PixelCanvas canvas({.width = at.width, .height = at.height}, 1.0);
+  picture.draw_background(canvas);
+  canvas.begin_clip(at.box);
+  picture.draw_disks(canvas);
+  canvas.end_clip();
+  picture.draw_frame(canvas);
+  return canvas;
+}
+
 }  // namespace
 
 std::string picture_svg(State const& state, PictureSettings const& settings) {
@@ -357,17 +370,11 @@ std::string picture_svg(State const& state, PictureSettings const& settings) {
   return canvas.document();
 }
 
-std::string picture_png(State const& state, PictureSettings const& settings) {
-  check(state, settings);
-  Picture const picture(state, settings);
-  Arrangement const& at = picture.arrangement();
-  PixelCanvas canvas({.width = at.width, .height = at.height}, 1.0);
-  picture.draw_background(canvas);
-  canvas.begin_clip(at.box);
-  picture.draw_disks(canvas);
-  canvas.end_clip();
-  picture.draw_frame(canvas);
-  return canvas.png();
+std::string picture_png(State const& state, PictureSettings const& settings) { return painted(state, settings).png(); }
+
+PicturePixels picture_pixels(State const& state, PictureSettings const& settings) {
+  PixelCanvas const canvas = painted(state, settings);
+  return {.width = canvas.width(), .height = canvas.height(), .bytes = canvas.pixels()};
 }
 
 PictureKind draw_disks(State const& state, PictureSettings const& settings, std::filesystem::path const& file) {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -32,33 +33,37 @@ void require(int error_number, std::string const& program) {
   throw RunFailure(fmt::format("{} could not be started: {}", program, std::generic_category().message(error_number)));
 }
 
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  Descriptor(Descriptor const&) = delete;
-  Descriptor& operator=(Descriptor const&) = delete;
-  ~Descriptor() { close(); }
-
-  [[nodiscard]] int number() const { return number_; }
-  void close() {
-    if (number_ >= 0) ::close(number_);
-    number_ = -1;
-  }
-
- private:
-  int number_;
+struct Ends {
+  Descriptor ours;
+  Descriptor theirs;
 };
+
+/// For its input a socket, because a write to a closed one can be told not to raise SIGPIPE.
+Ends input_of(std::string const& program) {
+  std::array<int, 2> ends{};
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) require(errno, program);
+  return {Descriptor(ends[0]), Descriptor(ends[1])};
+}
+
+Ends errors_of(std::string const& program) {
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) require(errno, program);
+  return {Descriptor(ends[0]), Descriptor(ends[1])};
+}
 
 /// What the child does between being born and becoming the program.
 class SpawnPlan {
  public:
-  SpawnPlan(std::filesystem::path const& directory, int errors, std::string const& program) {
+  SpawnPlan(std::filesystem::path const& directory, Descriptor const& input, Descriptor const& errors,
+            std::string const& program) {
     require(posix_spawn_file_actions_init(&actions_), program);
     require(posix_spawnattr_init(&attributes_), program);
     require(posix_spawn_file_actions_addchdir_np(&actions_, directory.c_str()), program);
-    require(posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0), program);
+    require(input.is_open() ? posix_spawn_file_actions_adddup2(&actions_, input.number(), STDIN_FILENO)
+                            : posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0),
+            program);
     require(posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0), program);
-    require(posix_spawn_file_actions_adddup2(&actions_, errors, STDERR_FILENO), program);
+    require(posix_spawn_file_actions_adddup2(&actions_, errors.number(), STDERR_FILENO), program);
     // Signals ignored or blocked here, as a program waiting for Ctrl-C may have them, are not for the child.
     sigset_t none;
     sigemptyset(&none);
@@ -86,20 +91,10 @@ class SpawnPlan {
   posix_spawnattr_t attributes_{};
 };
 
-/// Reads until the other end is closed; false when the deadline passed first.
-bool read_all(int descriptor, Instant deadline, std::string& text) {
-  std::array<char, 4096> buffer;
-  while (true) {
-    auto const left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-    if (left.count() <= 0) return false;
-    pollfd waiting{.fd = descriptor, .events = POLLIN, .revents = 0};
-    int const ready = poll(&waiting, 1, static_cast<int>(std::min<std::chrono::milliseconds::rep>(left.count(), 1000)));
-    if (ready <= 0) continue;  // nothing yet, or a signal came between
-    ssize_t const length = read(descriptor, buffer.data(), buffer.size());
-    if (length == 0) return true;
-    if (length < 0 && errno != EINTR && errno != EAGAIN) return true;
-    if (length > 0 && text.size() < most_errors) text.append(buffer.data(), static_cast<std::size_t>(length));
-  }
+/// Milliseconds for poll() to wait, never so long that a clock set back would matter; 0 at the deadline.
+int milliseconds_until(Instant deadline) {
+  auto const left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now()).count();
+  return static_cast<int>(std::clamp<decltype(left)>(left, 0, 1000));
 }
 
 /// Waits for the end of the child; false when the deadline passed first.
@@ -119,41 +114,88 @@ bool wait_for(pid_t child, Instant deadline, bool& succeeded) {
 
 }  // namespace
 
-ProcessResult run_process(std::vector<std::string> const& arguments, std::filesystem::path const& directory,
-                          std::chrono::milliseconds time_limit) {
-  Instant const deadline = std::chrono::steady_clock::now() + time_limit;
+void Descriptor::close() {
+  if (number_ >= 0) ::close(number_);
+  number_ = -1;
+}
+
+ChildProcess::ChildProcess(std::vector<std::string> const& arguments, std::filesystem::path const& directory,
+                           ProcessInput input) {
   std::string const& program = arguments.front();
   // Said here, since below a missing directory and a missing program are the same error.
   if (!std::filesystem::is_directory(directory)) {
     throw RunFailure(fmt::format("{} could not be started: there is no directory {}", program, directory.string()));
   }
-  std::array<int, 2> ends{};
-  if (pipe2(ends.data(), O_CLOEXEC) != 0) require(errno, program);
-  Descriptor const reading(ends[0]);
-  Descriptor writing(ends[1]);
+  Ends in;
+  if (input == ProcessInput::pipe) in = input_of(program);
+  Ends errors = errors_of(program);
   std::vector<char*> words;
   for (std::string const& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
 
-  SpawnPlan const plan(directory, writing.number(), program);
-  pid_t child = -1;
-  int const failure = posix_spawnp(&child, words.front(), plan.actions(), plan.attributes(), words.data(), environ);
-  ProcessResult result;
+  SpawnPlan const plan(directory, in.theirs, errors.theirs, program);
+  int const failure = posix_spawnp(&id_, words.front(), plan.actions(), plan.attributes(), words.data(), environ);
   // An unreadable directory in PATH makes a missing program look like a forbidden one.
-  result.was_found = failure != ENOENT && failure != EACCES;
-  if (!result.was_found) return result;
-  require(failure, program);
-  writing.close();
-  bool const has_ended =
-      read_all(reading.number(), deadline, result.errors) && wait_for(child, deadline, result.succeeded);
-  if (!has_ended) {
-    result.timed_out = true;
-    kill(-child, SIGKILL);
-    int status = 0;
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
+  result_.was_found = failure != ENOENT && failure != EACCES;
+  if (failure != 0) id_ = -1;
+  if (result_.was_found) require(failure, program);
+  input_ = std::move(in.ours);
+  errors_ = std::move(errors.ours);
+}
+
+ChildProcess::~ChildProcess() { kill_group(); }
+
+void ChildProcess::kill_group() {
+  if (id_ < 0) return;
+  kill(-id_, SIGKILL);
+  int status = 0;
+  while (waitpid(id_, &status, 0) < 0 && errno == EINTR) {
   }
-  return result;
+  id_ = -1;
+}
+
+/// Takes what has come of its standard error, and closes that at its end.
+void ChildProcess::read_errors() {
+  std::array<char, 4096> buffer;
+  ssize_t const length = read(errors_.number(), buffer.data(), buffer.size());
+  if (length == 0 || (length < 0 && errno != EINTR && errno != EAGAIN)) errors_.close();
+  if (length > 0 && result_.errors.size() < most_errors) {
+    result_.errors.append(buffer.data(), static_cast<std::size_t>(length));
+  }
+}
+
+bool ChildProcess::write(std::string_view bytes, std::chrono::milliseconds time_limit) {
+  Instant const deadline = std::chrono::steady_clock::now() + time_limit;
+  while (!bytes.empty() && id_ >= 0) {
+    ssize_t const sent = send(input_.number(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent > 0) bytes.remove_prefix(static_cast<std::size_t>(sent));
+    if (sent >= 0 || errno == EINTR) continue;
+    if (errno != EAGAIN || std::chrono::steady_clock::now() >= deadline) return false;
+    // It may be waiting for somebody to read what it complains about.
+    std::array<pollfd, 2> waiting{pollfd{.fd = input_.number(), .events = POLLOUT, .revents = 0},
+                                  pollfd{.fd = errors_.number(), .events = POLLIN, .revents = 0}};
+    poll(waiting.data(), waiting.size(), milliseconds_until(deadline));
+    if (waiting[1].revents != 0) read_errors();
+  }
+  return bytes.empty();
+}
+
+ProcessResult ChildProcess::wait(std::chrono::milliseconds time_limit) {
+  Instant const deadline = std::chrono::steady_clock::now() + time_limit;
+  input_.close();
+  while (id_ >= 0 && errors_.is_open() && std::chrono::steady_clock::now() < deadline) {
+    pollfd waiting{.fd = errors_.number(), .events = POLLIN, .revents = 0};
+    if (poll(&waiting, 1, milliseconds_until(deadline)) > 0) read_errors();
+  }
+  if (id_ >= 0 && !errors_.is_open() && wait_for(id_, deadline, result_.succeeded)) id_ = -1;
+  result_.timed_out = id_ >= 0;
+  kill_group();
+  return result_;
+}
+
+ProcessResult run_process(std::vector<std::string> const& arguments, std::filesystem::path const& directory,
+                          std::chrono::milliseconds time_limit) {
+  return ChildProcess(arguments, directory, ProcessInput::nothing).wait(time_limit);
 }
 
 }  // namespace gridlock

@@ -1,11 +1,34 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <chrono>
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace gridlock {
+
+/// A file descriptor that is closed at the end of its scope.
+class Descriptor {
+ public:
+  explicit Descriptor(int number = -1) : number_(number) {}
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+  ~Descriptor() { close(); }
+
+  [[nodiscard]] int number() const { return number_; }
+  [[nodiscard]] bool is_open() const { return number_ >= 0; }
+  void close();
+
+ private:
+  int number_;
+};
 
 /// How a process ended.
 struct ProcessResult {
@@ -15,11 +38,41 @@ struct ProcessResult {
   std::string errors;      ///< the first 64 KiB of what it wrote to its standard error
 };
 
-/// Runs a program, found through PATH, without a shell, in the given directory and in a process group of its own, so
-/// that a Ctrl-C meant for this program does not end it half-way.
+/// What a process reads from its standard input.
+enum class ProcessInput {
+  nothing,
+  pipe,  ///< what write() gives it
+};
+
+/// A program at work, found through PATH and started without a shell, in the given directory and in a process group of
+/// its own, so that a Ctrl-C meant for this program does not end it half-way.
 ///
-/// Its standard input is empty and its standard output is thrown away. At the time limit the whole group is killed.
+/// Its standard output is thrown away. Where it still runs at the end of the object, its whole group is killed.
 /// Errors: RunFailure where the system refuses a pipe or a process.
+class ChildProcess {
+ public:
+  ChildProcess(std::vector<std::string> const& arguments, std::filesystem::path const& directory, ProcessInput input);
+  ~ChildProcess();
+  ChildProcess(ChildProcess const&) = delete;
+  ChildProcess& operator=(ChildProcess const&) = delete;
+
+  /// Gives it the bytes; false where it stopped reading, or has not read them all within the time limit.
+  [[nodiscard]] bool write(std::string_view bytes, std::chrono::milliseconds time_limit);
+
+  /// Ends its input and waits for its end. At the time limit the whole group is killed.
+  ProcessResult wait(std::chrono::milliseconds time_limit);
+
+ private:
+  void read_errors();
+  void kill_group();
+
+  Descriptor input_;   ///< where write() writes
+  Descriptor errors_;  ///< where its standard error comes out
+  pid_t id_ = -1;      ///< -1: never begun, or ended
+  ProcessResult result_;
+};
+
+/// Runs a program to its end, as ChildProcess does, with an empty standard input.
 ProcessResult run_process(std::vector<std::string> const& arguments, std::filesystem::path const& directory,
                           std::chrono::milliseconds time_limit);
 

@@ -1,6 +1,7 @@
 #include "run/frame_picture.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,16 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The values of a column that the frame has.
 std::vector<double> numbers_of(Frame const& frame, std::string const& name) {
-  FrameColumn const* const column = frame.find(name);
-  if (column == nullptr) {
-    throw Error(Problem{.what = fmt::format("the agents have no column \"{}\"", name),
-                        .hint = "a trajectory keeps those of trajectory.columns; the colours are displacement, psi6, "
-                                "speed, direction, neighbourhood, radius or a column",
-                        .key = "--colour"});
-  }
   return std::visit([](auto const& values) { return std::vector<double>(values.begin(), values.end()); },
-                    column->values);
+                    frame.find(name)->values);
 }
 
 std::vector<double> numbers_or(Frame const& frame, std::string const& name, double otherwise) {
@@ -72,6 +67,37 @@ double mark_for(Frame const& frame) {
   return std::clamp(0.33 * spacing, 0.0015 * side, 0.008 * side);
 }
 
+bool has_both(Frame const& frame, std::string const& name) {
+  return frame.find(name + "_x") != nullptr && frame.find(name + "_y") != nullptr;
+}
+
+/// What the agents of a frame can be coloured by.
+std::vector<std::string> colours_of(Frame const& frame) {
+  std::vector<std::string> colours{"displacement", "psi6", "neighbourhood", "radius"};
+  if (has_both(frame, "velocity")) colours.emplace_back("speed");
+  if (has_both(frame, motion_of(frame))) colours.emplace_back("direction");
+  for (FrameColumn const& column : frame.columns) {
+    if (std::ranges::find(colours, column.name) == colours.end()) colours.push_back(column.name);
+  }
+  return colours;
+}
+
+/// Errors: Error for a frame that cannot be drawn, or not in this colour.
+void require_drawable(Frame const& frame, std::string const& colour) {
+  if (frame.find("x") == nullptr || frame.find("y") == nullptr) {
+    throw Error(Problem{.what = "the agents have no positions to draw them at",
+                        .hint = "a trajectory keeps the columns of trajectory.columns; draw it with x and y there"});
+  }
+  std::vector<std::string> const colours = colours_of(frame);
+  if (std::ranges::find(colours, colour) != colours.end()) return;
+  throw Error(Problem{.what = fmt::format("the agents have no column \"{}\"", colour),
+                      .hint = fmt::format("these agents can be coloured by {}", fmt::join(colours, ", ")),
+                      .key = "--colour"});
+}
+
+/// The colour in the spelling of this program.
+std::string spelt(std::string colour) { return colour == "neighborhood" ? "neighbourhood" : colour; }
+
 }  // namespace
 
 std::string usual_colour(Frame const& frame) {
@@ -85,8 +111,9 @@ std::string usual_colour(Frame const& frame) {
 
 FramePainter::FramePainter(Frame first, std::string colour)
     : first_(std::move(first)),
-      colour_(colour.empty() ? usual_colour(first_) : std::move(colour)),
+      colour_(colour.empty() ? usual_colour(first_) : spelt(std::move(colour))),
       mark_(mark_for(first_)) {
+  require_drawable(first_, colour_);
   if (colour_ == "psi6") most_ = 1.0;
   if (colour_ == "direction") {
     least_ = -std::numbers::pi;
@@ -116,7 +143,8 @@ void FramePainter::widen_bar(Frame const& frame) {
   }
 }
 
-void FramePainter::draw(Frame const& frame, std::uint32_t width, std::string const& title, fs::path const& file) const {
+template <class Visit>
+auto FramePainter::with_picture(Frame const& frame, std::uint32_t width, std::string const& title, Visit visit) const {
   State const state = disks_of(frame, mark_);
   PictureSettings picture{.width = width, .title = title};
   std::vector<double> values;
@@ -134,7 +162,16 @@ void FramePainter::draw(Frame const& frame, std::uint32_t width, std::string con
     picture.columns = cells(state.box.width());
     picture.rows = cells(state.box.height());
   }
-  draw_disks(state, picture, file);
+  return visit(state, picture);
+}
+
+void FramePainter::draw(Frame const& frame, std::uint32_t width, std::string const& title, fs::path const& file) const {
+  with_picture(frame, width, title,
+               [&](State const& state, PictureSettings const& settings) { draw_disks(state, settings, file); });
+}
+
+PicturePixels FramePainter::pixels(Frame const& frame, std::uint32_t width, std::string const& title) const {
+  return with_picture(frame, width, title, picture_pixels);
 }
 
 }  // namespace gridlock

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gridlock/core/frame.hpp"
+#include "gridlock/io/picture.hpp"
 
 namespace gridlock {
 
@@ -19,16 +20,23 @@ class FramePainter {
  public:
   /// `colour` is displacement (from the first frame), psi6, speed, direction (of the velocity or heading, in radians),
   /// neighbourhood (the grid cell), radius, or a column; empty: usual_colour().
+  /// Errors: Error, naming the colours there are, for one that the agents do not have; Error for agents without
+  /// positions.
   FramePainter(Frame first, std::string colour);
 
   /// Whether colours stand for numbers on a bar.
   [[nodiscard]] bool has_bar() const { return colour_ != "radius" && colour_ != "neighbourhood"; }
-  /// Lets the bar reach over the numbers of this frame too. Errors: Error where the frame has not what the colour needs.
+  /// Lets the bar reach over the numbers of this frame, which has the columns of the first one, too.
   void widen_bar(Frame const& frame);
-  /// Errors: those of widen_bar() and of draw_disks().
+  /// Errors: those of draw_disks().
   void draw(Frame const& frame, std::uint32_t width, std::string const& title, std::filesystem::path const& file) const;
+  /// The same as pixels.
+  [[nodiscard]] PicturePixels pixels(Frame const& frame, std::uint32_t width, std::string const& title) const;
 
  private:
+  /// Calls visit(state, settings) with the frame as a picture needs it.
+  template <class Visit>
+  auto with_picture(Frame const& frame, std::uint32_t width, std::string const& title, Visit visit) const;
   [[nodiscard]] std::vector<double> values_of(Frame const& frame) const;
 
   Frame first_;

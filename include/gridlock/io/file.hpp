@@ -21,6 +21,8 @@ class AtomicFile {
   AtomicFile& operator=(AtomicFile const&) = delete;
 
   void append(std::string_view text);
+  /// Where the bytes lie until commit(), for another program to write there instead of append().
+  [[nodiscard]] std::filesystem::path const& location() const { return temporary_.empty() ? target_ : temporary_; }
   /// Brings the file to its name, and the name to the disk; nothing may be appended after it. A file that had the name
   /// before is kept as `previous` where that is given.
   void commit(std::filesystem::path const& previous = {});

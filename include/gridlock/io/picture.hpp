@@ -56,4 +56,14 @@ std::string picture_svg(State const& state, PictureSettings const& settings);
 /// The same picture as the bytes of a PNG file.
 std::string picture_png(State const& state, PictureSettings const& settings);
 
+/// Pixels row by row from the top, each a 32-bit number 0x00RRGGBB in the byte order of the machine.
+struct PicturePixels {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::string bytes;
+};
+
+/// The same picture as bare pixels.
+PicturePixels picture_pixels(State const& state, PictureSettings const& settings);
+
 }  // namespace gridlock

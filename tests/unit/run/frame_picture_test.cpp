@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <string>
 
@@ -53,9 +54,36 @@ TEST(FramePainter, AgentsWithoutARadiusGetAMarkEach) {
   }
 }
 
-TEST(FramePainter, AColumnThatIsNotThereIsAnErrorThatNamesIt) {
-  FramePainter painter(walkers(), "health");
-  EXPECT_THROW(painter.widen_bar(walkers()), Error);
+TEST(FramePainter, AColumnThatIsNotThereIsAnErrorThatNamesItAndThoseThereAre) {
+  try {
+    FramePainter const painter(walkers(), "health");
+    FAIL() << "accepted";
+  } catch (Error const& error) {
+    EXPECT_NE(std::string(error.what()).find("\"health\""), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("direction, x, y, heading_x, heading_y"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(FramePainter, AgentsWithoutPositionsAreRefused) {
+  EXPECT_THROW(FramePainter(frame_of(box, {}, 1, Population<Radius>{}), ""), Error);
+}
+
+TEST(FramePainter, PixelsAreThoseOfThePngFile) {
+  FramePainter const painter(walkers(), "radius");
+  PicturePixels const pixels = painter.pixels(walkers(), 101, "");
+  EXPECT_EQ(pixels.width, 101U);
+  ASSERT_EQ(pixels.bytes.size(), std::size_t{4} * pixels.width * pixels.height);
+  auto const pixel = [&](std::uint32_t column, std::uint32_t row) {
+    std::uint32_t number = 0;
+    std::memcpy(&number, pixels.bytes.data() + 4 * (std::size_t{row} * pixels.width + column), 4);
+    return number & 0xFFFFFFU;
+  };
+  EXPECT_EQ(pixel(0, 0), 0xFFFFFFU) << "the margin is white";
+  // The middle of the fourth agent, at (0.4, 0.5).
+  auto const in_disk = pixel(static_cast<std::uint32_t>(0.4 * 101), pixels.height / 2);
+  EXPECT_NE(in_disk, 0xFFFFFFU);
+  EXPECT_GT(in_disk & 0xFFU, in_disk >> 16) << "blue, as the first of the colours";
 }
 
 TEST(FramePainter, TheUsualColourIsWhatTellsMostOfTheAgents) {
