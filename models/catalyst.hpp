@@ -18,6 +18,7 @@ namespace gridlock {
 struct Species {
   using type = std::uint32_t;
   static constexpr char const* name = "species";
+  static constexpr std::array<std::string_view, 2> value_names{"molecule A", "molecule B"};
 };
 
 enum class Reaction { none, a_with_b, a_with_a };

@@ -14,6 +14,7 @@ namespace gridlock {
 struct Health {
   using type = std::uint32_t;
   static constexpr char const* name = "health";
+  static constexpr std::array<std::string_view, 3> value_names{"susceptible", "infected", "recovered"};
 };
 
 /// Walkers that catch a disease from those near them and recover: susceptible → infected → recovered, with births and
@@ -109,9 +110,7 @@ struct Epidemic {
     if (turnover_rate > 0.0) come_and_go(self, random);
   }
 
-  void observe(World<Epidemic> const& world, Observations& seen) const {
-    seen.add_counts<Health>(world.agents, {"susceptible", "infected", "recovered"});
-  }
+  void observe(World<Epidemic> const& world, Observations& seen) const { seen.add_counts<Health>(world.agents); }
 
  private:
   void require_probability(std::string const& key, double rate) const {

@@ -13,13 +13,15 @@ void add_plot(CLI::App& app, ExitCode& exit_code) {
   struct Options {
     std::string directory;
     std::string colour;
+    bool makes_pdf = false;
   };
   auto const options = std::make_shared<Options>();
   verb->add_option("DIR", options->directory, "Directory of a run or sweep")->required();
   verb->add_option("--colour,--color", options->colour,
                    "Of the agents at the end: psi6, speed, direction, neighbourhood, radius, or a column");
+  verb->add_flag("--pdf", options->makes_pdf, "Write PDF files too, for papers");
   verb->callback([options, &exit_code] {
-    gridlock::Pictures const pictures = gridlock::draw_results(options->directory, options->colour);
+    gridlock::Pictures const pictures = gridlock::draw_results(options->directory, options->colour, options->makes_pdf);
     for (auto const& file : pictures.files) fmt::print("{}\n", file.string());
     for (auto const& note : pictures.notes) fmt::print(stderr, "note: {}\n", note);
     if (pictures.files.empty() && pictures.notes.empty()) {

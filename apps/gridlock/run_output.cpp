@@ -142,7 +142,7 @@ void RunOutput::print_end(gridlock::RunRecord const& record, std::filesystem::pa
   print_results(record);
   fmt::print("  {:<26} {:016x}\nresults in {}\n", "state_hash", record.state_hash, directory.string());
   if (!draws_ && record.ending == gridlock::Ending::finished) {
-    fmt::print("pictures: gridlock plot {}\n", directory.string());
+    fmt::print("pictures: {} plot {}\n", program_name(), directory.string());
   }
 }
 

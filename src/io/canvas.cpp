@@ -1,10 +1,12 @@
 #include "io/canvas.hpp"
 
+#include <cairo-pdf.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "gridlock/core/error.hpp"
 #include "io/markup.hpp"
@@ -49,6 +51,15 @@ void require(cairo_status_t status) {
   if (status != CAIRO_STATUS_SUCCESS) {
     throw RunFailure(fmt::format("the picture could not be drawn: {}", cairo_status_to_string(status)));
   }
+}
+
+cairo_status_t append_bytes(void* closure, unsigned char const* data, unsigned int length) noexcept {
+  try {
+    static_cast<std::string*>(closure)->append(reinterpret_cast<char const*>(data), length);
+  } catch (...) {
+    return CAIRO_STATUS_NO_MEMORY;  // an exception must not pass through Cairo, which is C
+  }
+  return CAIRO_STATUS_SUCCESS;
 }
 
 }  // namespace
@@ -115,86 +126,46 @@ void SvgCanvas::image(PixelRectangle const& rectangle, std::string_view png) {
                  to_svg(rectangle), to_base64(png));
 }
 
-PixelCanvas::PixelCanvas(PixelRectangle const& view, double scale)
-    : surface_(cairo_image_surface_create(CAIRO_FORMAT_RGB24,
-                                          std::max(1, static_cast<int>(std::lround(view.width * scale))),
-                                          std::max(1, static_cast<int>(std::lround(view.height * scale))))) {
+CairoCanvas::CairoCanvas(cairo_surface_t* surface, Vector corner, double scale) : surface_(surface) {
   require(cairo_surface_status(surface_.get()));
   context_.reset(cairo_create(surface_.get()));
   require(cairo_status(context_.get()));
   cairo_scale(context_.get(), scale, scale);
-  cairo_translate(context_.get(), -view.x, -view.y);
+  cairo_translate(context_.get(), -corner.x, -corner.y);
   cairo_set_line_join(context_.get(), CAIRO_LINE_JOIN_MITER);
 }
 
-std::string PixelCanvas::png() const {
-  require(cairo_status(context_.get()));
-  cairo_surface_flush(surface_.get());
-  auto const append = [](void* closure, unsigned char const* data, unsigned int length) noexcept {
-    try {
-      static_cast<std::string*>(closure)->append(reinterpret_cast<char const*>(data), length);
-    } catch (...) {
-      return CAIRO_STATUS_NO_MEMORY;  // an exception must not pass through Cairo, which is C
-    }
-    return CAIRO_STATUS_SUCCESS;
-  };
-  std::string bytes;
-  require(cairo_surface_write_to_png_stream(surface_.get(), append, &bytes));
-  return bytes;
-}
-
-std::uint32_t PixelCanvas::width() const {
-  return static_cast<std::uint32_t>(cairo_image_surface_get_width(surface_.get()));
-}
-
-std::uint32_t PixelCanvas::height() const {
-  return static_cast<std::uint32_t>(cairo_image_surface_get_height(surface_.get()));
-}
-
-std::string PixelCanvas::pixels() const {
-  require(cairo_status(context_.get()));
-  cairo_surface_flush(surface_.get());
-  unsigned char const* const rows = cairo_image_surface_get_data(surface_.get());
-  auto const stride = static_cast<std::size_t>(cairo_image_surface_get_stride(surface_.get()));
-  std::string bytes;
-  bytes.reserve(std::size_t{4} * width() * height());
-  for (std::uint32_t row = 0; row < height(); ++row) {
-    bytes.append(reinterpret_cast<char const*>(rows + row * stride), std::size_t{4} * width());
-  }
-  return bytes;
-}
-
-void PixelCanvas::use(Colour colour, double opacity) const {
+void CairoCanvas::use(Colour colour, double opacity) const {
   cairo_set_source_rgba(context_.get(), colour.red, colour.green, colour.blue, opacity);
 }
 
-void PixelCanvas::apply(Stroke const& stroke) const {
+void CairoCanvas::apply(Stroke const& stroke) const {
   use(stroke.colour, stroke.opacity);
   cairo_set_line_width(context_.get(), stroke.width);
   double const dashes[] = {dash * stroke.width, gap * stroke.width};
   cairo_set_dash(context_.get(), dashes, stroke.is_dashed ? 2 : 0, 0.0);
 }
 
-void PixelCanvas::fill(PixelRectangle const& r, Colour colour) {
+void CairoCanvas::fill(PixelRectangle const& r, Colour colour) {
   use(colour);
   cairo_rectangle(context_.get(), r.x, r.y, r.width, r.height);
   cairo_fill(context_.get());
 }
 
-void PixelCanvas::outline(PixelRectangle const& r, Stroke const& stroke) {
+void CairoCanvas::outline(PixelRectangle const& r, Stroke const& stroke) {
   apply(stroke);
   cairo_rectangle(context_.get(), r.x, r.y, r.width, r.height);
   cairo_stroke(context_.get());
 }
 
-void PixelCanvas::line(Vector from, Vector to, Stroke const& stroke) {
+void CairoCanvas::line(Vector from, Vector to, Stroke const& stroke) {
   apply(stroke);
   cairo_move_to(context_.get(), from.x, from.y);
   cairo_line_to(context_.get(), to.x, to.y);
   cairo_stroke(context_.get());
 }
 
-void PixelCanvas::text(Vector at, std::string_view text, Lettering const& lettering) {
+void CairoCanvas::text(Vector at, std::string_view text, Lettering const& lettering) {
   cairo_t* const context = context_.get();
   std::string const line = one_line(text);
   cairo_save(context);
@@ -214,7 +185,7 @@ void PixelCanvas::text(Vector at, std::string_view text, Lettering const& letter
   cairo_restore(context);
 }
 
-void PixelCanvas::triangle(Vector a, Vector b, Vector c, Colour colour) {
+void CairoCanvas::triangle(Vector a, Vector b, Vector c, Colour colour) {
   use(colour);
   cairo_move_to(context_.get(), a.x, a.y);
   cairo_line_to(context_.get(), b.x, b.y);
@@ -223,17 +194,17 @@ void PixelCanvas::triangle(Vector a, Vector b, Vector c, Colour colour) {
   cairo_fill(context_.get());
 }
 
-void PixelCanvas::begin_clip(PixelRectangle const& r) {
+void CairoCanvas::begin_clip(PixelRectangle const& r) {
   cairo_save(context_.get());
   cairo_rectangle(context_.get(), r.x, r.y, r.width, r.height);
   cairo_clip(context_.get());
 }
 
-void PixelCanvas::end_clip() { cairo_restore(context_.get()); }
+void CairoCanvas::end_clip() { cairo_restore(context_.get()); }
 
-void PixelCanvas::begin_circles(Stroke const& stroke) { circle_stroke_ = stroke; }
+void CairoCanvas::begin_circles(Stroke const& stroke) { circle_stroke_ = stroke; }
 
-void PixelCanvas::circle(Vector centre, double radius, Colour colour) {
+void CairoCanvas::circle(Vector centre, double radius, Colour colour) {
   cairo_new_sub_path(context_.get());
   cairo_arc(context_.get(), centre.x, centre.y, radius, 0.0, 2.0 * pi);
   use(colour);
@@ -246,6 +217,66 @@ void PixelCanvas::circle(Vector centre, double radius, Colour colour) {
   }
 }
 
-void PixelCanvas::end_circles() {}
+void CairoCanvas::end_circles() {}
+
+PixelCanvas::PixelCanvas(PixelRectangle const& view, double scale)
+    : CairoCanvas(
+          cairo_image_surface_create(CAIRO_FORMAT_RGB24, std::max(1, static_cast<int>(std::lround(view.width * scale))),
+                                     std::max(1, static_cast<int>(std::lround(view.height * scale)))),
+          {view.x, view.y}, scale) {}
+
+std::string PixelCanvas::png() const {
+  require(cairo_status(context()));
+  cairo_surface_flush(surface());
+  std::string bytes;
+  require(cairo_surface_write_to_png_stream(surface(), append_bytes, &bytes));
+  return bytes;
+}
+
+std::uint32_t PixelCanvas::width() const {
+  return static_cast<std::uint32_t>(cairo_image_surface_get_width(surface()));
+}
+
+std::uint32_t PixelCanvas::height() const {
+  return static_cast<std::uint32_t>(cairo_image_surface_get_height(surface()));
+}
+
+std::string PixelCanvas::pixels() const {
+  require(cairo_status(context()));
+  cairo_surface_flush(surface());
+  unsigned char const* const rows = cairo_image_surface_get_data(surface());
+  auto const stride = static_cast<std::size_t>(cairo_image_surface_get_stride(surface()));
+  std::string bytes;
+  bytes.reserve(std::size_t{4} * width() * height());
+  for (std::uint32_t row = 0; row < height(); ++row) {
+    bytes.append(reinterpret_cast<char const*>(rows + row * stride), std::size_t{4} * width());
+  }
+  return bytes;
+}
+
+PdfCanvas::PdfCanvas(double width, double height) : PdfCanvas(width, height, std::make_unique<std::string>()) {}
+
+PdfCanvas::PdfCanvas(double width, double height, std::unique_ptr<std::string> document)
+    : CairoCanvas(cairo_pdf_surface_create_for_stream(append_bytes, document.get(), width, height), {0.0, 0.0}, 1.0),
+      document_(std::move(document)) {}
+
+// Cairo writes the end of the document, so that has to be there still.
+PdfCanvas::~PdfCanvas() { cairo_surface_finish(surface()); }
+
+std::string PdfCanvas::document() {
+  require(cairo_status(context()));
+  cairo_surface_finish(surface());
+  require(cairo_surface_status(surface()));
+  return *document_;
+}
+
+void PdfCanvas::image(PixelRectangle const& r, PixelCanvas const& pixels) {
+  cairo_save(context());
+  cairo_translate(context(), r.x, r.y);
+  cairo_scale(context(), r.width / pixels.width(), r.height / pixels.height());
+  cairo_set_source_surface(context(), pixels.surface(), 0.0, 0.0);
+  cairo_paint(context());
+  cairo_restore(context());
+}
 
 }  // namespace gridlock

@@ -95,18 +95,10 @@ class SvgCanvas final : public Canvas {
   int clips_ = 0;
 };
 
-/// Draws pixels with Cairo. Errors: RunFailure where Cairo fails, as it does for lack of memory.
-class PixelCanvas final : public Canvas {
+/// Draws with Cairo. Errors: RunFailure where Cairo fails, as it does for lack of memory.
+class CairoCanvas : public Canvas {
  public:
-  /// A canvas that shows the part `view` of the picture, magnified by `scale`.
-  PixelCanvas(PixelRectangle const& view, double scale);
-
-  [[nodiscard]] std::uint32_t width() const;
-  [[nodiscard]] std::uint32_t height() const;
-  /// The picture so far as a PNG file.
-  [[nodiscard]] std::string png() const;
-  /// The picture so far, row by row from the top, each pixel a 32-bit number 0x00RRGGBB.
-  [[nodiscard]] std::string pixels() const;
+  [[nodiscard]] cairo_surface_t* surface() const { return surface_.get(); }
 
   void fill(PixelRectangle const& rectangle, Colour colour) override;
   void outline(PixelRectangle const& rectangle, Stroke const& stroke) override;
@@ -118,6 +110,13 @@ class PixelCanvas final : public Canvas {
   void begin_circles(Stroke const& stroke) override;
   void circle(Vector centre, double radius, Colour colour) override;
   void end_circles() override;
+
+ protected:
+  /// Takes the surface over, on which the part of the picture that begins at `corner` shows, magnified by `scale`.
+  CairoCanvas(cairo_surface_t* surface, Vector corner, double scale);
+  CairoCanvas(CairoCanvas&&) = default;
+
+  [[nodiscard]] cairo_t* context() const { return context_.get(); }
 
  private:
   struct Destroy {
@@ -131,6 +130,39 @@ class PixelCanvas final : public Canvas {
   std::unique_ptr<cairo_surface_t, Destroy> surface_;
   std::unique_ptr<cairo_t, Destroy> context_;
   Stroke circle_stroke_;
+};
+
+/// A picture of pixels.
+class PixelCanvas final : public CairoCanvas {
+ public:
+  /// A canvas that shows the part `view` of the picture, magnified by `scale`.
+  PixelCanvas(PixelRectangle const& view, double scale);
+
+  [[nodiscard]] std::uint32_t width() const;
+  [[nodiscard]] std::uint32_t height() const;
+  /// The picture so far as a PNG file.
+  [[nodiscard]] std::string png() const;
+  /// The picture so far, row by row from the top, each pixel a 32-bit number 0x00RRGGBB.
+  [[nodiscard]] std::string pixels() const;
+};
+
+/// A page of vectors, for papers.
+class PdfCanvas final : public CairoCanvas {
+ public:
+  /// One point for each pixel of the picture.
+  PdfCanvas(double width, double height);
+  ~PdfCanvas() override;
+
+  /// Ends the page; nothing may be drawn after it.
+  [[nodiscard]] std::string document();
+
+  /// Pixels stretched over the rectangle.
+  void image(PixelRectangle const& rectangle, PixelCanvas const& pixels);
+
+ private:
+  PdfCanvas(double width, double height, std::unique_ptr<std::string> document);
+
+  std::unique_ptr<std::string> document_;
 };
 
 }  // namespace gridlock

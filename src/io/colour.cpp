@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 namespace gridlock {
 
@@ -45,6 +46,25 @@ Colour viridis(double t) {
   double const place = share * static_cast<double>(anchors.size() - 1);
   std::size_t const below = std::min(static_cast<std::size_t>(place), anchors.size() - 2);
   return mixed(anchors[below], anchors[below + 1], place - static_cast<double>(below));
+}
+
+Colour colour_circle(double t) {
+  double const angle = 2.0 * std::numbers::pi * t;
+  constexpr double chroma = 0.12;
+  double const lightness = 0.70 + 0.12 * std::cos(angle - 1.9);  // brightest at yellow, where there are bright colours
+  double const a = chroma * std::cos(angle);
+  double const b = chroma * std::sin(angle);
+  auto const cubed = [](double x) { return x * x * x; };
+  double const l = cubed(lightness + 0.3963377774 * a + 0.2158037573 * b);
+  double const m = cubed(lightness - 0.1055613458 * a - 0.0638541728 * b);
+  double const s = cubed(lightness - 0.0894841775 * a - 1.2914855480 * b);
+  auto const encoded = [](double x) {
+    double const part = std::clamp(x, 0.0, 1.0);
+    return part <= 0.0031308 ? 12.92 * part : 1.055 * std::pow(part, 1.0 / 2.4) - 0.055;
+  };
+  return {encoded(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s),
+          encoded(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s),
+          encoded(-0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s)};
 }
 
 }  // namespace gridlock

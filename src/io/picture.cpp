@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
@@ -51,7 +53,32 @@ struct Arrangement {
   PixelRectangle bar;
 };
 
-bool has_bar(Colouring colouring) { return colouring == Colouring::speed || colouring == Colouring::values; }
+bool has_bar(Colouring colouring) {
+  return colouring == Colouring::speed || colouring == Colouring::values || colouring == Colouring::directions;
+}
+
+bool has_values(Colouring colouring) {
+  return colouring == Colouring::values || colouring == Colouring::directions || colouring == Colouring::kinds;
+}
+
+/// What a list beside the picture says of a colour.
+struct ColourName {
+  Colour colour;
+  std::string name;
+};
+
+constexpr double list_line = 22.0;  // units from one name of a list to the next
+
+/// Units a list of names takes at the right of the picture.
+double list_width(std::vector<ColourName> const& names, std::string const& title) {
+  constexpr double letter = 7.6;
+  auto const letters = [](std::string const& text) {
+    return static_cast<double>(std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; }));
+  };
+  double most = letters(title) - 3.0;  // the title has no square before it
+  for (ColourName const& name : names) most = std::max(most, letters(name.name));
+  return std::min(52.0 + letter * most, 0.4 * reference_width);
+}
 
 void check(State const& state, PictureSettings const& settings) {
   for (auto const& [key, pixels] : {std::pair{"width", settings.width}, std::pair{"height", settings.height}}) {
@@ -61,24 +88,26 @@ void check(State const& state, PictureSettings const& settings) {
                  .hint = fmt::format("use {} to {} pixels", least_pixels, most_pixels),
                  .key = key});
   }
-  if (settings.colouring == Colouring::values && settings.values.size() != state.disks.size()) {
+  if (has_values(settings.colouring) && settings.values.size() != state.disks.size()) {
     throw Error({.what = fmt::format("{} values to colour {} disks by", settings.values.size(), state.disks.size()),
                  .hint = "give one value for each disk"});
   }
 }
 
-Arrangement arrange(Box const& box, PictureSettings const& settings) {
+Arrangement arrange(Box const& box, PictureSettings const& settings, std::vector<ColourName> const& names) {
   Arrangement a;
   a.width = settings.width;
   a.unit = a.width / reference_width;
   double const margin = 14.0 * a.unit;
   double const top = settings.title.empty() ? margin : 46.0 * a.unit;
-  double const right = has_bar(settings.colouring) ? 100.0 * a.unit : margin;
+  double const beside = names.empty() ? 100.0 : list_width(names, settings.bar_label);
+  bool const has_side = has_bar(settings.colouring) || !names.empty();
+  double const right = has_side ? beside * a.unit : margin;
   double const room = a.width - margin - right;
   double const most_height = (settings.height > 0 ? settings.height : tallest_picture * a.width) - top - margin;
   a.pixels = std::min(room / box.width(), std::max(1.0, most_height) / box.height());
   a.box = {.width = a.pixels * box.width(), .height = a.pixels * box.height()};
-  double const least_height = has_bar(settings.colouring) ? 160.0 * a.unit : 0.0;
+  double const least_height = has_side ? 160.0 * a.unit : 0.0;
   double const content = std::max(a.box.height, least_height);
   a.height = settings.height > 0 ? settings.height : std::max(1.0, std::round(top + content + margin));
   a.box.x = margin + 0.5 * (room - a.box.width);
@@ -98,7 +127,7 @@ class DiskColours {
       for (std::size_t i = 0; i < state.disks.size(); ++i) {
         values_.push_back(std::sqrt(squared_length(velocity(state.disks, i))));
       }
-    } else if (settings.colouring == Colouring::values) {
+    } else if (has_values(settings.colouring)) {
       values_.assign(settings.values.begin(), settings.values.end());
     } else if (settings.colouring == Colouring::radius) {
       find_radii();
@@ -107,6 +136,28 @@ class DiskColours {
   }
 
   [[nodiscard]] Scale const& scale() const { return scale_; }
+  /// The colour at a place of the bar, from 0 to 1.
+  [[nodiscard]] Colour on_bar(double place) const {
+    return settings_.colouring == Colouring::directions ? colour_circle(place) : viridis(place);
+  }
+
+  /// What the colours are called, where they stand for single things.
+  [[nodiscard]] std::vector<ColourName> names() const {
+    std::vector<ColourName> names;
+    if (settings_.colouring == Colouring::radius && radii_.size() > 1 && radii_.size() <= most_species_colours) {
+      for (double const radius : radii_) names.push_back({of_radius(radius), fmt::format("R = {:.4g}", radius)});
+    }
+    if (settings_.colouring != Colouring::kinds) return names;
+    double last = settings_.most.value_or(0.0);
+    for (double const value : values_) last = std::max(last, value);
+    std::size_t const count = std::max(settings_.kind_names.size(), static_cast<std::size_t>(last) + 1);
+    for (std::size_t kind = 0; kind < std::min(count, most_kinds); ++kind) {
+      bool const is_named = kind < settings_.kind_names.size();
+      names.push_back(
+          {of_kind(static_cast<double>(kind)), is_named ? settings_.kind_names[kind] : std::to_string(kind)});
+    }
+    return names;
+  }
 
   [[nodiscard]] Colour of(std::size_t i) const {
     switch (settings_.colouring) {
@@ -114,11 +165,14 @@ class DiskColours {
         return of_radius(state_.disks.column<Radius>()[i]);
       case Colouring::neighbourhood:
         return of_cell(position(state_.disks, i));
+      case Colouring::kinds:
+        return of_kind(values_[i]);
       case Colouring::speed:
       case Colouring::values:
+      case Colouring::directions:
         break;
     }
-    return std::isfinite(values_[i]) ? viridis(scale_.place_of(values_[i])) : unknown_value;
+    return std::isfinite(values_[i]) ? on_bar(scale_.place_of(values_[i])) : unknown_value;
   }
 
  private:
@@ -139,6 +193,7 @@ class DiskColours {
       range.most = std::max(range.most, value);
     }
     if (!(range.most >= range.least)) range = {};
+    if (settings_.colouring == Colouring::directions) range = {.least = -std::numbers::pi, .most = std::numbers::pi};
     scale_ = widened({settings_.least.value_or(range.least), settings_.most.value_or(range.most)});
   }
 
@@ -154,6 +209,11 @@ class DiskColours {
     if (radii_.size() > most_species_colours) return viridis(scale_.place_of(radius));
     auto const kind = std::ranges::lower_bound(radii_, radius) - radii_.begin();
     return mixed(categorical_colours()[static_cast<std::size_t>(kind)], white, 0.35);
+  }
+
+  [[nodiscard]] static Colour of_kind(double kind) {
+    if (!(kind >= 0.0) || kind >= static_cast<double>(most_kinds)) return unknown_value;
+    return mixed(categorical_colours()[static_cast<std::size_t>(kind)], white, 0.15);
   }
 
   [[nodiscard]] Colour of_cell(Vector p) const {
@@ -191,7 +251,11 @@ class DiskColours {
 class Picture {
  public:
   Picture(State const& state, PictureSettings const& settings)
-      : state_(state), settings_(settings), at_(arrange(state.box, settings)), colours_(state, settings) {}
+      : state_(state),
+        settings_(settings),
+        colours_(state, settings),
+        names_(colours_.names()),
+        at_(arrange(state.box, settings, names_)) {}
 
   [[nodiscard]] Arrangement const& arrangement() const { return at_; }
 
@@ -222,6 +286,7 @@ class Picture {
                                 at_.box.height + thickness};
     canvas.outline(around, {.colour = ink, .width = thickness, .is_dashed = state_.box.is_periodic()});
     if (has_bar(settings_.colouring)) draw_bar(canvas);
+    draw_names(canvas);
   }
 
  private:
@@ -297,24 +362,49 @@ class Picture {
     for (int i = 0; i < bands; ++i) {
       // Each band reaches under the ones above it, or the seams would show between them.
       double const below = bar.height * i / bands;
-      canvas.fill({bar.x, bar.y, bar.width, bar.height - below}, viridis((i + 0.5) / bands));
+      canvas.fill({bar.x, bar.y, bar.width, bar.height - below}, colours_.on_bar((i + 0.5) / bands));
     }
     Stroke const thin{.colour = ink, .width = 1.0 * at_.unit};
     canvas.outline(bar, thin);
     Scale const& scale = colours_.scale();
-    double const step = tick_step(scale);
-    double const first = std::ceil(scale.least / step - 1e-9);
-    for (double n = first; n * step <= scale.most + 1e-9 * step; ++n) {
-      double const y = bar.y + bar.height * (1.0 - scale.place_of(n * step));
+    auto const draw_tick = [&](double place, std::string const& text) {
+      double const y = bar.y + bar.height * (1.0 - place);
       canvas.line({bar.x + bar.width, y}, {bar.x + bar.width + 4.0 * at_.unit, y}, thin);
-      // The sum turns −0 into 0.
-      canvas.text({bar.x + bar.width + 7.0 * at_.unit, y + 4.5 * at_.unit}, fmt::format("{:.6g}", n * step + 0.0),
+      canvas.text({bar.x + bar.width + 7.0 * at_.unit, y + 4.5 * at_.unit}, text,
                   {.size = 13.0 * at_.unit, .colour = ink});
+    };
+    if (settings_.colouring == Colouring::directions) {
+      double place = 0.0;
+      for (char const* const angle : {"−π", "−π/2", "0", "π/2", "π"})
+        draw_tick(std::exchange(place, place + 0.25), angle);
+    } else {
+      double const step = tick_step(scale);
+      double const first = std::ceil(scale.least / step - 1e-9);
+      for (double n = first; n * step <= scale.most + 1e-9 * step; ++n) {
+        draw_tick(scale.place_of(n * step), fmt::format("{:.6g}", n * step + 0.0));  // the sum turns −0 into 0
+      }
     }
     std::string const label =
         settings_.bar_label.empty() && settings_.colouring == Colouring::speed ? "speed" : settings_.bar_label;
     canvas.text({bar.x + 74.0 * at_.unit, bar.y + 0.5 * bar.height}, label,
                 {.size = 15.0 * at_.unit, .anchor = TextAnchor::middle, .is_upright = true, .colour = ink});
+  }
+
+  /// The list of colours that stand for single things.
+  void draw_names(Canvas& canvas) const {
+    double const square = 13.0 * at_.unit;
+    double const x = at_.box.x + at_.box.width + 16.0 * at_.unit;
+    double y = at_.bar.y + 6.0 * at_.unit;
+    Lettering const letters{.size = 13.0 * at_.unit, .colour = ink};
+    if (!names_.empty() && !settings_.bar_label.empty()) {
+      canvas.text({x, y + 0.85 * square}, settings_.bar_label, letters);
+      y += list_line * at_.unit;
+    }
+    for (ColourName const& name : names_) {
+      canvas.fill({x, y, square, square}, name.colour);
+      canvas.text({x + square + 7.0 * at_.unit, y + 0.85 * square}, name.name, letters);
+      y += list_line * at_.unit;
+    }
   }
 
   /// 1, 2 or 5 times a power of ten, for about five ticks.
@@ -327,8 +417,9 @@ class Picture {
 
   State const& state_;
   PictureSettings const& settings_;
-  Arrangement at_;
   DiskColours colours_;
+  std::vector<ColourName> names_;
+  Arrangement at_;
 };
 
 bool is_raster(State const& state, PictureSettings const& settings) {
@@ -370,6 +461,26 @@ std::string picture_svg(State const& state, PictureSettings const& settings) {
   return canvas.document();
 }
 
+std::string picture_pdf(State const& state, PictureSettings const& settings) {
+  check(state, settings);
+  Picture const picture(state, settings);
+  Arrangement const& at = picture.arrangement();
+  PdfCanvas canvas(at.width, at.height);
+  picture.draw_background(canvas);
+  canvas.begin_clip(at.box);
+  if (is_raster(state, settings)) {
+    PixelCanvas layer(at.box, raster_magnification);
+    layer.fill(at.box, white);
+    picture.draw_disks(layer);
+    canvas.image(at.box, layer);
+  } else {
+    picture.draw_disks(canvas);
+  }
+  canvas.end_clip();
+  picture.draw_frame(canvas);
+  return canvas.document();
+}
+
 std::string picture_png(State const& state, PictureSettings const& settings) { return painted(state, settings).png(); }
 
 PicturePixels picture_pixels(State const& state, PictureSettings const& settings) {
@@ -378,12 +489,12 @@ PicturePixels picture_pixels(State const& state, PictureSettings const& settings
 }
 
 PictureKind draw_disks(State const& state, PictureSettings const& settings, std::filesystem::path const& file) {
-  if (file.extension() == ".svg") {
-    write_file(file, picture_svg(state, settings));
+  if (file.extension() == ".svg" || file.extension() == ".pdf") {
+    write_file(file, file.extension() == ".svg" ? picture_svg(state, settings) : picture_pdf(state, settings));
     return is_raster(state, settings) ? PictureKind::raster : PictureKind::vector;
   }
   if (file.extension() != ".png") {
-    throw Error({.what = fmt::format("{}: a picture is written as .svg or .png", file.string())});
+    throw Error({.what = fmt::format("{}: a picture is written as .svg, .png or .pdf", file.string())});
   }
   write_file(file, picture_png(state, settings));
   return PictureKind::raster;

@@ -34,8 +34,18 @@ struct Margins {
   double top = 0.92;
 };
 
+/// Lines a key below the plot takes.
+int rows_below(Plot const& plot) {
+  auto const has_label = [](auto const& one) { return !one.label.empty(); };
+  auto const entries = std::ranges::count_if(plot.curves, has_label) + std::ranges::count_if(plot.formulas, has_label);
+  return static_cast<int>(entries);
+}
+
 Margins margins_of(Plot const& plot) {
-  return {.right = plot.key == PlotKey::outside ? 0.76 : 0.97, .top = plot.title.empty() ? 0.97 : 0.92};
+  constexpr double line_height = 21.0;  // pixels
+  Margins margins{.right = plot.key == PlotKey::outside ? 0.76 : 0.97, .top = plot.title.empty() ? 0.97 : 0.92};
+  if (plot.key == PlotKey::below) margins.bottom += rows_below(plot) * line_height / plot.height;
+  return margins;
 }
 
 /// A text as a gnuplot expression. Single quotes, because inside double ones gnuplot runs what stands in backquotes.
@@ -95,14 +105,16 @@ Colour colour_of(Plot const& plot, std::size_t place) {
     constexpr std::size_t fit_for_lines = 7;  // yellow does not show on white
     return categorical_colours()[place % fit_for_lines];
   }
-  double const last = plot.curves.size() > 1 ? static_cast<double>(plot.curves.size() - 1) : 1.0;
-  return viridis(0.9 * static_cast<double>(place) / last);
+  std::size_t last = 1;
+  for (std::size_t i = 0; i < plot.curves.size(); ++i) last = std::max(last, plot.curves[i].colour.value_or(i));
+  constexpr double brightest = 0.9;  // beyond it a line does not show on white
+  return viridis(brightest * static_cast<double>(place) / static_cast<double>(last));
 }
 
 /// Point shapes differ as colours do, so that a plot survives a black-and-white printer.
-int point_type(std::size_t place) {
+int point_type(std::size_t place, bool is_open) {
   static constexpr std::array filled{7, 5, 9, 13, 11, 15};
-  return filled[place % filled.size()];
+  return filled[place % filled.size()] - (is_open ? 1 : 0);  // gnuplot counts the outline of a shape before the shape
 }
 
 /// The entries of one curve in the plot command: its error below, then the curve itself.
@@ -132,7 +144,8 @@ void append_curve(std::vector<std::string>& entries, Plot const& plot, std::size
     entry += fmt::format(" linewidth {}{}", line_width, curve.is_dashed ? " dashtype 2" : "");
   }
   if (curve.style == PlotStyle::points || curve.style == PlotStyle::line_and_points) {
-    entry += fmt::format(" pointtype {} pointsize 0.9", point_type(place));
+    entry += fmt::format(" pointtype {} pointsize {}", point_type(place, curve.is_open), curve.point_size);
+    if (curve.is_open && curve.style == PlotStyle::points) entry += " linewidth 1.6";
   }
   entries.push_back(entry + " " + title_clause(curve.label));
 }
@@ -221,13 +234,25 @@ void append_key(std::string& script, Plot const& plot) {
     script += "unset key\n";
     return;
   }
-  static constexpr std::array<std::string_view, 6> places{
-      "", "top left", "top right", "bottom left", "bottom right", "outside right top"};
+  static constexpr std::array<std::string_view, 7> places{"",
+                                                          "top left",
+                                                          "top right",
+                                                          "bottom left",
+                                                          "bottom right",
+                                                          "outside right top",
+                                                          "at screen 0.5, screen 0.015 center bottom"};
+  bool const is_inside = plot.key != PlotKey::outside && plot.key != PlotKey::below;
   fmt::format_to(std::back_inserter(script), "set key {} Left reverse samplen 2.5 spacing 1.2 font ',13'{}\n",
-                 places[static_cast<std::size_t>(plot.key)], plot.key == PlotKey::outside ? "" : " opaque");
+                 places[static_cast<std::size_t>(plot.key)], is_inside ? " opaque" : "");
   if (!plot.key_title.empty()) {
     fmt::format_to(std::back_inserter(script), "set key title {} noenhanced\n", text_literal(plot.key_title));
   }
+}
+
+void append_label(std::string& script, Plot const& plot, PlotLabel const& label) {
+  fmt::format_to(std::back_inserter(script),
+                 "set label {} at first {}, first {} left front noenhanced font ',13' textcolor rgb '{}'\n",
+                 text_literal(label.text), label.x, label.y, to_hex(colour_of(plot, label.colour)));
 }
 
 void append_reference_label(std::string& script, PlotReference const& reference, std::size_t index) {
@@ -246,6 +271,19 @@ void append_reference_label(std::string& script, PlotReference const& reference,
     fmt::format_to(out, "set label {} at graph {:.6g}, first {} {} offset 0,0.55 ", label, place, reference.at, side);
   }
   fmt::format_to(out, "noenhanced font ',12' textcolor rgb '{}'\n", grey);
+}
+
+/// Points at the ends of the data stay clear of the frame; ends that are set, and logarithmic axes, are left as they are.
+void append_offsets(std::string& script, Plot const& plot) {
+  bool const has_points = std::ranges::any_of(plot.curves, [](PlotCurve const& curve) {
+    return curve.style == PlotStyle::points || curve.style == PlotStyle::line_and_points;
+  });
+  if (!has_points) return;
+  auto const offset = [](PlotAxis const& axis, std::optional<double> const& end) {
+    return end || axis.is_logarithmic ? "0" : "graph 0.03";
+  };
+  fmt::format_to(std::back_inserter(script), "set offsets {}, {}, {}, {}\n", offset(plot.x, plot.x.least),
+                 offset(plot.x, plot.x.most), offset(plot.y, plot.y.most), offset(plot.y, plot.y.least));
 }
 
 void append_preamble(std::string& script, Plot const& plot) {
@@ -274,11 +312,7 @@ void append_preamble(std::string& script, Plot const& plot) {
                  "set pointintervalbox 1e-6  # no white spots below points; 0 would mean 1\n"
                  "set samples 500\n",
                  ink, faint);
-  bool const has_points = std::ranges::any_of(plot.curves, [](PlotCurve const& curve) {
-    return curve.style == PlotStyle::points || curve.style == PlotStyle::line_and_points;
-  });
-  // Points at the ends of the data stay clear of the frame; ends that are set, and logarithmic axes, have no offset.
-  if (has_points) script += "set offsets graph 0.03, graph 0.03, graph 0.04, graph 0.04\n";
+  append_offsets(script, plot);
 }
 
 /// The text of name.gp.
@@ -289,7 +323,7 @@ std::string script_of(Plot const& plot, std::filesystem::path const& directory) 
   std::vector<std::string> entries;
   bool const uses_fractions = !plot.insets.empty() || std::ranges::any_of(plot.references, &PlotReference::is_vertical);
   if (uses_fractions) script += "set x2range [0:1]\nset y2range [0:1]\n";
-  if (!plot.insets.empty()) {
+  if (!plot.insets.empty() || plot.key == PlotKey::below) {
     Margins const m = margins_of(plot);
     fmt::format_to(out, "set margins at screen {}, screen {}, screen {}, screen {}\n", m.left, m.right, m.bottom,
                    m.top);
@@ -298,6 +332,7 @@ std::string script_of(Plot const& plot, std::filesystem::path const& directory) 
     append_reference_label(script, plot.references[i], i);
     append_reference(entries, plot.references[i], i);
   }
+  for (PlotLabel const& label : plot.labels) append_label(script, plot, label);
   for (PlotFormula const& formula : plot.formulas) append_formula(entries, plot, formula);
   for (std::size_t i = 0; i < plot.curves.size(); ++i) append_curve(entries, plot, i);
   for (PlotInset const& inset : plot.insets) {
@@ -317,13 +352,19 @@ std::string script_of(Plot const& plot, std::filesystem::path const& directory) 
                  "set output {3}\nreplot\nset output\n",
                  png_magnification, png_magnification * plot.width, png_magnification * plot.height,
                  file_literal(plot.name + ".png"));
+  if (plot.makes_pdf) {
+    fmt::format_to(out,
+                   "\nset terminal pdfcairo size {}in,{}in enhanced font 'Helvetica,11' fontscale 0.72 linewidth 0.75 "
+                   "pointscale 0.6\nset output {}\nreplot\nset output\n",
+                   0.01 * plot.width, 0.01 * plot.height, file_literal(plot.name + ".pdf"));
+  }
   return script;
 }
 
 std::filesystem::path script_file(std::string const& name) { return "./" + name + ".gp"; }
 
 void remove_pictures(std::filesystem::path const& script) {
-  for (char const* const extension : {".svg", ".png"}) {
+  for (char const* const extension : {".svg", ".png", ".pdf"}) {
     std::error_code ignored;  // nothing there is as good as removed
     std::filesystem::remove(std::filesystem::path(script).replace_extension(extension), ignored);
   }

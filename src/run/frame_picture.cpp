@@ -143,6 +143,12 @@ void FramePainter::widen_bar(Frame const& frame) {
   }
 }
 
+bool FramePainter::are_kinds() const {
+  FrameColumn const* const column = first_.find(colour_);
+  return column != nullptr && std::holds_alternative<std::vector<std::uint32_t>>(column->values) &&
+         most_ < static_cast<double>(most_kinds);
+}
+
 template <class Visit>
 auto FramePainter::with_picture(Frame const& frame, std::uint32_t width, std::string const& title, Visit visit) const {
   State const state = disks_of(frame, mark_);
@@ -150,7 +156,10 @@ auto FramePainter::with_picture(Frame const& frame, std::uint32_t width, std::st
   std::vector<double> values;
   if (has_bar()) {
     values = values_of(frame);
-    picture.colouring = Colouring::values;
+    picture.colouring = colour_ == "direction" ? Colouring::directions
+                        : are_kinds()          ? Colouring::kinds
+                                               : Colouring::values;
+    picture.kind_names = kind_names_;
     picture.values = values;
     picture.least = least_;
     picture.most = most_;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gridlock/core/frame.hpp"
@@ -24,7 +25,11 @@ class FramePainter {
   /// positions.
   FramePainter(Frame first, std::string colour);
 
-  /// Whether colours stand for numbers on a bar.
+  [[nodiscard]] std::string const& colour() const { return colour_; }
+  /// What the numbers 0, 1, 2 … of the colour's column are called, where it holds kinds.
+  void name_kinds(std::vector<std::string> names) { kind_names_ = std::move(names); }
+
+  /// Whether colours stand for numbers.
   [[nodiscard]] bool has_bar() const { return colour_ != "radius" && colour_ != "neighbourhood"; }
   /// Lets the bar reach over the numbers of this frame, which has the columns of the first one, too.
   void widen_bar(Frame const& frame);
@@ -34,6 +39,8 @@ class FramePainter {
   [[nodiscard]] PicturePixels pixels(Frame const& frame, std::uint32_t width, std::string const& title) const;
 
  private:
+  /// Whether the numbers are kinds: whole ones that colours can tell apart.
+  [[nodiscard]] bool are_kinds() const;
   /// Calls visit(state, settings) with the frame as a picture needs it.
   template <class Visit>
   auto with_picture(Frame const& frame, std::uint32_t width, std::string const& title, Visit visit) const;
@@ -41,6 +48,7 @@ class FramePainter {
 
   Frame first_;
   std::string colour_;
+  std::vector<std::string> kind_names_;
   double mark_;  ///< the radius of agents that have none
   double least_ = 0.0;
   double most_ = 0.0;

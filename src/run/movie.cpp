@@ -16,6 +16,7 @@
 #include "gridlock/io/file.hpp"
 #include "io/process.hpp"
 #include "run/frame_picture.hpp"
+#include "run/kind_names.hpp"
 
 namespace gridlock {
 
@@ -146,7 +147,10 @@ class Movie {
         settings_(settings),
         on_progress_(on_progress),
         all_((trajectory.frame_count() + settings.every - 1) / settings.every),
-        painter_(trajectory.frame(0).frame, settings.colour) {}
+        painter_(trajectory.frame(0).frame, settings.colour) {
+    painter_.name_kinds(
+        kind_names(SettingsFile::from_text(trajectory.settings().configuration, "trajectory"), painter_.colour()));
+  }
 
   Ending make() {
     // The same bar in all frames.

@@ -19,6 +19,7 @@
 #include "gridlock/run/configuration.hpp"
 #include "gridlock/run/result_files.hpp"
 #include "run/frame_picture.hpp"
+#include "run/kind_names.hpp"
 #include "run/labels.hpp"
 
 namespace gridlock {
@@ -30,22 +31,26 @@ namespace fs = std::filesystem;
 /// Draws what can be drawn; a failure becomes a note.
 class Artist {
  public:
-  explicit Artist(fs::path directory) : directory_(std::move(directory)) {}
+  Artist(fs::path directory, bool makes_pdf) : directory_(std::move(directory)), makes_pdf_(makes_pdf) {}
 
   void disks(std::string const& name, State const& state, PictureSettings const& settings) {
     picture(name, [&](fs::path const& file) { draw_disks(state, settings, file); });
   }
 
   void picture(std::string const& name, std::function<void(fs::path const&)> const& draw) {
-    for (char const* extension : {".svg", ".png"}) {
+    for (char const* extension : {".svg", ".png", ".pdf"}) {
+      if (!makes_pdf_ && std::string_view(extension) == ".pdf") continue;
       fs::path const file = directory_ / (name + extension);
       attempt(name, [&] { draw(file); }, {file});
     }
   }
 
-  void plot(Plot const& plot) {
+  void plot(Plot plot) {
+    plot.makes_pdf = makes_pdf_;
     std::vector<fs::path> files;
-    for (char const* extension : {".gp", ".svg", ".png"}) files.push_back(directory_ / (plot.name + extension));
+    for (char const* extension : {".gp", ".svg", ".png", ".pdf"}) {
+      if (makes_pdf_ || std::string_view(extension) != ".pdf") files.push_back(directory_ / (plot.name + extension));
+    }
     attempt(
         plot.name,
         [&] {
@@ -82,6 +87,7 @@ class Artist {
   }
 
   fs::path directory_;
+  bool makes_pdf_;
   Pictures pictures_;
 };
 
@@ -129,6 +135,7 @@ Frame last_frame(fs::path const& file) {
 void draw_last(Artist& artist, std::string const& colour) {
   Frame const last = last_frame(artist.path_of("final.xyz"));
   FramePainter painter(last, colour);
+  painter.name_kinds(kind_names(SettingsFile::from_path(artist.path_of("config.resolved.toml")), painter.colour()));
   painter.widen_bar(last);
   artist.picture("final", [&](fs::path const& file) {
     painter.draw(last, PictureSettings{}.width, fmt::format("step {}, t = {:.4g}", last.clock.step, last.clock.time),
@@ -342,8 +349,8 @@ void draw_sweep(Artist& artist) {
 
 }  // namespace
 
-Pictures draw_results(fs::path const& directory, std::string const& colour) {
-  Artist artist(directory);
+Pictures draw_results(fs::path const& directory, std::string const& colour, bool makes_pdf) {
+  Artist artist(directory, makes_pdf);
   if (artist.has("config.resolved.toml") && artist.has("final.xyz")) {
     draw_run(artist, colour);
   } else if (artist.has("means.csv")) {

@@ -43,6 +43,8 @@ struct PlotCurve {
   std::vector<PlotCondition> where;  ///< the rows that belong to the curve: those that fulfil all; empty: all rows
   PlotStyle style = PlotStyle::line;
   bool is_dashed = false;
+  bool is_open = false;  ///< points are drawn as outlines
+  double point_size = 0.9;
   std::optional<std::size_t> colour;  ///< place in the order of colours; left out: the place of the curve in the plot
   double x_factor = 1.0;              ///< what is drawn is x_factor · x
   double y_factor = 1.0;              ///< and y_factor · y
@@ -64,6 +66,14 @@ struct PlotReference {
   double label_place = 1.0;  ///< where along the line the label ends up: 0 at its beginning, 1 at its end
 };
 
+/// A text to the right of a point, in the colour of a curve.
+struct PlotLabel {
+  std::string text;
+  double x = 0.0;
+  double y = 0.0;
+  std::size_t colour = 0;
+};
+
 /// A PNG laid into the plot: position and width in fractions of the area between the axes, height as its shape demands.
 struct PlotInset {
   std::string file;  ///< relative to the directory of the plot
@@ -73,10 +83,11 @@ struct PlotInset {
   std::string label;  ///< above it
 };
 
-enum class PlotKey { none, top_left, top_right, bottom_left, bottom_right, outside };
+/// `outside` is to the right of the plot, `below` under it.
+enum class PlotKey { none, top_left, top_right, bottom_left, bottom_right, outside, below };
 
 /// The order of colours: `categorical` has seven that people with colour blindness tell apart, for curves that differ
-/// in kind; `sequential` runs from dark blue to yellow-green, for curves that differ in one number.
+/// in kind; `sequential` runs from dark blue to yellow, over all colours in use, for curves that differ in one number.
 enum class PlotColours { categorical, sequential };
 
 /// A plot of tables that lie beside it.
@@ -88,12 +99,14 @@ struct Plot {
   std::vector<PlotCurve> curves;
   std::vector<PlotFormula> formulas;
   std::vector<PlotReference> references;
+  std::vector<PlotLabel> labels;
   std::vector<PlotInset> insets;
   PlotKey key = PlotKey::top_left;
   std::string key_title;
   PlotColours colours = PlotColours::categorical;
   std::uint32_t width = 800;  ///< of the SVG, in pixels; the PNG is twice as fine
   std::uint32_t height = 600;
+  bool makes_pdf = false;  ///< name.pdf too, an inch for 100 pixels
 };
 
 /// How gnuplot is called.

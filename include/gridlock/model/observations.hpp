@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,6 +25,15 @@ class Observations {
   /// How many agents have the number 0, 1, 2 … in a column: one entry for each name.
   template <class Column, class Agents>
   void add_counts(Agents const& agents, std::initializer_list<std::string_view> names) {
+    add_counts<Column>(agents, std::span(names.begin(), names.size()));
+  }
+  /// The same under the names that the column itself gives to its numbers, Column::value_names.
+  template <class Column, class Agents>
+  void add_counts(Agents const& agents) {
+    add_counts<Column>(agents, std::span<std::string_view const>(Column::value_names));
+  }
+  template <class Column, class Agents>
+  void add_counts(Agents const& agents, std::span<std::string_view const> names) {
     std::vector<double> counts(names.size());
     for (auto const group : agents.template column<Column>()) {
       auto const k = static_cast<std::size_t>(group);
@@ -44,13 +54,13 @@ class Observations {
       counts[k] += 1.0;
     }
     for (std::size_t k = 0; k < sums.size(); ++k) sums[k] /= counts[k];
-    add_each(names, sums, "Mean over the agents of this kind.");
+    add_each({names.begin(), names.size()}, sums, "Mean over the agents of this kind.");
   }
 
   [[nodiscard]] std::vector<Entry> const& entries() const { return entries_; }
 
  private:
-  void add_each(std::initializer_list<std::string_view> names, std::vector<double> const& values,
+  void add_each(std::span<std::string_view const> names, std::vector<double> const& values,
                 std::string_view documentation) {
     std::size_t k = 0;
     for (std::string_view const name : names) add(name, values[k++], documentation);

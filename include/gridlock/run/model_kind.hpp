@@ -1,9 +1,11 @@
 #pragma once
 
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -23,6 +25,8 @@ class ModelKind {
   [[nodiscard]] virtual std::string_view name() const = 0;
   [[nodiscard]] virtual std::string_view documentation() const = 0;
   virtual void describe(SettingVisitor& visitor) = 0;
+  /// What the model calls the numbers 0, 1, 2 … of a column of its agents; empty where it gives them no names.
+  [[nodiscard]] virtual std::vector<std::string> value_names(std::string_view column) const = 0;
   [[nodiscard]] virtual std::unique_ptr<ModelKind> copy() const = 0;
   /// Refuses settings with which no run in this box is possible, as far as that is plain without a start. Errors: Error.
   virtual void check_settings(Box const& box) const = 0;
@@ -42,6 +46,23 @@ class ModelKind {
 /// is refused like any other input. Errors: Error.
 void blame_table(std::string_view model, std::function<void()> const& act);
 
+namespace detail {
+
+/// Column::value_names of the column of that name, where it has such.
+template <class... Columns>
+std::vector<std::string> value_names(std::type_identity<Population<Columns...>>, std::string_view name) {
+  std::vector<std::string> names;
+  auto const look = [&]<class Column>(std::type_identity<Column>) {
+    if constexpr (requires { Column::value_names; }) {
+      if (name == Column::name) names.assign(std::begin(Column::value_names), std::end(Column::value_names));
+    }
+  };
+  (look(std::type_identity<Columns>{}), ...);
+  return names;
+}
+
+}  // namespace detail
+
 /// The kind a model is.
 template <class Model>
 class ModelKindOf final : public ModelKind {
@@ -56,6 +77,9 @@ class ModelKindOf final : public ModelKind {
   }
   void describe(SettingVisitor& visitor) override {
     if constexpr (requires { model_.describe(visitor); }) model_.describe(visitor);
+  }
+  [[nodiscard]] std::vector<std::string> value_names(std::string_view column) const override {
+    return detail::value_names(std::type_identity<typename Model::Agents>{}, column);
   }
   [[nodiscard]] std::unique_ptr<ModelKind> copy() const override { return std::make_unique<ModelKindOf>(*this); }
   void check_settings(Box const& box) const override {

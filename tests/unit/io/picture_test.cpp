@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <set>
 #include <string>
 #include <vector>
@@ -168,6 +169,74 @@ TEST(Picture, ColoursGivenValuesWithinTheGivenRangeAndUnknownOnesGrey) {
       state, {.colouring = Colouring::values, .values = values, .least = 1.0, .most = 5.0, .bar_label = "x"});
   EXPECT_EQ(colours,
             (std::vector<std::string>{to_hex(viridis(0.0)), to_hex(viridis(0.5)), "#bfbfbf", to_hex(viridis(1.0))}));
+}
+
+std::vector<std::string> texts_of(MarkupDocument const& document) {
+  std::vector<std::string> texts;
+  for (auto const& text : document.named("text")) texts.push_back(text.text);
+  return texts;
+}
+
+TEST(Picture, NamesEachKindBesideItsColour) {
+  State const state = one_disk_per_cell(Edge::wall, 4, 1);
+  std::vector<double> const kinds{0.0, 2.0, 0.0, 1.0};
+  PictureSettings settings{.colouring = Colouring::kinds, .values = kinds, .bar_label = "health"};
+  settings.kind_names = {"susceptible", "infected"};
+  MarkupDocument const document = drawn(state, settings);
+  EXPECT_EQ(texts_of(document), (std::vector<std::string>{"health", "susceptible", "infected", "2"}));
+  auto const circles = document.named("circle");
+  EXPECT_EQ(circles.at(0).attributes.at("fill"), circles.at(2).attributes.at("fill"));
+  std::vector<std::string> listed;
+  for (auto const& square : document.named("rect")) {
+    if (square.attributes.contains("width") && square.attributes.at("width") == "13") {
+      listed.push_back(square.attributes.at("fill"));
+    }
+  }
+  EXPECT_EQ(listed, (std::vector<std::string>{circles.at(0).attributes.at("fill"), circles.at(3).attributes.at("fill"),
+                                              circles.at(1).attributes.at("fill")}));
+}
+
+TEST(Picture, ListsTheRadiiOfAMixtureAndOfNothingElse) {
+  State state;
+  for (double const r : {0.1, 0.14, 0.1}) state.disks.add(0.5, 0.5, 0, 0, r, 1, 0, 0);
+  EXPECT_EQ(texts_of(drawn(state, {})), (std::vector<std::string>{"R = 0.1", "R = 0.14"}));
+  EXPECT_TRUE(texts_of(drawn(one_disk_per_cell(Edge::wall, 2, 2), {})).empty());
+}
+
+TEST(Picture, GivesOppositeEndsOfTheAnglesOneColour) {
+  State const state = one_disk_per_cell(Edge::wall, 4, 1);
+  double const pi = std::numbers::pi;
+  std::vector<double> const angles{-pi, pi, 0.0, 0.5 * pi};
+  PictureSettings const settings{.colouring = Colouring::directions, .values = angles, .bar_label = "direction"};
+  auto const colours = colours_of_disks(state, settings);
+  EXPECT_EQ(colours.at(0), colours.at(1));
+  EXPECT_NE(colours.at(0), colours.at(2));
+  EXPECT_NE(colours.at(2), colours.at(3));
+  EXPECT_EQ(texts_of(drawn(state, settings)), (std::vector<std::string>{"−π", "−π/2", "0", "π/2", "π", "direction"}));
+}
+
+TEST(ColourCircle, GoesAroundInSmallStepsToWhereItBegan) {
+  auto const distance = [](Colour a, Colour b) {
+    return std::hypot(a.red - b.red, a.green - b.green, a.blue - b.blue);
+  };
+  EXPECT_EQ(to_hex(colour_circle(0.0)), to_hex(colour_circle(1.0)));
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_LT(distance(colour_circle(i / 100.0), colour_circle((i + 1) / 100.0)), 0.06) << i;
+    EXPECT_GT(distance(colour_circle(i / 100.0), colour_circle(i / 100.0 + 0.5)), 0.3) << i;
+  }
+}
+
+TEST(Picture, AsPdfIsAPdfOfTheSizeAskedForEvenOfManyDisks) {
+  State const state = one_disk_per_cell(Edge::wall, 3, 3);
+  std::string const vectors = picture_pdf(state, {.width = 300});
+  std::string const raster = picture_pdf(state, {.width = 300, .most_vector_disks = 4});
+  for (std::string const& pdf : {vectors, raster}) {
+    EXPECT_TRUE(pdf.starts_with("%PDF-")) << pdf.substr(0, 20);
+    EXPECT_NE(pdf.find("%%EOF"), std::string::npos);
+    EXPECT_NE(pdf.find("/MediaBox [ 0 0 300 300 ]"), std::string::npos);
+  }
+  EXPECT_EQ(vectors.find("/Subtype /Image"), std::string::npos);
+  EXPECT_NE(raster.find("/Subtype /Image"), std::string::npos);
 }
 
 TEST(Picture, SurvivesValuesThatAreAllAlikeOrAllUnknown) {

@@ -12,6 +12,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
 #include "gridlock/io/picture.hpp"
+#include "io/colour.hpp"
 #include "unit/io/markup_document.hpp"
 #include "unit/io/temporary_directory.hpp"
 
@@ -101,6 +102,36 @@ TEST(Plot, LeavesAScriptAndTwoPicturesOfTheSizeAskedFor) {
   EXPECT_EQ(number_at(png, 16), 1000U);
   EXPECT_EQ(number_at(png, 20), 800U);
   EXPECT_TRUE(fs::exists(directory / "plot.gp"));
+}
+
+TEST(Plot, IsAPdfTooWhereThatIsAskedFor) {
+  TemporaryDirectory const directory;
+  write_series(directory);
+  Plot plot = simple_plot();
+  drawn(plot, directory);
+  EXPECT_FALSE(fs::exists(directory / "plot.pdf"));
+  plot.makes_pdf = true;
+  drawn(plot, directory);
+  EXPECT_TRUE(read_file(directory / "plot.pdf").starts_with("%PDF-"));
+}
+
+TEST(Plot, LabelsPointsInTheColourOfTheirCurveAndUsesTheWholeMapForThem) {
+  TemporaryDirectory const directory;
+  write_series(directory);
+  Plot plot = simple_plot();
+  plot.key = PlotKey::none;
+  plot.colours = PlotColours::sequential;
+  // Two engines, two densities: four curves of two colours.
+  plot.curves.assign(4, displacement_curve());
+  for (std::size_t k = 0; k < 4; ++k) plot.curves[k].colour = k % 2;
+  plot.labels = {{.text = "end", .x = 1.0, .y = 0.5, .colour = 1}};
+  MarkupDocument const document = drawn(plot, directory);
+  EXPECT_NE(words_of(document).find("end\n"), std::string::npos);
+  std::string const script = read_file(directory / "plot.gp");
+  EXPECT_NE(script.find("set label 'end' at first 1, first 0.5 left front noenhanced font ',13' textcolor rgb '" +
+                        to_hex(viridis(0.9)) + "'"),
+            std::string::npos)
+      << script;
 }
 
 TEST(Plot, KeepsAnyTextAsItStands) {
@@ -199,7 +230,7 @@ TEST(Plot, DrawsEveryStyleKeyColourOrderAndAxis) {
       curve.y_factor = 1e-3;
       Plot plot = simple_plot("plot" + std::to_string(++count));
       plot.curves = {curve, curve};
-      plot.key = static_cast<PlotKey>(count % 6);
+      plot.key = static_cast<PlotKey>(count % 7);
       plot.colours = static_cast<PlotColours>(count % 2);
       plot.x = {.label = "x", .is_logarithmic = count % 2 == 0, .least = 0.1, .most = {}};
       plot.y = {.label = "y", .is_logarithmic = count % 3 == 0, .least = {}, .most = 1.0};

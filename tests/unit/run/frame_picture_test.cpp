@@ -10,6 +10,7 @@
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
+#include "run/kind_names.hpp"
 #include "unit/io/temporary_directory.hpp"
 
 namespace gridlock {
@@ -84,6 +85,36 @@ TEST(FramePainter, PixelsAreThoseOfThePngFile) {
   auto const in_disk = pixel(static_cast<std::uint32_t>(0.4 * 101), pixels.height / 2);
   EXPECT_NE(in_disk, 0xFFFFFFU);
   EXPECT_GT(in_disk & 0xFFU, in_disk >> 16) << "blue, as the first of the colours";
+}
+
+TEST(FramePainter, KindsAreListedByTheirNamesAndManyNumbersStandOnABar) {
+  Population<X, Y, Health> agents;
+  for (std::uint32_t n = 0; n < 3; ++n) agents.add(0.2 + 0.2 * n, 0.5, n);
+  auto const text_of = [](Frame const& frame) {
+    TemporaryDirectory const directory;
+    FramePainter painter(frame, "health");
+    painter.name_kinds({"well", "ill"});
+    painter.widen_bar(frame);
+    painter.draw(frame, 300, "title", directory / "kinds.svg");
+    return read_file(directory / "kinds.svg");
+  };
+  std::string const few = text_of(frame_of(box, {}, 1, agents));
+  for (char const* name : {">health<", ">well<", ">ill<", ">2<"}) EXPECT_NE(few.find(name), std::string::npos) << name;
+  agents.add(0.8, 0.5, 40U);
+  std::string const many = text_of(frame_of(box, {}, 1, agents));
+  EXPECT_EQ(many.find(">well<"), std::string::npos);
+  EXPECT_NE(many.find(">40<"), std::string::npos) << "the bar";
+}
+
+TEST(KindNames, AreThoseOfTheModel) {
+  auto const names = [](std::string const& settings, char const* column) {
+    return kind_names(SettingsFile::from_text(settings, "test"), column);
+  };
+  EXPECT_EQ(names("model.kind = \"epidemic\"", "health"),
+            (std::vector<std::string>{"susceptible", "infected", "recovered"}));
+  EXPECT_TRUE(names("model.kind = \"epidemic\"", "x").empty());
+  EXPECT_TRUE(names("disks.count = 10", "health").empty());
+  EXPECT_TRUE(names("model.kind = \"no_such_model\"", "health").empty());
 }
 
 TEST(FramePainter, TheUsualColourIsWhatTellsMostOfTheAgents) {
