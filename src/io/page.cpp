@@ -42,6 +42,9 @@ caption { caption-side: bottom; text-align: left; color: var(--faint); font-size
 th, td { padding: .4rem .8rem; text-align: left; vertical-align: top; border-bottom: 1px solid var(--line); }
 th { border-bottom: 2px solid var(--ink); vertical-align: bottom; }
 .number { text-align: right; white-space: nowrap; }
+.wide { font-size: .84rem; }
+.wide th, .wide td { padding: .3rem .45rem; }
+.wide .number { white-space: normal; }
 .verdict { display: inline-block; padding: .05em .6em; border-radius: 1em; font-size: .88em; font-weight: 600;
   white-space: nowrap; }
 .agrees { color: var(--good); background: var(--good-tint); }
@@ -52,7 +55,9 @@ figure { margin: 1.4rem 0; }
 .pictures > * { flex: 1 1 20rem; min-width: 0; max-width: 50rem; background: #fff; border-radius: .4rem; padding: .3rem; }
 .pictures svg, .pictures img { display: block; width: 100%; height: auto; }
 figcaption { color: var(--faint); font-size: .92rem; margin-top: .5rem; max-width: 46rem; }
-@media print { body { max-width: none; padding: 0; } figure, tr { break-inside: avoid; } h2, h3 { break-after: avoid; } }
+@media print { body { max-width: none; padding: 0; font-size: 10pt; } .scroll { overflow: visible; }
+  table { width: 100%; font-size: 8pt; } .wide { font-size: 7pt; } th, td, .wide th, .wide td { padding: .15rem .25rem; }
+  .number, .verdict { white-space: normal; } td, th { overflow-wrap: anywhere; } pre { white-space: pre-wrap; } figure, tr { break-inside: avoid; } h2, h3 { break-after: avoid; } }
 )";
 
 /// Whether a link leads to a page or file and cannot run anything, as "javascript:" would.
@@ -263,7 +268,10 @@ Page& Page::table(PageTable const& table) {
   std::vector<std::string_view> kinds;
   for (std::size_t c = 0; c < columns; ++c) kinds.push_back(holds_numbers(table, c) ? " class=\"number\"" : "");
   auto out = std::back_inserter(body_);
-  body_ += "<div class=\"scroll\"><table>\n";
+  // More columns than a screen holds at full size; their cells are smaller and break between words.
+  constexpr std::size_t most_columns = 6;
+  body_ +=
+      columns > most_columns ? "<div class=\"scroll\"><table class=\"wide\">\n" : "<div class=\"scroll\"><table>\n";
   if (!table.caption.empty()) fmt::format_to(out, "<caption>{}</caption>\n", inline_markup(table.caption));
   if (!table.header.empty()) {
     body_ += "<thead><tr>";

@@ -45,33 +45,65 @@ Table series_of(Study const& study, std::vector<Ensemble> const& ensembles) {
   return table;
 }
 
+/// The densities at the ends of the curves of the first engine, moved apart where they would cover each other.
+std::vector<PlotLabel> end_labels(Study const& study, std::vector<Ensemble> const& ensembles, bool is_logarithmic) {
+  constexpr double least_distance = 0.045;  // of the height of the plot
+  std::vector<double> const& densities = study.extent().fan_densities;
+  double const steps = static_cast<double>(study.extent().steps);
+  auto const on_axis = [&](double y) { return is_logarithmic ? std::log(y) : y; };
+  std::vector<PlotLabel> labels;
+  double least = is_logarithmic ? HUGE_VAL : 0.0;
+  double most = -HUGE_VAL;
+  for (Ensemble const& ensemble : ensembles) {
+    EnsembleResult const result(study, ensemble);
+    if (ensemble.engine.kind != study.extent().engines.front().kind || result.seeds() == 0) continue;
+    double const last = result.last_displacement().value;
+    if (!(last > 0.0)) continue;
+    double const first = result.displacement(std::min<std::size_t>(1, result.samples() - 1)).value;
+    if (is_logarithmic && first > 0.0) least = std::min(least, on_axis(first));
+    most = std::max(most, on_axis(last));
+    auto const place = std::ranges::find(densities, ensemble.packing_fraction) - densities.begin();
+    labels.push_back({.text = fmt::format("φ = {:.2f}{}", ensemble.packing_fraction,
+                                          ensemble.start == StartKind::triangular ? " tri." : ""),
+                      .x = is_logarithmic ? 1.05 * steps : 1.01e-3 * steps,
+                      .y = on_axis(last),
+                      .colour = static_cast<std::size_t>(place)});
+  }
+  std::ranges::sort(labels, {}, &PlotLabel::y);
+  double lowest = least;
+  for (PlotLabel& label : labels) {
+    label.y = std::max(label.y, lowest);
+    lowest = label.y + least_distance * (most - least);
+    if (is_logarithmic) label.y = std::exp(label.y);
+  }
+  return labels;
+}
+
 void draw_fan(Study& study, std::vector<Ensemble> const& ensembles, bool is_logarithmic) {
   Plot plot{
       .name = is_logarithmic ? "figure_6_logarithmic" : "figure_6",
       .title = is_logarithmic ? "Figure 6 again, both axes logarithmic" : "Figure 6: mean displacement against time",
       .x = {.label = is_logarithmic ? "time steps" : "time / 1000 steps", .is_logarithmic = is_logarithmic},
       .y = {.label = "mean displacement / side of the box", .is_logarithmic = is_logarithmic},
-      .references = {{.at = 0.1, .label = "10 %"}},
-      .key = PlotKey::outside,
-      .key_title = "φ",
+      .references = {{.at = 0.1, .label = "10 %", .label_place = 0.0}},
+      .key = PlotKey::top_left,
       .colours = PlotColours::sequential};
-  // Room at the right for the name of the 10 % line.
+  // Room at the right for the densities.
   double const steps = static_cast<double>(study.extent().steps);
   plot.x.least = is_logarithmic ? static_cast<double>(study.extent().sample_every) : 0.0;
-  plot.x.most = is_logarithmic ? 2.5 * steps : 1.15e-3 * steps;
+  plot.x.most = is_logarithmic ? 4.0 * steps : 1.2e-3 * steps;
   if (!is_logarithmic) plot.y.least = 0.0;
+  for (PaperEngine const& engine : study.extent().engines) {
+    bool const is_first = &engine == &study.extent().engines.front();
+    plot.formulas.push_back({.label = engine.label, .formula = "NaN", .is_dashed = !is_first});
+  }
   std::vector<double> const& densities = study.extent().fan_densities;
   for (Ensemble const& ensemble : ensembles) {
     if (EnsembleResult(study, ensemble).seeds() == 0) continue;
     bool const is_first_engine = ensemble.engine.kind == study.extent().engines.front().kind;
     auto const place = std::ranges::find(densities, ensemble.packing_fraction) - densities.begin();
-    std::string label = fmt::format("{:.2f}", ensemble.packing_fraction);
-    if (ensemble.start == StartKind::triangular) label += " (triangular)";
-    // The other engines' curves stand next to the ones named in the key.
-    if (!is_first_engine) label.clear();
     plot.curves.push_back(
-        {.label = label,
-         .file = "figure_6.csv",
+        {.file = "figure_6.csv",
          .x = "step",
          .y = "mean_displacement",
          .error = "mean_displacement_error",
@@ -82,7 +114,9 @@ void draw_fan(Study& study, std::vector<Ensemble> const& ensembles, bool is_loga
          .colour = static_cast<std::size_t>(place),
          .x_factor = is_logarithmic ? 1.0 : 1e-3});
   }
-  if (!plot.curves.empty()) study.draw(plot);
+  if (plot.curves.empty()) return;
+  plot.labels = end_labels(study, ensembles, is_logarithmic);
+  study.draw(plot);
 }
 
 /// Whether the final displacements fall from each density to the next, as far as the errors can tell.
@@ -133,7 +167,8 @@ Chapter figure_6(Study& study) {
                   "{} steps of 0.1 diameters per v_max. Starts on the square lattice up to its closest packing π/4 = "
                   "0.785, above on the triangular one. Bands are one standard error over {} seeds.",
                   study.extent().disks, study.extent().steps, study.extent().seeds));
-  std::string caption = "Mean displacement against time.";
+  std::string caption =
+      "Mean displacement against time; each curve ends beside its packing fraction (tri.: triangular start).";
   for (std::size_t k = 1; k < study.extent().engines.size(); ++k) {
     caption +=
         fmt::format(" Dashed: {}, from the same starts for the same physical time.", study.extent().engines[k].label);

@@ -176,8 +176,8 @@ void draw_rules(Study& study) {
   std::size_t colour = 0;
   for (auto const& [start, density] : starts_of(study.extent())) {
     for (std::string const& rule : rules) {
-      std::string const name = rule == "none" ? study.extent().choice_reference->label : rule;
-      plot.curves.push_back({.label = fmt::format("{} {}, {}", gridlock::name_of(start), density, name),
+      bool const is_named = rule == rules.front();
+      plot.curves.push_back({.label = is_named ? fmt::format("{} {}", gridlock::name_of(start), density) : "",
                              .file = "open_choices.csv",
                              .x = "time_step",
                              .y = "mean_displacement",
@@ -191,6 +191,14 @@ void draw_rules(Study& study) {
                              .colour = colour});
     }
     ++colour;
+  }
+  for (Contact const contact : {Contact::always, Contact::approaching}) {
+    plot.formulas.push_back({.label = fmt::format("contact: {}", name_of(contact)),
+                             .formula = "NaN",
+                             .is_dashed = contact == Contact::approaching});
+  }
+  if (study.extent().choice_reference) {
+    plot.references.push_back({.at = 0.0, .label = study.extent().choice_reference->label, .is_vertical = true});
   }
   double least = 1.0;
   double most = 0.0;

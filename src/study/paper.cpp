@@ -1,6 +1,7 @@
 #include "gridlock/study/paper.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -131,6 +132,19 @@ std::string summary_of(std::vector<PaperClaim> const& claims) {
                      count(Verdict::undecided));
 }
 
+/// What a reader is to take away, from the verdicts alone.
+std::string conclusion_of(std::vector<PaperClaim> const& claims) {
+  std::vector<std::string> differing;
+  for (PaperClaim const& claim : claims) {
+    if (claim.verdict == Verdict::differs) differing.push_back(fmt::format("“{}” ({})", claim.statement, claim.where));
+  }
+  auto const agreeing = std::ranges::count(claims, Verdict::agrees, &PaperClaim::verdict);
+  auto const open = static_cast<std::ptrdiff_t>(claims.size() - differing.size()) - agreeing;
+  std::string text = fmt::format("What to conclude: {} of the {} claims tested here hold", agreeing, claims.size());
+  if (open > 0) text += fmt::format(", these runs cannot decide {}", open);
+  return differing.empty() ? text + "." : fmt::format("{}, and these do not: {}", text, fmt::join(differing, " "));
+}
+
 /// The part of the study that makes one section of the report.
 struct Part {
   std::optional<int> figure;  ///< none: made only with all figures
@@ -250,6 +264,7 @@ class PaperStudy {
                     "beside it.{}",
                     settings_.extent.name, version(), settings_.seed, result.seconds,
                     is_resumed_ ? " since the last interruption" : "", runs_text()));
+    if (!result.claims.empty()) page.paragraph(conclusion_of(result.claims));
     page.heading("Claim by claim");
     page.table(overview_of(result.claims));
     for (Chapter const& chapter : chapters_) {

@@ -231,13 +231,14 @@ void draw_curves(Study& study, std::vector<Row> const& rows) {
             .title = "The order of the turns",
             .x = {.label = "time / (diameters per v_max)", .is_logarithmic = true},
             .y = {.label = "mean displacement / side of the box", .is_logarithmic = true},
-            .key = PlotKey::outside};
+            .key = PlotKey::outside,
+            .key_title = "lines: stepped\npoints: tiled"};
   std::size_t colour = 0;
   for (Row const& row : rows) {
     if (row.edge != Edge::wall || row.time_step != study.extent().order_time_steps.front()) continue;
     for (char const* kind : {stepped, tiled}) {
       plot.curves.push_back(
-          {.label = fmt::format("{} {}, {}", name_of(row.start), row.packing_fraction, kind),
+          {.label = kind == tiled ? "" : fmt::format("{} {}", name_of(row.start), row.packing_fraction),
            .file = "turn_order.csv",
            .x = "diameters",
            .y = "mean_displacement",

@@ -97,6 +97,16 @@ TEST(Page, SetsColumnsOfNumbersFlushRight) {
   EXPECT_EQ(document.count("td"), 12U);  // short rows are filled up
 }
 
+TEST(Page, SetsTablesOfManyColumnsSmallAndLetsNothingScrollOutOfPrint) {
+  PageTable table{.header = {"a", "b", "c", "d", "e", "f"}};
+  EXPECT_EQ(Page("t").table(table).html().find("class=\"wide\""), std::string::npos);
+  table.header.emplace_back("g");
+  std::string const html = Page("t").table(table).html();
+  EXPECT_NE(html.find("<table class=\"wide\">"), std::string::npos);
+  std::string const print = html.substr(html.find("@media print"));
+  EXPECT_NE(print.find(".scroll { overflow: visible; }"), std::string::npos);
+}
+
 TEST(Page, ShowsEachVerdictInItsOwnWords) {
   Page page("t");
   for (Verdict const verdict : {Verdict::agrees, Verdict::differs, Verdict::undecided}) page.verdict(verdict, "x");
