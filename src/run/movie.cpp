@@ -14,6 +14,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
+#include "gridlock/run/result_files.hpp"
 #include "io/process.hpp"
 #include "run/frame_picture.hpp"
 #include "run/kind_names.hpp"
@@ -158,6 +159,7 @@ class Movie {
       if (!goes_on(0)) return Ending::interrupted;
       painter_.widen_bar(frame(n));
     }
+    record_further_result(settings_.file);
     AtomicFile file(settings_.file);
     std::unique_ptr<Encoder> encoder;
     for (std::size_t n = 0; n < all_; ++n) {
