@@ -180,6 +180,35 @@ TYPED_TEST(ModelEngineOf, ASearchAroundAFarPointEndsTheRunOrMissesNobody) {
   }
 }
 
+/// Agents in cells of unequal sides, of which none is local: every turn is taken late.
+struct Latecomers {
+  static constexpr std::string_view name = "latecomers";
+  static constexpr Schedule schedule = Schedule::tiled;
+  static constexpr std::array<std::string_view, 1> events{"turns"};
+  using Agents = Population<X, Y>;
+  double* room_told;
+
+  [[nodiscard]] double reach() const { return 0.1; }
+  [[nodiscard]] double time_step() const { return 0.5; }
+  [[nodiscard]] CellLayout cells(World<Latecomers> const& world) const { return {world.box, 8, 8}; }
+  [[nodiscard]] bool is_local(Turn<Latecomers> const&, double room) const {
+    *room_told = room;
+    return false;
+  }
+  void turn(Turn<Latecomers>& self) const { self.count(0); }
+};
+
+TEST(ModelEngineInTiles, TakesLateTurnsOnceAStepAndTellsTheShorterSideOfACell) {
+  for (Box const& box : {Box(2.0, 1.0, Edge::wall), Box(1.0, 2.0, Edge::wall)}) {
+    double room = 0.0;
+    World<Latecomers> world{.box = box, .seed = 3};
+    for (int n = 0; n < 10; ++n) world.agents.add(0.05 + 0.09 * n, 0.5);
+    ModelEngine<Latecomers>({.room_told = &room}, box, {}).advance(world, {.step = 4});
+    EXPECT_EQ(world.events[0], 40U);
+    EXPECT_EQ(room, 0.125);
+  }
+}
+
 /// A world in the hands of the test.
 struct Script {
   static constexpr std::string_view name = "script";

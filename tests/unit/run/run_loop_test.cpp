@@ -3,11 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "gridlock/io/checkpoint.hpp"
+#include "gridlock/run/model_experiment.hpp"
 #include "gridlock/run/run.hpp"
 
 namespace gridlock {
@@ -46,6 +50,55 @@ class Ticking final : public Experiment {
  private:
   Clock clock_;
 };
+
+/// Three agents that walk to the right and count their steps.
+struct Walkers {
+  static constexpr std::string_view name = "walkers";
+  static constexpr Schedule schedule = Schedule::synchronous;
+  static constexpr std::array<std::string_view, 2> events{"steps", "rests"};
+  using Agents = Population<X, Y>;
+  [[nodiscard]] double reach() const { return 0.1; }
+  [[nodiscard]] double time_step() const { return 1.0; }
+  void start(World<Walkers>& world) const {
+    for (int n = 0; n < 3; ++n) world.agents.add(1.0 + n, 0.5);
+  }
+  void turn(Turn<Walkers>& self) const {
+    self.count(0);
+    self.move_by({0.5, 0.0});
+  }
+  void observe(World<Walkers> const& world, Observations& seen) const {
+    auto const x = world.agents.column<X>();
+    seen.add("least_x", *std::ranges::min_element(x));
+    seen.add("most_x", *std::ranges::max_element(x));
+  }
+};
+
+/// The results by name and the counts, as text.
+std::string told_of(Experiment const& experiment) {
+  std::string text;
+  for (NamedEstimate const& named : experiment.results()) {
+    text += named.name + " " + std::to_string(named.estimate.value) + ", ";
+  }
+  for (Count const& count : experiment.counts()) text += count.name + " " + std::to_string(count.value) + ", ";
+  return text;
+}
+
+TEST(ModelExperiment, AveragesEveryObservationUnderItsNameAlsoWhereItResumes) {
+  Box const box(20.0, 1.0, Edge::wall);
+  RunPlan const plan{.horizon = {.step = 4}, .sample_every = 1};
+  ModelExperiment<Walkers> whole({}, box, 1);
+  gridlock::Run run(whole, plan);
+  run.go_on();
+  // At steps 1 to 4 the last one is at 1.5, 2, 2.5 and 3, the first one is 2 ahead of it.
+  EXPECT_EQ(told_of(whole), "agents 3.000000, least_x 2.250000, most_x 4.250000, steps 12, rests 0, ");
+  ModelExperiment<Walkers> begun({}, box, 1);
+  gridlock::Run interrupted(begun, {.horizon = {.step = 2}, .sample_every = 1});
+  interrupted.go_on();
+  ModelExperiment<Walkers> resumed({}, box, 1);
+  from_checkpoint(to_checkpoint([&](Archive& archive) { begun.carry(archive); }), "saved",
+                  [&](Archive& archive) { resumed.carry(archive); });
+  EXPECT_EQ(told_of(resumed), told_of(begun));
+}
 
 using Steps = std::vector<std::uint64_t>;
 

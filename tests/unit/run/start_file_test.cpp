@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +15,8 @@
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/run/configuration.hpp"
 #include "gridlock/run/run_directory.hpp"
+#include "gridlock/run/simulate.hpp"
+#include "gridlock/run/sweep.hpp"
 #include "gridlock/run/trajectory.hpp"
 #include "run/expected_work.hpp"
 #include "run/memory.hpp"
@@ -133,6 +137,37 @@ TEST(ExpectedMemory, OfTheExactEngineIsMoreThanThatOfTheStepped) {
   double const stepped = expected_memory(configuration);
   configuration.engine.kind = "exact";
   EXPECT_GT(expected_memory(configuration), 1.2 * stepped);
+}
+
+TEST(MemoryBudget, WhatIsGivenBackIsThereForTheNext) {
+  MemoryBudget budget(10.0);
+  MemoryBudget::Part const first(budget, 4.0);
+  for (int n = 0; n < 5; ++n) MemoryBudget::Part const next(budget, 6.0);  // one after the other, beside the first
+  SUCCEED() << "none of them waited for ever";
+}
+
+TEST(SweepPlan, NamesTellValuesApartByTheirSigns) {
+  SweepPlan const plan = plan_sweep(SettingsFile::from_text("[sweep]\n\"engine.time_step\" = [1e-5, 1e+5]\n", "signs"));
+  ASSERT_EQ(plan.runs.size(), 2U);
+  EXPECT_EQ(plan.runs[0].name, "time_step=1e-05");
+}
+
+TEST(SweepPlan, ListsOfTheCommandLineVaryFasterThanThoseOfTheFile) {
+  SettingsFile file = SettingsFile::from_text("[sweep]\n\"run.seed\" = [1, 2]\n\"disks.count\" = [4, 9]\n", "lists");
+  file.set("sweep.run.steps=[1, 2]");
+  EXPECT_EQ(plan_sweep(file).keys, (std::vector<std::string>{"run.seed", "disks.count", "run.steps"}));
+}
+
+TEST(Audits, AreCountedWhereTheyAreAskedForOnly) {
+  for (std::uint64_t const every : {0, 10}) {
+    Configuration configuration;
+    configuration.disks = {.count = 16, .packing_fraction = 0.4};
+    configuration.engine = {.kind = "exact", .audit_every = every};
+    configuration.run.steps = 20;
+    std::vector<Count> const counts = simulate(set_up(configuration)).counts;
+    bool const has_audits = std::ranges::find(counts, "audits", &Count::name) != counts.end();
+    EXPECT_EQ(has_audits, every > 0);
+  }
 }
 
 TEST(DirectoryLock, IsSharedByThoseThatAskForItAndKeepsOthersOut) {
