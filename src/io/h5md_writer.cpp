@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/all_cores.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/h5md.hpp"
 #include "io/deflated_chunk.hpp"
@@ -315,7 +316,7 @@ void H5mdWriter::Trajectory::deflate_chunks() {
   if (numbers < least_parallel_numbers) {
     for (std::size_t k = 0; k < chunks_.size(); ++k) deflate(k);
   } else {
-    tbb::parallel_for(std::size_t{0}, chunks_.size(), deflate);
+    on_all_cores([&] { tbb::parallel_for(std::size_t{0}, chunks_.size(), deflate); });
   }
 }
 

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <tbb/parallel_pipeline.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/all_cores.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "io/text.hpp"
@@ -162,8 +162,7 @@ void append_blocks(Rows const& rows, AtomicFile& file) {
   auto const format = [&](std::size_t first) {
     return rows.text(first, std::min(first + rows_per_block, rows.size()));
   };
-  // Isolated: a thread that waits for the others must not begin another run of a sweep meanwhile.
-  tbb::this_task_arena::isolate([&] {
+  on_all_cores([&] {
     tbb::parallel_pipeline(
         blocks_in_memory, tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, take_next) &
                               tbb::make_filter<std::size_t, std::string>(tbb::filter_mode::parallel, format) &

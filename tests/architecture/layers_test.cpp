@@ -176,6 +176,18 @@ TEST(Library, AsksForTheCoresOfTheMachineInOnePlace) {
   EXPECT_EQ(places, 1U);
 }
 
+TEST(Library, RunsParallelLoopsOnTheCoresThatTheProcessMayUse) {
+  // By itself oneTBB takes all cores of the affinity mask, whatever a container's limit is.
+  for (Source const& source : all_sources()) {
+    std::ifstream file(source.path);
+    std::string const text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    if (text.find("tbb::parallel_") == std::string::npos) continue;
+    bool const is_bounded =
+        text.find("on_all_cores(") != std::string::npos || text.find("jobs_for(") != std::string::npos;
+    EXPECT_TRUE(is_bounded) << source.name;
+  }
+}
+
 TEST(Library, NeverPrints) {
   // Only apps/ touch the terminal; files and processes are io's.
   std::regex const terminal(R"re(std::(cout|cerr|clog)\b|\bfmt::print\(("|stdout|stderr)|\b(printf|puts)\()re");
