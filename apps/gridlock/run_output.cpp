@@ -66,6 +66,11 @@ void print_estimate(gridlock::NamedEstimate const& result) {
              result.unit.empty() ? "" : "  " + result.unit);
 }
 
+bool has_last_state(std::filesystem::path const& directory) {
+  std::error_code ignored;
+  return std::filesystem::exists(directory / "final.xyz", ignored);
+}
+
 bool is_headline(gridlock::NamedEstimate const& result) {
   return std::ranges::find(headlines, result.name) != std::end(headlines);
 }
@@ -141,7 +146,7 @@ void RunOutput::print_end(gridlock::RunRecord const& record, std::filesystem::pa
              record.agents, duration_text(record.seconds), count_text(record.agent_steps_per_second()));
   print_results(record);
   fmt::print("  {:<26} {:016x}\nresults in {}\n", "state_hash", record.state_hash, directory.string());
-  if (!draws_ && record.ending == gridlock::Ending::finished) {
+  if (!draws_ && record.ending == gridlock::Ending::finished && has_last_state(directory)) {
     fmt::print("pictures: {} plot {}\n", program_name(), directory.string());
   }
 }
@@ -149,7 +154,9 @@ void RunOutput::print_end(gridlock::RunRecord const& record, std::filesystem::pa
 ExitCode RunOutput::finish(gridlock::RunRecord const& record, std::filesystem::path const& directory) {
   line_.reset();
   signals_.reset();
-  if (draws_) {
+  if (draws_ && !has_last_state(directory)) {
+    fmt::print(stderr, "note: no pictures without the last state, which run.final_state = false leaves out\n");
+  } else if (draws_) {
     for (std::string const& note : gridlock::draw_results(directory).notes) fmt::print(stderr, "note: {}\n", note);
   }
   if (!is_quiet_) print_end(record, directory);

@@ -353,6 +353,10 @@ Pictures draw_results(fs::path const& directory, std::string const& colour, bool
   Artist artist(directory, makes_pdf);
   if (artist.has("config.resolved.toml") && artist.has("final.xyz")) {
     draw_run(artist, colour);
+  } else if (artist.has("config.resolved.toml") && artist.has("summary.json")) {
+    throw Error({.what = fmt::format("{} holds a run without its last state", directory.string()),
+                 .hint = "pictures need final.xyz: leave run.final_state = false out",
+                 .key = "DIR"});
   } else if (artist.has("means.csv")) {
     if (!colour.empty()) {
       throw Error({.what = "a sweep has no agents to colour",

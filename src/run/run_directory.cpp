@@ -112,7 +112,11 @@ void write_results(std::filesystem::path const& directory, Configuration const& 
     record_result(directory / (distribution.name + ".csv"));
     write_csv(to_table(distribution), directory / (distribution.name + ".csv"));
   }
-  write_xyz(frame, directory / "final.xyz");
+  if (configuration.run.final_state) {
+    write_xyz(frame, directory / "final.xyz");
+  } else {
+    std::filesystem::remove(directory / "final.xyz", ignored);
+  }
   write_file(directory / summary_name, summary_json(configuration, start_hash, record, frame));
 }
 

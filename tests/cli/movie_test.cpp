@@ -205,4 +205,13 @@ TEST(Colour, ThatTheAgentsDoNotHaveIsRefusedBeforeAnythingIsDrawn) {
   }
 }
 
+TEST(Pictures, OfARunWithoutItsLastStateAreRefusedWithTheReason) {
+  Workplace const workplace;
+  write(workplace / "run.toml", "disks.count = 9\nrun.steps = 2\nrun.final_state = false\n");
+  Outcome const run = in(workplace, {"run", "run.toml", "-o", "run", "--pictures"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("no pictures without the last state"), std::string::npos) << run.err;
+  expect_refusal(in(workplace, {"plot", "run"}), {"a run without its last state", "run.final_state"});
+}
+
 }  // namespace

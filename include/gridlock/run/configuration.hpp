@@ -25,6 +25,7 @@ struct RunSettings {
   std::optional<double> time;
   std::optional<double> collisions_per_disk;  ///< 2 · pair collisions / N
   std::uint64_t seed = 1;
+  bool final_state = true;  ///< whether final.xyz is written
 };
 void describe(RunSettings& settings, SettingVisitor& visitor);
 

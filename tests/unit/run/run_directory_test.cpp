@@ -125,6 +125,20 @@ TEST(RunDirectory, OfAFinishedRunIsNotResumed) {
   EXPECT_NE(refusal([&] { resume_in(directory / "a"); }).find("is finished"), std::string::npos);
 }
 
+TEST(RunDirectory, HoldsTheLastStateOnlyWhereTheRunWritesIt) {
+  Directory const directory;
+  Configuration configuration = small();
+  RunRecord const with = run_in(directory / "a", set_up(configuration));
+  EXPECT_TRUE(fs::exists(directory / "a" / "final.xyz"));
+  configuration.run.final_state = false;
+  // In a directory that holds one of the run before.
+  RunRecord const without = run_in(directory / "a", set_up(configuration));
+  expect_same(with, without);
+  EXPECT_FALSE(fs::exists(directory / "a" / "final.xyz"));
+  EXPECT_TRUE(fs::exists(directory / "a" / "summary.json"));
+  EXPECT_TRUE(fs::exists(directory / "a" / "series.csv"));
+}
+
 TEST(RunDirectory, WithoutARunIsRefused) {
   Directory const directory;
   EXPECT_NE(refusal([&] { resume_in(directory / "none"); }).find("holds no run"), std::string::npos);
