@@ -45,16 +45,19 @@ bool has_too_many_digits(TomlValue const& value) {
          digits.find_first_not_of("0123456789") == std::string_view::npos && !parse_number<std::int64_t>(value.text);
 }
 
+bool is_number_with_comma(std::string text) {
+  if (text.find(',') == std::string::npos) return false;
+  std::ranges::replace(text, ',', '.');
+  return parse_number<double>(text).has_value();
+}
+
 /// What to do about a text where a number must stand; empty where the text is far from a number.
 std::string number_instead_of(TomlValue const& value) {
   if (value.kind != Kind::text) return "";
   auto const number = parse_number<double>(value.text);
   if (number && value.as_typed.empty()) return "leave the quotes out";
   if (number && std::isfinite(*number)) return fmt::format("write {}", double_text(*number));
-  std::string with_points = value.text;
-  std::ranges::replace(with_points, ',', '.');
-  if (with_points == value.text || !parse_number<double>(with_points)) return "";
-  return "numbers have a decimal point and no comma, as in 0.7 and 10_000";
+  return is_number_with_comma(value.text) ? "numbers have a decimal point and no comma, as in 0.7 and 10_000" : "";
 }
 
 std::string whole_number_instead_of(TomlValue const& value) {

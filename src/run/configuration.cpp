@@ -341,9 +341,10 @@ void describe(RunSettings& settings, SettingVisitor& visitor) {
                  .default_note = "no limit"},
                 settings.collisions_per_disk);
   visitor.visit({.key = "seed", .documentation = "Every random number of the run follows from it."}, settings.seed);
-  visitor.visit({.key = "final_state",
-                 .documentation = "Whether the last state is written as final.xyz, which takes about 120 bytes a disk."},
-                settings.final_state);
+  visitor.visit(
+      {.key = "final_state",
+       .documentation = "Whether the last state is written as final.xyz, which takes about 120 bytes a disk."},
+      settings.final_state);
 }
 
 void describe(CheckpointSettings& settings, SettingVisitor& visitor) {

@@ -7,7 +7,6 @@
 #include <bit>
 #include <cassert>
 #include <chrono>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -161,14 +160,15 @@ class Movie {
     }
     record_further_result(settings_.file);
     AtomicFile file(settings_.file);
-    std::unique_ptr<Encoder> encoder;
-    for (std::size_t n = 0; n < all_; ++n) {
+    if (!goes_on(0)) return Ending::interrupted;
+    PicturePixels const first = picture(0);
+    Encoder encoder(first, settings_, file.location());
+    encoder.add(first);
+    for (std::size_t n = 1; n < all_; ++n) {
       if (!goes_on(n)) return Ending::interrupted;
-      PicturePixels const pixels = picture(n);
-      if (!encoder) encoder = std::make_unique<Encoder>(pixels, settings_, file.location());
-      encoder->add(pixels);
+      encoder.add(picture(n));
     }
-    encoder->finish();
+    encoder.finish();
     file.commit();
     return Ending::finished;
   }

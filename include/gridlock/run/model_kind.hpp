@@ -48,16 +48,18 @@ void blame_table(std::string_view model, std::function<void()> const& act);
 
 namespace detail {
 
-/// Column::value_names of the column of that name, where it has such.
+/// Takes Column::value_names where the column has that name and such names.
+template <class Column>
+void take_value_names(std::string_view name, std::vector<std::string>& names) {
+  if constexpr (requires { Column::value_names; }) {
+    if (name == Column::name) names.assign(std::begin(Column::value_names), std::end(Column::value_names));
+  }
+}
+
 template <class... Columns>
 std::vector<std::string> value_names(std::type_identity<Population<Columns...>>, std::string_view name) {
   std::vector<std::string> names;
-  auto const look = [&]<class Column>(std::type_identity<Column>) {
-    if constexpr (requires { Column::value_names; }) {
-      if (name == Column::name) names.assign(std::begin(Column::value_names), std::end(Column::value_names));
-    }
-  };
-  (look(std::type_identity<Columns>{}), ...);
+  (take_value_names<Columns>(name, names), ...);
   return names;
 }
 
