@@ -53,10 +53,13 @@ PaperExtent tiny_paper() {
   return extent;
 }
 
+/// The files of a directory, but for hidden ones such as the list of what --overwrite may remove.
 std::set<std::string> names_in(std::filesystem::path const& directory) {
   std::set<std::string> names;
-  for (auto const& entry : std::filesystem::directory_iterator(directory))
-    names.insert(entry.path().filename().string());
+  for (auto const& entry : std::filesystem::directory_iterator(directory)) {
+    std::string const name = entry.path().filename().string();
+    if (!name.starts_with('.')) names.insert(name);
+  }
   return names;
 }
 
