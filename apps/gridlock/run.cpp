@@ -40,7 +40,7 @@ void add_run(CLI::App& app, ExitCode& exit_code) {
   options->configuration.add_to(*verb);
   options->output.add_to(*verb, "results/<name of FILE>");
   verb->add_option("-j,--threads", options->threads, "Threads of the engine tiled and of models, as engine.threads")
-      ->check(CLI::Range(1U, 1024U));
+      ->check(whole_number(1, 1024));
   options->run_output.add_to(*verb);
   verb->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -297,7 +297,8 @@ TEST(Plot, DrawsAgainFromTheDataAlone) {
   EXPECT_TRUE(fs::exists(workplace / "out/displacement.png"));
 }
 
-/// Every command line of the documentation that starts the program, as it stands there.
+/// Every command line in a ```sh block of the documentation that starts the program, as it stands there; examples that
+/// need an interruption, other machines or minutes stand in ```text.
 std::vector<std::string> documented_commands() {
   std::vector<std::string> commands;
   std::vector<fs::path> pages{fs::path(GRIDLOCK_SOURCE_DIR) / "README.md"};
