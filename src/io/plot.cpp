@@ -144,7 +144,8 @@ void append_curve(std::vector<std::string>& entries, Plot const& plot, std::size
     entry += fmt::format(" linewidth {}{}", line_width, curve.is_dashed ? " dashtype 2" : "");
   }
   if (curve.style == PlotStyle::points || curve.style == PlotStyle::line_and_points) {
-    entry += fmt::format(" pointtype {} pointsize {}", point_type(place, curve.is_open), curve.point_size);
+    entry += fmt::format(" pointtype {} pointsize {}", point_type(curve.shape.value_or(place), curve.is_open),
+                         curve.point_size);
     if (curve.is_open && curve.style == PlotStyle::points) entry += " linewidth 1.6";
   }
   entries.push_back(entry + " " + title_clause(curve.label));

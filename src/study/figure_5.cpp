@@ -181,6 +181,7 @@ class MeasurementsInProgress {
 };
 
 constexpr std::size_t ring_colour = 1;  // red
+constexpr std::size_t circle = 0;       // the shape that goes with the first colour
 
 /// Looks at all neighbours in a whole run: every disk, every sub-step of every step.
 constexpr double looks = static_cast<double>(timing_steps * substeps_of_a_turn);
@@ -377,6 +378,7 @@ void mark_equal_costs(Plot& plot, std::vector<StepCost> const& costs) {
          .style = PlotStyle::points,
          .is_open = true,
          .point_size = 2.8,
+         .shape = circle,
          .colour = ring_colour,
          .y_factor = 1e3});
     label.clear();

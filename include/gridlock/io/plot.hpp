@@ -45,6 +45,7 @@ struct PlotCurve {
   bool is_dashed = false;
   bool is_open = false;  ///< points are drawn as outlines
   double point_size = 0.9;
+  std::optional<std::size_t> shape;   ///< of the points; left out: the one that goes with the colour
   std::optional<std::size_t> colour;  ///< place in the order of colours; left out: the place of the curve in the plot
   double x_factor = 1.0;              ///< what is drawn is x_factor · x
   double y_factor = 1.0;              ///< and y_factor · y
