@@ -48,7 +48,7 @@ std::string hint_on_columns(std::string_view key) {
 
 /// A setting, a table or a column. Errors: Error for a key that is none of them.
 std::string explained(std::string const& key) {
-  std::string const observables = explained_observables(key);
+  std::string observables = explained_observables(key);
   if (!observables.empty()) return observables;
   Configuration configuration;
   try {

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 fs::path trajectory_file(std::string const& path) {
   std::error_code ignored;
   if (!fs::is_directory(path, ignored)) return path;
-  fs::path const file = fs::path(path) / "trajectory.h5";
+  fs::path file = fs::path(path) / "trajectory.h5";
   if (!fs::exists(file, ignored) && fs::exists(fs::path(path) / "config.resolved.toml", ignored)) {
     throw gridlock::Error({.what = fmt::format("the run in {} kept no frames", path),
                            .hint = "run it again with --set trajectory.every=100, or another number of steps"});

@@ -32,7 +32,7 @@ std::vector<std::string> long_names(CLI::App const& verb) {
 
 /// What a user calls an option: "time-step" for --time-step, and "threads" for -j, which means --threads in other verbs.
 std::string name_of(CLI::App const& verb, std::string const& option) {
-  std::string const name = option.substr(option.find_first_not_of('-'));
+  std::string name = option.substr(option.find_first_not_of('-'));
   if (name.size() > 1) return name;
   for (CLI::App const* other : verb.get_parent()->get_subcommands({})) {
     CLI::Option const* const known = other->get_option_no_throw(option);
