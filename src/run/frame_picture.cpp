@@ -96,7 +96,7 @@ void require_drawable(Frame const& frame, std::string const& colour) {
 }
 
 /// The colour in the spelling of this program.
-std::string spelt(std::string colour) { return colour == "neighborhood" ? "neighbourhood" : colour; }
+std::string spelt(std::string const& colour) { return colour == "neighborhood" ? "neighbourhood" : colour; }
 
 }  // namespace
 
@@ -109,9 +109,9 @@ std::string usual_colour(Frame const& frame) {
   return has_radius || frame.find(motion_of(frame) + "_x") == nullptr ? "radius" : "direction";
 }
 
-FramePainter::FramePainter(Frame first, std::string colour)
+FramePainter::FramePainter(Frame first, std::string const& colour)
     : first_(std::move(first)),
-      colour_(colour.empty() ? usual_colour(first_) : spelt(std::move(colour))),
+      colour_(colour.empty() ? usual_colour(first_) : spelt(colour)),
       mark_(mark_for(first_)) {
   require_drawable(first_, colour_);
   if (colour_ == "psi6") most_ = 1.0;

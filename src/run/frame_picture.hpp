@@ -23,7 +23,7 @@ class FramePainter {
   /// neighbourhood (the grid cell), radius, or a column; empty: usual_colour().
   /// Errors: Error, naming the colours there are, for one that the agents do not have; Error for agents without
   /// positions.
-  FramePainter(Frame first, std::string colour);
+  FramePainter(Frame first, std::string const& colour);
 
   [[nodiscard]] std::string const& colour() const { return colour_; }
   /// What the numbers 0, 1, 2 … of the colour's column are called, where it holds kinds.
