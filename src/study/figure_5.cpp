@@ -366,9 +366,10 @@ LookCost fit_look_cost(std::vector<StepCost> const& costs) {
 void mark_equal_costs(Plot& plot, std::vector<StepCost> const& costs) {
   std::string label = "of equal cost, says the paper";
   for (auto const& [disks, k] : {std::pair{1000U, 10U}, {2000U, 20U}}) {
-    bool const is_measured =
-        std::ranges::any_of(costs, [&](StepCost const& cost) { return cost.disks == disks && cost.k == k; });
-    if (!is_measured) continue;
+    auto const is_marked = [size = std::pair(disks, k)](StepCost const& cost) {
+      return cost.disks == size.first && cost.k == size.second;
+    };
+    if (std::ranges::none_of(costs, is_marked)) continue;
     plot.curves.push_back(
         {.label = label,
          .file = "figure_5.csv",
