@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 #include <bit>
 #include <cmath>
@@ -137,6 +138,35 @@ TEST(Checkpoint, WithoutAMemberIsRefusedNamingIt) {
     });
   });
   EXPECT_NE(kind.find("another kind"), std::string::npos) << kind;
+}
+
+/// The bytes as the content of a checkpoint whose checksum is right.
+std::string with_header(std::string const& content) {
+  std::string bytes = to_checkpoint([](Archive&) {}).substr(0, 16);
+  XXH128_canonical_t checksum;
+  XXH128_canonicalFromHash(&checksum, XXH3_128bits(content.data(), content.size()));
+  bytes.append(reinterpret_cast<char const*>(checksum.digest), sizeof checksum.digest);
+  return bytes + content;
+}
+
+TEST(Checkpoint, ThatHoldsAMemberTwiceIsRefused) {
+  std::uint64_t a = 0;
+  std::uint64_t b = 0;
+  CarryAll const carry = [&](Archive& archive) {
+    archive.visit("a", a);
+    if (!archive.is_restoring()) archive.visit("b", b);
+  };
+  a = 1, b = 2;
+  std::string content = to_checkpoint(carry).substr(32);
+  a = 0;
+  from_checkpoint(with_header(content), "once", carry);
+  EXPECT_EQ(a, 1U);
+  std::size_t const name = content.find('b');
+  ASSERT_NE(name, std::string::npos);
+  content[name] = 'a';
+  std::string const message = message_of([&] { from_checkpoint(with_header(content), "twice", carry); });
+  EXPECT_NE(message.find("its content cannot be read"), std::string::npos) << message;
+  EXPECT_EQ(a, 1U);
 }
 
 TEST(Checkpoint, LeavesThePreviousOneAndGoesBackToItSayingSo) {

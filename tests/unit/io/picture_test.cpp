@@ -4,6 +4,8 @@
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <numbers>
 #include <set>
@@ -315,6 +317,36 @@ TEST(Picture, AsPngHasTheSizeAskedFor) {
   EXPECT_NEAR(number_at(following, 20), 320U, 20U);
   // A channel does not make a picture as tall as itself.
   EXPECT_EQ(number_at(picture_png(scattered(Box(0.01, 100, Edge::wall), 1, 0.001), {.width = 100}), 20), 200U);
+}
+
+/// How many pieces of line the edge of an empty box consists of: runs of coloured pixels in the row that has the most.
+std::size_t pieces_of_edge(Edge edge) {
+  PicturePixels const picture = picture_pixels(State{.box = Box(1.0, 1.0, edge)}, {.width = 400});
+  std::size_t most = 0;
+  std::size_t pieces = 0;
+  for (std::uint32_t row = 0; row < picture.height; ++row) {
+    std::size_t coloured = 0;
+    std::size_t runs = 0;
+    bool was_coloured = false;
+    for (std::uint32_t column = 0; column < picture.width; ++column) {
+      std::uint32_t pixel = 0;
+      std::memcpy(&pixel, picture.bytes.data() + 4 * (std::size_t{row} * picture.width + column), 4);
+      bool const is_coloured = (pixel & 0xFFFFFFU) != 0xFFFFFFU;
+      coloured += is_coloured ? 1 : 0;
+      runs += is_coloured && !was_coloured ? 1 : 0;
+      was_coloured = is_coloured;
+    }
+    if (coloured > most) {
+      most = coloured;
+      pieces = runs;
+    }
+  }
+  return pieces;
+}
+
+TEST(Picture, OfPixelsHasAWholeLineForWallsAndADashedOneForPeriodicEdges) {
+  EXPECT_EQ(pieces_of_edge(Edge::wall), 1U);
+  EXPECT_GT(pieces_of_edge(Edge::periodic), 10U);
 }
 
 TEST(Picture, IsTheSameEveryTime) {

@@ -2,15 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
 #include "run/kind_names.hpp"
+#include "unit/io/markup_document.hpp"
 #include "unit/io/temporary_directory.hpp"
 
 namespace gridlock {
@@ -53,6 +56,54 @@ TEST(FramePainter, AgentsWithoutARadiusGetAMarkEach) {
     painter.draw(frame, 300, "title", directory / "marks.svg");
     EXPECT_EQ(circles_in(directory / "marks.svg"), 7U) << colour;
   }
+}
+
+/// The colours of the agents of a picture, one after the other.
+std::vector<std::string> colours_in(std::filesystem::path const& file) {
+  std::vector<std::string> colours;
+  for (auto const& circle : MarkupDocument(read_file(file)).named("circle")) {
+    colours.push_back(circle.attributes.at("fill"));
+  }
+  return colours;
+}
+
+TEST(FramePainter, ADisplacementGoesOnAcrossEitherEdgeOfABoxThatIsNoSquare) {
+  Box const tall(1.0, 3.0, Edge::periodic);
+  using Travellers = Population<X, Y, ImageX, ImageY>;
+  Travellers start, end;
+  // Two tenths along either axis, inside the box and across its edge, and no way at all.
+  start.add(0.3, 1.0, 0, 0), end.add(0.5, 1.0, 0, 0);
+  start.add(0.9, 1.5, 0, 0), end.add(0.1, 1.5, 1, 0);
+  start.add(0.5, 2.9, 0, 0), end.add(0.5, 0.1, 0, 1);
+  start.add(0.2, 0.1, 0, 0), end.add(0.2, 2.9, 0, -1);
+  start.add(0.7, 2.0, 0, 0), end.add(0.7, 2.0, 0, 0);
+  Frame const first = frame_of(tall, {}, 1, start);
+  Frame const last = frame_of(tall, {}, 1, end);
+  TemporaryDirectory const directory;
+  FramePainter painter(first, "displacement");
+  painter.widen_bar(last);
+  painter.draw(last, 300, "", directory / "way.svg");
+  auto const colours = colours_in(directory / "way.svg");
+  ASSERT_EQ(colours.size(), 5U);
+  for (std::size_t i = 1; i < 4; ++i) EXPECT_EQ(colours[i], colours[0]) << i;
+  EXPECT_NE(colours[4], colours[0]);
+}
+
+TEST(FramePainter, ADirectionIsTheAngleFromTheXAxis) {
+  Population<X, Y, HeadingX, HeadingY> agents;
+  State state{.box = box};
+  std::vector<double> angles;
+  for (double const angle : {0.0, 0.4, 2.0, 3.0, -0.4, -1.5, -3.0}) {
+    double const x = 0.5 + 0.1 * angle;
+    agents.add(x, 0.5, 2.0 * std::cos(angle), 2.0 * std::sin(angle));
+    state.disks.add(x, 0.5, 0.0, 0.0, 0.02, 1.0, 0, 0);
+    angles.push_back(angle);
+  }
+  TemporaryDirectory const directory;
+  FramePainter const painter(frame_of(box, {}, 1, agents), "direction");
+  painter.draw(frame_of(box, {}, 1, agents), 300, "", directory / "painted.svg");
+  draw_disks(state, {.width = 300, .colouring = Colouring::directions, .values = angles}, directory / "expected.svg");
+  EXPECT_EQ(colours_in(directory / "painted.svg"), colours_in(directory / "expected.svg"));
 }
 
 TEST(FramePainter, AColumnThatIsNotThereIsAnErrorThatNamesItAndThoseThereAre) {

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 
+#include "gridlock/io/file.hpp"
 #include "gridlock/run/model_kind.hpp"
 #include "gridlock/run/run_directory.hpp"
 #include "gridlock/run/sweep.hpp"
@@ -35,6 +37,18 @@ struct Drifting {
   }
 };
 
+/// Observes a number under a name that the summary has for something else.
+struct Sowing {
+  static constexpr std::string_view name = "sowing";
+  static constexpr Schedule schedule = Schedule::synchronous;
+  using Agents = Population<X, Y>;
+  double reach() const { return 0.1; }
+  double time_step() const { return 1.0; }
+  void start(World<Sowing>& world) const { world.agents.add(0.5, 0.5); }
+  void turn(Turn<Sowing>& /*self*/) const {}
+  void observe(World<Sowing> const& /*world*/, Observations& seen) const { seen.add("seed", 2.5); }
+};
+
 SettingsFile settings() {
   return SettingsFile::from_text("model.kind = \"drifting\"\nrun.steps = 60\nobserve.every = 10\n", "own");
 }
@@ -43,6 +57,7 @@ class OwnModel : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     if (known_models().find("drifting") == nullptr) make_known<Drifting>();
+    if (known_models().find("sowing") == nullptr) make_known<Sowing>();
   }
   void SetUp() override {
     place_ = std::filesystem::temp_directory_path() / ("gridlock-own-model-" + std::to_string(getpid()));
@@ -65,6 +80,16 @@ TEST_F(OwnModel, IsSwept) {
   SettingsFile const file = SettingsFile::from_text(
       "model.kind = \"drifting\"\nrun.steps = 10\n[sweep]\n\"run.seed\" = [1, 2]\n", "own sweep");
   EXPECT_EQ(plan_sweep(file).runs.size(), 2U);
+}
+
+TEST_F(OwnModel, AnObservationNamedLikeAnEntryOfTheSummaryIsThereAsItsMean) {
+  run_in(place_, set_up(SettingsFile::from_text("model.kind = \"sowing\"\nrun.steps = 4\nrun.seed = 77\n", "own")));
+  auto const summary = read_summary(place_);
+  ASSERT_TRUE(summary);
+  auto const mean = std::ranges::find(summary->results, "mean_seed", &NamedEstimate::name);
+  ASSERT_NE(mean, summary->results.end());
+  EXPECT_EQ(mean->estimate.value, 2.5);
+  EXPECT_NE(read_file(place_ / "summary.json").find("\"seed\": 77,"), std::string::npos);
 }
 
 TEST_F(OwnModel, OfANameThatIsTakenIsRefused) { EXPECT_THROW(make_known<Drifting>(), Error); }

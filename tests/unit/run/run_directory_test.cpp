@@ -9,6 +9,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
+#include "gridlock/io/h5md.hpp"
 
 namespace {
 
@@ -139,6 +140,35 @@ TEST(RunDirectory, HoldsTheLastStateOnlyWhereTheRunWritesIt) {
   EXPECT_TRUE(fs::exists(directory / "a" / "series.csv"));
 }
 
+TEST(RunDirectory, ACheckpointByStepsComesThatManyStepsAfterTheOneBefore) {
+  Directory const directory;
+  Configuration configuration = small();
+  configuration.checkpoint = {.every_seconds = 0.0, .every_steps = 20};
+  run_in(directory / "a", set_up(configuration));
+  std::string const log = read_file(directory / "a" / "run.log");
+  std::string const mark = "checkpoint at step ";
+  std::vector<std::string> steps;
+  for (std::size_t at = log.find(mark); at != std::string::npos; at = log.find(mark, at + 1)) {
+    steps.push_back(log.substr(at + mark.size(), log.find('\n', at) - at - mark.size()));
+  }
+  EXPECT_EQ(steps, (std::vector<std::string>{"20", "40", "60", "73"})) << log;
+}
+
+TEST(RunDirectory, BegunOverOneWithoutAListOfItsFilesHoldsNoFramesOfTheOldRun) {
+  Directory const directory;
+  Configuration configuration = small();
+  configuration.trajectory.every = 10;
+  run_in(directory / "a", set_up(configuration));
+  // As versions left it that kept no such list.
+  fs::remove(directory / "a" / ".gridlock.files");
+  configuration.run.seed = 2;
+  RunRecord const record = run_in(directory / "a", set_up(configuration));
+  EXPECT_EQ(record.ending, Ending::finished) << record.failure;
+  H5mdReader const trajectory(directory / "a" / "trajectory.h5");
+  EXPECT_EQ(trajectory.frame(0).frame.seed, 2U);
+  EXPECT_EQ(trajectory.frame_count(), 8U);
+}
+
 TEST(RunDirectory, WithoutARunIsRefused) {
   Directory const directory;
   EXPECT_NE(refusal([&] { resume_in(directory / "none"); }).find("holds no run"), std::string::npos);
@@ -247,6 +277,21 @@ TEST(UnusedSettings, AreNoted) {
             Notes{"engine.kind has no effect with model.kind = \"epidemic\""});
   EXPECT_EQ(notes_of("model.verify_every = 3"), Notes{"model.verify_every has no effect without model.kind"});
   EXPECT_EQ(notes_of("engine = { cells = 5, grid = \"linked\", contact = \"approaching\", substeps = 6 }"), Notes{});
+}
+
+TEST(UnusedSettings, OfRunsWithDifferentReasonsHaveNoEffectInAnyRun) {
+  auto const notes = [](std::vector<std::string> const& kinds) {
+    std::vector<std::vector<SetupNote>> runs;
+    for (std::string const& kind : kinds) {
+      runs.push_back(
+          set_up(SettingsFile::from_text("engine = { threads = 2, kind = \"" + kind + "\" }", "run.toml")).notes);
+    }
+    return notes_on(runs);
+  };
+  using Notes = std::vector<std::string>;
+  EXPECT_EQ(notes({"stepped", "exact"}), Notes{"engine.threads has no effect in any run"});
+  EXPECT_EQ(notes({"exact", "exact"}), Notes{"engine.threads has no effect with engine.kind = \"exact\""});
+  EXPECT_EQ(notes({"stepped", "tiled"}), Notes{}) << "it has one in the second";
 }
 
 TEST(UnusedSettings, OfAResolvedConfigurationAreNotNotedWhereTheyHaveTheirDefaults) {

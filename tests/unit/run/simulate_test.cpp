@@ -106,6 +106,16 @@ TEST(Simulate, GivesUpWaitingForCollisionsThatNeverCome) {
   EXPECT_EQ(simulate(rows_waiting_for_collisions(0.01)).ending, Ending::finished);
 }
 
+TEST(Simulate, WaitsForCollisionsThatNeverComeUntilTheTimeThatEndsTheRunToo) {
+  // Its patience would end before.
+  double const time = 9e4;
+  gridlock::Setup setup = rows_waiting_for_collisions(0.0);
+  setup.configuration.run.time = time;
+  RunResult const result = simulate(std::move(setup));
+  EXPECT_EQ(result.ending, Ending::finished) << result.failure;
+  EXPECT_DOUBLE_EQ(result.clock.time, time);
+}
+
 TEST(Simulate, StoppedByTheCallerKeepsWhatThereIs) {
   RunResult const result = simulate(set_up(small()), [](Progress const&) { return false; });
   EXPECT_EQ(result.ending, Ending::interrupted);

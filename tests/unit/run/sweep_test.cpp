@@ -11,17 +11,20 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
 #include "gridlock/io/table.hpp"
+#include "gridlock/io/xyz.hpp"
 #include "gridlock/run/model_kind.hpp"
 #include "gridlock/run/run_directory.hpp"
 #include "run/expected_work.hpp"
 #include "run/memory.hpp"
 #include "run/sweep_tables.hpp"
 #include "run/team.hpp"
+#include "unit/io/temporary_directory.hpp"
 
 namespace gridlock {
 namespace {
@@ -231,6 +234,34 @@ TEST_F(SweepDirectory, FewerRunsThanCoresShareTheCoresAndSayHowMany) {
   EXPECT_EQ(threads_in(resolved("seed=3")), std::max<std::uint64_t>(1, jobs / 2));
 }
 
+TEST_F(SweepDirectory, ACoreThatIsLeftOverGoesToOneOfTheRuns) {
+  // On machines of two cores there is none.
+  auto const jobs = static_cast<std::uint64_t>(jobs_for(3));
+  run_sweep(plan(tiled + "[sweep]\nrun.seed = [1, 2]\n"), {.directory = place_, .threads = 3});
+  EXPECT_EQ(threads_in(resolved("seed=1")), std::max<std::uint64_t>(1, (jobs + 1) / 2));
+  EXPECT_EQ(threads_in(resolved("seed=2")), std::max<std::uint64_t>(1, jobs / 2));
+}
+
+TEST_F(SweepDirectory, RefusesARunThatBeganFromAnotherStateInItsStartFile) {
+  TemporaryDirectory const directory;
+  Configuration configuration;
+  configuration.disks = {.count = 16, .packing_fraction = 0.3};
+  State state = set_up(configuration).state;
+  write_xyz(state, directory / "start.xyz");
+  std::string const text =
+      "disks.file = \"" + (directory / "start.xyz").string() + "\"\nrun.steps = 5\n[sweep]\nrun.seed = [1]\n";
+  EXPECT_EQ(sweep(text).failures, 0U);
+  EXPECT_EQ(sweep(text).failures, 0U) << "nothing has changed";
+  state.disks.column<X>()[3] += 1e-3;
+  write_xyz(state, directory / "start.xyz");
+  try {
+    sweep(text);
+    FAIL() << "taken for the run that is there";
+  } catch (Error const& error) {
+    EXPECT_NE(std::string(error.what()).find("it began from another state"), std::string::npos) << error.what();
+  }
+}
+
 TEST_F(SweepDirectory, ThreadsThatTheUserSetAreKept) {
   sweep(tiled + "engine.threads = 3\n[sweep]\nrun.seed = [1]\n");
   EXPECT_EQ(threads_in(resolved("seed=1")), 3U);
@@ -246,6 +277,22 @@ TEST_F(SweepDirectory, AnInterruptedRunResumesOnAnotherNumberOfThreads) {
   write_file(place_ / "plan.json", "{}");
   EXPECT_EQ(sweep(long_run + "[sweep]\nrun.seed = [1]\n").failures, 0U);
   EXPECT_EQ(read_summary(runs / "seed=1")->state_hash, whole);
+}
+
+TEST_F(SweepDirectory, CollectedTakesTheRunThatWasFinishedWhereverItStands) {
+  std::string const text = "disks.count = 64\nrun.steps = 40\nobserve.every = 10\n";
+  SweepPlan const one = plan(text + "[sweep]\nrun.seed = [1]\n");
+  run_sweep(one, {.directory = place_ / "whole"});
+  fs::create_directories(place_ / "part");
+  write_file(place_ / "part" / "plan.json", read_file(place_ / "whole" / "plan.json"));
+  run_in(place_ / "part/runs/seed=1", set_up(one.runs.front().settings),
+         {.on_progress = [](Progress const& progress) { return progress.steps < 20; }});
+  ASSERT_EQ(read_summary(place_ / "part/runs/seed=1")->ending, Ending::interrupted);
+  for (auto const& [first, second] : {std::pair{"whole", "part"}, {"part", "whole"}}) {
+    EXPECT_EQ(collect_sweep({place_ / first, place_ / second}, place_ / "joined").interruptions, 0U) << first;
+    EXPECT_EQ(read_summary(place_ / "joined/runs/seed=1")->ending, Ending::finished) << first;
+    fs::remove_all(place_ / "joined");
+  }
 }
 
 /// The mean over runs of one group with these values and errors.

@@ -1,0 +1,62 @@
+#include "gridlock/io/export.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "gridlock/core/disks.hpp"
+#include "gridlock/io/file.hpp"
+#include "gridlock/io/table.hpp"
+#include "unit/io/temporary_directory.hpp"
+
+namespace gridlock {
+namespace {
+
+/// Five frames of two agents, at the steps 0, 10, 20, 30, 40 of a quarter of the unit of time each.
+H5mdReader five_frames(TemporaryDirectory const& directory) {
+  Population<X, Y> agents;
+  agents.add(0.25, 0.5);
+  agents.add(0.75, 0.5);
+  auto const frame_at = [&](std::uint64_t step) {
+    return frame_of(Box(1.0, 1.0, Edge::wall), {step, 0.25 * static_cast<double>(step)}, 1, agents);
+  };
+  H5mdWriter writer = H5mdWriter::create(directory / "t.h5", {}, frame_at(0));
+  for (std::uint64_t step = 0; step <= 40; step += 10) {
+    writer.write({.frame = frame_at(step), .observables = {}, .state_hash = step});
+  }
+  return H5mdReader(directory / "t.h5");
+}
+
+TEST(Export, TakesOneOfEverySoManyFrames) {
+  TemporaryDirectory const directory;
+  H5mdReader const trajectory = five_frames(directory);
+  auto const steps = [&](std::size_t every) {
+    export_trajectory(trajectory, {.format = ExportFormat::csv, .file = directory / "t.csv", .every = every});
+    return read_csv(directory / "t.csv").numbers("step");
+  };
+  EXPECT_EQ(steps(1), (std::vector<double>{0, 0, 10, 10, 20, 20, 30, 30, 40, 40}));
+  EXPECT_EQ(steps(2), (std::vector<double>{0, 0, 20, 20, 40, 40}));
+  EXPECT_EQ(steps(3), (std::vector<double>{0, 0, 30, 30}));
+}
+
+TEST(Export, AsVtkListsEachFrameAtItsTime) {
+  TemporaryDirectory const directory;
+  H5mdReader const trajectory = five_frames(directory);
+  auto const files =
+      export_trajectory(trajectory, {.format = ExportFormat::vtk, .file = directory / "t.pvd", .every = 3});
+  ASSERT_EQ(files.size(), 3U);
+  std::string const list = read_file(files.front());
+  EXPECT_NE(list.find("<DataSet timestep=\"0\" file=\"t/step_0000000000.vtp\"/>\n"
+                      "<DataSet timestep=\"7.5\" file=\"t/step_0000000030.vtp\"/>\n</Collection>"),
+            std::string::npos)
+      << list;
+  EXPECT_NE(read_file(files.back())
+                .find("Name=\"TimeValue\" NumberOfComponents=\"1\" NumberOfTuples=\"1\" "
+                      "format=\"ascii\">\n7.5\n"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace gridlock

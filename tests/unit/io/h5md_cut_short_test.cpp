@@ -1,0 +1,51 @@
+// A trajectory whose writer was killed in the middle of a frame, made with HDF5 itself.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "gridlock/io/h5md.hpp"
+#include "io/hdf5.hpp"
+#include "unit/io/temporary_directory.hpp"
+
+namespace gridlock {
+namespace {
+
+/// Three agents; `wraps` of each across the edge is the fill value of its chunk where it is 0.
+H5mdFrame frame_at(std::uint64_t step, std::int32_t wraps) {
+  Frame const frame{.box = Box(1.0, 1.0, Edge::periodic),
+                    .clock = {step, 0.5 * static_cast<double>(step)},
+                    .seed = 1,
+                    .ids = {0, 1, 2},
+                    .columns = {{"x", std::vector<double>{0.1, 0.2, 0.3}},
+                                {"y", std::vector<double>{0.4, 0.5, 0.6}},
+                                {"image_x", std::vector<std::int32_t>(3, wraps)},
+                                {"image_y", std::vector<std::int32_t>(3, wraps)}}};
+  return {.frame = frame, .observables = {}, .state_hash = step};
+}
+
+TEST(H5md, AFrameThatWasCutShortLeavesNothingInTheOneInItsPlace) {
+  TemporaryDirectory const directory;
+  H5mdWriter::create(directory / "t.h5", {.agents = "disks"}, frame_at(0, 0).frame).write(frame_at(0, 0));
+  H5mdWriter::append(directory / "t.h5", frame_at(0, 0).frame).write(frame_at(1, 7));
+  {
+    // As after a kill: all of the second frame is there but its step, with which it counts.
+    hdf5::Handle file = hdf5::open_file(directory / "t.h5", hdf5::Access::append);
+    hdf5::Handle const steps = hdf5::open_dataset(file, "/particles/disks/id/step");
+    std::array<hsize_t, 1> const one{1};
+    hdf5::require(H5Dset_extent(steps.id(), one.data()), "take the step off");
+    hdf5::flush(file);
+  }
+  H5mdWriter writer = H5mdWriter::append(directory / "t.h5", frame_at(0, 0).frame);
+  ASSERT_EQ(writer.frame_count(), 1U);
+  writer.write(frame_at(2, 0));
+  H5mdReader const reader(directory / "t.h5");
+  ASSERT_EQ(reader.frame_count(), 2U);
+  EXPECT_EQ(reader.frame(0).frame, frame_at(0, 0).frame);
+  EXPECT_EQ(reader.frame(1).frame, frame_at(2, 0).frame);
+}
+
+}  // namespace
+}  // namespace gridlock
