@@ -48,6 +48,11 @@ void add_export(CLI::App& app, ExitCode& exit_code) {
     fs::path const source = trajectory_file(options->path);
     fs::path const file =
         options->output.empty() ? fs::path(source).replace_extension(extension) : fs::path(options->output);
+    if (std::error_code ignored; fs::equivalent(source, file, ignored)) {
+      throw gridlock::Error({.what = fmt::format("{} is the trajectory itself", file.string()),
+                             .hint = "name another file",
+                             .key = "-o"});
+    }
     gridlock::H5mdReader const trajectory(source);
     gridlock::remove_leftovers(fs::absolute(file).parent_path());
     gridlock::record_further_result(file);

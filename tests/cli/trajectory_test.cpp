@@ -105,6 +105,17 @@ TEST(Trajectories, OfAgentsWithSpeciesAreReadByAse) {
   EXPECT_EQ(check.exit_code, 0) << check.err;
 }
 
+TEST(Trajectories, AreNotOverwrittenByTheirOwnExport) {
+  Workplace const workplace;
+  write(workplace / "run.toml", "disks.count = 9\nrun.steps = 4\ntrajectory.every = 2\n");
+  ASSERT_EQ(gridlock_in(workplace, {"run", "run.toml", "-o", "run", "-q"}).exit_code, 0);
+  std::string const before = text_of(workplace / "run/trajectory.h5");
+  Outcome const outcome = gridlock_in(workplace, {"export", "run", "--to", "csv", "-o", "run/trajectory.h5"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("run/trajectory.h5 is the trajectory itself"), std::string::npos) << outcome.err;
+  EXPECT_EQ(text_of(workplace / "run/trajectory.h5"), before);
+}
+
 TEST(Trajectories, BecomeMoviesInEveryColour) {
   if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "ffmpeg is not installed: ./dev install";
   Workplace const workplace;

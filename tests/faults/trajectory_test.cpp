@@ -165,9 +165,9 @@ TEST(TrajectoryFaults, EveryFrameToldOfIsReadWhileTheWriterGoesOn) {
   writer.wait();
 }
 
-// GRIDLOCK_FRAMES=10000 for more.
+// GRIDLOCK_FRAMES for another number.
 TEST(TrajectoryFaults, AReaderThatNeverRestsSeesEveryFrameOfAWriterThatNeverRests) {
-  auto const frames = static_cast<std::uint64_t>(rounds("GRIDLOCK_FRAMES", 2'000));
+  auto const frames = static_cast<std::uint64_t>(rounds("GRIDLOCK_FRAMES", 10'000));
   TemporaryDirectory const directory;
   Writer writer(directory / "t.h5", false, {.agents_at = few, .frames = frames});
   ASSERT_EQ(writer.next_told(), 1U);
