@@ -106,16 +106,15 @@ void write_results(std::filesystem::path const& directory, Configuration const& 
   // Last to come and first to go, so that a directory with a summary is a complete one.
   std::error_code ignored;
   std::filesystem::remove(directory / summary_name, ignored);
-  for (char const* name : {"series.csv", "final.xyz", summary_name}) record_result(directory / name);
+  for (char const* name : {"series.csv", summary_name}) record_result(directory / name);
   write_csv(record.series, directory / "series.csv");
   for (Distribution const& distribution : record.distributions) {
     record_result(directory / (distribution.name + ".csv"));
     write_csv(to_table(distribution), directory / (distribution.name + ".csv"));
   }
   if (configuration.run.final_state) {
+    record_result(directory / "final.xyz");
     write_xyz(frame, directory / "final.xyz");
-  } else {
-    std::filesystem::remove(directory / "final.xyz", ignored);
   }
   write_file(directory / summary_name, summary_json(configuration, start_hash, record, frame));
 }
