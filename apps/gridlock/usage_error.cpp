@@ -123,7 +123,7 @@ Problem usage_problem(CLI::App const& app, CLI::ParseError const& error, std::st
             .hint = fmt::format("options come after it: {} {}", command(verb), app.remaining().front())};
   }
   if (dynamic_cast<CLI::ArgumentMismatch const*>(&error) != nullptr) return wrong_number_of_values(verb, error.what());
-  return {.what = error.what(), .hint = fmt::format("{} --help shows what there is", command(verb))};
+  return {.what = error.what(), .hint = fmt::format("{} --help lists its arguments", command(verb))};
 }
 
 }  // namespace gridlock::cli
