@@ -24,7 +24,10 @@ import matplotlib.pyplot as plt
 
 path = sys.argv[1] if len(sys.argv) > 1 else "trajectory.h5"
 picture = sys.argv[2] if len(sys.argv) > 2 else path.removesuffix(".h5") + "_read.png"
-file = h5py.File(path, "r", swmr=True)
+try:
+    file = h5py.File(path, "r", swmr=True)
+except OSError:
+    sys.exit(f"cannot read {path} as a trajectory; name the file trajectory.h5 of a run")
 
 # %% What is it of?
 creator = file["h5md/creator"].attrs

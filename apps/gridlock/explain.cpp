@@ -1,8 +1,13 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
@@ -39,11 +44,40 @@ std::string explained_observables(std::string_view key) {
   return text;
 }
 
-std::string hint_on_columns(std::string_view key) {
+/// How the field abbreviates what is measured and set, and the names it has here.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 9> abbreviations{{
+    {"psi6", "local_bond_orientation_order"},
+    {"psi_6", "local_bond_orientation_order"},
+    {"msd", "mean_squared_displacement"},
+    {"vacf", "velocity_autocorrelation"},
+    {"z", "compressibility_factor"},
+    {"phi", "disks.packing_fraction"},
+    {"n", "disks.count"},
+    {"dt", "engine.time_step"},
+    {"k", "engine.cells"},
+}};
+
+/// The name behind an abbreviation, the nearest name, or else all names that hold the word; empty where there are none.
+std::string meant_by(std::string key) {
+  std::ranges::transform(key, key.begin(),
+                         [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  auto const abbreviation = std::ranges::find(abbreviations, key, [](auto const& entry) { return entry.first; });
+  if (abbreviation != abbreviations.end()) return std::string(abbreviation->second);
   std::vector<std::string> names;
   for (ColumnInfo const& column : measured_columns()) names.push_back(column.name);
-  std::string const nearest = nearest_name(key, names);
-  return nearest.empty() ? ", gridlock explain observables all columns" : fmt::format("; did you mean {}?", nearest);
+  std::string nearest = nearest_name(key, names);
+  if (!nearest.empty()) return nearest;
+  constexpr std::size_t least_letters = 3;
+  if (key.size() < least_letters) return "";
+  Configuration configuration;
+  for (std::string& setting : setting_keys(describing(configuration))) names.push_back(std::move(setting));
+  std::erase_if(names, [&](std::string const& name) { return name.find(key) == std::string::npos; });
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string hint_on_columns(std::string_view key) {
+  std::string const names = meant_by(std::string(key));
+  return names.empty() ? ", gridlock explain observables all columns" : fmt::format("; did you mean {}?", names);
 }
 
 /// A setting, a table or a column. Errors: Error for a key that is none of them.

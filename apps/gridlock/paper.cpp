@@ -60,9 +60,15 @@ ExitCode make_paper(PaperOptions const& options) {
   }
   for (std::string const& note : result.notes) fmt::print(stderr, "note: {}\n", note);
   if (result.ending != gridlock::Ending::finished) {
-    fmt::print(stderr, "{} with {} of {} simulations finished, which {} holds; the same command{} does the rest\n",
-               gridlock::to_text(result.ending), result.finished_simulations, result.simulations,
-               (settings.output / "partial_results").string(), settings.overwrites ? " without --overwrite" : "");
+    // Figure 5 is made of timings alone.
+    std::string const partial_results = (settings.output / "partial_results").string();
+    // Figure 5 is made of timings alone.
+    std::string const finished = result.simulations == 0
+                                     ? fmt::format("{} holds the timings that are finished", partial_results)
+                                     : fmt::format("{} holds {} finished simulations of {}", partial_results,
+                                                   result.finished_simulations, result.simulations);
+    fmt::print(stderr, "{}: {}; the same command{} does the rest\n", gridlock::to_text(result.ending), finished,
+               settings.overwrites ? " without --overwrite" : "");
     return ExitCode::run_failed;
   }
   if (!options.is_quiet) {

@@ -35,7 +35,8 @@ void add_resume(CLI::App& app, ExitCode& exit_code) {
       "resume", "Go on with a run that was interrupted or killed, or make a run longer, to the same bits");
   auto const options = std::make_shared<ResumeOptions>();
   verb->add_option("DIR", options->directory, "Directory of the run")->required();
-  verb->add_option("-j,--threads", options->threads, "Threads of the engine tiled; left out: as configured")
+  verb->add_option("-j,--threads", options->threads,
+                   "Threads of the engine tiled and of models; 0: one for each core; left out: as configured")
       ->check(whole_number(0, 1024));
   verb->add_option("--steps", options->length.steps,
                    "Make it a run of so many steps from its start, in place of the length it has")

@@ -39,8 +39,9 @@ void add_run(CLI::App& app, ExitCode& exit_code) {
   auto const options = std::make_shared<RunOptions>();
   options->configuration.add_to(*verb);
   options->output.add_to(*verb, "results/<name of FILE>");
-  verb->add_option("-j,--threads", options->threads, "Threads of the engine tiled and of models, as engine.threads")
-      ->check(whole_number(1, 1024));
+  verb->add_option("-j,--threads", options->threads,
+                   "Threads of the engine tiled and of models, as engine.threads; 0: one for each core")
+      ->check(whole_number(0, 1024));
   options->run_output.add_to(*verb);
   verb->callback([options, &exit_code] { exit_code = run(*options); });
 }

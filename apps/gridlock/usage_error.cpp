@@ -20,6 +20,8 @@ bool is_option(std::string_view word) { return word.size() > 1 && word.front() =
 
 std::string command(CLI::App const& verb) { return fmt::format("{} {}", program_name(), verb.get_name()); }
 
+std::string help_of(CLI::App const& verb) { return fmt::format("{} --help lists its arguments", command(verb)); }
+
 bool has_option(CLI::App const& verb, std::string const& name) { return verb.get_option_no_throw(name) != nullptr; }
 
 std::vector<std::string> long_names(CLI::App const& verb) {
@@ -98,6 +100,21 @@ Problem wrong_number_of_values(CLI::App const& verb, std::string const& said) {
   return {.what = what, .hint = fmt::format("{} --help lists the options", command(verb)), .key = name};
 }
 
+/// A flag that was given a word, or an option whose value is none of its kind: "Could not convert: --pictures = maybe".
+Problem wrong_value(CLI::App const& verb, std::string_view said) {
+  std::size_t const dashes = std::min(said.find("--"), said.size());
+  std::string_view const rest = said.substr(dashes);
+  std::string const name(rest.substr(0, rest.find(' ')));
+  std::size_t const equals = rest.find(" = ");
+  std::string const value(equals == std::string_view::npos ? "" : rest.substr(equals + 3));
+  CLI::Option const* const option = verb.get_option_no_throw(name);
+  if (option == nullptr || value.empty()) return {.what = std::string(said), .hint = help_of(verb)};
+  std::string const what = option->get_expected_max() == 0
+                               ? fmt::format("{} takes no value, but is given \"{}\"", name, value)
+                               : fmt::format("{} needs a number, but is \"{}\"", name, value);
+  return {.what = what, .hint = help_of(verb), .key = name};
+}
+
 Problem unknown_verb(CLI::App const& app, std::string const& word, std::string const& said) {
   std::vector<std::string> verbs;
   for (CLI::App const* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
@@ -123,7 +140,8 @@ Problem usage_problem(CLI::App const& app, CLI::ParseError const& error, std::st
             .hint = fmt::format("options come after it: {} {}", command(verb), app.remaining().front())};
   }
   if (dynamic_cast<CLI::ArgumentMismatch const*>(&error) != nullptr) return wrong_number_of_values(verb, error.what());
-  return {.what = error.what(), .hint = fmt::format("{} --help lists its arguments", command(verb))};
+  if (dynamic_cast<CLI::ConversionError const*>(&error) != nullptr) return wrong_value(verb, error.what());
+  return {.what = error.what(), .hint = help_of(verb)};
 }
 
 }  // namespace gridlock::cli

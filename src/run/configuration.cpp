@@ -13,6 +13,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/saturating.hpp"
 #include "gridlock/io/xyz.hpp"
+#include "run/countable_time.hpp"
 #include "run/memory.hpp"
 #include "run/setup_notes.hpp"
 
@@ -132,8 +133,6 @@ void require_bounded_step(EngineSettings const& engine, State const& state) {
 void require_clock(Setup const& setup, EngineSettings const& engine) {
   // As many as any run can have from there; the counts of steps end at 2⁶⁴ − 1.
   constexpr std::uint64_t most_steps = never_reached / 2;
-  // The share of a step by which rounding may change its length.
-  constexpr double most_rounding = 1e-3;
   Clock const& clock = setup.state.clock;
   auto const refuse = [&](std::string what, std::string hint) {
     throw Error({.what = setup.start_file.empty() ? what : fmt::format("{}: {}", setup.start_file.string(), what),
@@ -145,10 +144,9 @@ void require_clock(Setup const& setup, EngineSettings const& engine) {
            "set step in its second line to a smaller number, such as 0");
   }
   double const duration = step_duration(engine, setup.state);
-  double const spacing = std::nextafter(clock.time, std::numeric_limits<double>::infinity()) - clock.time;
-  if (0.5 * spacing <= most_rounding * duration) return;
+  if (can_count(clock.time, duration)) return;
   refuse(fmt::format("at time {:.6g} a clock cannot count steps of {:.6g}: numbers of that size are {:.3g} apart",
-                     clock.time, duration, spacing),
+                     clock.time, duration, spacing_at(clock.time)),
          "set Time in its second line to a smaller number, such as 0");
 }
 
@@ -216,9 +214,22 @@ bool can_collide(State const& state) {
   return false;
 }
 
-/// A run that only ends after some number of collisions has to have some.
+/// Counts of collisions end before 2⁶⁴.
+constexpr double most_collisions = 9e18;
+
+double pair_collisions(double collisions_per_disk, State const& state) {
+  return collisions_per_disk * static_cast<double>(state.disks.size()) / 2.0;
+}
+
+/// Refuses a run that cannot come to its end: its time or collisions are beyond counting, or its disks never collide.
 void require_end(Configuration const& configuration, State const& state) {
   RunSettings const& run = configuration.run;
+  if (run.collisions_per_disk && pair_collisions(*run.collisions_per_disk, state) >= most_collisions) {
+    throw Error({.what = fmt::format("no run reaches {:.3g} collisions per disk", *run.collisions_per_disk),
+                 .hint = "use a smaller number",
+                 .key = "run.collisions_per_disk"});
+  }
+  if (run.time) require_countable_end(state.clock.time + *run.time, step_duration(configuration.engine, state));
   bool const has_end = run.steps || run.time;
   if (has_end || can_collide(state)) return;
   throw Error({.what = "disks that never collide cannot reach run.collisions_per_disk",
@@ -447,9 +458,8 @@ Horizon horizon_of(Setup const& setup) {
   if (run.steps) horizon.step = saturating_sum(clock.step, *run.steps);
   if (run.time) horizon.time = clock.time + *run.time;
   if (run.collisions_per_disk) {
-    double const pairs = *run.collisions_per_disk * static_cast<double>(setup.state.disks.size()) / 2.0;
-    // Beyond 2⁶³ the end is never reached anyway, and the conversion would have no meaning.
-    if (pairs < 9e18) horizon.pair_collisions = static_cast<std::uint64_t>(std::ceil(pairs));
+    double const pairs = pair_collisions(*run.collisions_per_disk, setup.state);
+    if (pairs < most_collisions) horizon.pair_collisions = static_cast<std::uint64_t>(std::ceil(pairs));
   }
   return horizon;
 }

@@ -11,6 +11,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/saturating.hpp"
+#include "run/countable_time.hpp"
 
 namespace gridlock {
 
@@ -38,6 +39,7 @@ Run::Run(Experiment& experiment, RunPlan const& plan)
       pace_(plan.seconds_per_look),
       first_(experiment.clock()),
       columns_{{"step", "", "Whole time steps since the clock was started."}, {"time", "time", "Physical time."}} {
+  if (std::isfinite(plan_.horizon.time)) require_countable_end(plan_.horizon.time, experiment_.time_step());
   std::ranges::move(experiment_.columns(), std::back_inserter(columns_));
   series_.add_column(columns_.front().name, std::vector<std::uint64_t>{});
   for (std::size_t k = 1; k < columns_.size(); ++k) series_.add_column(columns_[k].name, std::vector<double>{});

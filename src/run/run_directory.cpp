@@ -8,6 +8,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <new>
 #include <numbers>
 #include <set>
@@ -185,11 +186,13 @@ class RunInDirectory {
                           configuration.run.seed, experiment_->state_hash()));
   }
 
-  void restore() {
-    std::error_code ignored;
-    std::filesystem::remove(directory_ / begun_trajectory_name, ignored);
+  /// Nothing but run.log and trajectory.h5 changes, and those only after `require`, which may refuse what was restored.
+  void restore(std::function<void()> const& require) {
     std::uint64_t const first_step = experiment_->clock().step;
     auto const restored = restore_checkpoint(directory_, [&](Archive& archive) { carry(archive); });
+    require();
+    std::error_code ignored;
+    std::filesystem::remove(directory_ / begun_trajectory_name, ignored);
     if (!restored) {
       log_.info("there is no checkpoint: the run begins again from its start");
       return;
@@ -202,15 +205,17 @@ class RunInDirectory {
                           restored->file.filename().string()));
   }
 
-  /// Refuses a length that the run has passed. Returns the share to leave out of averages, see Run::fit_discard().
+  void require_below_length() const {
+    if (!run_.is_at_horizon()) return;
+    Clock const clock = experiment_->clock();
+    throw Error({.what = fmt::format("the run in {} has come to step {}, time {:.6g} already", directory_.string(),
+                                     clock.step, clock.time),
+                 .hint = "the new length counts from the start of the run and has to be above what it has",
+                 .file = directory_.string()});
+  }
+
+  /// Returns the share to leave out of averages, see Run::fit_discard().
   double take_length() {
-    if (run_.is_at_horizon()) {
-      Clock const clock = experiment_->clock();
-      throw Error({.what = fmt::format("the run in {} has come to step {}, time {:.6g} already", directory_.string(),
-                                       clock.step, clock.time),
-                   .hint = "the new length counts from the start of the run and has to be above what it has",
-                   .file = directory_.string()});
-    }
     double const discard = run_.fit_discard();
     if (discard != setup_.configuration.observe.discard) {
       log_.note(
@@ -409,7 +414,9 @@ RunRecord go_on_in(std::filesystem::path const& directory, std::optional<RunLeng
   if (hooks.threads) setup.configuration.engine.threads = *hooks.threads;
   bool const starts_from_file = !setup.start_file.empty();
   RunInDirectory run(directory, std::move(setup), resolved(configuration, starts_from_file), hooks);
-  run.restore();
+  run.restore([&] {
+    if (length) run.require_below_length();
+  });
   if (length) {
     configuration.observe.discard = run.take_length();
     run.record_length(resolved(configuration, starts_from_file), length_text(*length));

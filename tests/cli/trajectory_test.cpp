@@ -87,6 +87,15 @@ TEST(Trajectories, OfAPeriodicBoxGiveTheNumbersOfTheRunInTheExample) {
               number_after(outcome.out, "largest g(r) by the run:"), 1e-2);
 }
 
+TEST(Trajectories, ThatAreNoneGetOneSentenceFromTheExample) {
+  if (!have_readers()) GTEST_SKIP() << "the readers are not installed: ./dev install";
+  Workplace const workplace;
+  Outcome const outcome =
+      Process("/usr/bin/python3", {source + "/examples/read_trajectory.py", "."}, workplace.path()).wait();
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.err, "cannot read . as a trajectory; name the file trajectory.h5 of a run\n");
+}
+
 TEST(Trajectories, OfAgentsWithSpeciesAreReadByAse) {
   if (!have_readers()) GTEST_SKIP() << "the readers are not installed: ./dev install";
   Workplace const workplace;

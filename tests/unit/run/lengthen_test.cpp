@@ -243,6 +243,7 @@ TEST(Lengthening, ToNoMoreThanThereIsIsRefusedAndChangesNothing) {
   TemporaryDirectory const directory;
   run_in(directory / "a", set_up(settings_of(exact, "[run]\nsteps = 47")));
   std::string const summary = read_file(directory / "a" / "summary.json");
+  std::string const log = read_file(directory / "a" / "run.log");
   std::string const shorter = refusal([&] { lengthen_in(directory / "a", {.steps = 46}); });
   EXPECT_NE(shorter.find("has a length of 47 steps already, which 46 steps is below"), std::string::npos) << shorter;
   std::string const equal = refusal([&] { lengthen_in(directory / "a", {.steps = 47}); });
@@ -251,6 +252,23 @@ TEST(Lengthening, ToNoMoreThanThereIsIsRefusedAndChangesNothing) {
   EXPECT_NE(passed.find("has come to step 47"), std::string::npos) << passed;
   EXPECT_NE(refusal([&] { lengthen_in(directory / "a", {.time = -1.0}); }).find("--time"), std::string::npos);
   EXPECT_EQ(read_file(directory / "a" / "summary.json"), summary);
+  EXPECT_EQ(read_file(directory / "a" / "run.log"), log);
+}
+
+TEST(Lengthening, BeyondWhatCanBeCountedIsRefusedAndChangesNothing) {
+  TemporaryDirectory const directory;
+  run_in(directory / "a", set_up(settings_of(exact, "[run]\nsteps = 47")));
+  std::string const summary = read_file(directory / "a" / "summary.json");
+  std::string const time = refusal([&] { lengthen_in(directory / "a", {.time = 1e300}); });
+  EXPECT_NE(time.find("no run reaches time 1e+300"), std::string::npos) << time;
+  std::string const collisions = refusal([&] { lengthen_in(directory / "a", {.collisions_per_disk = 1e300}); });
+  EXPECT_NE(collisions.find("no run reaches 1e+300 collisions per disk"), std::string::npos) << collisions;
+  Kind const model{"model", "[model]\nkind = \"epidemic\"\n[epidemic]\ncount = 20\n"};
+  run_in(directory / "b", set_up(settings_of(model, "[run]\nsteps = 20")));
+  std::string const of_model = refusal([&] { lengthen_in(directory / "b", {.time = 1e300}); });
+  EXPECT_NE(of_model.find("no run reaches time 1e+300"), std::string::npos) << of_model;
+  EXPECT_EQ(read_file(directory / "a" / "summary.json"), summary);
+  EXPECT_TRUE(read_summary(directory / "b"));
 }
 
 TEST(Lengthening, OfAModelInCollisionsIsRefused) {
