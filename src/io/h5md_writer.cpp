@@ -338,16 +338,18 @@ void H5mdWriter::Trajectory::put(Handle const& file, std::string const& path, Nu
 void H5mdWriter::Trajectory::put_chunks(Handle const& file, std::size_t agents) {
   std::string present;
   Handle dataset;
+  std::vector<hsize_t> extent;
   for (Chunk const& chunk : chunks_) {
     if (chunk.dataset != present) {
       present = chunk.dataset;
       dataset = hdf5::open_dataset(file, present);
-      std::vector<hsize_t> extent = hdf5::extent_of(dataset);
+      extent = hdf5::extent_of(dataset);
       extent[0] = frame_count() + 1;
       extent[1] = std::max<hsize_t>(extent[1], agents);
       hdf5::require(H5Dset_extent(dataset.id(), extent.data()), "extend " + present);
     }
-    if (chunk.bytes.empty()) continue;
+    // While there has never been an agent, the dataset has no room for a chunk, not even for one of fill values.
+    if (chunk.bytes.empty() || extent[1] == 0) continue;
     hdf5::require(
         H5Dwrite_chunk(dataset.id(), H5P_DEFAULT, 0, chunk.offset.data(), chunk.bytes.size(), chunk.bytes.data()),
         "write " + present);

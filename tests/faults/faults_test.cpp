@@ -108,7 +108,11 @@ class StoppedTrajectories {
     EXPECT_GE(reader.frame_count(), (last_checkpoint(text_of(run / "run.log")) + frame_every - 1) / frame_every);
     std::string const name = std::to_string(++files_) + ".h5";
     fs::copy(run / "trajectory.h5", directory_ / name);
-    list_ += name + " " + std::to_string(reader.frame_count()) + "\n";
+    list_ += name;
+    for (std::size_t k = 0; k < reader.frame_count(); ++k) {
+      list_ += " " + std::to_string(reader.frame(k).frame.size());
+    }
+    list_ += "\n";
   }
 
   void expect_readable_by_h5py() const {

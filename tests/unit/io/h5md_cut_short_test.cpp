@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cstdint>
+#include <filesystem>
 #include <vector>
 
 #include "gridlock/io/h5md.hpp"
@@ -12,6 +12,14 @@
 
 namespace gridlock {
 namespace {
+
+/// As after a kill: all of the last frame is there but its step, with which it counts.
+void take_last_step_off(std::filesystem::path const& path, hsize_t steps) {
+  hdf5::Handle file = hdf5::open_file(path, hdf5::Access::append);
+  hdf5::Handle const step = hdf5::open_dataset(file, "/particles/disks/id/step");
+  hdf5::require(H5Dset_extent(step.id(), &steps), "take the step off");
+  hdf5::flush(file);
+}
 
 /// Three agents; `wraps` of each across the edge is the fill value of its chunk where it is 0.
 H5mdFrame frame_at(std::uint64_t step, std::int32_t wraps) {
@@ -30,14 +38,7 @@ TEST(H5md, AFrameThatWasCutShortLeavesNothingInTheOneInItsPlace) {
   TemporaryDirectory const directory;
   H5mdWriter::create(directory / "t.h5", {.agents = "disks"}, frame_at(0, 0).frame).write(frame_at(0, 0));
   H5mdWriter::append(directory / "t.h5", frame_at(0, 0).frame).write(frame_at(1, 7));
-  {
-    // As after a kill: all of the second frame is there but its step, with which it counts.
-    hdf5::Handle file = hdf5::open_file(directory / "t.h5", hdf5::Access::append);
-    hdf5::Handle const steps = hdf5::open_dataset(file, "/particles/disks/id/step");
-    std::array<hsize_t, 1> const one{1};
-    hdf5::require(H5Dset_extent(steps.id(), one.data()), "take the step off");
-    hdf5::flush(file);
-  }
+  take_last_step_off(directory / "t.h5", 1);
   H5mdWriter writer = H5mdWriter::append(directory / "t.h5", frame_at(0, 0).frame);
   ASSERT_EQ(writer.frame_count(), 1U);
   writer.write(frame_at(2, 0));
@@ -45,6 +46,21 @@ TEST(H5md, AFrameThatWasCutShortLeavesNothingInTheOneInItsPlace) {
   ASSERT_EQ(reader.frame_count(), 2U);
   EXPECT_EQ(reader.frame(0).frame, frame_at(0, 0).frame);
   EXPECT_EQ(reader.frame(1).frame, frame_at(2, 0).frame);
+}
+
+TEST(H5md, AFirstFrameOfNobodyThatWasCutShortIsWrittenAgain) {
+  TemporaryDirectory const directory;
+  Frame const nobody{.box = Box(1.0, 1.0, Edge::periodic),
+                     .seed = 1,
+                     .ids = {},
+                     .columns = {{"x", std::vector<double>{}}, {"y", std::vector<double>{}}}};
+  H5mdFrame const frame{.frame = nobody, .observables = {}, .state_hash = 5};
+  H5mdWriter::create(directory / "t.h5", {.agents = "disks"}, nobody).write(frame);
+  take_last_step_off(directory / "t.h5", 0);
+  H5mdWriter::append(directory / "t.h5", nobody).write(frame);
+  H5mdReader const reader(directory / "t.h5");
+  ASSERT_EQ(reader.frame_count(), 1U);
+  EXPECT_EQ(reader.frame(0).frame, nobody);
 }
 
 }  // namespace
