@@ -31,7 +31,8 @@ auto guarded(std::filesystem::path const& path, Work const& work) {
   try {
     return work();
   } catch (hdf5::Failure const& failure) {
-    reason = failure.what();
+    reason = hdf5::shortness_of(path);
+    if (reason.empty()) reason = failure.what();
   } catch (std::bad_alloc const&) {
     reason = "a frame of it does not fit into the memory";
   } catch (std::length_error const&) {
@@ -45,10 +46,10 @@ auto guarded(std::filesystem::path const& path, Work const& work) {
 class H5mdReader::Trajectory {
  public:
   explicit Trajectory(std::filesystem::path path) : path_(std::move(path)) {
-    std::error_code error;
-    bytes_ = std::filesystem::file_size(path_, error);
-    if (error) refuse(path_, error.message());
-    guarded(path_, [&] { open(); });
+    guarded(path_, [&] {
+      bytes_ = hdf5::size_of_file(path_);
+      open();
+    });
   }
 
   [[nodiscard]] H5mdSettings const& settings() const { return settings_; }

@@ -187,7 +187,7 @@ class H5mdWriter::Trajectory {
   }
 
   void create(H5mdSettings const& settings, Frame const& first);
-  void open();
+  void append();
   void write(H5mdFrame const& frame);
 
   [[nodiscard]] std::filesystem::path const& path() const { return path_; }
@@ -195,6 +195,7 @@ class H5mdWriter::Trajectory {
   [[nodiscard]] std::vector<std::uint64_t> const& state_hashes() const { return state_hashes_; }
 
  private:
+  void require_whole() const;
   void look_into(Handle const& file);
   void require_columns(Frame const& frame) const;
   void add_chunks(std::string const& dataset, FrameValues const& values, std::optional<hsize_t> component);
@@ -229,15 +230,25 @@ void H5mdWriter::Trajectory::create(H5mdSettings const& settings, Frame const& f
     file.close("write the file");
   }
   std::filesystem::rename(temporary, path_);
+  look_into(hdf5::open_file(path_, Access::read));
 }
 
-void H5mdWriter::Trajectory::open() {
+/// The last frame lies behind all the others: where it is whole, nothing is cut off.
+void H5mdWriter::Trajectory::require_whole() const {
+  H5mdReader const reader(path_);
+  if (reader.frame_count() > 0) static_cast<void>(reader.frame(reader.frame_count() - 1));
+}
+
+void H5mdWriter::Trajectory::append() {
+  // Both only read: HDF5 writes into a file from the moment that it opens it for writing, and makes a short one longer.
+  require_whole();
+  look_into(hdf5::open_file(path_, Access::read));
   try {
-    look_into(hdf5::open_file(path_, Access::append));
+    hdf5::open_file(path_, Access::append);
   } catch (hdf5::Failure const&) {
-    // Either its writer was killed, or the file is damaged, and then the second look says how.
+    // Its writer was killed.
     hdf5::repair_file(path_);
-    look_into(hdf5::open_file(path_, Access::append));
+    hdf5::open_file(path_, Access::append);
   }
 }
 
@@ -437,16 +448,13 @@ H5mdWriter& H5mdWriter::operator=(H5mdWriter&&) noexcept = default;
 
 H5mdWriter H5mdWriter::create(std::filesystem::path const& path, H5mdSettings const& settings, Frame const& first) {
   auto trajectory = std::make_unique<Trajectory>(path, first);
-  guarded<RunFailure>(path, [&] {
-    trajectory->create(settings, first);
-    trajectory->open();
-  });
+  guarded<RunFailure>(path, [&] { trajectory->create(settings, first); });
   return H5mdWriter(std::move(trajectory));
 }
 
 H5mdWriter H5mdWriter::append(std::filesystem::path const& path, Frame const& first) {
   auto trajectory = std::make_unique<Trajectory>(path, first);
-  guarded<Error>(path, [&] { trajectory->open(); });
+  guarded<Error>(path, [&] { trajectory->append(); });
   return H5mdWriter(std::move(trajectory));
 }
 

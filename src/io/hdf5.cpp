@@ -41,6 +41,9 @@ constexpr hsize_t most_metadata_bytes = 2048;  ///< of what a frame adds: nodes 
 Handle writer_access_list(hsize_t alignment) {
   Handle list = access_list();
   require(H5Pset_alignment(list.id(), 1, alignment), "choose the alignment");
+  // No other writer is at work whose half-written page a second look would find whole: by itself HDF5 tries 100 times, and
+  // sleeps between them for longer than anybody waits.
+  require(H5Pset_metadata_read_attempts(list.id(), 1), "choose how often to read again");
   return list;
 }
 
@@ -151,6 +154,31 @@ void reserve(std::filesystem::path const& path, std::size_t bytes) {
   }
   ::close(file);
   if (error != 0) fail_for(error);
+}
+
+std::uint64_t size_of_file(std::filesystem::path const& path) {
+  std::error_code error;
+  std::filesystem::file_type const type = std::filesystem::status(path, error).type();
+  if (type == std::filesystem::file_type::directory) throw Failure("it is a directory");
+  std::uintmax_t const bytes = std::filesystem::file_size(path, error);
+  if (!error && bytes > 0) return bytes;
+  if (!error) throw Failure("it is empty");
+  bool const is_there = type != std::filesystem::file_type::none && type != std::filesystem::file_type::not_found;
+  bool const is_regular = type == std::filesystem::file_type::regular;
+  throw Failure(is_there && !is_regular ? "it is not a regular file" : error.message());
+}
+
+std::string shortness_of(std::filesystem::path const& path) {
+  try {
+    std::uint64_t const bytes = size_of_file(path);
+    Handle const file = open_file(path, Access::read);
+    haddr_t end = 0;
+    require(H5Fget_eoa(file.id(), &end), "find the end of the file");
+    if (bytes >= end) return "";
+    return fmt::format("it is cut off: {} of its {} bytes are there", bytes, end);
+  } catch (Failure const&) {
+    return "";
+  }
 }
 
 Handle create_file(std::filesystem::path const& path) {

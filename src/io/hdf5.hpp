@@ -83,9 +83,14 @@ enum class Access {
 /// Makes room behind the end of a file, which begins to exist with it, for so many bytes, which the next H5Fclose gives back where they are not used: on a
 /// full disk this fails before HDF5 has begun to write, which does not recover from it.
 void reserve(std::filesystem::path const& path, std::size_t bytes);
+/// The bytes of a file. Throws Failure for what is no regular file, which HDF5 would wait for, and for an empty one.
+std::uint64_t size_of_file(std::filesystem::path const& path);
+/// How much of a file is left, in words, where it is shorter than its head says; nothing otherwise. A cut is the usual
+/// reason, and not the only one: where a writer is at work or was stopped by a full disk, no frame has to be missing.
+std::string shortness_of(std::filesystem::path const& path);
 Handle create_file(std::filesystem::path const& path);
 Handle open_file(std::filesystem::path const& path, Access access);
-/// Makes a file whose writer was killed fit to be opened again.
+/// Makes a file whose writer was killed fit to be opened again. What is damaged must be refused before: this writes.
 void repair_file(std::filesystem::path const& path);
 void flush(Handle const& file);
 

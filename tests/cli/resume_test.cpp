@@ -51,6 +51,31 @@ TEST(Resume, OfAFinishedRunOfAModelSaysHowToMakeItLonger) {
   EXPECT_EQ(nlohmann::json::parse(text_of(workplace / "out/summary.json"))["steps"], 30);
 }
 
+TEST(Resume, OfARunWhoseTrajectoryIsCutOffIsRefusedAtOnceWithPlaceAndHintAndChangesNothing) {
+  Workplace const workplace;
+  write(workplace / "a.toml", std::string(small_run) + "per_decade = 40\n");
+  ASSERT_EQ(in(workplace, {"run", "a.toml", "-o", "out", "--no-pictures", "-q"}).exit_code, 0);
+  fs::path const file = workplace / "out/trajectory.h5";
+  std::string const whole = text_of(file);
+  for (std::size_t const length : {std::size_t{20'000}, whole.size() / 2, std::size_t{0}}) {
+    fs::resize_file(file, length);
+    std::string const cut = text_of(file);
+    Outcome const refused = in(workplace, {"resume", "out", "--steps", "200", "--no-pictures"});
+    EXPECT_EQ(refused.exit_code, 2) << refused.err;
+    std::string const reason = length == 0 ? "it is empty"
+                                           : "it is cut off: " + std::to_string(length) + " of its " +
+                                                 std::to_string(whole.size()) + " bytes are there";
+    for (std::string const& words : {"cannot read out/trajectory.h5: " + reason, std::string("--> out/trajectory.h5"),
+                                     std::string("hint: put the whole file back")}) {
+      EXPECT_NE(refused.err.find(words), std::string::npos) << refused.err;
+    }
+    EXPECT_EQ(text_of(file) == cut, true) << length;
+    write(file, whole);
+  }
+  Outcome const resumed = in(workplace, {"resume", "out", "--steps", "200", "--no-pictures", "-q"});
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+}
+
 TEST(Overwrite, LeavesNothingOfARunOfAnotherKindAndEverythingOfTheUser) {
   Workplace const workplace;
   write(workplace / "disks.toml", small_run);

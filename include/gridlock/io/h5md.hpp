@@ -63,7 +63,8 @@ class H5mdWriter {
   static H5mdWriter create(std::filesystem::path const& path, H5mdSettings const& settings, Frame const& first);
 
   /// Goes on with a trajectory, repairing it where its writer was killed.
-  /// Errors: Error where it is no trajectory of these columns or damaged.
+  /// Errors: Error where it is no trajectory of these columns, or where its last frame is damaged or cut off; then the file
+  /// stays as it is.
   static H5mdWriter append(std::filesystem::path const& path, Frame const& first);
 
   ~H5mdWriter();

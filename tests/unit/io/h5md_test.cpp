@@ -1,6 +1,7 @@
 #include "gridlock/io/h5md.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <cstdint>
@@ -8,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -198,6 +200,77 @@ TEST(H5md, DamageIsRefusedAndNeverReadAsSomethingElse) {
     std::ofstream(directory / "damaged.h5", std::ios::binary) << damaged;
     EXPECT_TRUE(is_read_rightly_or_refused(directory / "damaged.h5", frames)) << "round " << round;
   }
+}
+
+/// Why the writer refuses to go on with a file; empty where it goes on.
+std::string refusal_to_append(std::filesystem::path const& file) {
+  try {
+    H5mdWriter::append(file, random_frame(0, 5).frame);
+  } catch (Error const& error) {
+    return error.problems()[0].what;
+  }
+  return "";
+}
+
+std::string refusal_to_read(std::filesystem::path const& file) {
+  try {
+    H5mdReader const reader(file);
+    for (std::size_t k = 0; k < reader.frame_count(); ++k) static_cast<void>(reader.frame(k));
+  } catch (Error const& error) {
+    return error.problems()[0].what;
+  }
+  return "";
+}
+
+TEST(H5md, CutOffAnywhereItIsRefusedAndLeftAsItIsOrHasLostNoFrame) {
+  TemporaryDirectory const directory;
+  std::filesystem::path const file = directory / "t.h5";
+  std::size_t const frames = 90;
+  {
+    H5mdWriter writer = H5mdWriter::create(file, settings(), random_frame(0, 40).frame);
+    for (std::uint64_t step = 0; step < frames; ++step) writer.write(random_frame(step, 40));
+  }
+  std::string const whole = read_file(file);
+  RandomStream random(21, 0, 0, Purpose::start_position);
+  std::vector<std::size_t> lengths{1, 47, 48, 3000, 20'000, whole.size() - 1};
+  for (int k = 0; k < 40; ++k) lengths.push_back(1 + random.below(whole.size() - 1));
+  for (int k = 0; k < 20; ++k) lengths.push_back(whole.size() - random.below(30'000));
+  std::size_t refused = 0;
+  for (std::size_t const length : lengths) {
+    std::string const cut = whole.substr(0, length);
+    write_file(file, cut);
+    std::string const refusal = refusal_to_append(file);
+    if (refusal.empty()) {
+      EXPECT_EQ(H5mdReader(file).frame_count(), frames);
+      EXPECT_EQ(refusal_to_read(file), "") << length;
+      continue;
+    }
+    ++refused;
+    EXPECT_EQ(read_file(file) == cut, true) << "changed at " << length;
+    EXPECT_NE(refusal.find("t.h5: "), std::string::npos) << refusal;
+    if (length < 48) continue;  // the head that says how long the file is
+    std::string const expected = "it is cut off: " + std::to_string(length) + " of its " + std::to_string(whole.size());
+    EXPECT_NE(refusal.find(expected), std::string::npos) << refusal;
+    EXPECT_NE(refusal_to_read(file).find(expected), std::string::npos) << length;
+  }
+  EXPECT_GT(refused, lengths.size() / 2);
+}
+
+TEST(H5md, WhatIsNoFileOrEmptyIsRefusedInPlainWords) {
+  TemporaryDirectory const directory;
+  ASSERT_EQ(mkfifo((directory / "pipe.h5").c_str(), 0600), 0);
+  std::filesystem::create_directory(directory / "directory.h5");
+  std::filesystem::create_symlink("/dev/zero", directory / "device.h5");
+  write_file(directory / "empty.h5", "");
+  for (auto const& [name, reason] : {std::pair{"pipe.h5", "it is not a regular file"},
+                                     {"directory.h5", "it is a directory"},
+                                     {"device.h5", "it is not a regular file"},
+                                     {"empty.h5", "it is empty"}}) {
+    std::string const expected = "cannot read " + (directory / name).string() + ": " + reason;
+    EXPECT_EQ(refusal_to_read(directory / name), expected);
+    EXPECT_EQ(refusal_to_append(directory / name), expected);
+  }
+  EXPECT_EQ(read_file(directory / "empty.h5"), "");
 }
 
 }  // namespace
