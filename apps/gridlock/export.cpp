@@ -24,6 +24,13 @@ fs::path trajectory_file(std::string const& path) {
   return file;
 }
 
+void require_other_file(fs::path const& file, fs::path const& trajectory) {
+  std::error_code ignored;
+  if (!fs::equivalent(trajectory, file, ignored)) return;
+  throw gridlock::Error(
+      {.what = fmt::format("{} is the trajectory itself", file.string()), .hint = "name another file", .key = "-o"});
+}
+
 void add_export(CLI::App& app, ExitCode& exit_code) {
   struct Options {
     std::string path;
@@ -48,14 +55,11 @@ void add_export(CLI::App& app, ExitCode& exit_code) {
     fs::path const source = trajectory_file(options->path);
     fs::path const file =
         options->output.empty() ? fs::path(source).replace_extension(extension) : fs::path(options->output);
-    if (std::error_code ignored; fs::equivalent(source, file, ignored)) {
-      throw gridlock::Error({.what = fmt::format("{} is the trajectory itself", file.string()),
-                             .hint = "name another file",
-                             .key = "-o"});
-    }
+    require_other_file(file, source);
+    gridlock::require_no_other_result(file, "export");
     gridlock::H5mdReader const trajectory(source);
     gridlock::remove_leftovers(fs::absolute(file).parent_path());
-    gridlock::record_further_result(file);
+    gridlock::record_further_result(file, "export");
     auto const files =
         gridlock::export_trajectory(trajectory, {.format = format, .file = file, .every = options->every});
     fmt::print("{}\n", files.front().string());

@@ -24,6 +24,7 @@ ExitCode make_movie(MovieOptions const& options) {
   gridlock::MovieSettings settings = options.movie;
   settings.file = options.output.empty() ? std::filesystem::path(source).replace_extension(".mp4")
                                          : std::filesystem::path(options.output);
+  require_other_file(settings.file, source);
   gridlock::H5mdReader const trajectory(source);
   StopSignals const signals;
   gridlock::Ending ending = gridlock::Ending::finished;

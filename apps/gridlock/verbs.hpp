@@ -45,6 +45,10 @@ CLI::Validator not_empty();
 /// Errors: Error for a directory of a run that kept no frames.
 std::filesystem::path trajectory_file(std::string const& path);
 
+/// Refuses to write a file in the place of the trajectory that it is made from, also by a link.
+/// Errors: Error under the key "-o".
+void require_other_file(std::filesystem::path const& file, std::filesystem::path const& trajectory);
+
 /// A configuration file and the `--set` options on top of it: what run, sweep and check have in common.
 struct ConfigurationOptions {
   std::string file;

@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cassert>
+#include <cctype>
 #include <chrono>
 #include <string>
 #include <string_view>
@@ -24,6 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// As the list of results names who makes movies.
+constexpr char const* maker = "movie";
 /// Longer than any encoder takes for a frame.
 constexpr std::chrono::minutes patience{10};
 
@@ -53,7 +56,9 @@ std::vector<Format> const& formats() {
 
 /// Errors: Error for an extension that is none of a movie, or a rate that such a file cannot have.
 Format const& format_of(MovieSettings const& settings) {
-  std::string const extension = settings.file.extension().string();
+  std::string extension = settings.file.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
   auto const found = std::ranges::find(formats(), extension, &Format::extension);
   if (found == formats().end()) {
     throw Error(Problem{
@@ -70,7 +75,13 @@ Format const& format_of(MovieSettings const& settings) {
   return *found;
 }
 
-void require_directory(fs::path const& file) {
+void require_place(fs::path const& file) {
+  std::error_code ignored;
+  if (!file.has_filename() || fs::is_directory(file, ignored)) {
+    throw Error(Problem{.what = fmt::format("{} is the name of a directory", file.string()),
+                        .hint = fmt::format("name a file in it: {}", (file / "movie.mp4").string()),
+                        .key = "--output"});
+  }
   fs::path const directory = file.parent_path();
   if (directory.empty() || fs::is_directory(directory)) return;
   throw Error(Problem{
@@ -158,7 +169,7 @@ class Movie {
       if (!goes_on(0)) return Ending::interrupted;
       painter_.widen_bar(frame(n));
     }
-    record_further_result(settings_.file);
+    record_further_result(settings_.file, maker);
     AtomicFile file(settings_.file);
     if (!goes_on(0)) return Ending::interrupted;
     PicturePixels const first = picture(0);
@@ -198,8 +209,9 @@ class Movie {
 
 Ending make_movie(H5mdReader const& trajectory, MovieSettings const& settings, OnMovieProgress const& on_progress) {
   assert(settings.every > 0);
+  require_place(settings.file);
   format_of(settings);
-  require_directory(settings.file);
+  require_no_other_result(settings.file, maker);
   if (trajectory.frame_count() == 0) throw Error(Problem{.what = "the trajectory has no frames"});
   return Movie(trajectory, settings, on_progress).make();
 }

@@ -1,9 +1,14 @@
 #include "gridlock/run/result_files.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "gridlock/core/error.hpp"
 
 namespace gridlock {
 
@@ -13,15 +18,42 @@ namespace fs = std::filesystem;
 
 constexpr char const* list_name = ".gridlock.files";
 
-/// The names listed that stay within the directory, whoever has written the list.
-std::vector<std::string> listed(fs::path const& directory) {
-  std::vector<std::string> names;
+/// A line of the list. No name holds the slash that parts the two.
+struct Entry {
+  std::string name;
+  std::string maker;  ///< the verb that made it on demand; empty for what a run or a sweep writes by itself
+};
+
+/// The entries that stay within the directory, whoever has written the list.
+std::vector<Entry> listed(fs::path const& directory) {
+  std::vector<Entry> entries;
   std::ifstream list(directory / list_name);
-  for (std::string name; std::getline(list, name);) {
-    bool const is_inside = !name.empty() && name != "." && name != ".." && name.find('/') == std::string::npos;
-    if (is_inside) names.push_back(name);
+  for (std::string line; std::getline(list, line);) {
+    std::size_t const slash = line.find('/');
+    Entry entry{.name = line.substr(0, slash), .maker = slash == std::string::npos ? "" : line.substr(slash + 1)};
+    bool const is_inside = !entry.name.empty() && entry.name != "." && entry.name != "..";
+    if (is_inside) entries.push_back(std::move(entry));
   }
-  return names;
+  return entries;
+}
+
+bool has(std::vector<Entry> const& entries, char const* name) {
+  return std::ranges::find(entries, name, &Entry::name) != entries.end();
+}
+
+void add_to_list(fs::path const& file, std::string const& maker) {
+  std::string const name = file.filename().string();
+  auto const is_it = [&](Entry const& entry) { return entry.name == name && entry.maker == maker; };
+  if (std::ranges::any_of(listed(file.parent_path()), is_it)) return;
+  std::ofstream list(file.parent_path() / list_name, std::ios::app);
+  list << name + (maker.empty() ? "" : "/" + maker) + '\n' << std::flush;
+}
+
+/// Where a symbolic link leads; the path itself where it is none.
+fs::path followed(fs::path const& path) {
+  std::error_code ignored;
+  fs::path const real = fs::is_symlink(path, ignored) ? fs::weakly_canonical(path, ignored) : path;
+  return real.empty() ? path : real;
 }
 
 /// Removes a file or a link, never a directory.
@@ -49,26 +81,37 @@ void remove_runs(fs::path const& directory) {
 
 }  // namespace
 
-void record_result(fs::path const& file) {
-  std::string const name = file.filename().string();
-  std::vector<std::string> const names = listed(file.parent_path());
-  if (std::ranges::find(names, name) != names.end()) return;
-  std::ofstream list(file.parent_path() / list_name, std::ios::app);
-  list << name + '\n' << std::flush;
+void record_result(fs::path const& file) { add_to_list(file, ""); }
+
+void record_further_result(fs::path const& file, std::string const& maker) {
+  std::error_code ignored;
+  if (fs::exists(file.parent_path() / list_name, ignored)) add_to_list(file, maker);
 }
 
-void record_further_result(fs::path const& file) {
-  std::error_code ignored;
-  if (fs::exists(file.parent_path() / list_name, ignored)) record_result(file);
+void require_no_other_result(fs::path const& file, std::string const& maker) {
+  for (fs::path const& place : {file, followed(file)}) {
+    for (Entry const& entry : listed(place.parent_path())) {
+      std::error_code ignored;
+      bool const is_same =
+          entry.name == place.filename() || fs::equivalent(place.parent_path() / entry.name, place, ignored);
+      if (!is_same || entry.maker == maker) continue;
+      throw Error({.what = fmt::format("{} is a result that gridlock {} must not replace",
+                                       (place.parent_path() / entry.name).string(), maker),
+                   .hint = "name another file",
+                   .key = "-o",
+                   .file = file.string()});
+    }
+  }
 }
 
 void remove_results(fs::path const& directory) {
-  std::vector<std::string> const names = listed(directory);
-  if (std::ranges::find(names, "summary.json") != names.end()) remove_file(directory / "summary.json");
-  for (std::string const& name : names) remove_file(directory / name);
-  bool const is_sweep = std::ranges::find(names, "plan.json") != names.end();
+  std::vector<Entry> const entries = listed(directory);
+  if (has(entries, "summary.json")) remove_file(directory / "summary.json");
+  for (Entry const& entry : entries) remove_file(directory / entry.name);
   std::error_code ignored;
-  if (is_sweep && fs::is_directory(fs::symlink_status(directory / "runs", ignored))) remove_runs(directory / "runs");
+  if (has(entries, "plan.json") && fs::is_directory(fs::symlink_status(directory / "runs", ignored))) {
+    remove_runs(directory / "runs");
+  }
   fs::remove(directory / list_name, ignored);
 }
 

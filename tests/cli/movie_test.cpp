@@ -71,7 +71,7 @@ TEST(Movie, IsMadeInEveryFormatItOffers) {
   if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed: ./dev install";
   Workplace const workplace;
   run_with_frames(workplace, "3");
-  for (std::string const name : {"a.mp4", "a.gif", "a.webm", "a.mov", "a.mkv"}) {
+  for (std::string const name : {"a.mp4", "b.MP4", "a.gif", "a.webm", "a.mov", "a.mkv"}) {
     Outcome const outcome = in(workplace, {"movie", "run", "--width", "101", "-o", name});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_EQ(outcome.out, name + "\n");
@@ -86,6 +86,9 @@ TEST(Movie, RefusesWhatItCannotWriteAndLeavesNothing) {
   expect_refusal(in(workplace, {"movie", "run", "-o", "x.png"}), {".png", ".mp4, .gif, .webm"});
   expect_refusal(in(workplace, {"movie", "run", "-o", "x"}), {"which kind", ".mp4, .gif, .webm"});
   expect_refusal(in(workplace, {"movie", "run", "-o", "nowhere/x.mp4"}), {"no directory nowhere", "mkdir -p nowhere"});
+  for (std::string const place : {"run", "run/", "nowhere/"}) {
+    expect_refusal(in(workplace, {"movie", "run", "-o", place}), {place + " is the name of a directory", "/movie.mp4"});
+  }
   expect_refusal(in(workplace, {"movie", "run", "-o", "x.gif", "--rate", "60"}), {"60", "50", "--rate"});
   expect_refusal(in(workplace, {"movie", "run", "--colour", "smell"}), {"smell", "displacement, psi6", "image_x"});
   expect_refusal(in(workplace, {"movie", "run", "--width", "8"}), {"8 pixels"});
@@ -109,6 +112,27 @@ TEST(Movie, OfARunThatKeptNoFramesSaysHowToKeepSome) {
        {std::vector<std::string>{"movie", "run"}, {"export", "run", "--to", "csv"}}) {
     expect_refusal(in(workplace, words), {"the run in run kept no frames", "trajectory.every"});
   }
+}
+
+TEST(Movie, ReplacesNoResultThroughALinkAndItsOwnFormerOneAnyTime) {
+  if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed: ./dev install";
+  Workplace const workplace;
+  run_with_frames(workplace, "3");
+  for (std::string const name : {"final.xyz", "trajectory.h5"}) {
+    std::string const before = text_of(workplace / "run" / name);
+    fs::path const link = workplace / (name + ".mp4");
+    fs::create_symlink(fs::path("run") / name, link);
+    expect_refusal(in(workplace, {"movie", "run", "-o", link.string()}), {name, "hint: name another file"});
+    EXPECT_EQ(text_of(workplace / "run" / name) == before, true) << name;
+  }
+  fs::create_symlink("run/trajectory.mp4", workplace / "latest.mp4");
+  for (std::vector<std::string> const& place : {std::vector<std::string>{}, {}, {"-o", "latest.mp4"}}) {
+    std::vector<std::string> words{"movie", "run", "--width", "101"};
+    words.insert(words.end(), place.begin(), place.end());
+    Outcome const outcome = in(workplace, words);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+  EXPECT_TRUE(fs::is_symlink(workplace / "latest.mp4"));
 }
 
 TEST(Movie, LeavesADirectoryOfTheUserAlone) {

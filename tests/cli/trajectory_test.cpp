@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "program.hpp"
 
@@ -123,6 +124,31 @@ TEST(Trajectories, AreNotOverwrittenByTheirOwnExport) {
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_NE(outcome.err.find("run/trajectory.h5 is the trajectory itself"), std::string::npos) << outcome.err;
   EXPECT_EQ(text_of(workplace / "run/trajectory.h5"), before);
+}
+
+TEST(Trajectories, AreExportedOverTheirFormerExportsAndOverNoOtherResult) {
+  Workplace const workplace;
+  write(workplace / "run.toml", "disks.count = 9\nrun.steps = 4\ntrajectory.every = 2\n");
+  for (std::string const name : {"run", "other"}) {
+    ASSERT_EQ(gridlock_in(workplace, {"run", "run.toml", "-o", name, "-q"}).exit_code, 0);
+  }
+  fs::create_symlink("run/final.xyz", workplace / "link.xyz");
+  for (auto const& [place, result] : {std::pair<std::string, std::string>{"run/final.xyz", "run/final.xyz"},
+                                      {"run/../run/series.csv", "run/series.csv"},
+                                      {"other/final.xyz", "other/final.xyz"},
+                                      {"link.xyz", "run/final.xyz"}}) {
+    std::string const before = text_of(workplace / result);
+    Outcome const outcome = gridlock_in(workplace, {"export", "run/trajectory.h5", "--to", "xyz", "-o", place});
+    EXPECT_EQ(outcome.exit_code, 2) << place;
+    EXPECT_NE(outcome.err.find("is a result that gridlock export must not replace"), std::string::npos) << outcome.err;
+    EXPECT_EQ(text_of(workplace / result), before);
+  }
+  for (std::string const place : {"run/again.csv", "run/again.csv", "elsewhere.csv", "elsewhere.csv"}) {
+    Outcome const outcome = gridlock_in(workplace, {"export", "run", "--to", "csv", "-o", place});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+  ASSERT_EQ(gridlock_in(workplace, {"run", "run.toml", "-o", "run", "-q", "--overwrite"}).exit_code, 0);
+  EXPECT_FALSE(fs::exists(workplace / "run/again.csv"));
 }
 
 TEST(Trajectories, BecomeMoviesInEveryColour) {

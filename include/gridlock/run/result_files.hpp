@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 namespace gridlock {
 
@@ -13,7 +14,12 @@ namespace gridlock {
 void record_result(std::filesystem::path const& file);
 
 /// The same where the directory has a list already: for files that a user may want anywhere, and often beside results.
-void record_further_result(std::filesystem::path const& file);
+/// The line is `NAME/MAKER` then, with the verb that makes the file.
+void record_further_result(std::filesystem::path const& file, std::string const& maker);
+
+/// Refuses a file that is a listed result, by its name or by a link, unless the same verb has made it.
+/// Errors: Error under the key "-o".
+void require_no_other_result(std::filesystem::path const& file, std::string const& maker);
 
 /// Removes what the list of a directory names, summary.json first, and of a sweep the runs that have lists of their own.
 /// Directories with anything else in them stay, and so does every file that is not listed.

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <string>
 
+#include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
 #include "gridlock/run/run_directory.hpp"
 #include "unit/io/temporary_directory.hpp"
@@ -36,6 +38,36 @@ TEST(ResultFiles, AListFromAStrangerReachesNothingOutsideItsDirectoryAndNoDirect
   EXPECT_TRUE(fs::exists(directory / "precious"));
   EXPECT_TRUE(fs::exists(directory / "run" / "mine" / "precious"));
   EXPECT_FALSE(fs::is_symlink(directory / "run" / "link"));
+}
+
+TEST(ResultFiles, MadeOnDemandAreReplacedByTheVerbThatMadeThemAlone) {
+  TemporaryDirectory const directory;
+  auto const is_refused = [&](std::string const& name, std::string const& maker) {
+    try {
+      require_no_other_result(directory / name, maker);
+    } catch (Error const& error) {
+      EXPECT_EQ(error.problems()[0].key, "-o");
+      return true;
+    }
+    return false;
+  };
+  record_further_result(directory / "early.csv", "export");
+  EXPECT_FALSE(fs::exists(directory / ".gridlock.files")) << "no results, no list";
+  record_result(directory / "series.csv");
+  for (int twice = 0; twice < 2; ++twice) record_further_result(directory / "a.csv", "export");
+  EXPECT_EQ(read_file(directory / ".gridlock.files"), "series.csv\na.csv/export\n");
+  write_file(directory / "a.csv", "1");
+  write_file(directory / "series.csv", "1");
+  fs::create_symlink(directory / "series.csv", directory / "link.csv");
+  fs::create_hard_link(directory / "series.csv", directory / "hard.csv");
+  EXPECT_FALSE(is_refused("a.csv", "export"));
+  EXPECT_FALSE(is_refused("mine.csv", "export"));
+  EXPECT_TRUE(is_refused("a.csv", "movie"));
+  for (char const* name : {"series.csv", "link.csv", "hard.csv"}) EXPECT_TRUE(is_refused(name, "export")) << name;
+  record_result(directory / "a.csv");
+  EXPECT_TRUE(is_refused("a.csv", "export")) << "by now a run writes a file of that name";
+  remove_results(directory.path());
+  EXPECT_FALSE(fs::exists(directory / "a.csv"));
 }
 
 TEST(ResultFiles, OfASweepAreThoseOfItsRunsToo) {
