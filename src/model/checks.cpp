@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <string>
 
 #include "gridlock/core/error.hpp"
@@ -17,6 +19,21 @@ std::string in_words(Vector p) { return fmt::format("({}, {})", p.x, p.y); }
 std::string in_words(std::optional<Id> agent) { return agent ? fmt::format("agent {}", *agent) : "the model"; }
 
 }  // namespace
+
+std::size_t find_outside(Box const& box, std::span<double const> x, std::span<double const> y) {
+  // Numbers from 0 on are in the order of their bits; numbers below 0, infinity and nan have larger bits than any side.
+  // Two comparisons of bits are therefore enough for nearly all points; only -0 needs the check of the numbers.
+  auto const width = std::bit_cast<std::uint64_t>(box.width());
+  auto const height = std::bit_cast<std::uint64_t>(box.height());
+  auto const is_row_inside = [&](std::size_t row) {
+    bool const has_small_bits =
+        std::bit_cast<std::uint64_t>(x[row]) <= width && std::bit_cast<std::uint64_t>(y[row]) <= height;
+    return has_small_bits || is_inside(box, {x[row], y[row]});
+  };
+  std::size_t row = 0;
+  while (row < x.size() && is_row_inside(row)) ++row;
+  return row;
+}
 
 void require_displacement(Box const& box, double longest, std::string const& key) {
   constexpr double rounding = 1.0 + 1e-9;  // unit vectors are a little longer than 1

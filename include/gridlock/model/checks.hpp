@@ -18,6 +18,9 @@ inline bool is_inside(Box const& box, Vector p) {
   return p.x >= 0.0 && p.x <= box.width() && p.y >= 0.0 && p.y <= box.height();
 }
 
+/// The first row whose point is_inside() refuses; the number of rows if there is none.
+std::size_t find_outside(Box const& box, std::span<double const> x, std::span<double const> y);
+
 /// Whether a displacement is shorter than both sides of the box; false for one that is not a number.
 inline bool is_shorter_than_box(Box const& box, Vector displacement) {
   return std::abs(displacement.x) < box.width() && std::abs(displacement.y) < box.height();

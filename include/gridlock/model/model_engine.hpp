@@ -96,11 +96,8 @@ class ModelEngine {
   static void require_inside(World<Model> const& world) {
     auto const x = world.agents.template column<X>();
     auto const y = world.agents.template column<Y>();
-    for (std::size_t row = 0; row < world.agents.size(); ++row) {
-      if (!is_inside(world.box, {x[row], y[row]})) {
-        throw_outside(world.clock.step, world.agents.ids()[row], {x[row], y[row]}, world.box);
-      }
-    }
+    std::size_t const row = find_outside(world.box, x, y);
+    if (row < x.size()) throw_outside(world.clock.step, world.agents.ids()[row], {x[row], y[row]}, world.box);
   }
 
  private:

@@ -116,14 +116,11 @@ class Turn {
   /// it back, so that the model can turn its heading too. Columns ImageX and ImageY are kept.
   /// Errors: RunFailure for a way that is not shorter than the sides of the box.
   Bounce move_by(Vector way) {
-    if (!is_shorter_than_box(box(), way)) throw_long_displacement(clock().step, id(), way, box());
-    Motion const to = motion(box(), position(), way);
-    if constexpr (Agents::template has<ImageX>) {
-      set<ImageX>(get<ImageX>() + to.crossed_x);
-      set<ImageY>(get<ImageY>() + to.crossed_y);
-    }
-    go_to(to.end);
-    return to.bounce;
+    // Most steps end inside, and these are not longer than the box: the check costs them nothing.
+    Vector const end = position() + way;
+    if (!is_within_edges(end)) return move_across_edges(way);
+    go_to(end);
+    return {};
   }
   /// Goes to a point of the box. Errors: RunFailure for a point outside.
   void move_to(Vector p) {
@@ -184,6 +181,19 @@ class Turn {
     }
   }
 
+  [[nodiscard]] bool is_within_edges(Vector p) const {
+    return p.x >= 0.0 && p.x < box().width() && p.y >= 0.0 && p.y < box().height();
+  }
+  [[gnu::noinline]] Bounce move_across_edges(Vector way) {
+    if (!is_shorter_than_box(box(), way)) throw_long_displacement(clock().step, id(), way, box());
+    Motion const to = motion(box(), position(), way);
+    if constexpr (Agents::template has<ImageX>) {
+      set<ImageX>(get<ImageX>() + to.crossed_x);
+      set<ImageY>(get<ImageY>() + to.crossed_y);
+    }
+    go_to(to.end);
+    return to.bounce;
+  }
   void go_to(Vector p) {
     write<X>(p.x);
     write<Y>(p.y);

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/model/model.hpp"
@@ -106,6 +108,20 @@ TYPED_TEST(EveryScheduleOfTurns, RefusesAStartOutsideTheBox) {
   typename TestFixture::Model const model{.places = {{0.2, 0.2}, {0.5, nan}}};
   std::string const what = failure_of(model, Box(1.0, 1.0, Edge::wall));
   EXPECT_EQ(what.rfind("step 0: agent 1 is put at (0.5, nan)", 0), 0U) << what;
+}
+
+TEST(FindOutside, AgreesWithIsInsideOnEveryKindOfNumber) {
+  Box const box(1.0, 2.0, Edge::wall);
+  std::vector<double> const numbers{
+      0.0,      -0.0,      0.5,     1.0, std::nextafter(1.0, 2.0), 2.0, std::nextafter(2.0, 3.0), -0.5, nan,
+      infinity, -infinity, -5e-324, -nan};
+  for (double const x : numbers) {
+    for (double const y : numbers) {
+      std::vector<double> const xs{0.5, x, 0.5};
+      std::vector<double> const ys{0.5, y, 0.5};
+      EXPECT_EQ(find_outside(box, xs, ys), is_inside(box, {x, y}) ? 3U : 1U) << x << ' ' << y;
+    }
+  }
 }
 
 TYPED_TEST(EveryScheduleOfTurns, AllowsWhatLiesJustWithinTheLimits) {
