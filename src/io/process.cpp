@@ -3,7 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -16,8 +16,6 @@
 #include <thread>
 
 #include "gridlock/core/error.hpp"
-
-extern char** environ;  // NOLINT: POSIX gives it no header
 
 namespace gridlock {
 
@@ -45,51 +43,75 @@ Ends input_of(std::string const& program) {
   return {Descriptor(ends[0]), Descriptor(ends[1])};
 }
 
-Ends errors_of(std::string const& program) {
+Ends pipe_of(std::string const& program) {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) require(errno, program);
   return {Descriptor(ends[0]), Descriptor(ends[1])};
 }
 
-/// What the child does between being born and becoming the program.
-class SpawnPlan {
- public:
-  SpawnPlan(std::filesystem::path const& directory, Descriptor const& input, Descriptor const& errors,
-            std::string const& program) {
-    require(posix_spawn_file_actions_init(&actions_), program);
-    require(posix_spawnattr_init(&attributes_), program);
-    require(posix_spawn_file_actions_addchdir_np(&actions_, directory.c_str()), program);
-    require(input.is_open() ? posix_spawn_file_actions_adddup2(&actions_, input.number(), STDIN_FILENO)
-                            : posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0),
-            program);
-    require(posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0), program);
-    require(posix_spawn_file_actions_adddup2(&actions_, errors.number(), STDERR_FILENO), program);
-    // Signals ignored or blocked here, as a program waiting for Ctrl-C may have them, are not for the child.
-    sigset_t none;
-    sigemptyset(&none);
-    sigset_t all;
-    sigfillset(&all);
-    require(posix_spawnattr_setsigmask(&attributes_, &none), program);
-    require(posix_spawnattr_setsigdefault(&attributes_, &all), program);
-    require(posix_spawnattr_setpgroup(&attributes_, 0), program);
-    require(
-        posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF),
-        program);
-  }
-  SpawnPlan(SpawnPlan const&) = delete;
-  SpawnPlan& operator=(SpawnPlan const&) = delete;
-  ~SpawnPlan() {
-    posix_spawn_file_actions_destroy(&actions_);
-    posix_spawnattr_destroy(&attributes_);
-  }
-
-  [[nodiscard]] posix_spawn_file_actions_t const* actions() const { return &actions_; }
-  [[nodiscard]] posix_spawnattr_t const* attributes() const { return &attributes_; }
-
- private:
-  posix_spawn_file_actions_t actions_{};
-  posix_spawnattr_t attributes_{};
+/// What a process needs to become the program.
+struct Birth {
+  char const* directory;
+  int input;  ///< negative: nothing to read
+  int errors;
+  char* const* words;
+  pid_t parent;
 };
+
+bool move_to(int descriptor, int place) {
+  return descriptor == place ? fcntl(place, F_SETFD, 0) == 0 : dup2(descriptor, place) == place;
+}
+
+bool open_nothing(int flags, int place) {
+  int const nothing = open("/dev/null", flags | O_CLOEXEC);
+  return nothing >= 0 && move_to(nothing, place);
+}
+
+/// Signals ignored or blocked here, as a program waiting for Ctrl-C may have them, are not for the child.
+void reset_signals() {
+  struct sigaction usual {};
+  usual.sa_handler = SIG_DFL;
+  for (int number = 1; number < NSIG; ++number) sigaction(number, &usual, nullptr);
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+}
+
+/// What the child does between being born and becoming the program. Returns only where it cannot. Other threads may have
+/// held locks when it was born, that of malloc too: nothing is called here that takes one.
+void become_program(Birth const& birth) {
+  // Without this the program would outlive a parent that is killed, and finish its file with half of its input.
+  if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) return;
+  if (getppid() != birth.parent) _exit(1);  // killed before that
+  bool const is_ready = setpgid(0, 0) == 0 && chdir(birth.directory) == 0 &&
+                        (birth.input < 0 ? open_nothing(O_RDONLY, STDIN_FILENO) : move_to(birth.input, STDIN_FILENO)) &&
+                        open_nothing(O_WRONLY, STDOUT_FILENO) && move_to(birth.errors, STDERR_FILENO);
+  if (!is_ready) return;
+  reset_signals();
+  execvp(birth.words[0], birth.words);
+}
+
+/// Begins the program; returns the error number where that fails, 0 otherwise.
+int begin(Birth const& birth, pid_t& child, std::string const& program) {
+  // The end that the child holds closes when it becomes the program: then nothing comes out of the other one.
+  Ends told = pipe_of(program);
+  child = fork();
+  if (child < 0) return errno;
+  if (child == 0) {
+    become_program(birth);
+    int const failure = errno;
+    _exit(write(told.theirs.number(), &failure, sizeof failure) == sizeof failure ? 1 : 2);
+  }
+  told.theirs.close();
+  int failure = 0;
+  ssize_t length = 0;
+  while ((length = read(told.ours.number(), &failure, sizeof failure)) < 0 && errno == EINTR) {
+  }
+  if (length != sizeof failure) return 0;
+  while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
+  }
+  return failure;
+}
 
 /// Milliseconds for poll() to wait, never so long that a clock set back would matter; 0 at the deadline.
 int milliseconds_until(Instant deadline) {
@@ -128,13 +150,17 @@ ChildProcess::ChildProcess(std::vector<std::string> const& arguments, std::files
   }
   Ends in;
   if (input == ProcessInput::pipe) in = input_of(program);
-  Ends errors = errors_of(program);
+  Ends errors = pipe_of(program);
   std::vector<char*> words;
   for (std::string const& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
 
-  SpawnPlan const plan(directory, in.theirs, errors.theirs, program);
-  int const failure = posix_spawnp(&id_, words.front(), plan.actions(), plan.attributes(), words.data(), environ);
+  Birth const birth{.directory = directory.c_str(),
+                    .input = in.theirs.number(),
+                    .errors = errors.theirs.number(),
+                    .words = words.data(),
+                    .parent = getpid()};
+  int const failure = begin(birth, id_, program);
   // An unreadable directory in PATH makes a missing program look like a forbidden one.
   result_.was_found = failure != ENOENT && failure != EACCES;
   if (failure != 0) id_ = -1;

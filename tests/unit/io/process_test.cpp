@@ -1,7 +1,11 @@
 #include "io/process.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <string>
 
 #include "gridlock/io/file.hpp"
@@ -57,6 +61,22 @@ TEST(ChildProcess, ThatIsNoProgramIsNotFound) {
   ChildProcess process({"no-such-program"}, directory.path(), ProcessInput::pipe);
   EXPECT_FALSE(process.write("text", 20ms));
   EXPECT_FALSE(process.wait(20ms).was_found);
+}
+
+TEST(ChildProcess, IsKilledWithAParentThatIsKilled) {
+  TemporaryDirectory const directory;
+  ASSERT_EQ(prctl(PR_SET_CHILD_SUBREAPER, 1), 0) << "to wait for the child of a child";
+  pid_t const parent = fork();
+  if (parent == 0) {
+    ChildProcess const process({"/bin/sleep", "20"}, directory.path(), ProcessInput::pipe);
+    kill(getpid(), SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(parent, &status, 0), parent);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  ASSERT_GT(waitpid(-1, &status, 0), 0);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL) << status;
+  prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
 
 }  // namespace
