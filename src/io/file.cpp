@@ -106,12 +106,13 @@ void remove_if_abandoned(std::filesystem::path const& path) {
 
 }  // namespace
 
-AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)), target_(follow_links(path_)) {
-  if (is_written_directly(target_)) {
+AtomicFile::AtomicFile(std::filesystem::path path, AtName at_name)
+    : path_(std::move(path)), target_(at_name == AtName::replaced ? path_ : follow_links(path_)) {
+  if (at_name == AtName::written_through && is_written_directly(target_)) {
     descriptor_ = open(target_.c_str(), O_WRONLY | O_CLOEXEC);
   } else {
     std::error_code ignored;
-    if (std::filesystem::is_directory(target_, ignored)) fail(EISDIR);
+    if (std::filesystem::is_directory(std::filesystem::symlink_status(target_, ignored))) fail(EISDIR);
     descriptor_ = open_temporary(target_, temporary_);
   }
   if (descriptor_ < 0) {

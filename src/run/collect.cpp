@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -121,16 +120,13 @@ void require_no_links_out(fs::path const& into) {
 
 /// Copies the content of a file under its name or not at all. A link that has the name is replaced, not followed.
 void copy_whole(fs::path const& from, fs::path const& to) {
-  fs::path const temporary = to.parent_path() / fmt::format(".{}.{}.part", to.filename().string(), getpid());
-  std::error_code ignored;
+  AtomicFile file(to, AtName::replaced);
   try {
-    fs::remove(temporary);
-    fs::copy_file(from, temporary);
-    fs::rename(temporary, to);
+    fs::copy_file(from, file.location(), fs::copy_options::overwrite_existing);
   } catch (fs::filesystem_error const& error) {
-    fs::remove(temporary, ignored);
     throw RunFailure(fmt::format("cannot copy {} to {}: {}", from.string(), to.string(), error.code().message()));
   }
+  file.commit();
 }
 
 /// Copies the files of a run, the summary last and gone first: a directory with a summary is a complete one.

@@ -1,8 +1,10 @@
 // Sweeps over interruptions, growing plans and several machines, through the program itself.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <thread>
 
 #include "cli/program.hpp"
@@ -283,6 +285,26 @@ TEST(Collect, ReplacesARunThatWasStoppedByTheSameOneFinished) {
   expect_good(in(workplace.path(), {"collect", "part", "good"}));
   EXPECT_EQ(rows_of(workplace / "part"), rows_of(workplace / "good"));
   EXPECT_EQ(contents(workplace / ("part" + run)), contents(workplace / ("good" + run)));
+}
+
+TEST(Collect, KilledWhileItCopiesLeavesNothingThatTheNextOneDoesNotRemove) {
+  Workplace const workplace;
+  write(workplace / "s.toml", sweep_toml("0.3"));
+  std::string const run = "runs/packing_fraction=0.3_seed=1";
+  expect_good(in(workplace.path(), {"sweep", "s.toml", "-o", "good"}));
+  write(workplace / "good" / run / "large.bin", std::string(1'000'000, 'x'));
+  // A limit on the size of files ends it in the middle of the large one.
+  Outcome const killed =
+      Process("/bin/bash", {"-c", "ulimit -c 0 -f 100; exec \"$0\" collect good -o joined", GRIDLOCK_PROGRAM},
+              workplace.path())
+          .wait();
+  EXPECT_EQ(killed.exit_code, 128 + SIGXFSZ) << killed.err;
+  auto const names = contents(workplace / "joined" / run);
+  EXPECT_TRUE(std::ranges::any_of(names, [](std::string const& name) { return name.starts_with(".large.bin."); }));
+  expect_good(in(workplace.path(), {"collect", "good", "-o", "joined"}));
+  auto const is_of_run = [](std::string const& name) { return !name.starts_with('.') || name == ".gridlock.files"; };
+  for (std::string const& name : contents(workplace / "joined" / run)) EXPECT_TRUE(is_of_run(name)) << name;
+  EXPECT_EQ(fs::file_size(workplace / "joined" / run / "large.bin"), 1'000'000U);
 }
 
 TEST(Collect, RefusesSweepsThatHaveDifferentSettingsInCommon) {

@@ -7,15 +7,21 @@
 
 namespace gridlock {
 
+/// What a file does with something other than a file that has its name.
+enum class AtName {
+  written_through,  ///< a link stays, and the file it leads to is written; a device or pipe is written directly
+  replaced,         ///< a link, device or pipe gives way
+};
+
 /// A file that appears under its name complete or not at all.
 ///
 /// Text goes to a temporary file beside it; commit() brings that to the disk and renames it. A crash or a full disk never
 /// destroys the file that was there before. Without a commit() nothing is left behind, but where the process is killed:
-/// then the temporary file stays until remove_leftovers() finds it. A device or pipe ("/dev/stdout") is written directly.
+/// then the temporary file stays until remove_leftovers() finds it.
 /// Errors: RunFailure with the reason of the operating system. Cost: one buffer of 256 KiB, whatever the file's size.
 class AtomicFile {
  public:
-  explicit AtomicFile(std::filesystem::path path);
+  explicit AtomicFile(std::filesystem::path path, AtName at_name = AtName::written_through);
   ~AtomicFile();
   AtomicFile(AtomicFile const&) = delete;
   AtomicFile& operator=(AtomicFile const&) = delete;
@@ -33,7 +39,7 @@ class AtomicFile {
   [[noreturn]] void fail(int error_number);
 
   std::filesystem::path path_;       ///< as the user knows it
-  std::filesystem::path target_;     ///< path_ with symbolic links followed, so that a link stays a link
+  std::filesystem::path target_;     ///< path_, with symbolic links followed where a link stays a link
   std::filesystem::path temporary_;  ///< empty where the target is written directly
   int descriptor_ = -1;
   std::string buffer_;

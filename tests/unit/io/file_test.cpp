@@ -96,6 +96,21 @@ TEST(File, WritingThroughALinkKeepsTheLink) {
   EXPECT_EQ(read_file(directory / "target"), "new");
 }
 
+TEST(File, WrittenInThePlaceOfALinkOrPipeLeavesWhatTheLinkLeadsTo) {
+  TemporaryDirectory const directory;
+  write_file(directory / "target", "old");
+  fs::create_symlink("target", directory / "link");
+  ASSERT_EQ(mkfifo((directory / "pipe").c_str(), 0600), 0);
+  for (char const* name : {"link", "pipe"}) {
+    AtomicFile file(directory / name, AtName::replaced);
+    file.append("new");
+    file.commit();
+    EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(directory / name))) << name;
+    EXPECT_EQ(read_file(directory / name), "new");
+  }
+  EXPECT_EQ(read_file(directory / "target"), "old");
+}
+
 TEST(File, AFullDiskIsARunFailureWithTheReason) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full on this system";
   EXPECT_EQ(failure_of([] { write_file("/dev/full", "text"); }), "cannot write /dev/full: No space left on device");
