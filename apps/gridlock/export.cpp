@@ -59,9 +59,9 @@ void add_export(CLI::App& app, ExitCode& exit_code) {
     gridlock::require_no_other_result(file, "export");
     gridlock::H5mdReader const trajectory(source);
     gridlock::remove_leftovers(fs::absolute(file).parent_path());
-    gridlock::record_further_result(file, "export");
-    auto const files =
-        gridlock::export_trajectory(trajectory, {.format = format, .file = file, .every = options->every});
+    gridlock::ExportSettings const settings{.format = format, .file = file, .every = options->every};
+    gridlock::record_further_results(gridlock::exported_files(trajectory, settings), "export");
+    auto const files = gridlock::export_trajectory(trajectory, settings);
     fmt::print("{}\n", files.front().string());
     exit_code = ExitCode::good;
   });

@@ -47,11 +47,10 @@ Frame with_momenta(Frame frame) {
   return frame;
 }
 
-std::vector<fs::path> write_all_xyz(H5mdReader const& trajectory, ExportSettings const& settings) {
+void write_all_xyz(H5mdReader const& trajectory, ExportSettings const& settings) {
   AtomicFile file(settings.file);
   for_each_frame(trajectory, settings.every, [&](Frame frame) { append_xyz(with_momenta(std::move(frame)), file); });
   file.commit();
-  return {settings.file};
 }
 
 void append_number(std::string& line, FrameValues const& values, std::size_t row) {
@@ -66,7 +65,7 @@ void append_number(std::string& line, FrameValues const& values, std::size_t row
       values);
 }
 
-std::vector<fs::path> write_all_csv(H5mdReader const& trajectory, ExportSettings const& settings) {
+void write_all_csv(H5mdReader const& trajectory, ExportSettings const& settings) {
   AtomicFile file(settings.file);
   bool is_first = true;
   std::string line;
@@ -88,7 +87,6 @@ std::vector<fs::path> write_all_csv(H5mdReader const& trajectory, ExportSettings
     }
   });
   file.commit();
-  return {settings.file};
 }
 
 /// Numbers of a VTK file, each vector of the plane with a third component.
@@ -166,33 +164,48 @@ std::string vtp_text(Frame const& frame) {
       data, points, VtkArrays::text("connectivity", 1, vertices), VtkArrays::text("offsets", 1, ends));
 }
 
-std::vector<fs::path> write_all_vtk(H5mdReader const& trajectory, ExportSettings const& settings) {
-  fs::path const directory = settings.file.parent_path() / settings.file.stem();
-  std::vector<fs::path> files{settings.file};
+/// Where the frames lie that the file lists.
+fs::path vtk_directory(ExportSettings const& settings) { return settings.file.parent_path() / settings.file.stem(); }
+
+std::string vtk_name(std::uint64_t step) { return fmt::format("step_{:010}.vtp", step); }
+
+void write_all_vtk(H5mdReader const& trajectory, ExportSettings const& settings) {
+  fs::path const directory = vtk_directory(settings);
   std::string list = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n";
   fs::create_directories(directory);
   for_each_frame(trajectory, settings.every, [&](Frame const& frame) {
-    fs::path const name = directory.filename() / fmt::format("step_{:010}.vtp", frame.clock.step);
-    files.push_back(settings.file.parent_path() / name);
-    write_file(files.back(), vtp_text(frame));
-    list += fmt::format("<DataSet timestep=\"{}\" file=\"{}\"/>\n", frame.clock.time, name.string());
+    std::string const name = vtk_name(frame.clock.step);
+    write_file(directory / name, vtp_text(frame));
+    list += fmt::format("<DataSet timestep=\"{}\" file=\"{}\"/>\n", frame.clock.time,
+                        (directory.filename() / name).string());
   });
   write_file(settings.file, list + "</Collection>\n</VTKFile>\n");
-  return files;
 }
 
 }  // namespace
 
+std::vector<fs::path> exported_files(H5mdReader const& trajectory, ExportSettings const& settings) {
+  std::vector<fs::path> files{settings.file};
+  if (settings.format != ExportFormat::vtk) return files;
+  for (std::size_t k = 0; k < trajectory.frame_count(); k += settings.every) {
+    files.push_back(vtk_directory(settings) / vtk_name(trajectory.clocks()[k].step));
+  }
+  return files;
+}
+
 std::vector<fs::path> export_trajectory(H5mdReader const& trajectory, ExportSettings const& settings) {
   switch (settings.format) {
     case ExportFormat::xyz:
-      return write_all_xyz(trajectory, settings);
+      write_all_xyz(trajectory, settings);
+      break;
     case ExportFormat::vtk:
-      return write_all_vtk(trajectory, settings);
+      write_all_vtk(trajectory, settings);
+      break;
     case ExportFormat::csv:
+      write_all_csv(trajectory, settings);
       break;
   }
-  return write_all_csv(trajectory, settings);
+  return exported_files(trajectory, settings);
 }
 
 }  // namespace gridlock

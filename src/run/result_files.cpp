@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <fstream>
+#include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/io/file.hpp"
 
 namespace gridlock {
 
@@ -41,13 +44,24 @@ bool has(std::vector<Entry> const& entries, char const* name) {
   return std::ranges::find(entries, name, &Entry::name) != entries.end();
 }
 
-void add_to_list(fs::path const& file, std::string const& maker) {
-  std::string const name = file.filename().string();
-  auto const is_it = [&](Entry const& entry) { return entry.name == name && entry.maker == maker; };
-  if (std::ranges::any_of(listed(file.parent_path()), is_it)) return;
-  std::ofstream list(file.parent_path() / list_name, std::ios::app);
-  list << name + (maker.empty() ? "" : "/" + maker) + '\n' << std::flush;
+/// Adds files of one directory to its list, each once.
+void add_to_list(std::span<fs::path const> files, std::string const& maker) {
+  if (files.empty()) return;
+  fs::path const directory = files.front().parent_path();
+  std::set<std::pair<std::string, std::string>> known;
+  for (Entry const& entry : listed(directory)) known.emplace(entry.name, entry.maker);
+  std::string lines;
+  for (fs::path const& file : files) {
+    std::string const name = file.filename().string();
+    if (!known.emplace(name, maker).second) continue;
+    lines += maker.empty() ? fmt::format("{}\n", name) : fmt::format("{}/{}\n", name, maker);
+  }
+  if (lines.empty()) return;
+  std::ofstream list(directory / list_name, std::ios::app);
+  list << lines << std::flush;
 }
+
+void add_to_list(fs::path const& file, std::string const& maker) { add_to_list(std::span(&file, 1), maker); }
 
 /// Where a symbolic link leads; the path itself where it is none.
 fs::path followed(fs::path const& path) {
@@ -60,6 +74,20 @@ fs::path followed(fs::path const& path) {
 void remove_file(fs::path const& file) {
   std::error_code ignored;
   if (!fs::is_directory(fs::symlink_status(file, ignored))) fs::remove(file, ignored);
+}
+
+/// Removes what a verb has made in a directory that it has listed, and the directory where nothing else is in it. One with
+/// anything else in its list, as a run of the user's there has, stays.
+void remove_directory_of(std::string const& maker, fs::path const& directory) {
+  std::error_code ignored;
+  if (maker.empty() || !fs::is_directory(fs::symlink_status(directory, ignored))) return;
+  std::vector<Entry> const entries = listed(directory);
+  if (entries.empty() || !std::ranges::all_of(entries, [&](Entry const& entry) { return entry.maker == maker; }))
+    return;
+  remove_leftovers(directory);
+  for (Entry const& entry : entries) remove_file(directory / entry.name);
+  fs::remove(directory / list_name, ignored);
+  fs::remove(directory, ignored);
 }
 
 void remove_runs(fs::path const& directory) {
@@ -88,6 +116,18 @@ void record_further_result(fs::path const& file, std::string const& maker) {
   if (fs::exists(file.parent_path() / list_name, ignored)) add_to_list(file, maker);
 }
 
+void record_further_results(std::vector<fs::path> const& files, std::string const& maker) {
+  std::error_code ignored;
+  if (!fs::exists(files.front().parent_path() / list_name, ignored)) return;
+  add_to_list(files.front(), maker);
+  std::span<fs::path const> const others = std::span(files).subspan(1);
+  if (others.empty()) return;
+  fs::path const directory = others.front().parent_path();
+  add_to_list(directory, maker);
+  fs::create_directories(directory, ignored);
+  add_to_list(others, maker);
+}
+
 void require_no_other_result(fs::path const& file, std::string const& maker) {
   for (fs::path const& place : {file, followed(file)}) {
     for (Entry const& entry : listed(place.parent_path())) {
@@ -107,7 +147,10 @@ void require_no_other_result(fs::path const& file, std::string const& maker) {
 void remove_results(fs::path const& directory) {
   std::vector<Entry> const entries = listed(directory);
   if (has(entries, "summary.json")) remove_file(directory / "summary.json");
-  for (Entry const& entry : entries) remove_file(directory / entry.name);
+  for (Entry const& entry : entries) {
+    remove_file(directory / entry.name);
+    remove_directory_of(entry.maker, directory / entry.name);
+  }
   std::error_code ignored;
   if (has(entries, "plan.json") && fs::is_directory(fs::symlink_status(directory / "runs", ignored))) {
     remove_runs(directory / "runs");

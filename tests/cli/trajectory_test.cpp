@@ -151,6 +151,24 @@ TEST(Trajectories, AreExportedOverTheirFormerExportsAndOverNoOtherResult) {
   EXPECT_FALSE(fs::exists(workplace / "run/again.csv"));
 }
 
+TEST(Trajectories, ExportedAsVtkAreRemovedByAnOverwriteWithTheirFramesAndNothingElse) {
+  Workplace const workplace;
+  write(workplace / "run.toml", "disks.count = 9\nrun.steps = 4\ntrajectory.every = 2\n");
+  ASSERT_EQ(gridlock_in(workplace, {"run", "run.toml", "-o", "run", "-q"}).exit_code, 0);
+  fs::create_directory(workplace / "run/mixed");
+  write(workplace / "run/mixed/step_0000000099.vtp", "mine");
+  for (std::string const name : {"run/trajectory.pvd", "run/trajectory.pvd", "run/mixed.pvd", "away.pvd"}) {
+    ASSERT_EQ(gridlock_in(workplace, {"export", "run", "--to", "vtk", "-o", name}).exit_code, 0);
+  }
+  ASSERT_TRUE(fs::exists(workplace / "run/trajectory/step_0000000004.vtp"));
+  EXPECT_FALSE(fs::exists(workplace / "away/.gridlock.files"));
+  ASSERT_EQ(gridlock_in(workplace, {"run", "run.toml", "-o", "run", "-q", "--overwrite"}).exit_code, 0);
+  EXPECT_FALSE(fs::exists(workplace / "run/trajectory"));
+  EXPECT_FALSE(fs::exists(workplace / "run/trajectory.pvd"));
+  EXPECT_EQ(contents(workplace / "run/mixed"), std::vector<std::string>{"step_0000000099.vtp"});
+  EXPECT_TRUE(fs::exists(workplace / "away/step_0000000004.vtp"));
+}
+
 TEST(Trajectories, BecomeMoviesInEveryColour) {
   if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "ffmpeg is not installed: ./dev install";
   Workplace const workplace;

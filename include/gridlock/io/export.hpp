@@ -21,7 +21,10 @@ struct ExportSettings {
   std::size_t every = 1;       ///< every how many frames one is taken
 };
 
-/// Writes the frames of a trajectory in another format; returns the files, the one to open first.
+/// The files that export_trajectory() writes, the one to open first.
+std::vector<std::filesystem::path> exported_files(H5mdReader const& trajectory, ExportSettings const& settings);
+
+/// Writes the frames of a trajectory in another format; returns exported_files().
 /// Errors: Error for damage, RunFailure where a file cannot be written. Cost: one frame in memory.
 std::vector<std::filesystem::path> export_trajectory(H5mdReader const& trajectory, ExportSettings const& settings);
 

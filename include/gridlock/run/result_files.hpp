@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace gridlock {
 
@@ -17,11 +18,16 @@ void record_result(std::filesystem::path const& file);
 /// The line is `NAME/MAKER` then, with the verb that makes the file.
 void record_further_result(std::filesystem::path const& file, std::string const& maker);
 
+/// The same for several files. Those in a directory beside the first one stand in a list of that directory, which is made
+/// where it is missing, and it stands in the list of the first one.
+void record_further_results(std::vector<std::filesystem::path> const& files, std::string const& maker);
+
 /// Refuses a file that is a listed result, by its name or by a link, unless the same verb has made it.
 /// Errors: Error under the key "-o".
 void require_no_other_result(std::filesystem::path const& file, std::string const& maker);
 
-/// Removes what the list of a directory names, summary.json first, and of a sweep the runs that have lists of their own.
+/// Removes what the list of a directory names, summary.json first, of a sweep the runs that have lists of their own, and
+/// what record_further_results() has listed in directories beside its first file.
 /// Directories with anything else in them stay, and so does every file that is not listed.
 void remove_results(std::filesystem::path const& directory);
 
