@@ -3,10 +3,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <iomanip>
 #include <numbers>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <string_view>
 
@@ -188,11 +186,6 @@ struct Catalyst {
     double const margin = box.is_periodic() ? 0.0 : 2.0 * radius;
     return std::floor(0.547069 / std::numbers::pi * ((box.width() + margin) / radius) *
                       ((box.height() + margin) / radius));
-  }
-  static std::string in_words(double number) {
-    std::ostringstream text;
-    text << std::setprecision(10) << number;
-    return text.str();
   }
   [[nodiscard]] Error too_many_molecules(std::string const& what_fits, Box const& box) const {
     return Error({.what = std::to_string(count + count_b) + " molecules of radius " + in_words(radius) +

@@ -76,6 +76,13 @@ struct Epidemic {
                   step_length);
   }
   void check(Box const& box) const {
+    // Without births to make up for the deaths the population would shrink.
+    if (turnover_rate > 0.0 && most_agents < count) {
+      throw Error({.what = "most_agents = " + std::to_string(most_agents) +
+                           " is below count = " + std::to_string(count) + ", the agents at the start",
+                   .hint = "use a most_agents of " + std::to_string(count) + " or more",
+                   .key = "most_agents"});
+    }
     require_displacement(box, speed * step_length, "speed");
     require_probability("turning_rate", turning_rate);
     require_probability("infection_rate", infection_rate);
@@ -115,10 +122,10 @@ struct Epidemic {
  private:
   void require_probability(std::string const& key, double rate) const {
     if (rate * step_length <= 1.0) return;
-    throw Error({.what = key + " · step_length is " + std::to_string(rate * step_length) +
-                         ", but is a probability and at most 1",
-                 .hint = "use a smaller step_length or a smaller rate",
-                 .key = key});
+    throw Error(
+        {.what = key + " · step_length is " + in_words(rate * step_length) + ", but is a probability and at most 1",
+         .hint = "use a smaller step_length or a smaller rate",
+         .key = key});
   }
 
   void meet_others(Turn<Epidemic>& self, RandomStream& random) const {

@@ -35,6 +35,8 @@ std::size_t find_outside(Box const& box, std::span<double const> x, std::span<do
   return row;
 }
 
+std::string in_words(double number) { return fmt::format("{:.10g}", number); }
+
 void require_displacement(Box const& box, double longest, std::string const& key) {
   constexpr double rounding = 1.0 + 1e-9;  // unit vectors are a little longer than 1
   double const shorter = std::min(box.width(), box.height());

@@ -31,6 +31,9 @@ inline bool is_finite(Vector p) { return std::isfinite(p.x) && std::isfinite(p.y
 /// Refuses settings with which agents would move by a side of the box or more in a step. Errors: Error, blaming `key`.
 void require_displacement(Box const& box, double longest, std::string const& key);
 
+/// A number of a setting for a message: ten digits, however large it is.
+std::string in_words(double number);
+
 // What a model does wrong ends its run in every build: each throws RunFailure with the step, the agent and the numbers.
 // Out of line, so that the checks themselves cost a comparison.
 
