@@ -8,8 +8,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/core/time_step_rule.hpp"
 #include "gridlock/grid/packed_layout.hpp"
 #include "gridlock/lattice/start.hpp"
 #include "gridlock/model/model.hpp"
@@ -85,6 +87,13 @@ struct ColloidInOrder {
     State state = make_start(world.box, disks, world.seed);
     draw_velocities(state, velocities);
     world.agents = std::move(state.disks);
+  }
+
+  [[nodiscard]] std::vector<std::string> notes(World<Self> const& world) const {
+    std::string const reasons = where_time_steps_mislead(world.box, world.agents);
+    if (reasons.empty()) return {};
+    return {"with model.kind = \"" + std::string(name) + "\" " + reasons +
+            ", because of its time step; engine.kind = \"exact\" has none"};
   }
 
   void turn(Turn<Self>& self) const {

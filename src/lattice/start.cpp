@@ -194,7 +194,7 @@ class RandomInsertion {
         sites_(kinds.mass.size()),
         radii_(kinds.size_ratio),
         grid_(layout_for_reach(box, 2.0 * radius * kinds.largest_ratio(), kinds.mass.size())),
-        attempts_left_(1'000'000 + 1000 * kinds.mass.size()) {
+        attempts_left_(most_attempts()) {
     for (double& r : radii_) r *= radius;
   }
 
@@ -213,8 +213,11 @@ class RandomInsertion {
   }
 
   [[nodiscard]] std::vector<Vector> const& sites() const { return sites_; }
+  [[nodiscard]] std::uint64_t attempts() const { return most_attempts() - attempts_left_; }
 
  private:
+  [[nodiscard]] std::uint64_t most_attempts() const { return 1'000'000 + 1000 * sites_.size(); }
+
   bool place(std::size_t i) {
     RandomStream random(seed_, 0, i, Purpose::start_position);
     Span const x = span_of_centres(box_, box_.width(), radii_[i]);
@@ -273,11 +276,18 @@ class InsertionTrial {
     return !is_sample_ || sum * sum >= 1000.0 * squares;
   }
 
-  /// The share of the disks that find room at a packing fraction.
-  [[nodiscard]] double share_placed(double packing_fraction) const {
+  /// The share of the disks that find room at a packing fraction, and how many places were tried for each disk.
+  struct Outcome {
+    double share_placed = 0.0;
+    double attempts_per_disk = 0.0;
+  };
+  [[nodiscard]] Outcome insert(double packing_fraction) const {
     RandomInsertion insertion(box_, kinds_, radius_for(packing_fraction, box_, kinds_), seed_);
-    return static_cast<double>(insertion.place_all()) / static_cast<double>(kinds_.mass.size());
+    auto const disks = static_cast<double>(kinds_.mass.size());
+    double const share = static_cast<double>(insertion.place_all()) / disks;
+    return {share, static_cast<double>(insertion.attempts()) / disks};
   }
+  [[nodiscard]] double share_placed(double packing_fraction) const { return insert(packing_fraction).share_placed; }
 
   /// A packing fraction somewhat below `reached` at which every disk finds room; nothing where three tries find none.
   [[nodiscard]] std::optional<double> find_reachable(double reached) const {
@@ -319,6 +329,9 @@ std::string instead_of_random(Box const& box, DisksSettings const& settings, Kin
                      size_in_words(settings, box, kinds, std::max(square, triangular)));
 }
 
+// Below, every mixture fits, and a trial would be time lost.
+constexpr double always_reached = 0.4;
+
 State random_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed) {
   double const radius = wanted_radius(settings, box, kinds);
   double const packing_fraction = packing_fraction_for(radius, box, kinds);
@@ -335,8 +348,6 @@ State random_start(Box const& box, DisksSettings const& settings, Kinds const& k
                              random_insertion_saturation, packing_fraction),
                  random_insertion_saturation);
   }
-  // Below, every mixture fits, and a trial would be time lost.
-  constexpr double always_reached = 0.4;
   if (trial.is_sample() && trial.is_representative() && packing_fraction > always_reached) {
     double const share = trial.share_placed(packing_fraction);
     if (share < 1.0 - InsertionTrial::margin_of_sample) {
@@ -390,6 +401,19 @@ State make_start(Box const& box, DisksSettings const& settings, std::uint64_t se
   throw Error({.what = "disks.start = \"file\" needs a file",
                .hint = "give disks.file, an extended XYZ file",
                .key = "disks.start"});
+}
+
+double expected_attempts(Box const& box, DisksSettings const& settings, std::uint64_t seed) {
+  std::uint64_t const count = settings.count.value_or(841);
+  if (settings.start != StartKind::random || count == 0) return 0.0;
+  Kinds const kinds = deal_kinds(settings, count, seed);
+  double const packing_fraction = packing_fraction_for(wanted_radius(settings, box, kinds), box, kinds);
+  InsertionTrial const trial(box, settings, kinds, seed);
+  if (!trial.is_sample() || !trial.is_representative() || packing_fraction <= always_reached) return 0.0;
+  InsertionTrial::Outcome const outcome = trial.insert(packing_fraction);
+  // make_start() refuses these, and soon.
+  if (outcome.share_placed < 1.0 - InsertionTrial::margin_of_sample) return 0.0;
+  return outcome.attempts_per_disk * static_cast<double>(count);
 }
 
 void draw_velocities(State& state, VelocitySettings const& settings) {

@@ -246,21 +246,27 @@ std::string names_of(ModelKinds const& kinds) {
 /// A table of something that is not run would be left out without a word.
 void refuse_tables_of_others(Configuration const& configuration, IsGiven const& is_given) {
   std::string const& model = configuration.model.kind;
+  std::vector<Problem> problems;
   for (auto const& other : configuration.models.all()) {
     if (other->name() == model || !is_given(other->name())) continue;
     std::string const run = model.empty() ? "the disks are run" : fmt::format("the model \"{}\" is run", model);
-    throw Error({.what = fmt::format("[{}] means nothing here: {}", other->name(), run),
-                 .hint = fmt::format("set model.kind = \"{}\", or take the table out", other->name()),
-                 .key = std::string(other->name())});
+    problems.push_back({.what = fmt::format("[{}] means nothing here: {}", other->name(), run),
+                        .hint = fmt::format("set model.kind = \"{}\", or take the table out", other->name()),
+                        .key = std::string(other->name())});
   }
-  if (model.empty()) return;
   for (char const* table : {"disks", "velocities"}) {
-    if (!is_given(table)) continue;
-    throw Error(
+    if (model.empty() || !is_given(table)) continue;
+    problems.push_back(
         {.what = fmt::format("[{}] means nothing to the model \"{}\"", table, model),
          .hint = fmt::format("its agents are set in [{}]; gridlock explain {} lists what there is", model, model),
          .key = table});
   }
+  if (!model.empty() && configuration.run.collisions_per_disk) {
+    problems.push_back({.what = "the length of a run of a model cannot be given in collisions",
+                        .hint = "give run.steps or run.time",
+                        .key = "run.collisions_per_disk"});
+  }
+  if (!problems.empty()) throw Error(std::move(problems));
 }
 
 /// What is wrong with a model that this program does not have; nothing where it has it.
@@ -281,29 +287,55 @@ bool is_about_table(Problem const& problem, std::string const& table) {
 
 /// A model brings its own agents and settings; of the disks' tables only engine.threads means anything to it.
 Setup set_up_model(Configuration configuration) {
-  if (auto const problem = unknown_model(configuration)) throw Error(*problem);
   ModelKind const* const kind = configuration.models.find(configuration.model.kind);
-  if (configuration.run.collisions_per_disk) {
-    throw Error({.what = "the length of a run of a model cannot be given in collisions",
-                 .hint = "give run.steps or run.time",
-                 .key = "run.collisions_per_disk"});
-  }
   if (!configuration.run.steps && !configuration.run.time) configuration.run.steps = default_steps;
   Setup setup;
   setup.state = {.box = make_box(configuration.box), .seed = configuration.run.seed};
   kind->check_settings(setup.state.box);
   require_memory_for_agents(static_cast<double>(kind->agents_at_start()), static_cast<double>(kind->bytes_per_agent()),
                             std::string(kind->name()) + ".count");
-  kind->check_start(setup.state.box, configuration.run.seed);
+  for (std::string const& text : kind->check_start(setup.state.box, configuration.run.seed)) {
+    setup.notes.push_back({.kind = NoteKind::misleading_rule, .key = "model.kind", .text = text});
+  }
   setup.configuration = std::move(configuration);
   return setup;
 }
 
-Setup set_up(Configuration configuration, std::filesystem::path const& directory, IsGiven const& is_given) {
+/// About how many seconds a random start will take; 0 where it is soon found.
+double seconds_of_slow_start(Box const& box, DisksSettings const& disks, std::uint64_t seed) {
+  // Fewer disks give up within a few seconds.
+  constexpr std::uint64_t many_disks = 25'000;
+  constexpr double many_attempts = 3e7;
+  constexpr double seconds_per_attempt = 1.5e-7;
+  if (disks.count.value_or(0) < many_disks) return 0.0;
+  double const attempts = expected_attempts(box, disks, seed);
+  return attempts < many_attempts ? 0.0 : attempts * seconds_per_attempt;
+}
+
+/// The start, or another one in its place with a note, where it is slow and not to be made.
+void make_start(Setup& setup, Configuration const& configuration, OnSlowStart const& on_slow_start) {
+  Box const box = make_box(configuration.box);
+  std::uint64_t const seed = configuration.run.seed;
+  DisksSettings disks = configuration.disks;
+  double const seconds = on_slow_start ? seconds_of_slow_start(box, disks, seed) : 0.0;
+  if (seconds > 0.0 && !on_slow_start(seconds)) {
+    setup.notes.push_back({.kind = NoteKind::start_not_tried,
+                           .key = "disks.start",
+                           .text = fmt::format("the random start was not tried, since that takes about {:.0f} s; "
+                                               "gridlock run will tell whether all disks find room",
+                                               seconds)});
+    disks.start = StartKind::triangular;
+  }
+  setup.state = make_start(box, disks, seed);
+}
+
+Setup set_up(Configuration configuration, std::filesystem::path const& directory, IsGiven const& is_given,
+             OnSlowStart const& on_slow_start) {
   if (configuration.is_of_model()) {
+    if (auto const problem = unknown_model(configuration)) throw Error(*problem);
+    refuse_tables_of_others(configuration, is_given);
     Setup setup = set_up_model(std::move(configuration));
-    refuse_tables_of_others(setup.configuration, is_given);
-    setup.notes = unused_settings(setup.configuration, is_given);
+    std::ranges::move(unused_settings(setup.configuration, is_given), std::back_inserter(setup.notes));
     std::ranges::move(notes_of(setup), std::back_inserter(setup.notes));
     return setup;
   }
@@ -318,7 +350,7 @@ Setup set_up(Configuration configuration, std::filesystem::path const& directory
     setup.start_file = directory / configuration.disks.file;
     setup.state = start_from_file(configuration, setup.start_file, is_given);
   } else {
-    setup.state = make_start(make_box(configuration.box), configuration.disks, configuration.run.seed);
+    make_start(setup, configuration, on_slow_start);
     draw_velocities(setup.state, configuration.velocities);
   }
   if (configuration.engine.speed) require_bounded_step(configuration.engine, setup.state);
@@ -434,21 +466,24 @@ Configuration read_configuration(SettingsFile const& file) {
   return configuration;
 }
 
-Setup set_up(SettingsFile const& file) {
+Setup set_up(SettingsFile const& file) { return set_up(file, OnSlowStart()); }
+
+Setup set_up(SettingsFile const& file, OnSlowStart const& on_slow_start) {
   Configuration configuration = read_configuration(file);
   try {
     // A file named on the command line is meant from where the user stands, one named in the TOML file from there.
     auto const location = file.location("disks.file");
     bool const is_from_command_line = location && location->line == 0;
-    return set_up(std::move(configuration), is_from_command_line ? "" : file.directory(),
-                  [&](std::string_view key) { return file.is_given(key); });
+    return set_up(
+        std::move(configuration), is_from_command_line ? "" : file.directory(),
+        [&](std::string_view key) { return file.is_given(key); }, on_slow_start);
   } catch (Error const& error) {
     throw file.locate(error);
   }
 }
 
 Setup set_up(Configuration const& configuration) {
-  return set_up(configuration, {}, [](std::string_view) { return false; });
+  return set_up(configuration, {}, [](std::string_view) { return false; }, {});
 }
 
 Horizon horizon_of(Setup const& setup) {

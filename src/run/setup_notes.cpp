@@ -1,7 +1,6 @@
 #include "run/setup_notes.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,8 @@
 #include <set>
 #include <string>
 #include <utility>
+
+#include "gridlock/core/time_step_rule.hpp"
 
 namespace gridlock {
 
@@ -48,24 +49,15 @@ bool is_used(Configuration const& configuration, std::string_view name) {
   return true;
 }
 
-/// Where the rule with a time step is known to mislead (docs/paper.md, "Figures 6 and 7: what is physics" and "In a
-/// periodic box").
 std::optional<SetupNote> misleading_rule(Setup const& setup) {
-  constexpr double dense = 0.72;
   std::string const& kind = setup.configuration.engine.kind;
   if (kind == "exact") return std::nullopt;
-  std::vector<std::string> reasons;
-  if (setup.state.box.is_periodic()) reasons.emplace_back("the centre of all disks drifts in a periodic box");
-  double const packing_fraction = covered_area(setup.state.disks) / setup.state.box.area();
-  if (packing_fraction > dense) {
-    reasons.push_back(fmt::format("displacements can be wrong by factors above a packing fraction of {} (here {:.3g})",
-                                  dense, packing_fraction));
-  }
+  std::string const reasons = where_time_steps_mislead(setup.state.box, setup.state.disks);
   if (reasons.empty()) return std::nullopt;
-  return SetupNote{.kind = NoteKind::misleading_rule,
-                   .key = "engine.kind",
-                   .text = fmt::format("with engine.kind = \"{}\" {}, because of its time step; \"exact\" has none",
-                                       kind, fmt::join(reasons, ", and "))};
+  return SetupNote{
+      .kind = NoteKind::misleading_rule,
+      .key = "engine.kind",
+      .text = fmt::format("with engine.kind = \"{}\" {}, because of its time step; \"exact\" has none", kind, reasons)};
 }
 
 /// The ends of a run that are known beforehand, from its start.

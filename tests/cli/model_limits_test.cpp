@@ -56,4 +56,27 @@ TEST(ModelLimits, ProbabilitiesAboveOneAreRefused) {
   expect_refused("epidemic", {"epidemic.infection_rate=21"}, "infection_rate · step_length is 1.05");
 }
 
+TEST(ModelLimits, HugeNumbersArePrintedShort) {
+  expect_refused("epidemic", {"epidemic.infection_rate=1e300"}, "infection_rate · step_length is 5e+298, but");
+  expect_refused("epidemic", {"epidemic.turnover_rate=1e30"}, "turnover_rate · step_length is 5e+28, but");
+}
+
+TEST(ModelLimits, FewerMostAgentsThanAgentsAtTheStartAreRefused) {
+  expect_refused("epidemic", {"epidemic.count=100", "epidemic.most_agents=99", "epidemic.turnover_rate=0.1"},
+                 "most_agents = 99 is below count = 100");
+}
+
+TEST(ModelLimits, AllThatMeansNothingToAModelIsRefusedAtOnce) {
+  Workplace const workplace;
+  write(workplace / "m.toml",
+        "model.kind = \"flocking\"\nrun.collisions_per_disk = 2\ndisks.count = 3\nvelocities.max = 1\nepidemic.count = "
+        "3\ncatalyst.count = 3\n");
+  Outcome const outcome = gridlock::test::gridlock({"check", "m.toml"}, workplace.path());
+  EXPECT_EQ(outcome.exit_code, 2);
+  for (std::string const text : {"[disks] means nothing", "[velocities] means nothing", "[epidemic] means nothing",
+                                 "[catalyst] means nothing", "cannot be given in collisions"}) {
+    EXPECT_NE(outcome.err.find(text), std::string::npos) << text << '\n' << outcome.err;
+  }
+}
+
 }  // namespace

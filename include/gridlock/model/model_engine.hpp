@@ -47,8 +47,9 @@ void require_reach(Box const& box, double reach, std::string_view model);
 ///     void describe(SettingVisitor&);                its settings
 ///     void check(Box const&) const;                  throws Error for settings with which no run is possible
 ///     std::uint64_t agents_at_start() const;         for the estimate of the memory that it needs
+///     std::vector<std::string> notes(World<Model> const&) const;   where its results mislead, of a start
 ///
-/// of which the last four may be left out, and, if it likes, `static constexpr std::array<std::string_view, n> events`, the names of what it counts. reach() and
+/// of which the last five may be left out, and, if it likes, `static constexpr std::array<std::string_view, n> events`, the names of what it counts. reach() and
 /// time_step() may take the World they are asked for.
 ///
 /// In a tiled model nobody looks or goes farther than the reach from where its turn began. A model in which a few do says

@@ -33,8 +33,9 @@ class ModelKind {
   /// How many agents the model starts with, where it says so before, and the bytes that each of them takes at least.
   [[nodiscard]] virtual std::uint64_t agents_at_start() const = 0;
   [[nodiscard]] virtual std::size_t bytes_per_agent() const = 0;
-  /// Makes a start only to see whether the model can, and that its agents are in the box. Errors: Error.
-  virtual void check_start(Box const& box, std::uint64_t seed) const = 0;
+  /// Makes a start only to see whether the model can, and that its agents are in the box; returns where the model says that
+  /// its results mislead. Errors: Error.
+  [[nodiscard]] virtual std::vector<std::string> check_start(Box const& box, std::uint64_t seed) const = 0;
   [[nodiscard]] virtual std::unique_ptr<Experiment> make(Box const& box, std::uint64_t seed,
                                                          ModelEngineSettings const& settings) const = 0;
 
@@ -103,13 +104,18 @@ class ModelKindOf final : public ModelKind {
         Model::schedule == Schedule::synchronous || Model::schedule == Schedule::tiled ? 3 : 1;
     return copies * sizeof(typename Model::Agents::Values) + 40;
   }
-  void check_start(Box const& box, std::uint64_t seed) const override {
+  [[nodiscard]] std::vector<std::string> check_start(Box const& box, std::uint64_t seed) const override {
     World<Model> world{.box = box, .seed = seed};
     blame_table(Model::name, [&] {
       model_.start(world);
       ModelEngine<Model>::require_inside(world);
     });
     require_reach(box, reach_of(model_, world), Model::name);
+    if constexpr (requires { model_.notes(world); }) {
+      return model_.notes(world);
+    } else {
+      return {};
+    }
   }
   [[nodiscard]] std::unique_ptr<Experiment> make(Box const& box, std::uint64_t seed,
                                                  ModelEngineSettings const& settings) const override {

@@ -327,6 +327,46 @@ TEST(SetupNotes, NameExactWhereTheRuleWithATimeStepMisleads) {
   EXPECT_EQ(both.size(), 1U) << "one note on one engine";
 }
 
+TEST(SetupNotes, NameTheEngineExactAlsoForTheModelOfThePapersRule) {
+  for (std::string const kind : {"colloid", "colloid_tiled"}) {
+    std::string const model = "model.kind = \"" + kind + "\"\nrun.steps = 5\n" + kind + ".disks.packing_fraction = ";
+    auto const both = notes_of(model + "0.74\nbox.edge = \"periodic\"");
+    ASSERT_EQ(both.size(), 1U) << kind;
+    EXPECT_EQ(both[0], "with model.kind = \"" + kind +
+                           "\" the centre of all disks drifts in a periodic box, and displacements can be wrong by "
+                           "factors above a packing fraction of 0.72 (here 0.74), because of its time step; "
+                           "engine.kind = \"exact\" has none");
+    EXPECT_TRUE(notes_of(model + "0.72").empty()) << kind;
+  }
+}
+
+TEST(SetupNotes, TellOfASlowRandomStartThatWasNotTried) {
+  // Half a minute of tries; a lattice of the same disks stands in, and everything else is checked.
+  SettingsFile const file =
+      SettingsFile::from_text("disks = { count = 100_000, packing_fraction = 0.535, start = \"random\" }", "run.toml");
+  double told = 0.0;
+  auto const setup = set_up(file, [&](double seconds) {
+    told = seconds;
+    return false;
+  });
+  EXPECT_GT(told, 4.0);
+  EXPECT_EQ(setup.state.disks.size(), 100'000U);
+  EXPECT_EQ(setup.configuration.disks.start, StartKind::random);
+  ASSERT_EQ(setup.notes.size(), 1U);
+  EXPECT_EQ(setup.notes[0].text.rfind("the random start was not tried", 0), 0U) << setup.notes[0].text;
+}
+
+TEST(SetupNotes, DoNotTellOfARandomStartThatIsSoonFound) {
+  SettingsFile const file =
+      SettingsFile::from_text("disks = { count = 30_000, packing_fraction = 0.45, start = \"random\" }", "run.toml");
+  auto const setup = set_up(file, [](double) {
+    ADD_FAILURE() << "called slow";
+    return false;
+  });
+  EXPECT_TRUE(setup.notes.empty());
+  EXPECT_EQ(hash(setup.state), hash(set_up(file).state));
+}
+
 TEST(SetupNotes, TellOfFramesThatLieBeyondTheEnd) {
   auto const notes = notes_of("run.steps = 20\ntrajectory = { steps = [5, 20, 21, 500], times = [1e3] }");
   ASSERT_EQ(notes.size(), 2U);
