@@ -316,17 +316,25 @@ double seconds_of_slow_start(Box const& box, DisksSettings const& disks, std::ui
 void make_start(Setup& setup, Configuration const& configuration, OnSlowStart const& on_slow_start) {
   Box const box = make_box(configuration.box);
   std::uint64_t const seed = configuration.run.seed;
-  DisksSettings disks = configuration.disks;
-  double const seconds = on_slow_start ? seconds_of_slow_start(box, disks, seed) : 0.0;
+  double const seconds = on_slow_start ? seconds_of_slow_start(box, configuration.disks, seed) : 0.0;
   if (seconds > 0.0 && !on_slow_start(seconds)) {
+    DisksSettings disks = configuration.disks;
+    disks.start = StartKind::triangular;
+    try {
+      setup.state = make_start(box, disks, seed);
+    } catch (Error const&) {
+      // Very unequal disks may fit at random and on no lattice of the largest: then there is nothing else to check.
+      setup.state = make_start(box, configuration.disks, seed);
+      return;
+    }
     setup.notes.push_back({.kind = NoteKind::start_not_tried,
                            .key = "disks.start",
                            .text = fmt::format("the random start was not tried, since that takes about {:.0f} s; "
                                                "gridlock run will tell whether all disks find room",
                                                seconds)});
-    disks.start = StartKind::triangular;
+    return;
   }
-  setup.state = make_start(box, disks, seed);
+  setup.state = make_start(box, configuration.disks, seed);
 }
 
 Setup set_up(Configuration configuration, std::filesystem::path const& directory, IsGiven const& is_given,
