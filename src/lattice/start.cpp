@@ -198,7 +198,7 @@ class RandomInsertion {
     for (double& r : radii_) r *= radius;
   }
 
-  /// Places every disk, or gives up; says how many stand.
+  /// Places every disk, or gives up; says how many have a place.
   std::size_t place_all() {
     std::vector<std::size_t> order(sites_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -208,9 +208,13 @@ class RandomInsertion {
     for (std::size_t const i : order) {
       if (!place(i)) break;
       ++placed;
+      covered_ += std::numbers::pi * radii_[i] * radii_[i];
     }
     return placed;
   }
+
+  /// The packing fraction of the disks that have a place.
+  [[nodiscard]] double packing_fraction() const { return covered_ / box_.area(); }
 
   [[nodiscard]] std::vector<Vector> const& sites() const { return sites_; }
   [[nodiscard]] std::uint64_t attempts() const { return most_attempts() - attempts_left_; }
@@ -252,6 +256,7 @@ class RandomInsertion {
   LinkedGrid grid_;
   std::uint64_t attempts_left_;
   double largest_ = 0.0;
+  double covered_ = 0.0;  ///< area of the disks that have a place
 };
 
 /// What random insertion can reach with disks of these settings, found by doing it: with all of the disks where they are
@@ -276,16 +281,17 @@ class InsertionTrial {
     return !is_sample_ || sum * sum >= 1000.0 * squares;
   }
 
-  /// The share of the disks that find room at a packing fraction, and how many places were tried for each disk.
+  /// What came of the disks at a packing fraction.
   struct Outcome {
-    double share_placed = 0.0;
+    double share_placed = 0.0;      ///< of the disks, by number
+    double packing_fraction = 0.0;  ///< of those that found room
     double attempts_per_disk = 0.0;
   };
   [[nodiscard]] Outcome insert(double packing_fraction) const {
     RandomInsertion insertion(box_, kinds_, radius_for(packing_fraction, box_, kinds_), seed_);
     auto const disks = static_cast<double>(kinds_.mass.size());
     double const share = static_cast<double>(insertion.place_all()) / disks;
-    return {share, static_cast<double>(insertion.attempts()) / disks};
+    return {share, insertion.packing_fraction(), static_cast<double>(insertion.attempts()) / disks};
   }
   [[nodiscard]] double share_placed(double packing_fraction) const { return insert(packing_fraction).share_placed; }
 
@@ -349,18 +355,18 @@ State random_start(Box const& box, DisksSettings const& settings, Kinds const& k
                  random_insertion_saturation);
   }
   if (trial.is_sample() && trial.is_representative() && packing_fraction > always_reached) {
-    double const share = trial.share_placed(packing_fraction);
-    if (share < 1.0 - InsertionTrial::margin_of_sample) {
+    InsertionTrial::Outcome const outcome = trial.insert(packing_fraction);
+    if (outcome.share_placed < 1.0 - InsertionTrial::margin_of_sample) {
       throw refuse(
           fmt::format("random insertion of these {} disks would stop near packing fraction {:.3f}, below {:.6g}", count,
-                      share * packing_fraction, packing_fraction),
-          share * packing_fraction);
+                      outcome.packing_fraction, packing_fraction),
+          outcome.packing_fraction);
     }
   }
   RandomInsertion insertion(box, kinds, radius, seed);
   std::size_t const placed = insertion.place_all();
   if (placed < count) {
-    double const reached = packing_fraction * static_cast<double>(placed) / static_cast<double>(count);
+    double const reached = insertion.packing_fraction();
     throw refuse(
         fmt::format("random insertion found room for {} of {} disks; it reached packing fraction {:.4f} of {:.6g}",
                     placed, count, reached, packing_fraction),

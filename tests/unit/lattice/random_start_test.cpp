@@ -66,12 +66,23 @@ TEST(RandomStart, OfADenseMixtureIsRefusedWithALatticeThatFits) {
 
 TEST(RandomStart, OfManyDisksTooDenseIsRefusedByASampleOfThem) {
   Problem const problem = refusal_of(mixture(100'000, 0.64));
-  EXPECT_NE(problem.what.find("of these 100000 disks would stop near packing fraction 0.5"), std::string::npos)
+  EXPECT_NE(problem.what.find("of these 100000 disks would stop near packing fraction 0.6"), std::string::npos)
       << problem.what;
   double const proposed = number_after(problem.hint, "use packing fraction");
   EXPECT_GT(proposed, 0.5);
   // A tenth of them, for the time it takes; the densities that many disks reach are alike.
   expect_fits(mixture(10'000, proposed));
+}
+
+TEST(RandomStart, OfVeryUnequalDisksTooDenseIsRefusedWithTheDensityOfThoseThatFoundRoom) {
+  // The large disks, half of all, cover sixteen seventeenths of the area, and go first.
+  DisksSettings disks = mixture(2000, 0.59);
+  disks.species = {{.fraction = 0.5, .size_ratio = 1.0}, {.fraction = 0.5, .size_ratio = 4.0}};
+  Problem const problem = refusal_of(disks);
+  EXPECT_GT(number_after(problem.what, "it reached packing fraction"), 0.5) << problem.what;
+  disks.packing_fraction = number_after(problem.hint, "use packing fraction");
+  EXPECT_GT(*disks.packing_fraction, 0.45) << problem.hint;
+  expect_fits(disks);
 }
 
 TEST(RandomStart, OfManyEqualDisksTooDenseIsRefusedWithARadiusThatFits) {
