@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/lattice/start.hpp"
 #include "gridlock/model/model.hpp"
 
 namespace gridlock {
@@ -105,6 +106,9 @@ struct Catalyst {
                  .key = "step_length"});
   }
   [[nodiscard]] std::uint64_t agents_at_start() const { return count + count_b; }
+  [[nodiscard]] double attempts_at_start(Box const& box, std::uint64_t seed) const {
+    return expected_attempts(box, {.count = count + count_b, .radius = radius, .start = StartKind::random}, seed);
+  }
 
   [[nodiscard]] double reach() const { return 2.0 * radius; }
   [[nodiscard]] double time_step() const { return step_length; }

@@ -63,6 +63,9 @@ struct ColloidInOrder {
   }
 
   [[nodiscard]] std::uint64_t agents_at_start() const { return disks.count.value_or(841); }
+  [[nodiscard]] double attempts_at_start(Box const& box, std::uint64_t seed) const {
+    return expected_attempts(box, disks, seed);
+  }
 
   /// The largest contact distance.
   [[nodiscard]] double reach(World<Self> const& world) const { return 2.0 * radius_range(world.agents).largest; }

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <new>
@@ -18,6 +19,13 @@ namespace {
 
 void print_setup(gridlock::Setup const& setup) {
   gridlock::State const& state = setup.state;
+  bool const has_start = std::ranges::none_of(
+      setup.notes, [](gridlock::SetupNote const& note) { return note.kind == gridlock::NoteKind::start_not_tried; });
+  if (setup.configuration.is_of_model() && !has_start) {
+    fmt::print("model {}, {} box {} × {}\n", setup.configuration.model.kind,
+               state.box.is_periodic() ? "periodic" : "walled", state.box.width(), state.box.height());
+    return;
+  }
   if (setup.configuration.is_of_model()) {
     auto const experiment = gridlock::make_experiment(gridlock::Setup(setup));
     fmt::print("model {}: {} agents, {} box {} × {}, step {:.6g} of time\n", setup.configuration.model.kind,

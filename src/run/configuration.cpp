@@ -285,8 +285,26 @@ bool is_about_table(Problem const& problem, std::string const& table) {
   return problem.key == table || problem.key.starts_with(table + ".");
 }
 
+/// Whether a start that tries so many random places is to be made; one that is not is noted.
+bool takes_start(double attempts, std::string const& key, OnSlowStart const& on_slow_start,
+                 std::vector<SetupNote>& notes) {
+  constexpr double many_attempts = 3e7;
+  constexpr double seconds_per_attempt = 1.5e-7;
+  double const seconds = attempts * seconds_per_attempt;
+  if (attempts < many_attempts || on_slow_start(seconds)) return true;
+  notes.push_back({.kind = NoteKind::start_not_tried,
+                   .key = key,
+                   .text = fmt::format("the random start was not tried, since that takes about {:.0f} s; "
+                                       "gridlock run will tell whether all find room",
+                                       seconds)});
+  return false;
+}
+
+/// Fewer give up within a few seconds.
+constexpr std::uint64_t many_agents = 25'000;
+
 /// A model brings its own agents and settings; of the disks' tables only engine.threads means anything to it.
-Setup set_up_model(Configuration configuration) {
+Setup set_up_model(Configuration configuration, OnSlowStart const& on_slow_start) {
   ModelKind const* const kind = configuration.models.find(configuration.model.kind);
   if (!configuration.run.steps && !configuration.run.time) configuration.run.steps = default_steps;
   Setup setup;
@@ -294,45 +312,35 @@ Setup set_up_model(Configuration configuration) {
   kind->check_settings(setup.state.box);
   require_memory_for_agents(static_cast<double>(kind->agents_at_start()), static_cast<double>(kind->bytes_per_agent()),
                             std::string(kind->name()) + ".count");
-  for (std::string const& text : kind->check_start(setup.state.box, configuration.run.seed)) {
-    setup.notes.push_back({.kind = NoteKind::misleading_rule, .key = "model.kind", .text = text});
+  require_memory(configuration);
+  std::uint64_t const seed = configuration.run.seed;
+  bool const may_be_slow = on_slow_start && kind->agents_at_start() >= many_agents;
+  double const attempts = may_be_slow ? kind->attempts_at_start(setup.state.box, seed) : 0.0;
+  if (takes_start(attempts, "model.kind", on_slow_start, setup.notes)) {
+    for (std::string const& text : kind->check_start(setup.state.box, seed)) {
+      setup.notes.push_back({.kind = NoteKind::misleading_rule, .key = "model.kind", .text = text});
+    }
   }
   setup.configuration = std::move(configuration);
   return setup;
-}
-
-/// About how many seconds a random start will take; 0 where it is soon found.
-double seconds_of_slow_start(Box const& box, DisksSettings const& disks, std::uint64_t seed) {
-  // Fewer disks give up within a few seconds.
-  constexpr std::uint64_t many_disks = 25'000;
-  constexpr double many_attempts = 3e7;
-  constexpr double seconds_per_attempt = 1.5e-7;
-  if (disks.count.value_or(0) < many_disks) return 0.0;
-  double const attempts = expected_attempts(box, disks, seed);
-  return attempts < many_attempts ? 0.0 : attempts * seconds_per_attempt;
 }
 
 /// The start, or another one in its place with a note, where it is slow and not to be made.
 void make_start(Setup& setup, Configuration const& configuration, OnSlowStart const& on_slow_start) {
   Box const box = make_box(configuration.box);
   std::uint64_t const seed = configuration.run.seed;
-  double const seconds = on_slow_start ? seconds_of_slow_start(box, configuration.disks, seed) : 0.0;
-  if (seconds > 0.0 && !on_slow_start(seconds)) {
-    DisksSettings disks = configuration.disks;
+  DisksSettings disks = configuration.disks;
+  bool const may_be_slow = on_slow_start && disks.count.value_or(0) >= many_agents;
+  double const attempts = may_be_slow ? expected_attempts(box, disks, seed) : 0.0;
+  if (!takes_start(attempts, "disks.start", on_slow_start, setup.notes)) {
     disks.start = StartKind::triangular;
     try {
       setup.state = make_start(box, disks, seed);
+      return;
     } catch (Error const&) {
       // Very unequal disks may fit at random and on no lattice of the largest: then there is nothing else to check.
-      setup.state = make_start(box, configuration.disks, seed);
-      return;
+      setup.notes.pop_back();
     }
-    setup.notes.push_back({.kind = NoteKind::start_not_tried,
-                           .key = "disks.start",
-                           .text = fmt::format("the random start was not tried, since that takes about {:.0f} s; "
-                                               "gridlock run will tell whether all disks find room",
-                                               seconds)});
-    return;
   }
   setup.state = make_start(box, configuration.disks, seed);
 }
@@ -342,7 +350,7 @@ Setup set_up(Configuration configuration, std::filesystem::path const& directory
   if (configuration.is_of_model()) {
     if (auto const problem = unknown_model(configuration)) throw Error(*problem);
     refuse_tables_of_others(configuration, is_given);
-    Setup setup = set_up_model(std::move(configuration));
+    Setup setup = set_up_model(std::move(configuration), on_slow_start);
     std::ranges::move(unused_settings(setup.configuration, is_given), std::back_inserter(setup.notes));
     std::ranges::move(notes_of(setup), std::back_inserter(setup.notes));
     return setup;

@@ -20,7 +20,7 @@ namespace {
 
 }  // namespace
 
-DirectoryLock::DirectoryLock(std::filesystem::path const& directory, Sharing sharing) : path_(directory / ".lock") {
+DirectoryLock::DirectoryLock(std::filesystem::path const& directory, Sharing sharing) : path_(directory / file_name) {
   for (;;) {
     descriptor_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (descriptor_ < 0) {

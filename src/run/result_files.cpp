@@ -12,6 +12,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
+#include "gridlock/run/run_directory.hpp"
 
 namespace gridlock {
 
@@ -30,6 +31,9 @@ struct Entry {
 /// The entries that stay within the directory, whoever has written the list.
 std::vector<Entry> listed(fs::path const& directory) {
   std::vector<Entry> entries;
+  std::error_code ignored;
+  if (!fs::exists(directory / list_name, ignored)) return entries;
+  require_regular_file(directory / list_name);
   std::ifstream list(directory / list_name);
   for (std::string line; std::getline(list, line);) {
     std::size_t const slash = line.find('/');
@@ -130,7 +134,10 @@ void record_further_results(std::vector<fs::path> const& files, std::string cons
 
 void require_no_other_result(fs::path const& file, std::string const& maker) {
   for (fs::path const& place : {file, followed(file)}) {
-    for (Entry const& entry : listed(place.parent_path())) {
+    std::vector<Entry> entries = listed(place.parent_path());
+    // By these Gridlock knows which files are results, and who works in the directory.
+    if (!entries.empty()) entries.insert(entries.end(), {{list_name, ""}, {DirectoryLock::file_name, ""}});
+    for (Entry const& entry : entries) {
       std::error_code ignored;
       bool const is_same =
           entry.name == place.filename() || fs::equivalent(place.parent_path() / entry.name, place, ignored);

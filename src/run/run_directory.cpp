@@ -282,10 +282,8 @@ class RunInDirectory {
   /// A run that was killed while it was lengthened has a checkpoint of the shorter run. What a length changes in what has
   /// been measured so far is Run::fit_discard()'s.
   void require_same_configuration(std::string const& configuration) const {
-    static std::set<std::string> const free_to_change{"run.steps", "run.time", "run.collisions_per_disk",
-                                                      "observe.discard"};
     auto const difference = find_difference(setting_texts(configuration, "checkpoint"),
-                                            setting_texts(configuration_, configuration_name), free_to_change);
+                                            setting_texts(configuration_, configuration_name), settings_of_length());
     if (!difference) return;
     throw Error({.what = fmt::format("its configuration is not the one of this directory: {}",
                                      to_text(*difference, "the checkpoint", configuration_name))});

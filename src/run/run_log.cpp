@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 
 #include <ctime>
+#include <system_error>
 #include <utility>
+
+#include "gridlock/io/file.hpp"
 
 namespace gridlock {
 
@@ -12,7 +15,12 @@ RunLog::RunLog(std::filesystem::path const& directory, std::function<void(LogLin
     : path_(directory / "run.log"), on_note_(std::move(on_note)) {}
 
 void RunLog::write(LogLevel level, std::string const& text) {
-  if (!file_.is_open()) file_.open(path_, std::ios::app);
+  if (!file_.is_open()) {
+    // A pipe would wait for its reader.
+    std::error_code ignored;
+    if (std::filesystem::exists(path_, ignored)) require_regular_file(path_);
+    file_.open(path_, std::ios::app);
+  }
   file_ << fmt::format("{:%Y-%m-%dT%H:%M:%SZ}  {}\n", fmt::gmtime(std::time(nullptr)), text) << std::flush;
   if (on_note_) on_note_({level, text});
 }

@@ -35,6 +35,11 @@ SettingTexts setting_texts(std::string const& toml, std::string const& name) {
   return texts;
 }
 
+std::set<std::string> const& settings_of_length() {
+  static std::set<std::string> const keys{"run.steps", "run.time", "run.collisions_per_disk", "observe.discard"};
+  return keys;
+}
+
 std::optional<SettingDifference> find_difference(SettingTexts const& here, SettingTexts const& there,
                                                  std::set<std::string> const& ignored) {
   std::set<std::string> keys;

@@ -22,6 +22,9 @@ struct SettingDifference {
   friend bool operator==(SettingDifference const&, SettingDifference const&) = default;
 };
 
+/// The settings that a run which is made longer may change.
+std::set<std::string> const& settings_of_length();
+
 /// The first setting, in alphabetical order, that differs; nothing where all agree. Neither the `ignored` keys count nor
 /// engine.threads, on which no result depends.
 std::optional<SettingDifference> find_difference(SettingTexts const& here, SettingTexts const& there,

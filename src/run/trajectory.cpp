@@ -10,6 +10,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/saturating.hpp"
+#include "run/settings_difference.hpp"
 
 namespace gridlock {
 
@@ -141,6 +142,14 @@ void TrajectoryOnlooker::restore(Experiment const& experiment, std::uint64_t fir
         fmt::format("{} is missing: the frames of the first {} steps are lost", origin_.file.string(), looked_until));
   }
   try {
+    // Before the file is opened for writing.
+    auto const difference =
+        find_difference(setting_texts(H5mdReader(origin_.file).settings().configuration, "trajectory.h5"),
+                        setting_texts(origin_.configuration, "config.resolved.toml"), settings_of_length());
+    if (difference) {
+      throw Error({.what = fmt::format("{} is of another run: {}", origin_.file.string(),
+                                       to_text(*difference, "the trajectory", "config.resolved.toml"))});
+    }
     writer_ = H5mdWriter::append(origin_.file, with_columns(experiment.frame(), settings_.columns));
   } catch (Error const& error) {
     refuse(error.problems().front().what);

@@ -40,6 +40,26 @@ TEST(ModelLimits, AgentsThatDoNotFitIntoMemoryAreRefused) {
   expect_refused("colloid", {"colloid.disks.count=2000000000"}, "2000000000 agents would need about");
 }
 
+TEST(ModelLimits, SamplesThatDoNotFitIntoMemoryAreRefused) {
+  expect_refused("flocking", {"run.steps=18446744073709551615", "observe.every=1"}, "samples would need about");
+}
+
+/// Half an hour of searching for all of them.
+TEST(ModelLimits, RandomStartsThatTakeLongAreNotTriedByCheck) {
+  Workplace const workplace;
+  write(workplace / "colloid.toml",
+        "model.kind = \"colloid\"\nrun.steps = 2\n[colloid.disks]\nstart = \"random\"\n"
+        "count = 1_000_000\npacking_fraction = 0.54\n");
+  write(workplace / "catalyst.toml",
+        "model.kind = \"catalyst\"\nrun.steps = 2\nbox.edge = \"periodic\"\n"
+        "catalyst.radius = 0.0005\ncatalyst.count = 680_000\n");
+  for (char const* file : {"colloid.toml", "catalyst.toml"}) {
+    Outcome const outcome = gridlock::test::gridlock({"check", file}, workplace.path());
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("the random start was not tried"), std::string::npos) << outcome.err;
+  }
+}
+
 TEST(ModelLimits, StepsThatWouldNotEndAreRefused) {
   expect_refused("colloid", {"colloid.substeps=9000000000000000000"}, "at most 1");
   expect_refused("catalyst", {"catalyst.adsorption_rate=1e300"}, "events, more than 100000000");

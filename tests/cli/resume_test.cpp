@@ -1,6 +1,7 @@
 // What stays and what goes when a run is resumed, made longer or overwritten, through the program itself.
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 
 #include <chrono>
 #include <thread>
@@ -74,6 +75,19 @@ TEST(Resume, OfARunWhoseTrajectoryIsCutOffIsRefusedAtOnceWithPlaceAndHintAndChan
   }
   Outcome const resumed = in(workplace, {"resume", "out", "--steps", "200", "--no-pictures", "-q"});
   EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+}
+
+TEST(Resume, DoesNotWaitForAPipeInThePlaceOfItsLogOrItsList) {
+  for (char const* name : {"run.log", ".gridlock.files"}) {
+    Workplace const workplace;
+    write(workplace / "a.toml", std::string(small_run) + "per_decade = 40\n");
+    ASSERT_EQ(in(workplace, {"run", "a.toml", "-o", "out", "--no-pictures", "-q"}).exit_code, 0);
+    fs::remove(workplace / "out" / name);
+    ASSERT_EQ(mkfifo((workplace / "out" / name).c_str(), 0600), 0);
+    Outcome const refused = in(workplace, {"resume", "out", "--steps", "200", "--no-pictures"});
+    EXPECT_EQ(refused.exit_code, 2) << refused.err;
+    EXPECT_NE(refused.err.find(std::string(name) + ": it is not a regular file"), std::string::npos) << refused.err;
+  }
 }
 
 TEST(Overwrite, LeavesNothingOfARunOfAnotherKindAndEverythingOfTheUser) {
@@ -153,7 +167,8 @@ TEST(Run, OnANumberOfThreadsKeepsItInItsConfiguration) {
   ASSERT_EQ(in(workplace, {"run", "a.toml", "-o", "three", "--no-pictures", "-q"}).exit_code, 0);
   EXPECT_NE(text_of(workplace / "one/config.resolved.toml").find("threads = 1\n"), std::string::npos);
   EXPECT_EQ(state_hash_of(workplace / "one"), state_hash_of(workplace / "three"));
-  EXPECT_EQ(in(workplace, {"run", "a.toml", "-o", "none", "-j", "0"}).exit_code, 2);
+  EXPECT_EQ(in(workplace, {"run", "a.toml", "-o", "none", "-j", "1025"}).exit_code, 2);
+  EXPECT_EQ(in(workplace, {"run", "a.toml", "-o", "every_core", "-j", "0", "-q", "--no-pictures"}).exit_code, 0);
 }
 
 TEST(Notes, OnASetUpAreToldByCheckAndRunAndTheLog) {

@@ -47,6 +47,7 @@ void require_reach(Box const& box, double reach, std::string_view model);
 ///     void describe(SettingVisitor&);                its settings
 ///     void check(Box const&) const;                  throws Error for settings with which no run is possible
 ///     std::uint64_t agents_at_start() const;         for the estimate of the memory that it needs
+///     double attempts_at_start(Box const&, std::uint64_t seed) const;   random places that start() will try
 ///     std::vector<std::string> notes(World<Model> const&) const;   where its results mislead, of a start
 ///
 /// of which the last five may be left out, and, if it likes, `static constexpr std::array<std::string_view, n> events`, the names of what it counts. reach() and

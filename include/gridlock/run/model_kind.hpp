@@ -33,6 +33,8 @@ class ModelKind {
   /// How many agents the model starts with, where it says so before, and the bytes that each of them takes at least.
   [[nodiscard]] virtual std::uint64_t agents_at_start() const = 0;
   [[nodiscard]] virtual std::size_t bytes_per_agent() const = 0;
+  /// How many random places the start will try in all, each about 0.15 µs, where the model says so; else 0.
+  [[nodiscard]] virtual double attempts_at_start(Box const& box, std::uint64_t seed) const = 0;
   /// Makes a start only to see whether the model can, and that its agents are in the box; returns where the model says that
   /// its results mislead. Errors: Error.
   [[nodiscard]] virtual std::vector<std::string> check_start(Box const& box, std::uint64_t seed) const = 0;
@@ -103,6 +105,15 @@ class ModelKindOf final : public ModelKind {
     constexpr std::size_t copies =
         Model::schedule == Schedule::synchronous || Model::schedule == Schedule::tiled ? 3 : 1;
     return copies * sizeof(typename Model::Agents::Values) + 40;
+  }
+  [[nodiscard]] double attempts_at_start(Box const& box, std::uint64_t seed) const override {
+    if constexpr (requires { model_.attempts_at_start(box, seed); }) {
+      double attempts = 0.0;
+      blame_table(Model::name, [&] { attempts = model_.attempts_at_start(box, seed); });
+      return attempts;
+    } else {
+      return 0.0;
+    }
   }
   [[nodiscard]] std::vector<std::string> check_start(Box const& box, std::uint64_t seed) const override {
     World<Model> world{.box = box, .seed = seed};

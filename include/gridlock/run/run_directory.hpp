@@ -27,6 +27,8 @@ enum class Sharing { alone, with_others };
 /// Errors: Error under the key "-o" where another process holds it. A lock dies with its process, however that ends.
 class DirectoryLock {
  public:
+  static constexpr char const* file_name = ".lock";
+
   explicit DirectoryLock(std::filesystem::path const& directory, Sharing sharing = Sharing::alone);
   ~DirectoryLock();
   DirectoryLock(DirectoryLock const&) = delete;

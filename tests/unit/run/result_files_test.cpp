@@ -64,6 +64,7 @@ TEST(ResultFiles, MadeOnDemandAreReplacedByTheVerbThatMadeThemAlone) {
   EXPECT_FALSE(is_refused("mine.csv", "export"));
   EXPECT_TRUE(is_refused("a.csv", "movie"));
   for (char const* name : {"series.csv", "link.csv", "hard.csv"}) EXPECT_TRUE(is_refused(name, "export")) << name;
+  for (char const* name : {".gridlock.files", ".lock"}) EXPECT_TRUE(is_refused(name, "export")) << name;
   record_result(directory / "a.csv");
   EXPECT_TRUE(is_refused("a.csv", "export")) << "by now a run writes a file of that name";
   remove_results(directory.path());

@@ -168,5 +168,22 @@ TEST(Trajectory, ThatLacksFramesOrWasCutOffIsRefusedBeforeTheRunIsResumed) {
   EXPECT_EQ(resume_in(directory.path()).ending, Ending::finished);
 }
 
+TEST(Trajectory, OfAnotherRunIsRefusedBeforeTheRunIsResumed) {
+  TemporaryDirectory const directory;
+  leave_half_a_run(directory.path());
+  TemporaryDirectory const other;
+  auto setup = setup_with_frames();
+  setup.configuration.run.seed += 1;
+  setup.state.seed += 1;
+  run_in(other.path(), std::move(setup));
+  std::filesystem::copy(other / "trajectory.h5", directory / "trajectory.h5",
+                        std::filesystem::copy_options::overwrite_existing);
+  std::string const log = read_file(directory / "run.log");
+  std::string const refusal = refusal_to_resume(directory.path());
+  EXPECT_NE(refusal.find("is of another run: run.seed is"), std::string::npos) << refusal;
+  EXPECT_EQ(read_file(directory / "run.log"), log);
+  EXPECT_EQ(read_file(directory / "trajectory.h5"), read_file(other / "trajectory.h5"));
+}
+
 }  // namespace
 }  // namespace gridlock
