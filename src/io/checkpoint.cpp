@@ -30,7 +30,7 @@ constexpr std::uint32_t format_version = 1;
 constexpr std::size_t checksum_offset = 16;
 constexpr std::size_t header_size = 32;
 /// A million disks need about 80 MB.
-constexpr std::uint64_t largest_file = std::uint64_t{1} << 36;
+constexpr std::uint64_t largest_checkpoint = std::uint64_t{1} << 36;
 
 constexpr char const* newest_name = "checkpoint.gridlock";
 constexpr char const* previous_name = "checkpoint.previous.gridlock";
@@ -320,7 +320,7 @@ std::optional<Restored> restore_checkpoint(std::filesystem::path const& director
     // Not among what a damaged one may be replaced for: the next checkpoint would go into it too.
     require_regular_file(path);
     try {
-      from_checkpoint(read_file(path, largest_file), path.string(), carry);
+      from_checkpoint(read_file(path, largest_checkpoint), path.string(), carry);
       return Restored{path, note};
     } catch (Error const& refusal) {
       if (!error) error = refusal;

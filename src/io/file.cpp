@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
+#include "io/descriptor.hpp"
 #include "io/file_lock.hpp"
 
 namespace gridlock {
@@ -68,35 +69,20 @@ bool is_name_of_temporary(std::string_view name) {
          is_number(numbers.substr(dash + 1));
 }
 
-/// A file descriptor that is closed at the end of its scope.
-class Descriptor {
- public:
-  explicit Descriptor(int value) : value_(value) {}
-  ~Descriptor() {
-    if (value_ >= 0) close(value_);
-  }
-  Descriptor(Descriptor const&) = delete;
-  Descriptor& operator=(Descriptor const&) = delete;
-  [[nodiscard]] int value() const { return value_; }
-
- private:
-  int value_;
-};
-
 /// A rename survives a power cut once the directory is on the disk. Some file systems cannot do that; the file is whole
 /// under one of its names all the same.
 void bring_names_to_disk(std::filesystem::path const& directory) {
   Descriptor const opened(open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (opened.value() >= 0) fsync(opened.value());
+  if (opened.is_open()) fsync(opened.number());
 }
 
 /// Removes a temporary file unless a living process has locked it.
 void remove_if_abandoned(std::filesystem::path const& path) {
   Descriptor const file(open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   struct stat status {};
-  bool const is_file = file.value() >= 0 && fstat(file.value(), &status) == 0 && S_ISREG(status.st_mode);
-  if (!is_file || flock(file.value(), LOCK_EX | LOCK_NB) != 0) return;
-  if (is_still_named(file.value(), path)) unlink(path.c_str());
+  bool const is_file = file.is_open() && fstat(file.number(), &status) == 0 && S_ISREG(status.st_mode);
+  if (!is_file || flock(file.number(), LOCK_EX | LOCK_NB) != 0) return;
+  if (is_still_named(file.number(), path)) unlink(path.c_str());
 }
 
 [[noreturn]] void refuse_reading(std::filesystem::path const& path, std::string const& why, std::string hint) {
@@ -192,11 +178,11 @@ void require_regular_file(std::filesystem::path const& path) {
 
 std::string read_file(std::filesystem::path const& path, std::uint64_t largest) {
   Descriptor const file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (file.value() < 0) {
+  if (file.number() < 0) {
     refuse_reading(path, reason(errno), errno == ENOENT ? "check the name and the directory it is looked for in" : "");
   }
   struct stat status {};
-  if (fstat(file.value(), &status) != 0) refuse_reading(path, reason(errno), "");
+  if (fstat(file.number(), &status) != 0) refuse_reading(path, reason(errno), "");
   if (S_ISDIR(status.st_mode)) refuse_reading(path, "it is a directory", "name a file inside it");
   auto const too_large = [&] {
     refuse_reading(path, fmt::format("it is larger than {} bytes", largest), "is it the right file?");
@@ -209,7 +195,7 @@ std::string read_file(std::filesystem::path const& path, std::uint64_t largest) 
   std::size_t filled = 0;
   while (true) {
     if (filled == content.size()) content.resize(2 * content.size() + 4096);
-    ssize_t const got = read(file.value(), content.data() + filled, content.size() - filled);
+    ssize_t const got = read(file.number(), content.data() + filled, content.size() - filled);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) refuse_reading(path, reason(errno), "");
     if (got == 0) break;

@@ -20,7 +20,7 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::string_view ink = "#222222";
+constexpr std::string_view text_colour = "#222222";
 constexpr std::string_view faint = "#dddddd";
 constexpr std::string_view grey = "#666666";
 constexpr int png_magnification = 2;
@@ -312,7 +312,7 @@ void append_preamble(std::string& script, Plot const& plot) {
                  "set tics front scale 0.7\n"
                  "set pointintervalbox 1e-6  # no white spots below points; 0 would mean 1\n"
                  "set samples 500\n",
-                 ink, faint);
+                 text_colour, faint);
   append_offsets(script, plot);
 }
 

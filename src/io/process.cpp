@@ -136,11 +136,6 @@ bool wait_for(pid_t child, Instant deadline, bool& succeeded) {
 
 }  // namespace
 
-void Descriptor::close() {
-  if (number_ >= 0) ::close(number_);
-  number_ = -1;
-}
-
 ChildProcess::ChildProcess(std::vector<std::string> const& arguments, std::filesystem::path const& directory,
                            ProcessInput input) {
   std::string const& program = arguments.front();

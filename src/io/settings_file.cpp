@@ -17,7 +17,7 @@ namespace {
 using Kind = TomlValue::Kind;
 
 /// A file of settings is written by hand; more than this is something else under the wrong name.
-constexpr std::uint64_t largest_file = std::uint64_t{1} << 20;
+constexpr std::uint64_t largest_settings_file = std::uint64_t{1} << 20;
 
 /// The parts of a dotted key, without the places in lists: "disks.species[1].mass" → disks, species, mass with 1.
 struct KeyPart {
@@ -78,16 +78,6 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-Problem problem_at(SettingLocation const& where, std::string key, std::string what, std::string hint) {
-  return {.what = std::move(what),
-          .hint = std::move(hint),
-          .key = std::move(key),
-          .file = where.file,
-          .line = where.line,
-          .column = where.column,
-          .source_line = where.source_line};
-}
-
 /// Collects the lists of a table and of the tables that dotted keys make within it.
 void collect_lists(TomlValue const& table, std::string const& prefix, std::string const& outer,
                    std::vector<SettingList>& lists, std::vector<Problem>& problems) {
@@ -139,7 +129,7 @@ SettingsFile& SettingsFile::operator=(SettingsFile other) noexcept {
 }
 
 SettingsFile SettingsFile::from_path(std::filesystem::path const& path) {
-  SettingsFile file = from_text(read_file(path, largest_file), path.string());
+  SettingsFile file = from_text(read_file(path, largest_settings_file), path.string());
   if (path.has_parent_path()) file.content_->directory = path.parent_path();
   return file;
 }

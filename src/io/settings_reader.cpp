@@ -16,10 +16,6 @@ namespace {
 
 using Kind = TomlValue::Kind;
 
-std::string joined(std::string const& table, std::string_view key) {
-  return table.empty() ? std::string(key) : fmt::format("{}.{}", table, key);
-}
-
 std::string with_unit(std::string text, SettingInfo const& info) {
   return info.unit.empty() ? text : fmt::format("{} ({})", text, info.unit);
 }
@@ -75,16 +71,6 @@ std::string explanation_of(std::string const& key) {
   return fmt::format("gridlock explain {} says what it can be", key.substr(0, key.find('[')));
 }
 
-Problem problem_at(SettingLocation const& where, std::string key, std::string what, std::string hint) {
-  return {.what = std::move(what),
-          .hint = hint.empty() ? explanation_of(key) : std::move(hint),
-          .key = std::move(key),
-          .file = where.file,
-          .line = where.line,
-          .column = where.column,
-          .source_line = where.source_line};
-}
-
 /// What --set was given for a text: the user's own characters, also where they happen to be a number or a date.
 std::optional<std::string> as_text(TomlValue const& value) {
   if (value.kind == Kind::text) return value.text;
@@ -110,7 +96,7 @@ SettingsReader::SettingsReader(TomlValue const& root) : frames_{{.table = &root,
   tables_.insert("");
 }
 
-std::string SettingsReader::path_of(std::string_view key) const { return joined(frames_.back().path, key); }
+std::string SettingsReader::path_of(std::string_view key) const { return dotted(frames_.back().path, key); }
 
 /// The value of a setting of the present table, marked as known; null where it is not given.
 TomlValue const* SettingsReader::take(std::string_view key) {
@@ -123,7 +109,7 @@ TomlValue const* SettingsReader::take(std::string_view key) {
 }
 
 void SettingsReader::report(TomlValue const& value, std::string const& path, std::string what, std::string hint) {
-  problems_.push_back(problem_at(value.location, path, std::move(what), std::move(hint)));
+  problems_.push_back(problem_at(value.location, path, std::move(what), hint.empty() ? explanation_of(path) : std::move(hint)));
 }
 
 void SettingsReader::report_type(TomlValue const& value, std::string const& path, std::string const& expected,
@@ -132,7 +118,7 @@ void SettingsReader::report_type(TomlValue const& value, std::string const& path
 }
 
 void SettingsReader::enter(std::string_view name, std::string_view) {
-  Frame frame{.table = nullptr, .path = path_of(name), .kind = joined(frames_.back().kind, name)};
+  Frame frame{.table = nullptr, .path = path_of(name), .kind = dotted(frames_.back().kind, name)};
   tables_.insert(frame.kind);
   if (TomlValue const* table = take(name)) {
     if (table->is_table()) {
@@ -279,7 +265,7 @@ void SettingsReader::visit_choice(SettingInfo const& info, std::span<std::string
 void SettingsReader::visit_tables(SettingInfo const& info, std::size_t, std::function<void(std::size_t)> const& resize,
                                   std::function<void(std::size_t, SettingVisitor&)> const& describe_one) {
   std::string const path = path_of(info.key);
-  std::string const kind = joined(frames_.back().kind, info.key) + "[]";
+  std::string const kind = dotted(frames_.back().kind, info.key) + "[]";
   tables_.insert(kind);
   TomlValue const* given = take(info.key);
   if (given == nullptr) return;
@@ -312,7 +298,7 @@ void SettingsReader::report_unknown(TomlValue const& table, Frame const& frame, 
   for (std::size_t i = 0; i < table.items.size(); ++i) {
     TomlValue const& member = table.items[i];
     std::string const& name = table.names[i];
-    Frame inner{.table = &member, .path = joined(frame.path, name), .kind = joined(frame.kind, name)};
+    Frame inner{.table = &member, .path = dotted(frame.path, name), .kind = dotted(frame.kind, name)};
     if (!taken_.contains(&member)) {
       found.push_back(unknown(member, name, frame));
     } else if (member.is_table() && tables_.contains(inner.kind)) {
@@ -328,7 +314,7 @@ void SettingsReader::report_unknown(TomlValue const& table, Frame const& frame, 
 }
 
 Problem SettingsReader::unknown(TomlValue const& member, std::string const& name, Frame const& frame) const {
-  std::string const path = joined(frame.path, name);
+  std::string const path = dotted(frame.path, name);
   auto const found = names_.find(frame.kind);
   std::vector<std::string> const names = found == names_.end() ? std::vector<std::string>{} : found->second;
   bool const is_table = member.is_table() && frame.path.empty();
@@ -353,7 +339,7 @@ Problem SettingsReader::unknown(TomlValue const& member, std::string const& name
                        frame.path.empty() ? "the tables are" : fmt::format("the settings of [{}] are", frame.path),
                        listed(names));
   }
-  return problem_at(member.key_location, path, std::move(what), std::move(hint));
+  return problem_at(member.key_location, path, std::move(what), hint.empty() ? explanation_of(path) : std::move(hint));
 }
 
 }  // namespace gridlock

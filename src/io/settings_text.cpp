@@ -14,10 +14,6 @@ namespace gridlock {
 
 namespace {
 
-std::string joined(std::string const& table, std::string_view key) {
-  return table.empty() ? std::string(key) : fmt::format("{}.{}", table, key);
-}
-
 /// A whole number beyond TOML's 2⁶³ − 1 is written as text, which read_into() takes for one.
 std::string count_text(std::uint64_t count) {
   bool const fits = count <= static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
@@ -119,7 +115,7 @@ class TomlWriter final : public ValueVisitor {
   }
 
   void enter(std::string_view name, std::string_view) override {
-    std::string const header = joined(sections_[open_.back()].header, toml_key(name));
+    std::string const header = dotted(sections_[open_.back()].header, toml_key(name));
     auto const found = std::ranges::find(sections_, header, &Section::header);
     open_.push_back(static_cast<std::size_t>(found - sections_.begin()));
     if (found == sections_.end()) sections_.push_back({.header = header, .lines = ""});
@@ -181,7 +177,7 @@ class Catalogue final : public ValueVisitor {
   [[nodiscard]] std::vector<Entry> const& entries() const { return entries_; }
 
   void enter(std::string_view name, std::string_view documentation) override {
-    std::string const path = joined(table_.back(), name);
+    std::string const path = dotted(table_.back(), name);
     if (std::ranges::find(entries_, path, &Entry::path) == entries_.end()) {
       entries_.push_back({.path = path,
                           .table = table_.back(),
@@ -207,7 +203,7 @@ class Catalogue final : public ValueVisitor {
 
  private:
   Entry& add(SettingInfo const& info, std::string_view type, std::string const& value) {
-    return entries_.emplace_back(Entry{.path = joined(table_.back(), info.key),
+    return entries_.emplace_back(Entry{.path = dotted(table_.back(), info.key),
                                        .table = table_.back(),
                                        .name = std::string(info.key),
                                        .documentation = std::string(info.documentation),

@@ -37,15 +37,15 @@ std::string to_text(std::string const& word) {
 }
 
 /// An entry as it stands in the file.
-struct Entry {
+struct Field {
   std::string text;
   bool is_quoted = false;
   int column = 0;
 };
 
 /// Takes the next entry off the line; nothing where a quote stays open or something follows the closing one.
-std::optional<Entry> take_entry(std::string_view line, std::size_t& at) {
-  Entry entry{.column = static_cast<int>(at) + 1};
+std::optional<Field> take_field(std::string_view line, std::size_t& at) {
+  Field entry{.column = static_cast<int>(at) + 1};
   if (at < line.size() && line[at] == '"') {
     entry.is_quoted = true;
     for (++at;; ++at) {
@@ -75,7 +75,7 @@ class CsvReader {
   Table read() {
     while (problems_.size() < most_problems && next_line()) {
       if (line_.empty() || line_.front() == '#') continue;
-      std::vector<Entry> entries;
+      std::vector<Field> entries;
       if (!split(entries)) continue;
       if (names_.empty()) {
         take_names(entries);
@@ -98,7 +98,7 @@ class CsvReader {
 
  private:
   struct Row {
-    std::vector<Entry> entries;
+    std::vector<Field> entries;
     int line = 0;
     std::string_view source;
   };
@@ -125,10 +125,10 @@ class CsvReader {
                          .source_line = shown_line(source)});
   }
 
-  bool split(std::vector<Entry>& entries) {
+  bool split(std::vector<Field>& entries) {
     for (std::size_t at = 0;; ++at) {
       std::size_t const begin = at;
-      std::optional<Entry> entry = take_entry(line_, at);
+      std::optional<Field> entry = take_field(line_, at);
       if (!entry) {
         report("a quoted word does not end", "close it with \" before the next comma; a quote inside is doubled",
                static_cast<int>(begin) + 1);
@@ -139,8 +139,8 @@ class CsvReader {
     }
   }
 
-  void take_names(std::vector<Entry> const& entries) {
-    for (Entry const& entry : entries) {
+  void take_names(std::vector<Field> const& entries) {
+    for (Field const& entry : entries) {
       if (entry.text.empty()) {
         report("a column has no name", "the first line has to name every column", entry.column);
       } else if (!is_usable_name(entry.text)) {
@@ -153,7 +153,7 @@ class CsvReader {
     }
   }
 
-  void take_row(std::vector<Entry> entries) {
+  void take_row(std::vector<Field> entries) {
     if (entries.size() != names_.size()) {
       report(fmt::format("the line has {} {} for {} columns", entries.size(), entries.size() == 1 ? "entry" : "entries",
                          names_.size()),
@@ -182,7 +182,7 @@ class CsvReader {
   std::vector<double> numbers(std::size_t c) {
     std::vector<double> values;
     for (Row const& row : rows_) {
-      Entry const& entry = row.entries[c];
+      Field const& entry = row.entries[c];
       auto const value =
           entry.text.empty() ? std::numeric_limits<double>::quiet_NaN() : parse_number<double>(entry.text);
       if ((!value || entry.is_quoted) && problems_.size() < most_problems) {

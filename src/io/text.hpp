@@ -41,6 +41,11 @@ inline std::string cut(std::string_view text, std::size_t longest) {
 /// A word of the user's in an error message.
 inline std::string in_quotes(std::string_view word) { return '"' + cut(word, 60) + '"'; }
 
+/// The key of a setting in a table: "disks.count"; the key alone in no table.
+inline std::string dotted(std::string_view table, std::string_view key) {
+  return table.empty() ? std::string(key) : fmt::format("{}.{}", table, key);
+}
+
 /// A line of the user's file in an error message: without the blanks around it, and up to where it is no text.
 inline std::string shown_line(std::string_view line) {
   constexpr std::string_view blanks = " \t\r";

@@ -270,4 +270,14 @@ std::string in_words(TomlValue const& value) {
   return "";
 }
 
+Problem problem_at(SettingLocation const& where, std::string key, std::string what, std::string hint) {
+  return {.what = std::move(what),
+          .hint = std::move(hint),
+          .key = std::move(key),
+          .file = where.file,
+          .line = where.line,
+          .column = where.column,
+          .source_line = where.source_line};
+}
+
 }  // namespace gridlock

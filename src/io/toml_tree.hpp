@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "gridlock/core/error.hpp"
 #include "gridlock/io/settings_file.hpp"
 
 namespace gridlock {
@@ -52,5 +53,8 @@ std::string toml_key(std::string_view key);
 
 /// The value in words, for "… is 0.5, but must be …".
 std::string in_words(TomlValue const& value);
+
+/// A problem with something that was given there.
+Problem problem_at(SettingLocation const& where, std::string key, std::string what, std::string hint);
 
 }  // namespace gridlock

@@ -72,18 +72,18 @@ class Kinds {
 };
 
 /// A property of the format and the columns of the frame it holds.
-struct Property {
+struct PropertyColumns {
   std::string name;
   std::vector<FrameColumn const*> columns;
   bool pads = false;
 };
 
 /// Everything but type, position and id, in the order it is written.
-std::vector<Property> properties_of(Frame const& frame) {
+std::vector<PropertyColumns> properties_of(Frame const& frame) {
   std::set<std::string_view> written{X::name, Y::name};
-  std::vector<Property> properties;
+  std::vector<PropertyColumns> properties;
   for (xyz::PropertyName const& known : xyz::known_names()) {
-    Property property{known.name, {}, known.pads};
+    PropertyColumns property{known.name, {}, known.pads};
     for (std::string const& name : known.columns) {
       if (FrameColumn const* column = frame.find(name)) property.columns.push_back(column);
     }
@@ -97,9 +97,9 @@ std::vector<Property> properties_of(Frame const& frame) {
   return properties;
 }
 
-std::string header(Frame const& frame, std::vector<Property> const& properties) {
+std::string header(Frame const& frame, std::vector<PropertyColumns> const& properties) {
   std::string names = "type:S:1:pos:R:3:id:I:1";
-  for (Property const& property : properties) {
+  for (PropertyColumns const& property : properties) {
     names += fmt::format(":{}:{}:{}", property.name, is_real(*property.columns.front()) ? 'R' : 'I',
                          property.columns.size() + (property.pads ? 1 : 0));
   }
@@ -127,7 +127,7 @@ class Rows {
     auto const out = std::back_inserter(text);
     for (std::size_t i = first; i < end; ++i) {
       fmt::format_to(out, "{} {} {} 0 {}", kinds_.name_at(i), x_[i], y_[i], frame_.ids[i]);
-      for (Property const& property : properties_) {
+      for (PropertyColumns const& property : properties_) {
         for (FrameColumn const* column : property.columns) {
           std::visit([&](auto const& values) { fmt::format_to(out, " {}", values[i]); }, column->values);
         }
@@ -143,7 +143,7 @@ class Rows {
   std::span<double const> x_;
   std::span<double const> y_;
   Kinds kinds_;
-  std::vector<Property> properties_;
+  std::vector<PropertyColumns> properties_;
 };
 
 /// About 1 MB of text: long enough to be worth another thread.

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 /// As the list of results names who makes movies.
 constexpr char const* maker = "movie";
 /// Longer than any encoder takes for a frame.
-constexpr std::chrono::minutes patience{10};
+constexpr std::chrono::minutes ffmpeg_timeout{10};
 
 /// What ffmpeg is told for a file of some extension.
 struct Format {
@@ -110,12 +110,12 @@ class Encoder {
 
   /// Errors: as of finish().
   void add(PicturePixels const& frame) {
-    if (!process_.write(frame.bytes, patience)) finish();
+    if (!process_.write(frame.bytes, ffmpeg_timeout)) finish();
   }
 
   /// Errors: Error where there is no ffmpeg, RunFailure where it fails.
   void finish() {
-    ProcessResult const result = process_.wait(patience);
+    ProcessResult const result = process_.wait(ffmpeg_timeout);
     if (!result.was_found) {
       throw Error(Problem{.what = "ffmpeg, which joins the pictures to a movie, is not installed",
                           .hint = "apt-get install ffmpeg"});

@@ -10,6 +10,9 @@
 
 namespace gridlock {
 
+/// The time step of runs that are not about it, as engine.time_step.
+inline constexpr double usual_time_step = 0.1;
+
 /// Runs that differ in the seed alone.
 struct Ensemble {
   PaperEngine engine;

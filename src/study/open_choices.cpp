@@ -44,8 +44,6 @@ std::vector<std::pair<StartKind, double>> starts_of(PaperExtent const& extent) {
   return starts;
 }
 
-constexpr double usual_time_step = 0.1;
-
 /// The same start without a time step; its samples are as far apart as with the usual one.
 std::optional<Ensemble> reference_ensemble(PaperExtent const& extent, StartKind start, double density) {
   if (!extent.choice_reference) return std::nullopt;

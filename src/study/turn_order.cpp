@@ -54,8 +54,6 @@ struct Orders {
   Ensemble reference;
 };
 
-constexpr double usual_time_step = 0.1;
-
 Orders orders_at(PaperExtent const& extent, StartKind start, Edge edge, double density, double time_step) {
   auto const ensemble = [&](char const* kind, double step) -> Ensemble {
     return sampled_evenly({.engine = {kind, kind},

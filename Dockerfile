@@ -1,0 +1,16 @@
+# Builds Gridlock in one stage and keeps the program alone in the next:
+#
+#   docker build -t gridlock .
+#   docker run --rm -v "$PWD:/work" gridlock run scenes/paper.toml -o results/first
+FROM debian:bookworm-slim AS build
+COPY . /source
+WORKDIR /source
+RUN ./dev package
+
+FROM debian:bookworm-slim
+COPY --from=build /source/build-program/*.deb /tmp/
+RUN apt-get update -qq \
+ && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends /tmp/*.deb gnuplot-nox ffmpeg \
+ && rm -rf /tmp/*.deb /var/lib/apt/lists/*
+WORKDIR /work
+ENTRYPOINT ["gridlock"]
