@@ -21,8 +21,8 @@ inline State gas(std::size_t n, double packing_fraction) {
 /// A system that has left its lattice; the largest ones are on their way, which makes no difference to the cost.
 inline State mixed(std::size_t n, double packing_fraction) {
   State start = gas(n, packing_fraction);
-  Tally tally;
-  make_engine({.kind = "tiled"}, start)->advance(start, tally, {.step = n > 5'000'000 ? 40U : 200U});
+  Counters counters;
+  make_engine({.kind = "tiled"}, start)->advance(start, counters, {.step = n > 5'000'000 ? 40U : 200U});
   return start;
 }
 
@@ -32,12 +32,12 @@ inline Contestant contestant(std::string name, State const& start, EngineSetting
   struct Run {
     State state;
     std::unique_ptr<Engine> engine;
-    Tally tally;
+    Counters counters;
   };
   auto const run = std::make_shared<Run>(Run{start, make_engine(settings, start), {}});
   return {.name = std::move(name),
           .items = static_cast<double>(start.disks.size() * steps),
-          .run = [=] { run->engine->advance(run->state, run->tally, {.step = run->state.clock.step + steps}); },
+          .run = [=] { run->engine->advance(run->state, run->counters, {.step = run->state.clock.step + steps}); },
           .result = [=] { return hash(run->state); },
           .clock = clock};
 }

@@ -42,16 +42,16 @@ void measure(std::uint64_t n) {
   State state = lattice(n);
   double const memory_of_state = peak_bytes();
   auto const engine = make_engine({.kind = "exact"}, state);
-  Tally tally;
+  Counters counters;
   // Ten collisions a disk melt the lattice; a hundred bring small systems, which cost nothing, to equilibrium.
   std::uint64_t const equilibration = n * (n < 50'000 ? 100 : 10);
-  engine->advance(state, tally, {.pair_collisions = equilibration});
+  engine->advance(state, counters, {.pair_collisions = equilibration});
   std::uint64_t const block = std::clamp<std::uint64_t>(2 * n, 200'000, 2'000'000);
   std::vector<double> nanoseconds;
   for (int repeat = 0; repeat < repeats; ++repeat) {
     double const start = processor_seconds();
-    std::uint64_t const before = tally.pair_collisions;
-    engine->advance(state, tally, {.pair_collisions = before + block});
+    std::uint64_t const before = counters.pair_collisions;
+    engine->advance(state, counters, {.pair_collisions = before + block});
     nanoseconds.push_back(1e9 * (processor_seconds() - start) / static_cast<double>(block));
   }
   std::ranges::sort(nanoseconds);

@@ -18,8 +18,8 @@ void weigh(std::size_t n, double packing_fraction, std::uint64_t steps) {
   State state = make_start(Box(1.0, 1.0, Edge::wall), {.count = n, .packing_fraction = packing_fraction}, 1);
   draw_velocities(state, {});
   double const at_start = peak_bytes();
-  Tally tally;
-  make_engine({.kind = "tiled", .threads = 1}, state)->advance(state, tally, {.step = steps});
+  Counters counters;
+  make_engine({.kind = "tiled", .threads = 1}, state)->advance(state, counters, {.step = steps});
   double const at_most = peak_bytes();
   std::printf("memory,%zu,%.2g,%.1f,%.1f,%016llx\n", n, packing_fraction, per_disk(at_start), per_disk(at_most),
               static_cast<unsigned long long>(hash(state)));

@@ -18,7 +18,7 @@ constexpr std::uint64_t steps = 100;
 struct Alone {
   State state;
   std::unique_ptr<Engine> engine;
-  Tally tally;
+  Counters counters;
 };
 
 void race_at(std::size_t n) {
@@ -31,15 +31,15 @@ void race_at(std::size_t n) {
   Setup const setup = set_up(configuration);
   auto const alone = std::make_shared<Alone>(Alone{setup.state, make_engine(configuration.engine, setup.state), {}});
   RunPlan const plan = plan_of(setup);
-  auto const experiment = std::make_shared<DiskExperiment>(Setup(setup));
-  auto const run = std::make_shared<Run>(*experiment, plan);
+  auto const simulation = std::make_shared<DiskSimulation>(Setup(setup));
+  auto const run = std::make_shared<Run>(*simulation, plan);
   auto const target = std::make_shared<std::uint64_t>(0);
   auto const items = static_cast<double>(n * steps);
   std::vector<Contestant> contestants;
   contestants.push_back(
       {.name = "engine alone",
        .items = items,
-       .run = [=] { alone->engine->advance(alone->state, alone->tally, {.step = alone->state.clock.step + steps}); },
+       .run = [=] { alone->engine->advance(alone->state, alone->counters, {.step = alone->state.clock.step + steps}); },
        .result = [=] { return hash(alone->state); }});
   contestants.push_back({.name = "run with progress and observables",
                          .items = items,
@@ -48,7 +48,7 @@ void race_at(std::size_t n) {
                                *target += steps;
                                run->go_on([&](Progress const& progress) { return progress.steps < *target; });
                              },
-                         .result = [=] { return experiment->state_hash(); }});
+                         .result = [=] { return simulation->state_hash(); }});
   race("observers", n, 0.7, 5, std::move(contestants));
 }
 

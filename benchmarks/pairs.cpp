@@ -1,4 +1,4 @@
-// Updating the grid and visiting every pair within reach, at about six neighbours an agent: the paper's layout, the
+// Updating the grid and visiting every pair within the cutoff, at about six neighbours an agent: the paper's layout, the
 // packed grid and, where it is installed, nanoflann's k-d tree. Nanoseconds per agent.
 
 #include <algorithm>
@@ -32,8 +32,8 @@ State uniform_points(std::size_t n) {
 }
 
 /// The same points, the rows in the order of their cells.
-State in_cell_order(State const& state, double reach) {
-  LinkedGrid const grid = grid_for_reach<LinkedGrid>(state, reach);
+State in_cell_order(State const& state, double cutoff) {
+  LinkedGrid const grid = grid_for_cutoff<LinkedGrid>(state, cutoff);
   State ordered{.box = state.box, .seed = state.seed};
   ordered.disks.reserve(state.disks.size());
   for (int cell = 0; cell < grid.layout().count(); ++cell) {
@@ -56,8 +56,8 @@ class PlainGrid : public PackedGrid {
  public:
   using PackedGrid::PackedGrid;
   template <class Visit>
-  void for_each_candidate_pair(double reach, Visit visit) const {
-    gridlock::find_candidate_pairs(*this, reach, add_pairs_of_row_plainly, [&](std::span<AgentPair const> pairs) {
+  void for_each_candidate_pair(double cutoff, Visit visit) const {
+    gridlock::find_candidate_pairs(*this, cutoff, add_pairs_of_row_scalar, [&](std::span<AgentPair const> pairs) {
       for (AgentPair const& pair : pairs) visit(pair.first, pair.second);
     });
   }
@@ -65,9 +65,9 @@ class PlainGrid : public PackedGrid {
 
 /// Every round the agents move a little and back, as in one time step.
 template <NeighbourGrid Grid>
-Contestant grid_contestant(std::string name, State const& start, double reach) {
+Contestant grid_contestant(std::string name, State const& start, double cutoff) {
   auto const state = std::make_shared<State>(start);
-  auto const grid = std::make_shared<Grid>(grid_for_reach<Grid>(*state, reach));
+  auto const grid = std::make_shared<Grid>(grid_for_cutoff<Grid>(*state, cutoff));
   auto const sum = std::make_shared<Sum>();
   auto const sign = std::make_shared<double>(1.0);
   return {.name = std::move(name),
@@ -75,10 +75,10 @@ Contestant grid_contestant(std::string name, State const& start, double reach) {
           .run =
               [=] {
                 *sum = {};
-                for (double& x : state->disks.column<X>()) x += *sign * 0.02 * reach;
+                for (double& x : state->disks.column<X>()) x += *sign * 0.02 * cutoff;
                 *sign = -*sign;
                 grid->move_all(state->disks.column<X>(), state->disks.column<Y>());
-                for_each_pair(*state, *grid, reach, [&](std::size_t, std::size_t, Vector separation) {
+                for_each_pair(*state, *grid, cutoff, [&](std::size_t, std::size_t, Vector separation) {
                   ++sum->pairs;
                   sum->squared_distances += squared_length(separation);
                 });
@@ -87,9 +87,9 @@ Contestant grid_contestant(std::string name, State const& start, double reach) {
 }
 
 /// The paper's own search: every agent looks at the nine lists around it, so that each pair is met twice.
-Contestant literal_contestant(State const& start, double reach) {
+Contestant literal_contestant(State const& start, double cutoff) {
   auto const state = std::make_shared<State>(start);
-  auto const grid = std::make_shared<LinkedGrid>(grid_for_reach<LinkedGrid>(*state, reach));
+  auto const grid = std::make_shared<LinkedGrid>(grid_for_cutoff<LinkedGrid>(*state, cutoff));
   auto const sum = std::make_shared<Sum>();
   auto const sign = std::make_shared<double>(1.0);
   return {.name = "the paper's lists",
@@ -97,14 +97,14 @@ Contestant literal_contestant(State const& start, double reach) {
           .run =
               [=] {
                 *sum = {};
-                for (double& x : state->disks.column<X>()) x += *sign * 0.02 * reach;
+                for (double& x : state->disks.column<X>()) x += *sign * 0.02 * cutoff;
                 *sign = -*sign;
                 grid->move_all(state->disks.column<X>(), state->disks.column<Y>());
                 for (std::size_t i = 0; i < state->disks.size(); ++i) {
                   Vector const here = position(state->disks, i);
                   grid->for_each_in_block(grid->cell_of(i), 1, 1, [&](std::size_t j) {
                     Vector const separation = position(state->disks, j) - here;
-                    if (j == i || !(squared_length(separation) < reach * reach)) return;
+                    if (j == i || !(squared_length(separation) < cutoff * cutoff)) return;
                     sum->pairs += j < i ? 1 : 0;
                     sum->squared_distances += squared_length(separation);
                   });
@@ -124,7 +124,7 @@ struct Cloud {
   }
 };
 
-Contestant nanoflann_contestant(State const& start, double reach) {
+Contestant nanoflann_contestant(State const& start, double cutoff) {
   auto const cloud = std::make_shared<Cloud>();
   cloud->x.assign(start.disks.column<X>().begin(), start.disks.column<X>().end());
   cloud->y.assign(start.disks.column<Y>().begin(), start.disks.column<Y>().end());
@@ -135,7 +135,7 @@ Contestant nanoflann_contestant(State const& start, double reach) {
           .run =
               [=] {
                 *sum = {};
-                for (double& x : cloud->x) x += *sign * 0.02 * reach;
+                for (double& x : cloud->x) x += *sign * 0.02 * cutoff;
                 *sign = -*sign;
                 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 2,
                                                                  std::uint32_t>;
@@ -146,7 +146,7 @@ Contestant nanoflann_contestant(State const& start, double reach) {
                 for (std::uint32_t i = 0; i < cloud->x.size(); ++i) {
                   double const p[2] = {cloud->x[i], cloud->y[i]};
                   found.clear();
-                  tree.radiusSearch(p, reach * reach, found, parameters);
+                  tree.radiusSearch(p, cutoff * cutoff, found, parameters);
                   for (auto const& [j, squared] : found) {
                     if (j >= i) continue;
                     ++sum->pairs;
@@ -160,19 +160,19 @@ Contestant nanoflann_contestant(State const& start, double reach) {
 
 void race_at(std::size_t n, int rounds) {
   // n π r² = 6 neighbours in the unit box.
-  double const reach = std::sqrt(6.0 / (std::numbers::pi * static_cast<double>(n)));
+  double const cutoff = std::sqrt(6.0 / (std::numbers::pi * static_cast<double>(n)));
   State const scattered = uniform_points(n);
-  State const ordered = in_cell_order(scattered, reach);
+  State const ordered = in_cell_order(scattered, cutoff);
   std::vector<Contestant> contestants;
-  contestants.push_back(literal_contestant(scattered, reach));
-  contestants.push_back(grid_contestant<LinkedGrid>("linked grid: agents in no order", scattered, reach));
-  contestants.push_back(grid_contestant<LinkedGrid>("linked grid: agents in cell order", ordered, reach));
-  contestants.push_back(grid_contestant<PackedGrid>("packed grid: agents in no order", scattered, reach));
+  contestants.push_back(literal_contestant(scattered, cutoff));
+  contestants.push_back(grid_contestant<LinkedGrid>("linked grid: agents in no order", scattered, cutoff));
+  contestants.push_back(grid_contestant<LinkedGrid>("linked grid: agents in cell order", ordered, cutoff));
+  contestants.push_back(grid_contestant<PackedGrid>("packed grid: agents in no order", scattered, cutoff));
   contestants.push_back(
-      grid_contestant<PlainGrid>("packed grid without AVX-512: agents in cell order", ordered, reach));
-  contestants.push_back(grid_contestant<PackedGrid>("packed grid: agents in cell order", ordered, reach));
+      grid_contestant<PlainGrid>("packed grid without AVX-512: agents in cell order", ordered, cutoff));
+  contestants.push_back(grid_contestant<PackedGrid>("packed grid: agents in cell order", ordered, cutoff));
 #ifdef GRIDLOCK_HAVE_NANOFLANN
-  contestants.push_back(nanoflann_contestant(ordered, reach));
+  contestants.push_back(nanoflann_contestant(ordered, cutoff));
 #endif
   race("pairs", n, 0.0, rounds, std::move(contestants));
 }

@@ -21,7 +21,7 @@ struct Points {
 };
 
 constexpr double side = 1000.0;
-constexpr double reach = 1.4;
+constexpr double cutoff = 1.4;
 
 /// Agents of which in each step a share dies and as many are born, anywhere; the same random numbers are drawn where it is
 /// zero.
@@ -30,7 +30,7 @@ struct InTurns {
   static constexpr Schedule schedule = Schedule::synchronous;
   using Agents = Population<X, Y>;
   double share = 0.0;
-  double reach() const { return benchmark::reach; }
+  double cutoff() const { return benchmark::cutoff; }
   double time_step() const { return 1.0; }
   void turn(Turn<InTurns>& self) const {
     RandomStream random = self.random();
@@ -41,22 +41,22 @@ struct InTurns {
   }
 };
 
-/// The same where a model carries the whole world through a step: one agent of each stretch of rows dies.
+/// The same where a model carries the whole world through a step: one agent of each range of rows dies.
 struct AsEvents {
   static constexpr std::string_view name = "as events";
   static constexpr Schedule schedule = Schedule::events;
   using Agents = Population<X, Y>;
   double share = 0.0;
-  double reach() const { return benchmark::reach; }
+  double cutoff() const { return benchmark::cutoff; }
   double time_step() const { return 1.0; }
-  void step(OpenWorld<AsEvents>& open) const {
+  void step(MutableWorld<AsEvents>& open) const {
     auto const events = static_cast<std::size_t>(share * static_cast<double>(open.size()));
     if (events == 0) return;
     RandomStream random = open.random();
-    std::size_t const stretch = open.size() / events;
+    std::size_t const range = open.size() / events;
     std::vector<Id> dying(events);
     std::vector<Agents::Values> newborn(events);
-    for (std::size_t k = 0; k < events; ++k) dying[k] = open.agent_in_row(k * stretch + random.below(stretch));
+    for (std::size_t k = 0; k < events; ++k) dying[k] = open.agent_in_row(k * range + random.below(range));
     for (auto& values : newborn) values = {side * random.uniform(), side * random.uniform()};
     open.remove_all(dying);
     open.add_all(newborn);
@@ -113,8 +113,8 @@ int main() {
   using namespace gridlock::benchmark;
   constexpr std::size_t agents = 1'000'000;
   World<Points> world{.box = Box(side, side, Edge::periodic), .seed = 1};
-  PackedGrid grid(layout_for_reach(world.box, reach, agents));
-  OpenWorld<Points> open(world, grid, reach, false);
+  PackedGrid grid(layout_for_cutoff(world.box, cutoff, agents));
+  MutableWorld<Points> open(world, grid, cutoff, false);
   Places places;
   for (std::size_t n = 0; n < agents; ++n) open.add(side * places.uniform(), side * places.uniform());
   auto const churn = [&](std::size_t times) {

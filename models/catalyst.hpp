@@ -110,7 +110,7 @@ struct Catalyst {
     return expected_attempts(box, {.count = count + count_b, .radius = radius, .start = StartKind::random}, seed);
   }
 
-  [[nodiscard]] double reach() const { return 2.0 * radius; }
+  [[nodiscard]] double cutoff() const { return 2.0 * radius; }
   [[nodiscard]] double time_step() const { return step_length; }
 
   /// Errors: Error where random places are not found for all molecules.
@@ -121,15 +121,15 @@ struct Catalyst {
     if (wanted >= 1000 && static_cast<double>(wanted) > 1.05 * saturation) {
       throw too_many_molecules("at random places about " + in_words(saturation) + " find room", world.box);
     }
-    PackedGrid grid(layout_for_reach(world.box, reach(), 2 * wanted + 16));
-    OpenWorld<Catalyst> open(world, grid, reach(), false);
+    PackedGrid grid(layout_for_cutoff(world.box, cutoff(), 2 * wanted + 16));
+    MutableWorld<Catalyst> open(world, grid, cutoff(), false);
     RandomStream random = world.start_random(0);
     // Near saturation one try in some thousands finds room.
     std::uint64_t tries = 20'000'000 + 1000 * wanted;
     std::uint64_t placed = 0;
     for (; placed < wanted && tries > 0; --tries) {
       Vector const p = world.anywhere(random);
-      if (open.nearest(p, reach())) continue;
+      if (open.nearest(p, cutoff())) continue;
       open.add(p.x, p.y, radius, placed < count ? 0U : 1U);
       ++placed;
     }
@@ -138,7 +138,7 @@ struct Catalyst {
     }
   }
 
-  void step(OpenWorld<Catalyst>& surface) const {
+  void step(MutableWorld<Catalyst>& surface) const {
     RandomStream random = surface.random();
     double const area = surface.box().area();
     double const adsorption = (adsorption_rate + adsorption_rate_b) * area;
@@ -198,18 +198,18 @@ struct Catalyst {
                   .key = count > 0 ? "count" : "count_b"});
   }
 
-  static Vector anywhere(OpenWorld<Catalyst> const& surface, RandomStream& random) {
+  static Vector anywhere(MutableWorld<Catalyst> const& surface, RandomStream& random) {
     double const x = random.uniform() * surface.box().width();
     return {x, random.uniform() * surface.box().height()};
   }
-  static Id any(OpenWorld<Catalyst> const& surface, RandomStream& random) {
+  static Id any(MutableWorld<Catalyst> const& surface, RandomStream& random) {
     return surface.agent_in_row(random.below(surface.size()));
   }
 
-  void adsorb(OpenWorld<Catalyst>& surface, RandomStream& random, std::uint32_t species) const {
+  void adsorb(MutableWorld<Catalyst>& surface, RandomStream& random, std::uint32_t species) const {
     surface.count(0);
     Vector const p = anywhere(surface, random);
-    if (surface.nearest(p, reach())) return;
+    if (surface.nearest(p, cutoff())) return;
     surface.add(p.x, p.y, radius, species);
     surface.count(1);
   }
@@ -219,7 +219,7 @@ struct Catalyst {
     return reaction == Reaction::a_with_a && one == 0 && other == 0;
   }
 
-  void hop_from(OpenWorld<Catalyst>& surface, RandomStream& random, Id id) const {
+  void hop_from(MutableWorld<Catalyst>& surface, RandomStream& random, Id id) const {
     surface.count(3);
     Vector p;
     if (hop > 0.0) {
@@ -230,7 +230,7 @@ struct Catalyst {
     } else {
       p = anywhere(surface, random);
     }
-    std::optional<Id> const met = surface.nearest(p, reach(), id);
+    std::optional<Id> const met = surface.nearest(p, cutoff(), id);
     if (!met) {
       surface.move_to(id, p);
       surface.count(4);

@@ -34,7 +34,7 @@ struct ColloidInOrder {
   static constexpr std::string_view documentation =
       order == Schedule::tiled ? "The same, tile by tile on any number of threads: the bits of the engine tiled."
                                : "The paper's hard disks as a model: the bits of the engine stepped.";
-  static constexpr std::array<std::string_view, 3> events{"pair_collisions", "wall_hits", "blocked_turns"};
+  static constexpr std::array<std::string_view, 3> events{"pair_collisions", "wall_hits", "halted_moves"};
 
   DisksSettings disks{.count = 841, .packing_fraction = 0.5};
   VelocitySettings velocities;
@@ -68,22 +68,23 @@ struct ColloidInOrder {
   }
 
   /// The largest contact distance.
-  [[nodiscard]] double reach(World<Self> const& world) const { return 2.0 * radius_range(world.agents).largest; }
+  [[nodiscard]] double cutoff(World<Self> const& world) const { return 2.0 * radius_range(world.agents).largest; }
   [[nodiscard]] double time_step(World<Self> const& world) const {
     double const diameter = 2.0 * radius_range(world.agents).smallest;
     return step_length * diameter / (velocities.max > 0.0 ? velocities.max : 1.0);
   }
   /// Tiled: room for disks of twice the speed that the step length refers to.
   [[nodiscard]] CellLayout cells(World<Self> const& world) const requires(order == Schedule::tiled) {
-    double const way_at_speed = step_length * 2.0 * radius_range(world.agents).smallest;
-    return packed_layout(world.box, world.agents, 2.0 * way_at_speed);
+    double const displacement_at_speed = step_length * 2.0 * radius_range(world.agents).smallest;
+    return packed_layout(world.box, world.agents, 2.0 * displacement_at_speed);
   }
   /// Tiled: the few disks that are faster still wait for the end of the step.
   [[nodiscard]] bool is_local(Turn<Self> const& self, double room) const requires(order == Schedule::tiled) {
     double const rounding = static_cast<double>(substeps) * std::numeric_limits<double>::epsilon() *
                             std::max(self.box().width(), self.box().height());
-    double const way = room * (1.0 - 1e-9) - largest_contact(self) - rounding;
-    return way > 0.0 && squared_length(velocity(self)) * self.time_step() * self.time_step() <= way * way;
+    double const displacement = room * (1.0 - 1e-9) - largest_contact(self) - rounding;
+    return displacement > 0.0 &&
+           squared_length(velocity(self)) * self.time_step() * self.time_step() <= displacement * displacement;
   }
 
   void start(World<Self>& world) const {
@@ -102,19 +103,19 @@ struct ColloidInOrder {
   void turn(Turn<Self>& self) const {
     double const substep = self.time_step() / static_cast<double>(substeps);
     require_short(self, substep);
-    Vector const way = substep * velocity(self);
+    Vector const displacement = substep * velocity(self);
     Vector here = self.position();
     int crossed_x = 0;
     int crossed_y = 0;
     for (std::uint64_t m = 0; m < substeps; ++m) {
-      Vector trial = here + way;
+      Vector trial = here + displacement;
       if (hits_wall(self, trial)) break;
       int trial_crossed_x = crossed_x;
       int trial_crossed_y = crossed_y;
       // Wrapping rounds, so it comes before the look at others: what is looked at is what is kept.
       trial = self.box().wrap(trial, trial_crossed_x, trial_crossed_y);
       if (auto const partner = overlapped(self, trial)) {
-        scatter(self, here, *partner);
+        collide(self, here, *partner);
         break;
       }
       here = trial;
@@ -138,7 +139,7 @@ struct ColloidInOrder {
     disk.template set<VelocityY>(v.y);
   }
   /// Exact: half of twice the largest radius.
-  static double largest_contact(Turn<Self> const& self) { return self.template get<Radius>() + 0.5 * self.reach(); }
+  static double largest_contact(Turn<Self> const& self) { return self.template get<Radius>() + 0.5 * self.cutoff(); }
 
   /// A disk that covers a contact distance in one sub-step could come out behind the one it should have met.
   static void require_short(Turn<Self> const& self, double substep) {
@@ -178,7 +179,7 @@ struct ColloidInOrder {
   }
 
   /// Δv_i = −(2 m_j / (m_i + m_j)) (w·b / b²) b and the opposite impulse for j, with w = v_i − v_j and b = r_j − r_i.
-  void scatter(Turn<Self>& self, Vector here, Neighbour<Self> const& other) const {
+  void collide(Turn<Self>& self, Vector here, Neighbour<Self> const& other) const {
     self.count(2);
     Vector const b = self.box().displacement(here, other.position());
     double const approach = dot(velocity(self) - velocity(other), b);

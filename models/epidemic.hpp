@@ -24,7 +24,7 @@ struct Health {
 /// 1 − (1 − β dt)^k, an infected one recovers with probability γ dt, everybody dies with probability μ dt and has a
 /// susceptible child beside it with probability μ dt too, if the population is below its bound. The smaller dt, the
 /// nearer to rates in continuous time. Where walkers mix fast, the numbers follow dS/dt = −β n S I/N …, with n = N π r²/A
-/// agents within reach (Kermack & McKendrick 1927, doi:10.1098/rspa.1927.0118).
+/// agents within the cutoff (Kermack & McKendrick 1927, doi:10.1098/rspa.1927.0118).
 struct Epidemic {
   static constexpr std::string_view name = "epidemic";
   static constexpr std::string_view documentation = "Walkers that infect those near them and recover.";
@@ -91,7 +91,7 @@ struct Epidemic {
   }
   [[nodiscard]] std::uint64_t agents_at_start() const { return count; }
 
-  [[nodiscard]] double reach() const { return radius; }
+  [[nodiscard]] double cutoff() const { return radius; }
   [[nodiscard]] double time_step() const { return step_length; }
 
   void start(World<Epidemic>& world) const {

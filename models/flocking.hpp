@@ -78,7 +78,7 @@ struct Flocking {
   void check(Box const& box) const { require_displacement(box, speed, "speed"); }
   [[nodiscard]] std::uint64_t agents_at_start() const { return count; }
 
-  [[nodiscard]] double reach() const { return radius; }
+  [[nodiscard]] double cutoff() const { return radius; }
   [[nodiscard]] double time_step() const { return 1.0; }
 
   void start(World<Flocking>& world) const {
@@ -138,10 +138,10 @@ struct Flocking {
     Vector apart;
     Vector along;
     self.for_each_neighbour(radius, [&](Neighbour<Flocking> const& other) {
-      Vector const way = other.separation();
+      Vector const offset = other.separation();
       neighbours += 1.0;
-      together = together + way;
-      if (squared_length(way) < separation * separation) apart = apart - way;
+      together = together + offset;
+      if (squared_length(offset) < separation * separation) apart = apart - offset;
       along = along + heading_of(other);
     });
     double const share = 1.0 / std::max(neighbours, 1.0);

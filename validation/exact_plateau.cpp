@@ -49,8 +49,8 @@ double diameter_at(State const& state, double packing_fraction) {
   return std::sqrt(packing_fraction * area * 4.0 / std::numbers::pi / static_cast<double>(state.disks.size()));
 }
 
-double closest_pair(State const& state, double reach) {
-  double const squared = fold_pairs(state, grid_for_reach(state, reach), reach, reach * reach,
+double closest_pair(State const& state, double cutoff) {
+  double const squared = fold_pairs(state, grid_for_cutoff(state, cutoff), cutoff, cutoff * cutoff,
                                     [](double& least, std::size_t, std::size_t, Vector separation) {
                                       least = std::min(least, squared_length(separation));
                                     });
@@ -65,8 +65,8 @@ void compress(State& state, double packing_fraction, double duration) {
   double diameter = 2.0 * state.disks.column<Radius>()[0];
   std::uint64_t rounds = 0;
   while (diameter < goal) {
-    Tally tally;
-    make_engine({.kind = "exact"}, state)->advance(state, tally, {.time = state.clock.time + duration});
+    Counters counters;
+    make_engine({.kind = "exact"}, state)->advance(state, counters, {.time = state.clock.time + duration});
     // One part in 10¹⁵ short of contact: what remains is for the rounding of the sum of two radii.
     diameter = std::min(goal, closest_pair(state, 1.5 * diameter) * (1.0 - 1e-15));
     for (double& radius : state.disks.column<Radius>()) radius = 0.5 * diameter;
@@ -81,8 +81,8 @@ State start(std::string_view name, double packing_fraction) {
   if (name == "crystal") return rows_of_disks(239, 276, packing_fraction);
   if (name == "rows") return rows_of_disks(256, 256, packing_fraction);
   State state = rows_of_disks(256, 256, 0.698);
-  Tally tally;
-  make_engine({.kind = "exact"}, state)->advance(state, tally, {.pair_collisions = 100'000'000});
+  Counters counters;
+  make_engine({.kind = "exact"}, state)->advance(state, counters, {.pair_collisions = 100'000'000});
   compress(state, packing_fraction, 0.02);
   return state;
 }
@@ -91,13 +91,13 @@ void measure(std::string_view start_name, Published const& p, std::uint64_t coll
   State state = start(start_name, p.packing_fraction);
   state.clock = {};
   auto const engine = make_engine({.kind = "exact", .audit_every = 20 * state.disks.size()}, state);
-  Tally tally;
+  Counters counters;
   BlockAverage average;
   constexpr std::uint64_t chunks = 1024;
   for (std::uint64_t chunk = 1; chunk <= chunks; ++chunk) {
     double const time = state.clock.time;
     double const pressure =
-        pressure_up_to({.pair_collisions = collisions / chunks * chunk}, *engine, state, tally, p.packing_fraction);
+        pressure_up_to({.pair_collisions = collisions / chunks * chunk}, *engine, state, counters, p.packing_fraction);
     if (chunk > chunks / 2) average.add(pressure, state.clock.time - time);
     if (chunk % 16 == 0) {
       std::fprintf(stderr, "%s %.3f %4llu/%llu %.5f\n", start_name.data(), p.packing_fraction,

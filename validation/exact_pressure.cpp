@@ -38,12 +38,12 @@ void measure(Published const& p, std::uint64_t collisions) {
   constexpr int blocks = 50;
   State state = rows_of_disks(p.columns, p.rows, p.packing_fraction);
   auto const engine = make_engine({.kind = "exact", .audit_every = 1'000'000}, state);
-  Tally tally;
-  engine->advance(state, tally, {.pair_collisions = collisions / 20});
+  Counters counters;
+  engine->advance(state, counters, {.pair_collisions = collisions / 20});
   std::vector<double> pressures;
   for (int block = 0; block < blocks; ++block) {
-    pressures.push_back(pressure_up_to({.pair_collisions = tally.pair_collisions + collisions / blocks}, *engine, state,
-                                       tally, p.packing_fraction));
+    pressures.push_back(pressure_up_to({.pair_collisions = counters.pair_collisions + collisions / blocks}, *engine,
+                                       state, counters, p.packing_fraction));
   }
   double mean = 0.0;
   double squares = 0.0;

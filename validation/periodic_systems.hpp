@@ -34,15 +34,15 @@ inline State rows_of_disks(std::uint64_t columns, std::uint64_t rows, double pac
   return state;
 }
 
-/// P* = βPσ² of equal disks at `packing_fraction` while the engine goes on to the horizon, by the virial of the collisions.
-inline double pressure_up_to(Horizon const& horizon, Engine& engine, State& state, Tally& tally,
+/// P* = βPσ² of equal disks at `packing_fraction` while the engine runs until the stop condition holds, by the virial of the collisions.
+inline double pressure_up_to(StopCondition const& stop_condition, Engine& engine, State& state, Counters& counters,
                              double packing_fraction) {
   double const n = static_cast<double>(state.disks.size());
   double const kt = kinetic_energy(state.disks) / (n - 1.0);
-  double const virial = tally.pair_virial;
+  double const virial = counters.pair_virial;
   double const time = state.clock.time;
-  engine.advance(state, tally, horizon);
-  double const z = 1.0 + (tally.pair_virial - virial) / (2.0 * n * kt * (state.clock.time - time));
+  engine.advance(state, counters, stop_condition);
+  double const z = 1.0 + (counters.pair_virial - virial) / (2.0 * n * kt * (state.clock.time - time));
   return z * 4.0 * packing_fraction / std::numbers::pi;
 }
 

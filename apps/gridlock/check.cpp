@@ -27,10 +27,10 @@ void print_setup(gridlock::Setup const& setup) {
     return;
   }
   if (setup.configuration.is_of_model()) {
-    auto const experiment = gridlock::make_experiment(gridlock::Setup(setup));
+    auto const simulation = gridlock::make_simulation(gridlock::Setup(setup));
     fmt::print("model {}: {} agents, {} box {} × {}, step {:.6g} of time\n", setup.configuration.model.kind,
-               experiment->agents(), state.box.is_periodic() ? "periodic" : "walled", state.box.width(),
-               state.box.height(), experiment->time_step());
+               simulation->agents(), state.box.is_periodic() ? "periodic" : "walled", state.box.width(),
+               state.box.height(), simulation->time_step());
     return;
   }
   auto const [smallest, largest] = gridlock::radius_range(state.disks);

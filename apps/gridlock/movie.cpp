@@ -27,10 +27,10 @@ ExitCode make_movie(MovieOptions const& options) {
   require_other_file(settings.file, source);
   gridlock::H5mdReader const trajectory(source);
   StopSignals const signals;
-  gridlock::Ending ending = gridlock::Ending::finished;
+  gridlock::RunStatus status = gridlock::RunStatus::finished;
   {
     ProgressLine line;
-    ending = gridlock::make_movie(trajectory, settings, [&](gridlock::MovieProgress const& progress) {
+    status = gridlock::make_movie(trajectory, settings, [&](gridlock::MovieProgress const& progress) {
       if (!options.is_quiet && progress.drawn > 0) {
         line.show(static_cast<double>(progress.drawn) / static_cast<double>(progress.all), progress.seconds,
                   fmt::format("{} of {} frames", progress.drawn, progress.all));
@@ -38,7 +38,7 @@ ExitCode make_movie(MovieOptions const& options) {
       return !StopSignals::is_stop_asked();
     });
   }
-  if (ending == gridlock::Ending::finished) {
+  if (status == gridlock::RunStatus::finished) {
     fmt::print("{}\n", settings.file.string());
     return ExitCode::good;
   }

@@ -59,7 +59,7 @@ ExitCode make_paper(PaperOptions const& options) {
     });
   }
   for (std::string const& note : result.notes) fmt::print(stderr, "note: {}\n", note);
-  if (result.ending != gridlock::Ending::finished) {
+  if (result.status != gridlock::RunStatus::finished) {
     // Figure 5 is made of timings alone.
     std::string const partial_results = (settings.output / "partial_results").string();
     // Figure 5 is made of timings alone.
@@ -67,7 +67,7 @@ ExitCode make_paper(PaperOptions const& options) {
                                      ? fmt::format("{} holds the timings that are finished", partial_results)
                                      : fmt::format("{} holds {} finished simulations of {}", partial_results,
                                                    result.finished_simulations, result.simulations);
-    fmt::print(stderr, "{}: {}; the same command{} does the rest\n", gridlock::to_text(result.ending), finished,
+    fmt::print(stderr, "{}: {}; the same command{} does the rest\n", gridlock::to_text(result.status), finished,
                settings.overwrites ? " without --overwrite" : "");
     return ExitCode::run_failed;
   }
@@ -75,7 +75,7 @@ ExitCode make_paper(PaperOptions const& options) {
     for (gridlock::PaperClaim const& claim : result.claims) {
       fmt::print("{:<12} {}: {}\n", word_for(claim.verdict), claim.where, claim.statement);
     }
-    fmt::print("{} in {}; open {}\n", gridlock::to_text(result.ending), duration_text(result.seconds),
+    fmt::print("{} in {}; open {}\n", gridlock::to_text(result.status), duration_text(result.seconds),
                (settings.output / "report.html").string());
   }
   return ExitCode::good;

@@ -24,7 +24,7 @@ constexpr double seconds_between_lines = 0.2;
 constexpr std::string_view headlines[] = {"mean_displacement", "mean_squared_displacement",
                                           "kinetic_energy",    "compressibility_factor",
                                           "wall_pressure",     "collision_rate",
-                                          "blocked_share"};
+                                          "halted_fraction"};
 
 void print_line(Json const& json) {
   fmt::print("{}\n", json.dump());
@@ -134,7 +134,7 @@ void RunOutput::print_progress(gridlock::Progress const& progress) {
 void RunOutput::print_end(gridlock::RunRecord const& record, std::filesystem::path const& directory) const {
   if (writes_json_) {
     print_line({{"event", "end"},
-                {"ending", gridlock::to_text(record.ending)},
+                {"status", gridlock::to_text(record.status)},
                 {"step", record.clock.step},
                 {"time", record.clock.time},
                 {"seconds", record.seconds},
@@ -142,11 +142,11 @@ void RunOutput::print_end(gridlock::RunRecord const& record, std::filesystem::pa
                 {"directory", directory.string()}});
     return;
   }
-  fmt::print("{} {} steps of {} agents in {} ({}agent-steps/s)\n", gridlock::to_text(record.ending), record.steps,
+  fmt::print("{} {} steps of {} agents in {} ({}agent-steps/s)\n", gridlock::to_text(record.status), record.steps,
              record.agents, duration_text(record.seconds), count_text(record.agent_steps_per_second()));
   print_results(record);
   fmt::print("  {:<26} {:016x}\nresults in {}\n", "state_hash", record.state_hash, directory.string());
-  if (!draws_ && record.ending == gridlock::Ending::finished && has_last_state(directory)) {
+  if (!draws_ && record.status == gridlock::RunStatus::finished && has_last_state(directory)) {
     fmt::print("pictures: {} plot {}\n", program_name(), directory.string());
   }
 }
@@ -160,9 +160,9 @@ ExitCode RunOutput::finish(gridlock::RunRecord const& record, std::filesystem::p
     for (std::string const& note : gridlock::draw_results(directory).notes) fmt::print(stderr, "note: {}\n", note);
   }
   if (!is_quiet_) print_end(record, directory);
-  if (record.ending == gridlock::Ending::finished) return ExitCode::good;
-  if (record.ending == gridlock::Ending::failed) fmt::print(stderr, "error: {}\n", record.failure);
-  fmt::print(stderr, "{} after {} steps; partial results are in {}{}\n", gridlock::to_text(record.ending), record.steps,
+  if (record.status == gridlock::RunStatus::finished) return ExitCode::good;
+  if (record.status == gridlock::RunStatus::failed) fmt::print(stderr, "error: {}\n", record.failure);
+  fmt::print(stderr, "{} after {} steps; partial results are in {}{}\n", gridlock::to_text(record.status), record.steps,
              directory.string(), resume_text(directory));
   return ExitCode::run_failed;
 }

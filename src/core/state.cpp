@@ -8,12 +8,12 @@ std::uint64_t hash_words(std::span<std::uint64_t const> words) { return XXH3_64b
 
 std::uint64_t hash(State const& state) { return hash(state.box, state.clock, state.seed, state.disks); }
 
-void carry(Archive& archive, Clock& clock) {
+void serialize(Archive& archive, Clock& clock) {
   archive.visit("step", clock.step);
   archive.visit("time", clock.time);
 }
 
-void carry(Archive& archive, Box& box) {
+void serialize(Archive& archive, Box& box) {
   double width = box.width();
   double height = box.height();
   bool is_periodic = box.is_periodic();
@@ -23,11 +23,11 @@ void carry(Archive& archive, Box& box) {
   if (archive.is_restoring()) box = Box(width, height, is_periodic ? Edge::periodic : Edge::wall);
 }
 
-void carry(Archive& archive, State& state) {
-  carry_inside(archive, "box", [&] { carry(archive, state.box); });
-  carry_inside(archive, "clock", [&] { carry(archive, state.clock); });
+void serialize(Archive& archive, State& state) {
+  serialize_inside(archive, "box", [&] { serialize(archive, state.box); });
+  serialize_inside(archive, "clock", [&] { serialize(archive, state.clock); });
   archive.visit("seed", state.seed);
-  carry_inside(archive, "disks", [&] { state.disks.carry(archive); });
+  serialize_inside(archive, "disks", [&] { state.disks.serialize(archive); });
 }
 
 }  // namespace gridlock

@@ -74,20 +74,20 @@ double step_duration(EngineSettings const& settings, State const& state) {
   return settings.time_step * diameter / (speed > 0.0 ? speed : 1.0);
 }
 
-void carry(Archive& archive, Tally& tally) {
-  archive.visit("turns", tally.turns);
-  archive.visit("blocked_turns", tally.blocked_turns);
-  archive.visit("pair_collisions", tally.pair_collisions);
-  archive.visit("distance_checks", tally.distance_checks);
-  std::vector<std::uint64_t> hits(tally.wall_hits.begin(), tally.wall_hits.end());
-  std::vector<double> impulses(tally.wall_impulse.begin(), tally.wall_impulse.end());
+void serialize(Archive& archive, Counters& counters) {
+  archive.visit("moves", counters.moves);
+  archive.visit("halted_moves", counters.halted_moves);
+  archive.visit("pair_collisions", counters.pair_collisions);
+  archive.visit("distance_checks", counters.distance_checks);
+  std::vector<std::uint64_t> hits(counters.wall_hits.begin(), counters.wall_hits.end());
+  std::vector<double> impulses(counters.wall_impulse.begin(), counters.wall_impulse.end());
   archive.visit("wall_hits", hits);
   archive.visit("wall_impulse", impulses);
-  archive.visit("pair_virial", tally.pair_virial);
-  archive.require(hits.size() == tally.wall_hits.size() && impulses.size() == tally.wall_impulse.size(),
+  archive.visit("pair_virial", counters.pair_virial);
+  archive.require(hits.size() == counters.wall_hits.size() && impulses.size() == counters.wall_impulse.size(),
                   "a box has four walls");
-  std::ranges::copy(hits, tally.wall_hits.begin());
-  std::ranges::copy(impulses, tally.wall_impulse.begin());
+  std::ranges::copy(hits, counters.wall_hits.begin());
+  std::ranges::copy(impulses, counters.wall_impulse.begin());
 }
 
 void describe(EngineSettings& settings, SettingVisitor& visitor) {

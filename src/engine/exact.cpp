@@ -114,26 +114,27 @@ void ExactEngine::start_from(State const& state) {
   next_step_time_ = state.clock.time + duration_;
 }
 
-void ExactEngine::advance(State& state, Tally& tally, Horizon const& horizon) {
+void ExactEngine::advance(State& state, Counters& counters, StopCondition const& stop_condition) {
   if (state.disks.empty()) return;
   if (!is_as_left(state)) start_from(state);
-  bool const ends_by_collisions_only = horizon.step == Horizon{}.step && !std::isfinite(horizon.time);
+  bool const ends_by_collisions_only =
+      stop_condition.step == StopCondition{}.step && !std::isfinite(stop_condition.time);
   if (ends_by_collisions_only && !dynamics_->can_collide()) {
     throw RunFailure("no two disks can ever collide, so the collisions asked for would be waited for forever");
   }
-  while (state.clock.step < horizon.step && state.clock.time < horizon.time &&
-         tally.pair_collisions < horizon.pair_collisions) {
-    double const target = std::min(next_step_time_, horizon.time);
+  while (state.clock.step < stop_condition.step && state.clock.time < stop_condition.time &&
+         counters.pair_collisions < stop_condition.pair_collisions) {
+    double const target = std::min(next_step_time_, stop_condition.time);
     bool is_at_target = false;
     try {
-      is_at_target =
-          dynamics_->run(target - start_time_, horizon.pair_collisions, audit_every_, tally, horizon.goes_on);
+      is_at_target = dynamics_->run(target - start_time_, stop_condition.pair_collisions, audit_every_, counters,
+                                    stop_condition.should_continue);
     } catch (RunFailure const&) {
       leave_at_last_event(state, target);
       throw;
     }
     if (!is_at_target) {
-      bool const is_interrupted = tally.pair_collisions < horizon.pair_collisions;
+      bool const is_interrupted = counters.pair_collisions < stop_condition.pair_collisions;
       // Short of the target by the clock as well, or what is left of the step would be taken for done.
       leave_at_last_event(state, is_interrupted ? std::nextafter(target, state.clock.time) : target);
       return;
@@ -142,7 +143,7 @@ void ExactEngine::advance(State& state, Tally& tally, Horizon const& horizon) {
     if (target == next_step_time_) {
       ++state.clock.step;
       next_step_time_ += duration_;
-      if (horizon.stops_here()) break;
+      if (stop_condition.stops_here()) break;
     }
   }
   dynamics_->write(state.clock.time - start_time_, state);
@@ -161,7 +162,7 @@ void ExactEngine::leave_at_last_event(State& state, double latest) {
   hash_ = hash(state);
 }
 
-void ExactEngine::carry(Archive& archive, State const& state) {
+void ExactEngine::serialize(Archive& archive, State const& state) {
   bool has_started = dynamics_ != nullptr;
   archive.visit("has_started", has_started);
   if (archive.is_restoring()) dynamics_ = has_started ? std::make_unique<exact::Dynamics>(state) : nullptr;
@@ -173,7 +174,7 @@ void ExactEngine::carry(Archive& archive, State const& state) {
   }
   archive.visit("start_time", start_time_);
   archive.visit("next_step_time", next_step_time_);
-  carry_inside(archive, "dynamics", [&] { dynamics_->carry(archive); });
+  serialize_inside(archive, "dynamics", [&] { dynamics_->serialize(archive); });
   hash_ = hash(state);
   row_hash_ = hash_of_rows(state.disks);
 }

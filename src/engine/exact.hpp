@@ -17,7 +17,7 @@ class Dynamics;
 /// the engine keeps its own state as long as the caller leaves the disks alone, so that the same run has the same bits
 /// however it is cut into calls; positions handed out are those at state.clock.time, or after a collision asked for those
 /// at its very moment, which the clock names with fewer digits.
-/// Errors: Error for a state that validate() refuses with an allowance for rounding, for a periodic box in which two disks
+/// Errors: Error for a state that validate() refuses with a tolerance for rounding, for a periodic box in which two disks
 /// could touch on both sides at once, and for a disk that moves between two walls it touches. RunFailure where
 /// collisions without end keep the time from passing.
 /// Cost: O(1) per collision.
@@ -26,9 +26,9 @@ class ExactEngine final : public Engine {
   ExactEngine(EngineSettings const& settings, State const& state);
   ~ExactEngine() override;
 
-  void advance(State& state, Tally& tally, Horizon const& horizon) override;
+  void advance(State& state, Counters& counters, StopCondition const& stop_condition) override;
   [[nodiscard]] double time_step() const override { return duration_; }
-  void carry(Archive& archive, State const& state) override;
+  void serialize(Archive& archive, State const& state) override;
 
   /// How many audits there have been since the start of the run, all of which found nothing.
   [[nodiscard]] std::uint64_t audits() const;

@@ -4,10 +4,10 @@
 
 namespace gridlock {
 
-void take_together_plainly(PackedTurns& turns, std::span<std::uint32_t const> rows, Tally& tally,
-                           std::vector<std::uint32_t>& not_local) {
+void take_batch_scalar(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
+                       std::vector<std::uint32_t>& not_local) {
   // All before the first is taken, which keeps the processor from waiting for each.
-  std::array<PackedTurns::Prepared, PackedTurns::most_together> prepared;
+  std::array<PackedTurns::Prepared, PackedTurns::largest_batch> prepared;
   std::size_t count = 0;
   for (std::uint32_t const i : rows) {
     if (turns.is_local(i, squared_length(turns.view_.disks[i].velocity))) {
@@ -16,7 +16,7 @@ void take_together_plainly(PackedTurns& turns, std::span<std::uint32_t const> ro
       not_local.push_back(i);
     }
   }
-  for (std::size_t n = 0; n < count; ++n) turns.take(prepared[n], tally);
+  for (std::size_t n = 0; n < count; ++n) turns.take(prepared[n], counters);
 }
 
 }  // namespace gridlock

@@ -18,10 +18,10 @@
 
 namespace gridlock {
 
-/// How far from its place at the start of a turn a disk can meet the centre of another: contact distance and way.
-class Reach {
+/// How far from its place at the start of a turn a disk can meet the centre of another: contact distance and displacement.
+class Cutoff {
  public:
-  Reach(Box const& box, double largest_radius, double duration, std::uint64_t substeps)
+  Cutoff(Box const& box, double largest_radius, double duration, std::uint64_t substeps)
       : largest_radius_(largest_radius),
         duration_(duration),
         // Every sub-step may round the position by an ulp of the box, which adds up for slow disks and many sub-steps.
@@ -43,14 +43,14 @@ class Reach {
 
 class PackedTurns;
 
-// The two ways of PackedTurns::take_together().
+// The kernels of PackedTurns::take_batch().
 
-void take_together_plainly(PackedTurns& turns, std::span<std::uint32_t const> rows, Tally& tally,
-                           std::vector<std::uint32_t>& not_local);
-/// Eight turns at a time; only where can_take_together_with_avx512().
-void take_together_with_avx512(PackedTurns& turns, std::span<std::uint32_t const> rows, Tally& tally,
-                               std::vector<std::uint32_t>& not_local);
-bool can_take_together_with_avx512();
+void take_batch_scalar(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
+                       std::vector<std::uint32_t>& not_local);
+/// Eight turns at a time; only where can_take_batch_with_avx512().
+void take_batch_avx512(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
+                       std::vector<std::uint32_t>& not_local);
+bool can_take_batch_with_avx512();
 
 /// Turns on a packed grid: the candidates of a disk are found once a turn, and only those it may really meet.
 ///
@@ -64,7 +64,7 @@ class PackedTurns {
       : view_(view),
         grid_(grid),
         layout_(grid.layout()),
-        reach_(view.box, radii.largest, duration, view.substeps),
+        cutoff_(view.box, radii.largest, duration, view.substeps),
         duration_(duration),
         room_(std::min(layout_.cell_width(), layout_.cell_height()) * (1.0 - 1e-9)),
         limit_per_area_(1.001 * grid.locals_per_length() * grid.locals_per_length()),
@@ -75,8 +75,8 @@ class PackedTurns {
 
   /// Whether the disk stays, and meets only disks, within the cells next to its own during its turn.
   [[nodiscard]] bool is_local(std::size_t i, double squared_speed) const {
-    double const way = room_ - reach_.contact(view_.disks[i].radius) - reach_.rounding();
-    return way > 0.0 && squared_speed * duration_ * duration_ <= way * way;
+    double const displacement = room_ - cutoff_.contact(view_.disks[i].radius) - cutoff_.rounding();
+    return displacement > 0.0 && squared_speed * duration_ * duration_ <= displacement * displacement;
   }
 
   /// A turn about to be taken: everything is known but what comes of it.
@@ -101,38 +101,38 @@ class PackedTurns {
             .needs_more_blocks = !fits_one_block_ && has_further_blocks(around)};
   }
 
-  void take(Prepared const& turn, Tally& tally) {
+  void take(Prepared const& turn, Counters& counters) {
     if (turn.needs_more_blocks) {
-      take_any(turn.disk, tally);
+      take_any(turn.disk, counters);
       return;
     }
     if (turn.is_far_from_edge) {
-      take_among<EdgeOfTurn::is_far>(turn, tally);
+      take_among<EdgeOfTurn::is_far>(turn, counters);
     } else {
-      take_among<EdgeOfTurn::may_be_met>(turn, tally);
+      take_among<EdgeOfTurn::may_be_met>(turn, counters);
     }
     grid_.move(turn.disk, view_.disks[turn.disk].position);
   }
 
   [[nodiscard]] std::uint64_t substeps() const { return view_.substeps; }
 
-  static constexpr std::size_t most_together = 16;
+  static constexpr std::size_t largest_batch = 16;
 
-  /// The turns of up to most_together disks without a common neighbour, in their order. Those that are not local do not
+  /// The turns of up to largest_batch disks without a common neighbour, in their order. Those that are not local do not
   /// take it and are added to `not_local`. The same bits as one turn after the other, eight at a time where the processor
   /// has AVX-512.
-  void take_together(std::span<std::uint32_t const> rows, Tally& tally, std::vector<std::uint32_t>& not_local) {
-    static auto const way = can_take_together_with_avx512() ? take_together_with_avx512 : take_together_plainly;
-    way(*this, rows, tally, not_local);
+  void take_batch(std::span<std::uint32_t const> rows, Counters& counters, std::vector<std::uint32_t>& not_local) {
+    static auto const kernel = can_take_batch_with_avx512() ? take_batch_avx512 : take_batch_scalar;
+    kernel(*this, rows, counters, not_local);
   }
 
   /// The turn of any disk.
-  void take_any(std::size_t i, Tally& tally) {
-    double const distance = reach_.of(view_.disks[i].radius, squared_length(view_.disks[i].velocity));
+  void take_any(std::size_t i, Counters& counters) {
+    double const distance = cutoff_.of(view_.disks[i].radius, squared_length(view_.disks[i].velocity));
     int const columns = layout_.columns_within(distance);
     int const rows = layout_.rows_within(distance);
     int const cell = grid_.cell_of(i);
-    take_turn(view_, i, tally, [&](Partner& partner) {
+    take_turn(view_, i, counters, [&](Partner& partner) {
       grid_.for_each_in_block(cell, columns, rows, [&](std::size_t j) { partner.consider(j); });
     });
     grid_.move(i, view_.disks[i].position);
@@ -164,9 +164,9 @@ class PackedTurns {
 
   [[nodiscard]] std::uint64_t find_near(std::size_t i, Block const& home, Around const& around) const {
     Vector const v = view_.disks[i].velocity;
-    double const contact = reach_.contact(view_.disks[i].radius);
-    double const squared_reach = contact * contact + duration_ * duration_ * squared_length(v);
-    auto const limit = static_cast<float>(squared_reach * limit_per_area_) + limit_error_;
+    double const contact = cutoff_.contact(view_.disks[i].radius);
+    double const squared_cutoff = contact * contact + duration_ * duration_ * squared_length(v);
+    auto const limit = static_cast<float>(squared_cutoff * limit_per_area_) + limit_error_;
     PackedGrid::LocalPoint const p = grid_.local(view_.disks[i].position + duration_ * v, home.column, home.row);
     float const left = p.x + grid_.local_width();
     float const right = p.x - grid_.local_width();
@@ -184,9 +184,9 @@ class PackedTurns {
   }
 
   template <EdgeOfTurn edge>
-  void take_among(Prepared const& turn, Tally& tally) {
+  void take_among(Prepared const& turn, Counters& counters) {
     if (turn.near == 0) {
-      take_turn<edge>(view_, turn.disk, tally, [](Partner&) {});
+      take_turn<edge>(view_, turn.disk, counters, [](Partner&) {});
       return;
     }
     Around const around = around_of(std::as_const(grid_).block_of(turn.disk));
@@ -196,19 +196,19 @@ class PackedTurns {
       auto const bit = static_cast<std::size_t>(std::countr_zero(left));
       candidates[count++] = around[bit / slots]->agent[bit % slots];
     }
-    take_turn<edge>(view_, turn.disk, tally, [&](Partner& partner) {
+    take_turn<edge>(view_, turn.disk, counters, [&](Partner& partner) {
       for (std::size_t n = 0; n < count; ++n) partner.consider(candidates[n]);
     });
   }
 
-  friend void take_together_plainly(PackedTurns& turns, std::span<std::uint32_t const> rows, Tally& tally,
-                                    std::vector<std::uint32_t>& not_local);
-  friend class TurnsTogether;
+  friend void take_batch_scalar(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
+                                std::vector<std::uint32_t>& not_local);
+  friend class BatchedMoves;
 
   TurnView const& view_;
   PackedGrid& grid_;
   CellLayout const& layout_;
-  Reach reach_;
+  Cutoff cutoff_;
   double duration_;
   double room_;  ///< for contact distance and way of a turn that is local
   double limit_per_area_;

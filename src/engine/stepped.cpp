@@ -33,9 +33,9 @@ void require_bounds(EngineSettings const& settings, State const& state) {
   }
 }
 
-std::string jump_text(State const& state, std::size_t i, double way, double contact) {
+std::string jump_text(State const& state, std::size_t i, double displacement, double contact) {
   return fmt::format("disk {} covers {:.6g} in one sub-step and could jump over a disk at contact distance {:.6g}",
-                     state.disks.ids()[i], way, contact);
+                     state.disks.ids()[i], displacement, contact);
 }
 
 constexpr char const* jump_hint = "use a smaller engine.time_step or more engine.substeps";
@@ -43,11 +43,12 @@ constexpr char const* jump_hint = "use a smaller engine.time_step or more engine
 void require_no_jumps(State const& state, double substep) {
   double const smallest = radius_range(state.disks).smallest;
   for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    double const squared_way = squared_length(velocity(state.disks, i)) * substep * substep;
+    double const squared_displacement = squared_length(velocity(state.disks, i)) * substep * substep;
     double const contact = state.disks.column<Radius>()[i] + smallest;
-    if (is_short(squared_way, contact)) continue;
-    throw Error(
-        {.what = jump_text(state, i, std::sqrt(squared_way), contact), .hint = jump_hint, .key = "engine.time_step"});
+    if (is_short(squared_displacement, contact)) continue;
+    throw Error({.what = jump_text(state, i, std::sqrt(squared_displacement), contact),
+                 .hint = jump_hint,
+                 .key = "engine.time_step"});
   }
 }
 
@@ -67,10 +68,10 @@ void require_room_for_images(State const& state, double substep) {
 
 }  // namespace
 
-void throw_long_substep(State const& state, std::size_t i, double way) {
+void throw_long_substep(State const& state, std::size_t i, double displacement) {
   double const contact = state.disks.column<Radius>()[i] + radius_range(state.disks).smallest;
   throw RunFailure(
-      fmt::format("step {}: {}\n  hint: {}", state.clock.step, jump_text(state, i, way, contact), jump_hint));
+      fmt::format("step {}: {}\n  hint: {}", state.clock.step, jump_text(state, i, displacement, contact), jump_hint));
 }
 
 void require_room_for_turns(EngineSettings const& settings, State const& state) {
@@ -88,11 +89,11 @@ CellLayout stepped_layout(EngineSettings const& settings, State const& state) {
     CellLayout const asked_for(state.box, *settings.cells, *settings.cells);
     if (settings.grid == GridKind::linked) return asked_for;
   }
-  double const way = largest_speed(state.disks) * duration;
+  double const displacement = largest_speed(state.disks) * duration;
   // A quarter more, since the fastest disk of the start does not stay the fastest.
-  if (settings.grid == GridKind::packed) return packed_layout(state.box, state.disks, 1.25 * way);
-  double const reach = 2.0 * radius_range(state.disks).largest + way;
-  return layout_for_reach(state.box, reach, state.disks.size());
+  if (settings.grid == GridKind::packed) return packed_layout(state.box, state.disks, 1.25 * displacement);
+  double const cutoff = 2.0 * radius_range(state.disks).largest + displacement;
+  return layout_for_cutoff(state.box, cutoff, state.disks.size());
 }
 
 SteppedEngine::SteppedEngine(EngineSettings const& settings, State const& state)
@@ -101,25 +102,25 @@ SteppedEngine::SteppedEngine(EngineSettings const& settings, State const& state)
   layout_ = stepped_layout(settings, state);
 }
 
-void SteppedEngine::advance(State& state, Tally& tally, Horizon const& horizon) {
+void SteppedEngine::advance(State& state, Counters& counters, StopCondition const& stop_condition) {
   if (state.box != box_) {
     box_ = state.box;
     layout_ = stepped_layout(settings_, state);
   }
   if (settings_.grid == GridKind::linked) {
-    advance_on_lists(state, tally, horizon);
+    advance_on_lists(state, counters, stop_condition);
   } else {
-    advance_packed(state, tally, horizon);
+    advance_packed(state, counters, stop_condition);
   }
 }
 
 template <class TakeTurn>
-void SteppedEngine::take_turns(State& state, HotDisks& disks, Tally& tally, Horizon const& horizon,
+void SteppedEngine::take_turns(State& state, HotDisks& disks, Counters& counters, StopCondition const& stop_condition,
                                TakeTurn take) const {
   double const smallest = radius_range(state.disks).smallest;
   double const substep = duration_ / static_cast<double>(settings_.substeps);
-  while (state.clock.step < horizon.step && state.clock.time < horizon.time &&
-         tally.pair_collisions < horizon.pair_collisions) {
+  while (state.clock.step < stop_condition.step && state.clock.time < stop_condition.time &&
+         counters.pair_collisions < stop_condition.pair_collisions) {
     for (std::size_t i = 0; i < disks.size(); ++i) {
       double const squared_speed = squared_length(disks[i].velocity);
       if (!is_short(squared_speed * substep * substep, disks[i].radius + smallest)) {
@@ -130,38 +131,38 @@ void SteppedEngine::take_turns(State& state, HotDisks& disks, Tally& tally, Hori
     }
     ++state.clock.step;
     state.clock.time += duration_;
-    if (horizon.stops_here()) break;
+    if (stop_condition.stops_here()) break;
   }
   disks.write_back(state);
 }
 
-void SteppedEngine::advance_on_lists(State& state, Tally& tally, Horizon const& horizon) const {
+void SteppedEngine::advance_on_lists(State& state, Counters& counters, StopCondition const& stop_condition) const {
   HotDisks disks(state, rows_in_order(state.disks.ids()));
   TurnView const view = disks.view(state.box, settings_, duration_);
   auto grid = grid_of<LinkedGrid>(layout_, disks);
-  Reach const reach(state.box, radius_range(state.disks).largest, duration_, settings_.substeps);
-  take_turns(state, disks, tally, horizon, [&](std::size_t i, double squared_speed) {
-    double const distance = reach.of(disks[i].radius, squared_speed);
+  Cutoff const cutoff(state.box, radius_range(state.disks).largest, duration_, settings_.substeps);
+  take_turns(state, disks, counters, stop_condition, [&](std::size_t i, double squared_speed) {
+    double const distance = cutoff.of(disks[i].radius, squared_speed);
     int const columns = layout_.columns_within(distance);
     int const rows = layout_.rows_within(distance);
     int const cell = grid.cell_of(i);
-    take_turn(view, i, tally, [&](Partner& partner) {
+    take_turn(view, i, counters, [&](Partner& partner) {
       grid.for_each_in_block(cell, columns, rows, [&](std::size_t j) { partner.consider(j); });
     });
     grid.move(i, disks[i].position);
   });
 }
 
-void SteppedEngine::advance_packed(State& state, Tally& tally, Horizon const& horizon) const {
+void SteppedEngine::advance_packed(State& state, Counters& counters, StopCondition const& stop_condition) const {
   HotDisks disks(state, rows_in_order(state.disks.ids()));
   TurnView const view = disks.view(state.box, settings_, duration_);
   auto grid = grid_of<PackedGrid>(layout_, disks);
   PackedTurns turns(view, grid, radius_range(state.disks), duration_);
-  take_turns(state, disks, tally, horizon, [&](std::size_t i, double squared_speed) {
+  take_turns(state, disks, counters, stop_condition, [&](std::size_t i, double squared_speed) {
     if (turns.is_local(i, squared_speed)) {
-      turns.take(turns.prepare(i), tally);
+      turns.take(turns.prepare(i), counters);
     } else {
-      turns.take_any(i, tally);
+      turns.take_any(i, counters);
     }
   });
 }

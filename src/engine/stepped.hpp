@@ -12,10 +12,10 @@ namespace gridlock {
 void require_room_for_turns(EngineSettings const& settings, State const& state);
 
 /// A disk that covers a contact distance in one sub-step could come out behind the disk it should have met.
-inline bool is_short(double squared_way, double contact) { return squared_way < contact * contact; }
+inline bool is_short(double squared_displacement, double contact) { return squared_displacement < contact * contact; }
 
 /// Throws RunFailure: the disk of row i has become so fast that it could jump over another.
-[[noreturn]] void throw_long_substep(State const& state, std::size_t i, double way);
+[[noreturn]] void throw_long_substep(State const& state, std::size_t i, double displacement);
 
 /// The cells of the engine `stepped`: for lists the k × k asked for, or the finest whose 3×3 block is enough for the
 /// start; for the packed grid see packed_layout().
@@ -31,17 +31,18 @@ class SteppedEngine final : public Engine {
  public:
   SteppedEngine(EngineSettings const& settings, State const& state);
 
-  void advance(State& state, Tally& tally, Horizon const& horizon) override;
+  void advance(State& state, Counters& counters, StopCondition const& stop_condition) override;
   [[nodiscard]] double time_step() const override { return duration_; }
 
  private:
-  void advance_on_lists(State& state, Tally& tally, Horizon const& horizon) const;
-  void advance_packed(State& state, Tally& tally, Horizon const& horizon) const;
-  /// Calls take(i, squared_speed) for each disk in the order of its row, step after step to the horizon, and writes all
+  void advance_on_lists(State& state, Counters& counters, StopCondition const& stop_condition) const;
+  void advance_packed(State& state, Counters& counters, StopCondition const& stop_condition) const;
+  /// Calls take(i, squared_speed) for each disk in the order of its row, step after step until the stop condition holds, and writes all
   /// of them back.
   /// Errors: RunFailure for a disk that has become so fast that a sub-step could jump over another.
   template <class TakeTurn>
-  void take_turns(State& state, HotDisks& disks, Tally& tally, Horizon const& horizon, TakeTurn take) const;
+  void take_turns(State& state, HotDisks& disks, Counters& counters, StopCondition const& stop_condition,
+                  TakeTurn take) const;
 
   EngineSettings settings_;
   double duration_;

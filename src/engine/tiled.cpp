@@ -11,7 +11,7 @@
 #include "engine/tiled/fetch_ahead.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/packed_grid.hpp"
-#include "gridlock/grid/waiting.hpp"
+#include "gridlock/grid/update_order.hpp"
 #include "packed_turns.hpp"
 #include "stepped.hpp"
 #include "turn.hpp"
@@ -47,9 +47,9 @@ std::vector<std::uint32_t> rows_by_turn(State const& state, CellLayout const& la
   return order;
 }
 
-void add(Tally& sum, Tally const& part) {
-  sum.turns += part.turns;
-  sum.blocked_turns += part.blocked_turns;
+void add(Counters& sum, Counters const& part) {
+  sum.moves += part.moves;
+  sum.halted_moves += part.halted_moves;
   sum.pair_collisions += part.pair_collisions;
   sum.distance_checks += part.distance_checks;
   for (std::size_t wall = 0; wall < 4; ++wall) {
@@ -61,7 +61,7 @@ void add(Tally& sum, Tally const& part) {
 
 /// What one tile leaves behind in one step; on a cache line of its own, since threads write to it side by side.
 struct alignas(64) TileResult {
-  Tally tally;
+  Counters counters;
   std::vector<std::uint32_t> too_fast_for_tile;  ///< rows that wait for the end of the step
   std::optional<std::size_t> too_fast;           ///< the first row that could jump over another
 };
@@ -77,7 +77,7 @@ class Steps {
         grid_(grid_of<PackedGrid>(layout, disks_)),
         turns_(view_, grid_, radius_range(state.disks), duration),
         smallest_radius_(radius_range(state.disks).smallest),
-        group_size_(goes_around_box(layout, tiling) ? 1 : PackedTurns::most_together),
+        group_size_(goes_around_box(layout, tiling) ? 1 : PackedTurns::largest_batch),
         results_(tiling.tiles().size()) {
     rank_.reserve(disks_.size());
     for (std::size_t k = 0; k < disks_.size(); ++k) rank_.push_back(disks_[k].rank);
@@ -85,7 +85,7 @@ class Steps {
 
   /// All disks take their turns. `for_each(parts, take)` calls take(part) for each, in any order or at once.
   template <class ForEach>
-  void take_step(std::vector<Tiling::Round> const& rounds, Tally& tally, ForEach for_each) {
+  void take_step(std::vector<Tiling::Round> const& rounds, Counters& counters, ForEach for_each) {
     marks_of_turned_ ^= all_slots;
     for (Tiling::Round const& round : rounds) {
       for_each(round.size(), [&](std::size_t part) { take_part(round[part]); });
@@ -94,8 +94,8 @@ class Steps {
     for (TileResult& result : results_) {
       for (std::uint32_t const i : result.too_fast_for_tile) take_late(i, result);
       result.too_fast_for_tile.clear();
-      add(tally, result.tally);
-      result.tally = {};
+      add(counters, result.counters);
+      result.counters = {};
     }
   }
 
@@ -103,8 +103,8 @@ class Steps {
   void require_no_jumps(State const& state) const {
     for (TileResult const& result : results_) {
       if (!result.too_fast) continue;
-      double const way = std::sqrt(squared_length(disks_[*result.too_fast].velocity)) * view_.substep;
-      throw_long_substep(state, disks_[*result.too_fast].row_in_state, way);
+      double const displacement = std::sqrt(squared_length(disks_[*result.too_fast].velocity)) * view_.substep;
+      throw_long_substep(state, disks_[*result.too_fast].row_in_state, displacement);
     }
   }
 
@@ -118,16 +118,16 @@ class Steps {
   }
 
   void take_part(Tiling::Part const& part) {
-    static thread_local Waiting waiting;
+    static thread_local UpdateOrder update_order;
     FetchAhead ahead(grid_, view_, rank_);
     auto const tile = [&](std::size_t k) { return k < part.size() ? &tiling_.tiles()[part[k]] : nullptr; };
     for (std::size_t k = 0; k < part.size(); ++k) {
-      waiting.find(grid_, *tile(k), rank_, [this](PackedGrid::Block const& block) {
+      update_order.find(grid_, *tile(k), rank_, [this](PackedGrid::Block const& block) {
         return (block.marks ^ marks_of_turned_) & ((1U << block.count) - 1U);
       });
-      ahead.aim(tile(k + 1), tile(k + 2), waiting.size());
+      ahead.aim(tile(k + 1), tile(k + 2), update_order.size());
       TileResult& result = results_[part[k]];
-      waiting.for_each_group([&](std::span<std::uint32_t const> rows) {
+      update_order.for_each_group([&](std::span<std::uint32_t const> rows) {
         for (std::size_t first = 0; first < rows.size(); first += group_size_) {
           take_group(rows.subspan(first, std::min(group_size_, rows.size() - first)), result, ahead);
         }
@@ -139,14 +139,14 @@ class Steps {
   void take_group(std::span<std::uint32_t const> rows, TileResult& result, FetchAhead& ahead) {
     for (std::uint32_t const i : rows) grid_.toggle_mark(i);
     // A local disk is short of a contact distance in the whole step, so in each sub-step too.
-    turns_.take_together(rows, result.tally, result.too_fast_for_tile);
+    turns_.take_batch(rows, result.counters, result.too_fast_for_tile);
     ahead.go_on(rows.size());
   }
 
   void take_late(std::uint32_t i, TileResult& result) {
     double const squared_speed = squared_length(disks_[i].velocity);
     if (is_short(squared_speed * view_.substep * view_.substep, disks_[i].radius + smallest_radius_)) {
-      turns_.take_any(i, result.tally);
+      turns_.take_any(i, result.counters);
     } else if (!result.too_fast) {
       result.too_fast = i;
     }
@@ -169,7 +169,7 @@ class Steps {
 }  // namespace
 
 TiledEngine::TiledEngine(EngineSettings const& settings, State const& state)
-    : settings_(settings), duration_(step_duration(settings, state)), box_(state.box), team_(settings.threads) {
+    : settings_(settings), duration_(step_duration(settings, state)), box_(state.box), thread_pool_(settings.threads) {
   require_room_for_turns(settings, state);
   lay_out(state);
 }
@@ -177,26 +177,26 @@ TiledEngine::TiledEngine(EngineSettings const& settings, State const& state)
 void TiledEngine::lay_out(State const& state) {
   // Room for disks of twice the speed that the time step refers to, whatever the disks do now: the cells must be the
   // same for a run and for its continuation from a file, since the order of the turns depends on them.
-  double const way_at_speed = settings_.time_step * 2.0 * radius_range(state.disks).smallest;
-  layout_ = packed_layout(state.box, state.disks, 2.0 * way_at_speed);
+  double const displacement_at_speed = settings_.time_step * 2.0 * radius_range(state.disks).smallest;
+  layout_ = packed_layout(state.box, state.disks, 2.0 * displacement_at_speed);
   tiling_ = Tiling(layout_);
-  rounds_ = tiling_.rounds(team_.size());
+  rounds_ = tiling_.rounds(thread_pool_.size());
 }
 
-void TiledEngine::advance(State& state, Tally& tally, Horizon const& horizon) {
+void TiledEngine::advance(State& state, Counters& counters, StopCondition const& stop_condition) {
   if (state.box != box_) {
     box_ = state.box;
     lay_out(state);
   }
-  auto const is_short_of_horizon = [&] {
-    return state.clock.step < horizon.step && state.clock.time < horizon.time &&
-           tally.pair_collisions < horizon.pair_collisions;
+  auto const is_before_stop = [&] {
+    return state.clock.step < stop_condition.step && state.clock.time < stop_condition.time &&
+           counters.pair_collisions < stop_condition.pair_collisions;
   };
   bool is_stopped = false;
-  while (is_short_of_horizon() && !is_stopped) {
+  while (is_before_stop() && !is_stopped) {
     Steps steps(state, settings_, duration_, layout_, tiling_);
-    for (std::uint64_t n = 0; n < steps_between_sorts && is_short_of_horizon() && !is_stopped; ++n) {
-      steps.take_step(rounds_, tally, [&](std::size_t parts, auto take) { team_.for_each(parts, take); });
+    for (std::uint64_t n = 0; n < steps_between_sorts && is_before_stop() && !is_stopped; ++n) {
+      steps.take_step(rounds_, counters, [&](std::size_t parts, auto take) { thread_pool_.for_each(parts, take); });
       try {
         steps.require_no_jumps(state);
       } catch (RunFailure const&) {
@@ -205,7 +205,7 @@ void TiledEngine::advance(State& state, Tally& tally, Horizon const& horizon) {
       }
       ++state.clock.step;
       state.clock.time += duration_;
-      is_stopped = horizon.stops_here();
+      is_stopped = stop_condition.stops_here();
     }
     steps.write_back(state);
   }

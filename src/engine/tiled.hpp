@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "gridlock/core/thread_team.hpp"
+#include "gridlock/core/thread_pool.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/grid/tiling.hpp"
@@ -19,7 +19,7 @@ class TiledEngine final : public Engine {
  public:
   TiledEngine(EngineSettings const& settings, State const& state);
 
-  void advance(State& state, Tally& tally, Horizon const& horizon) override;
+  void advance(State& state, Counters& counters, StopCondition const& stop_condition) override;
   [[nodiscard]] double time_step() const override { return duration_; }
 
  private:
@@ -29,9 +29,9 @@ class TiledEngine final : public Engine {
   double duration_;
   Box box_;  ///< the box layout_ was made for
   CellLayout layout_;
-  ThreadTeam team_;
+  ThreadPool thread_pool_;
   Tiling tiling_;
-  std::vector<Tiling::Round> rounds_;  ///< for this team
+  std::vector<Tiling::Round> rounds_;  ///< for this thread pool
 };
 
 }  // namespace gridlock

@@ -69,27 +69,27 @@ class Partner {
 };
 
 /// Turns back the velocity component that would carry `trial` through a wall; says whether there was one.
-inline bool hits_wall(Box const& box, DiskInTurn& disk, Vector trial, Tally& tally) {
+inline bool hits_wall(Box const& box, DiskInTurn& disk, Vector trial, Counters& counters) {
   if (box.is_periodic()) return false;
   double const r = disk.radius;
   bool is_hit = false;
-  auto const reflect = [&](Tally::Wall wall, double& component) {
-    ++tally.wall_hits[wall];
-    tally.wall_impulse[wall] += 2.0 * disk.mass * std::abs(component);
+  auto const reflect = [&](Counters::Wall wall, double& component) {
+    ++counters.wall_hits[wall];
+    counters.wall_impulse[wall] += 2.0 * disk.mass * std::abs(component);
     component = -component;
     is_hit = true;
   };
-  if (trial.x < r) reflect(Tally::left, disk.velocity.x);
-  if (trial.x > box.width() - r) reflect(Tally::right, disk.velocity.x);
-  if (trial.y < r) reflect(Tally::bottom, disk.velocity.y);
-  if (trial.y > box.height() - r) reflect(Tally::top, disk.velocity.y);
+  if (trial.x < r) reflect(Counters::left, disk.velocity.x);
+  if (trial.x > box.width() - r) reflect(Counters::right, disk.velocity.x);
+  if (trial.y < r) reflect(Counters::bottom, disk.velocity.y);
+  if (trial.y > box.height() - r) reflect(Counters::top, disk.velocity.y);
   return is_hit;
 }
 
 /// The elastic rule along b = r_j − r_i at the present positions:
 ///     Δv_i = −(2 m_j / (m_i + m_j)) (w·b / b²) b,   Δv_j = +(2 m_i / (m_i + m_j)) (w·b / b²) b,   w = v_i − v_j,
 /// which reverses the normal part of the relative velocity in the centre-of-mass frame and keeps momentum and energy.
-inline void scatter(TurnView const& view, std::size_t i, std::size_t j, Tally& tally) {
+inline void collide(TurnView const& view, std::size_t i, std::size_t j, Counters& counters) {
   DiskInTurn& self = view.disks[i];
   DiskInTurn& other = view.disks[j];
   Vector const b = view.box.displacement_inside(self.position, other.position);
@@ -102,8 +102,8 @@ inline void scatter(TurnView const& view, std::size_t i, std::size_t j, Tally& t
   Vector const change_other = (self.mass * along) * b;
   self.velocity = self.velocity + change_self;
   other.velocity = other.velocity + change_other;
-  ++tally.pair_collisions;
-  tally.pair_virial -= self.mass * dot(b, change_self);
+  ++counters.pair_collisions;
+  counters.pair_virial -= self.mass * dot(b, change_self);
 }
 
 /// Whether a disk may come to an edge of the box in its turn. One that cannot is neither asked for walls nor wrapped.
@@ -115,12 +115,12 @@ enum class EdgeOfTurn { may_be_met, is_far };
 /// search(partner) must call partner.consider(j) for every disk j that could overlap the trial point; visiting more
 /// disks, or any order, gives the same bits.
 template <EdgeOfTurn edge = EdgeOfTurn::may_be_met, class Search>
-void take_turn(TurnView const& view, std::size_t i, Tally& tally, Search search) {
-  ++tally.turns;
+void take_turn(TurnView const& view, std::size_t i, Counters& counters, Search search) {
+  ++counters.moves;
   // Kept out of memory until the turn is over, which spares a way through memory in every sub-step.
   DiskInTurn& disk = view.disks[i];
   Vector here = disk.position;
-  Vector const way = view.substep * disk.velocity;
+  Vector const displacement = view.substep * disk.velocity;
   int crossed_x = 0;
   int crossed_y = 0;
   auto const settle = [&] {
@@ -131,12 +131,12 @@ void take_turn(TurnView const& view, std::size_t i, Tally& tally, Search search)
     }
   };
   for (std::uint64_t m = 0; m < view.substeps; ++m) {
-    Vector trial = here + way;
+    Vector trial = here + displacement;
     int trial_crossed_x = crossed_x;
     int trial_crossed_y = crossed_y;
     if constexpr (edge == EdgeOfTurn::may_be_met) {
-      if (hits_wall(view.box, disk, trial, tally)) {
-        ++tally.blocked_turns;
+      if (hits_wall(view.box, disk, trial, counters)) {
+        ++counters.halted_moves;
         break;
       }
       // Wrapping rounds, so it comes before the overlap check: what is checked is what is kept.
@@ -144,11 +144,11 @@ void take_turn(TurnView const& view, std::size_t i, Tally& tally, Search search)
     }
     Partner partner(view, i, trial);
     search(partner);
-    tally.distance_checks += partner.checks();
+    counters.distance_checks += partner.checks();
     if (partner.exists()) {
       settle();
-      scatter(view, i, partner.index(), tally);
-      ++tally.blocked_turns;
+      collide(view, i, partner.index(), counters);
+      ++counters.halted_moves;
       return;
     }
     here = trial;

@@ -70,7 +70,7 @@ std::span<SeenBlock const> blocks_seen_from(HalfBlock& half, int column, int row
   return half.seen;
 }
 
-void add_pairs_of_cell_plainly(HalfBlock& half, int column, int row, PairBuffer& buffer) {
+void add_pairs_of_cell_scalar(HalfBlock& half, int column, int row, PairBuffer& buffer) {
   constexpr std::size_t most_at_once = 64;
   std::span<SeenBlock const> const seen = blocks_seen_from(half, column, row);
   float const limit = half.limit;
@@ -93,7 +93,7 @@ void add_pairs_of_cell_plainly(HalfBlock& half, int column, int row, PairBuffer&
   }
 }
 
-void add_pairs_of_row_plainly(HalfBlock& half, int row, PairBuffer& buffer) {
+void add_pairs_of_row_scalar(HalfBlock& half, int row, PairBuffer& buffer) {
   PackedGrid const& grid = half.grid;
   float const width = grid.local_width();
   float const height = grid.local_height();
@@ -103,7 +103,7 @@ void add_pairs_of_row_plainly(HalfBlock& half, int row, PairBuffer& buffer) {
   for (int column = 0; column < cells.columns(); ++column) {
     FiveBlocks const blocks = cells.at(column);
     if (!is_3_by_3 || !blocks.are_all()) {
-      add_pairs_of_cell_plainly(half, column, row, buffer);
+      add_pairs_of_cell_scalar(half, column, row, buffer);
       continue;
     }
     Block const& home = blocks.home;
@@ -124,11 +124,11 @@ void add_pairs_of_row_plainly(HalfBlock& half, int row, PairBuffer& buffer) {
   }
 }
 
-void find_candidate_pairs(PackedGrid const& grid, double reach, AddPairsOfRow add_pairs_of_row,
+void find_candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOfRow add_pairs_of_row,
                           PackedGrid::OnPairs const& on_pairs) {
   CellLayout const& layout = grid.layout();
-  int const columns = layout.columns_within(reach);
-  int const rows = layout.rows_within(reach);
+  int const columns = layout.columns_within(cutoff);
+  int const rows = layout.rows_within(cutoff);
   PairBuffer buffer(on_pairs);
   // Half of the block, to the right and above, meets every pair once; unless the block goes around the box.
   bool const goes_around =
@@ -138,16 +138,16 @@ void find_candidate_pairs(PackedGrid const& grid, double reach, AddPairsOfRow ad
     buffer.flush();
     return;
   }
-  HalfBlock half{grid, columns, rows, grid.local_limit(reach * reach, std::max(columns, rows))};
+  HalfBlock half{grid, columns, rows, grid.local_limit(cutoff * cutoff, std::max(columns, rows))};
   for (int row = 0; row < layout.rows(); ++row) add_pairs_of_row(half, row, buffer);
   buffer.flush();
 }
 
-void PackedGrid::find_candidate_pairs(double reach, OnPairs const& on_pairs) const {
-  require_cutoff(reach);
-  static AddPairsOfRow const way =
-      can_add_pairs_with_avx512() ? add_pairs_of_row_with_avx512 : add_pairs_of_row_plainly;
-  gridlock::find_candidate_pairs(*this, reach, way, on_pairs);
+void PackedGrid::find_candidate_pairs(double cutoff, OnPairs const& on_pairs) const {
+  require_cutoff(cutoff);
+  static AddPairsOfRow const kernel =
+      can_add_pairs_with_avx512() ? add_pairs_of_row_with_avx512 : add_pairs_of_row_scalar;
+  gridlock::find_candidate_pairs(*this, cutoff, kernel, on_pairs);
 }
 
 }  // namespace gridlock

@@ -60,19 +60,19 @@ struct HalfBlock {
 std::span<SeenBlock const> blocks_seen_from(HalfBlock& half, int column, int row);
 
 /// The candidates of one cell.
-void add_pairs_of_cell_plainly(HalfBlock& half, int column, int row, PairBuffer& buffer);
+void add_pairs_of_cell_scalar(HalfBlock& half, int column, int row, PairBuffer& buffer);
 
-// Two ways for a row of cells; they add the same pairs in the same order, which a test compares.
+// Two kernels for a row of cells; they add the same pairs in the same order, which a test compares.
 
-void add_pairs_of_row_plainly(HalfBlock& half, int row, PairBuffer& buffer);
+void add_pairs_of_row_scalar(HalfBlock& half, int row, PairBuffer& buffer);
 
 bool can_add_pairs_with_avx512();
 /// Contract: can_add_pairs_with_avx512().
 void add_pairs_of_row_with_avx512(HalfBlock& half, int row, PairBuffer& buffer);
 
 using AddPairsOfRow = void (*)(HalfBlock&, int, PairBuffer&);
-/// PackedGrid::find_candidate_pairs() by one of the two ways.
-void find_candidate_pairs(PackedGrid const& grid, double reach, AddPairsOfRow add_pairs_of_row,
+/// PackedGrid::find_candidate_pairs() by one of the two kernels.
+void find_candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOfRow add_pairs_of_row,
                           PackedGrid::OnPairs const& on_pairs);
 
 /// The five blocks of a cell in a row whose half block is that of 3×3 cells.

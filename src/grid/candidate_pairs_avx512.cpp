@@ -42,7 +42,7 @@ GRIDLOCK_AVX512 inline __m512i pairs_of(__m512i agent, __m256i others) {
   return _mm512_or_si512(agent, _mm512_slli_epi64(_mm512_cvtepu32_epi64(others), 32));
 }
 
-// The same operations in the same order as in add_pairs_of_row_plainly(), so that they round alike. What is near is moved
+// The same operations in the same order as in add_pairs_of_row_scalar(), so that they round alike. What is near is moved
 // together in a register and written whole: writing only some of the lanes takes ten times as long.
 
 /// Writes the pairs of the agent in slot s with those in later slots of its block and returns their end.
@@ -129,7 +129,7 @@ GRIDLOCK_AVX512 void add_pairs_of_row_with_avx512(HalfBlock& half, int row, Pair
       if (seen.size() <= most_blocks_seen) {
         add_pairs_of_cell(grid, seen, limit, buffer);
       } else {
-        add_pairs_of_cell_plainly(half, column, row, buffer);
+        add_pairs_of_cell_scalar(half, column, row, buffer);
       }
       continue;
     }
@@ -150,7 +150,7 @@ namespace gridlock {
 
 bool can_add_pairs_with_avx512() { return false; }
 void add_pairs_of_row_with_avx512(HalfBlock& half, int row, PairBuffer& buffer) {
-  add_pairs_of_row_plainly(half, row, buffer);
+  add_pairs_of_row_scalar(half, row, buffer);
 }
 
 }  // namespace gridlock

@@ -13,9 +13,9 @@ namespace {
 
 constexpr std::uint64_t most_cells = std::uint64_t{1} << 31;
 
-/// Whole cells of at least `reach` along a side; at least one.
-std::uint64_t cells_along(double side, double reach, double most) {
-  double const cells = std::min(std::floor(side / reach), std::floor(most));
+/// Whole cells of at least `cutoff` along a side; at least one.
+std::uint64_t cells_along(double side, double cutoff, double most) {
+  double const cells = std::min(std::floor(side / cutoff), std::floor(most));
   return cells > 1.0 ? static_cast<std::uint64_t>(cells) : 1;
 }
 
@@ -44,16 +44,16 @@ int CellLayout::index_from_outside(double p, double per_length, int count, doubl
   return static_cast<int>(std::min(std::max(0.0, index), static_cast<double>(count - 1)));
 }
 
-CellLayout layout_for_reach(Box const& box, double reach, std::size_t agents) {
-  require_cutoff(reach);
-  // A hair more than the reach, so that the margin of columns_within() does not ask for a second ring of cells.
-  reach *= 1.0 + 1e-9;
+CellLayout layout_for_cutoff(Box const& box, double cutoff, std::size_t agents) {
+  require_cutoff(cutoff);
+  // A hair more than the cutoff, so that the margin of columns_within() does not ask for a second ring of cells.
+  cutoff *= 1.0 + 1e-9;
   // Cells far smaller in number than agents would make long lists; far more would only be empty memory.
   double const most = 2.0 * static_cast<double>(agents) + 1.0;
   double const columns = std::sqrt(most * (box.width() / box.height()));
   double const rows = std::sqrt(most * (box.height() / box.width()));
-  return {box, cells_along(box.width(), reach, std::min(columns + 1.0, most)),
-          cells_along(box.height(), reach, std::min(rows + 1.0, most))};
+  return {box, cells_along(box.width(), cutoff, std::min(columns + 1.0, most)),
+          cells_along(box.height(), cutoff, std::min(rows + 1.0, most))};
 }
 
 }  // namespace gridlock

@@ -105,8 +105,8 @@ template <class Visit>
 void for_each_overlap(State const& state, Visit visit) {
   if (state.disks.empty()) return;
   auto const r = state.disks.column<Radius>();
-  double const reach = 2.0 * radius_range(state.disks).largest;
-  for_each_pair(state, grid_for_reach(state, reach), reach, [&](std::size_t i, std::size_t j, Vector separation) {
+  double const cutoff = 2.0 * radius_range(state.disks).largest;
+  for_each_pair(state, grid_for_cutoff(state, cutoff), cutoff, [&](std::size_t i, std::size_t j, Vector separation) {
     double const contact = r[i] + r[j];
     double const missing = contact * contact - squared_length(separation);
     // √(d²) − contact would round an overlap of the last bit to nothing; this quotient stays below 0.
@@ -116,13 +116,13 @@ void for_each_overlap(State const& state, Visit visit) {
 
 }  // namespace
 
-void validate(State const& state, Allowance const& allowance) {
-  std::vector<Problem> problems = find_broken_rows(state, allowance.beyond_walls);
+void validate(State const& state, Tolerance const& tolerance) {
+  std::vector<Problem> problems = find_broken_rows(state, tolerance.beyond_walls);
   if (problems.empty()) problems = find_extreme_magnitudes(state);
   if (!problems.empty()) throw Error(std::move(problems));
   ProblemList overlaps;
   for_each_overlap(state, [&](std::size_t i, std::size_t j, double gap) {
-    if (-gap <= allowance.overlap) return;
+    if (-gap <= tolerance.overlap) return;
     auto const [a, b] = std::minmax(state.disks.ids()[i], state.disks.ids()[j]);
     overlaps.add(fmt::format("disks {} and {} overlap by {:.3g}", a, b, -gap),
                  "move them apart or make them smaller; hard disks may touch but not overlap");

@@ -245,11 +245,11 @@ std::string checksum_of(std::string_view payload) {
   return checksum.bytes();
 }
 
-/// Calls take(text) for the parts of a checkpoint of everything `carry` visits, one after the other.
+/// Calls take(text) for the parts of a checkpoint of everything `serialize` visits, one after the other.
 template <class Take>
-void save_in_parts(CarryAll const& carry, Take take) {
+void save_in_parts(SerializeAll const& serialize, Take take) {
   SavingArchive archive;
-  carry(archive);
+  serialize(archive);
   Checksum checksum;
   archive.for_each_part([&](std::string_view part) { checksum.add(part); });
   std::string header(magic);
@@ -284,13 +284,13 @@ std::string_view payload_of(std::string_view bytes, std::string const& name) {
 
 }  // namespace
 
-std::string to_checkpoint(CarryAll const& carry) {
+std::string to_checkpoint(SerializeAll const& serialize) {
   std::string bytes;
-  save_in_parts(carry, [&](std::string_view part) { bytes += part; });
+  save_in_parts(serialize, [&](std::string_view part) { bytes += part; });
   return bytes;
 }
 
-void from_checkpoint(std::string_view bytes, std::string const& name, CarryAll const& carry) {
+void from_checkpoint(std::string_view bytes, std::string const& name, SerializeAll const& serialize) {
   std::string_view const payload = payload_of(bytes, name);
   MemberReader reader;
   if (!is_flat_map(payload) || !Json::sax_parse(payload.begin(), payload.end(), &reader, Json::input_format_t::cbor)) {
@@ -298,19 +298,19 @@ void from_checkpoint(std::string_view bytes, std::string const& name, CarryAll c
   }
   RestoringArchive archive(std::move(reader.members));
   try {
-    carry(archive);
+    serialize(archive);
   } catch (Error const& error) {
     refuse(name, error.problems().front().what, error.problems().front().hint);
   }
 }
 
-void write_checkpoint(std::filesystem::path const& directory, CarryAll const& carry) {
+void write_checkpoint(std::filesystem::path const& directory, SerializeAll const& serialize) {
   AtomicFile file(directory / newest_name);
-  save_in_parts(carry, [&](std::string_view part) { file.append(part); });
+  save_in_parts(serialize, [&](std::string_view part) { file.append(part); });
   file.commit(directory / previous_name);
 }
 
-std::optional<Restored> restore_checkpoint(std::filesystem::path const& directory, CarryAll const& carry) {
+std::optional<Restored> restore_checkpoint(std::filesystem::path const& directory, SerializeAll const& serialize) {
   std::string note;
   std::optional<Error> error;
   for (char const* name : {newest_name, previous_name}) {
@@ -320,7 +320,7 @@ std::optional<Restored> restore_checkpoint(std::filesystem::path const& director
     // Not among what a damaged one may be replaced for: the next checkpoint would go into it too.
     require_regular_file(path);
     try {
-      from_checkpoint(read_file(path, largest_checkpoint), path.string(), carry);
+      from_checkpoint(read_file(path, largest_checkpoint), path.string(), serialize);
       return Restored{path, note};
     } catch (Error const& refusal) {
       if (!error) error = refusal;

@@ -109,7 +109,8 @@ TomlValue const* SettingsReader::take(std::string_view key) {
 }
 
 void SettingsReader::report(TomlValue const& value, std::string const& path, std::string what, std::string hint) {
-  problems_.push_back(problem_at(value.location, path, std::move(what), hint.empty() ? explanation_of(path) : std::move(hint)));
+  problems_.push_back(
+      problem_at(value.location, path, std::move(what), hint.empty() ? explanation_of(path) : std::move(hint)));
 }
 
 void SettingsReader::report_type(TomlValue const& value, std::string const& path, std::string const& expected,

@@ -193,7 +193,7 @@ class RandomInsertion {
         seed_(seed),
         sites_(kinds.mass.size()),
         radii_(kinds.size_ratio),
-        grid_(layout_for_reach(box, 2.0 * radius * kinds.largest_ratio(), kinds.mass.size())),
+        grid_(layout_for_cutoff(box, 2.0 * radius * kinds.largest_ratio(), kinds.mass.size())),
         attempts_left_(most_attempts()) {
     for (double& r : radii_) r *= radius;
   }
@@ -238,10 +238,10 @@ class RandomInsertion {
   }
 
   [[nodiscard]] bool is_free(std::size_t i, Vector p) const {
-    double const reach = radii_[i] + largest_;
+    double const cutoff = radii_[i] + largest_;
     CellLayout const& layout = grid_.layout();
     bool is_free = true;
-    grid_.for_each_in_block(layout.cell_of(p), layout.columns_within(reach), layout.rows_within(reach),
+    grid_.for_each_in_block(layout.cell_of(p), layout.columns_within(cutoff), layout.rows_within(cutoff),
                             [&](std::size_t j) {
                               double const contact = radii_[i] + radii_[j];
                               if (squared_length(box_.displacement(p, sites_[j])) < contact * contact) is_free = false;

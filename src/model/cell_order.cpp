@@ -7,11 +7,11 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::size_t rows_per_stretch = 2048;
+constexpr std::size_t rows_per_range = 2048;
 
-/// Parts of the cells that are sorted on their own; enough for any team, and few enough that looking for the rows of a
+/// Parts of the cells that are sorted on their own; enough for any thread pool, and few enough that looking for the rows of a
 /// part costs little.
-std::size_t parts_for(ThreadTeam const& team) { return team.size() == 1 ? 1 : 4 * team.size(); }
+std::size_t parts_for(ThreadPool const& thread_pool) { return thread_pool.size() == 1 ? 1 : 4 * thread_pool.size(); }
 
 /// The rows of one cell. They are few and mostly in order.
 void sort_by_id(std::span<std::uint32_t> rows, std::span<Id const> ids) {
@@ -32,41 +32,41 @@ void sort_by_id(std::span<std::uint32_t> rows, std::span<Id const> ids) {
 
 template <class Visit>
 void CellOrder::for_each_row_in_cells(std::uint32_t first_cell, std::uint32_t end_cell, Visit visit) const {
-  for (std::size_t s = 0; s < stretches_.size(); ++s) {
-    if (stretches_[s].most < first_cell || stretches_[s].least >= end_cell) continue;
-    std::size_t const end = std::min(cell_.size(), (s + 1) * rows_per_stretch);
-    for (std::size_t row = s * rows_per_stretch; row < end; ++row) {
+  for (std::size_t s = 0; s < ranges_.size(); ++s) {
+    if (ranges_[s].most < first_cell || ranges_[s].least >= end_cell) continue;
+    std::size_t const end = std::min(cell_.size(), (s + 1) * rows_per_range);
+    for (std::size_t row = s * rows_per_range; row < end; ++row) {
       if (cell_[row] >= first_cell && cell_[row] < end_cell) visit(static_cast<std::uint32_t>(row), cell_[row]);
     }
   }
 }
 
 void CellOrder::sort(CellLayout const& layout, std::span<double const> x, std::span<double const> y,
-                     std::span<Id const> ids, ThreadTeam& team) {
+                     std::span<Id const> ids, ThreadPool& thread_pool) {
   std::size_t const agents = ids.size();
   auto const cells = static_cast<std::size_t>(layout.count());
   cell_.resize(agents);
   rows_.resize(agents);
   first_.resize(cells + 1);
-  stretches_.resize((agents + rows_per_stretch - 1) / rows_per_stretch);
-  std::size_t const parts = parts_for(team);
+  ranges_.resize((agents + rows_per_range - 1) / rows_per_range);
+  std::size_t const parts = parts_for(thread_pool);
 
-  team.for_each(parts, [&](std::size_t part) {
-    for (std::size_t s = part * stretches_.size() / parts; s < (part + 1) * stretches_.size() / parts; ++s) {
-      Stretch stretch{.least = static_cast<std::uint32_t>(cells), .most = 0};
-      for (std::size_t row = s * rows_per_stretch; row < std::min(agents, (s + 1) * rows_per_stretch); ++row) {
+  thread_pool.for_each(parts, [&](std::size_t part) {
+    for (std::size_t s = part * ranges_.size() / parts; s < (part + 1) * ranges_.size() / parts; ++s) {
+      RowRange range{.least = static_cast<std::uint32_t>(cells), .most = 0};
+      for (std::size_t row = s * rows_per_range; row < std::min(agents, (s + 1) * rows_per_range); ++row) {
         auto const cell = static_cast<std::uint32_t>(layout.cell_of({x[row], y[row]}));
         cell_[row] = cell;
-        stretch.least = std::min(stretch.least, cell);
-        stretch.most = std::max(stretch.most, cell);
+        range.least = std::min(range.least, cell);
+        range.most = std::max(range.most, cell);
       }
-      stretches_[s] = stretch;
+      ranges_[s] = range;
     }
   });
 
   auto const first_cell = [&](std::size_t part) { return static_cast<std::uint32_t>(part * cells / parts); };
   // Every part counts its own cells and afterwards fills them, so that no two threads write to one place.
-  team.for_each(parts, [&](std::size_t part) {
+  thread_pool.for_each(parts, [&](std::size_t part) {
     std::uint32_t const first = first_cell(part);
     std::uint32_t const end = first_cell(part + 1);
     std::fill(first_.begin() + first, first_.begin() + end, 0U);
@@ -74,7 +74,7 @@ void CellOrder::sort(CellLayout const& layout, std::span<double const> x, std::s
   });
   std::exclusive_scan(first_.begin(), first_.end() - 1, first_.begin(), 0U);
   first_[cells] = static_cast<std::uint32_t>(agents);
-  team.for_each(parts, [&](std::size_t part) {
+  thread_pool.for_each(parts, [&](std::size_t part) {
     std::uint32_t const first = first_cell(part);
     std::uint32_t const end = first_cell(part + 1);
     // first_[cell] runs on to the end of its cell while it is filled, and is set back behind it.
@@ -83,7 +83,7 @@ void CellOrder::sort(CellLayout const& layout, std::span<double const> x, std::s
   std::shift_right(first_.begin(), first_.end() - 1, 1);
   first_[0] = 0;
   first_[cells] = static_cast<std::uint32_t>(agents);
-  team.for_each(parts, [&](std::size_t part) {
+  thread_pool.for_each(parts, [&](std::size_t part) {
     // Cells are short and seldom out of order: a pass over all rows, which knows nothing of cells, stumbles only there.
     Id last_id = 0;
     std::uint32_t last_cell = static_cast<std::uint32_t>(cells);

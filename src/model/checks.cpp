@@ -74,8 +74,8 @@ void throw_far_search(FarSearch const& search) {
   throw RunFailure(
       fmt::format("step {}: {} searches within {} of {}{}, but the model declares that it looks {} far\n  hint: this "
                   "is a mistake of "
-                  "the model: let reach() return the largest distance at which an agent looks for others",
-                  search.step, in_words(search.agent), search.reach, in_words(search.point),
+                  "the model: let cutoff() return the largest distance at which an agent looks for others",
+                  search.step, in_words(search.agent), search.cutoff, in_words(search.point),
                   is_elsewhere ? fmt::format(" from {}", in_words(search.position)) : "", search.declared));
 }
 
@@ -95,11 +95,11 @@ void throw_not_alive(std::uint64_t step, Id agent) {
       step, agent));
 }
 
-void throw_bad_step(std::uint64_t step, double reach, double time_step) {
+void throw_bad_step(std::uint64_t step, double cutoff, double time_step) {
   throw RunFailure(
       fmt::format("step {}: the model looks {} far and its time step is {}\n  hint: this is a mistake of the "
-                  "model: reach() and time_step() have to return finite numbers above 0",
-                  step, reach, time_step));
+                  "model: cutoff() and time_step() have to return finite numbers above 0",
+                  step, cutoff, time_step));
 }
 
 }  // namespace gridlock

@@ -33,7 +33,7 @@ std::vector<double> BlockAverage::block_means() const {
   return means;
 }
 
-void carry(Archive& archive, std::string_view name, std::span<BlockAverage> averages) {
+void serialize(Archive& archive, std::string_view name, std::span<BlockAverage> averages) {
   std::vector<Block> blocks;
   std::vector<std::uint64_t> counts;
   for (BlockAverage const& average : averages) {
@@ -41,8 +41,8 @@ void carry(Archive& archive, std::string_view name, std::span<BlockAverage> aver
     counts.insert(counts.end(),
                   {average.used_, average.samples_per_block_, average.samples_in_last_, average.samples_});
   }
-  carry_inside(archive, name, [&] {
-    carry(archive, "blocks", blocks);
+  serialize_inside(archive, name, [&] {
+    serialize(archive, "blocks", blocks);
     archive.visit("counts", counts);
   });
   archive.require(counts.size() == 4 * averages.size(), "the averages differ in number");

@@ -25,17 +25,17 @@ std::complex<double> sixth_power_of_direction(Vector r) {
 
 double neighbour_distance(State const& state) {
   double const density = static_cast<double>(state.disks.size()) / state.box.area();
-  double const reach = 1.5 * std::sqrt(2.0 / (std::numbers::sqrt3 * density));
-  if (!state.box.is_periodic()) return reach;
-  return std::min(reach, 0.5 * std::min(state.box.width(), state.box.height()));
+  double const cutoff = 1.5 * std::sqrt(2.0 / (std::numbers::sqrt3 * density));
+  if (!state.box.is_periodic()) return cutoff;
+  return std::min(cutoff, 0.5 * std::min(state.box.width(), state.box.height()));
 }
 
 /// ψ6 of each disk: the mean of exp(6 i θ_jk) over its neighbours k.
 std::vector<std::complex<double>> bond_orientations(State const& state) {
-  double const reach = neighbour_distance(state);
+  double const cutoff = neighbour_distance(state);
   std::vector<std::complex<double>> sums(state.disks.size());
   std::vector<std::uint32_t> counts(state.disks.size());
-  for_each_pair(state, grid_for_reach(state, reach), reach, [&](std::size_t i, std::size_t j, Vector separation) {
+  for_each_pair(state, grid_for_cutoff(state, cutoff), cutoff, [&](std::size_t i, std::size_t j, Vector separation) {
     if (!(squared_length(separation) > 0.0)) return;
     // Six is even: the direction back gives the same number.
     std::complex<double> const bond = sixth_power_of_direction(separation);
@@ -71,13 +71,13 @@ std::vector<double> local_bond_orientation_orders(State const& state) {
   return values;
 }
 
-void BondOrientation::begin(Moment const&) {
+void BondOrientation::begin(Snapshot const&) {
   reset({{"global_bond_orientation_order", "", "|⟨ψ6⟩|, the sixfold order of the whole system."},
          {"local_bond_orientation_order", "", "⟨|ψ6|⟩, the sixfold order around each disk."}});
   schedule_.reset();
 }
 
-void BondOrientation::sample(Moment const& now, std::span<double> row, bool counts_for_average) {
+void BondOrientation::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {
   std::ranges::fill(row, no_value);
   if (!schedule_.is_due(counts_for_average)) return;
   auto const order = bond_orientation_order(now.state);
@@ -89,9 +89,9 @@ void BondOrientation::sample(Moment const& now, std::span<double> row, bool coun
   average(1, order->local);
 }
 
-void BondOrientation::carry(Archive& archive) {
-  AveragingObservable::carry(archive);
-  schedule_.carry(archive);
+void BondOrientation::serialize(Archive& archive) {
+  AveragingObservable::serialize(archive);
+  schedule_.serialize(archive);
 }
 
 }  // namespace gridlock

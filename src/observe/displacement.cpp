@@ -12,9 +12,9 @@ std::vector<ColumnInfo> Displacement::columns() const {
        "Distance of the centre of the disks from where it started; no physics in a periodic box under a time step."}};
 }
 
-void Displacement::begin(Moment const& start) {
+void Displacement::begin(Snapshot const& start) {
   Disks const& disks = start.state.disks;
-  rows_ = RowsById(disks.ids());
+  rows_ = IdIndex(disks.ids());
   sites_.assign(disks.size(), {});
   for (std::size_t i = 0; i < disks.size(); ++i) {
     sites_[rows_.place_of(disks.ids()[i], i)] = {disks.column<X>()[i], disks.column<Y>()[i], disks.column<ImageX>()[i],
@@ -25,7 +25,7 @@ void Displacement::begin(Moment const& start) {
   centre_ = {};
 }
 
-void Displacement::sample(Moment const& now, std::span<double> row, bool) {
+void Displacement::sample(Snapshot const& now, std::span<double> row, bool) {
   Disks const& disks = now.state.disks;
   Box const& box = now.state.box;
   auto const ids = disks.ids();
@@ -39,7 +39,7 @@ void Displacement::sample(Moment const& now, std::span<double> row, bool) {
   double count = 0.0;
   for (std::size_t i = 0; i < disks.size(); ++i) {
     std::size_t const place = rows_.place_of(ids[i], i);
-    if (place == RowsById::not_found) continue;
+    if (place == IdIndex::not_found) continue;
     Site const& from = sites_[place];
     double const crossed_x = static_cast<double>(image_x[i]) - static_cast<double>(from.image_x);
     double const crossed_y = static_cast<double>(image_y[i]) - static_cast<double>(from.image_y);
@@ -71,10 +71,10 @@ std::vector<NamedEstimate> Displacement::results() const {
   return results;
 }
 
-void Displacement::carry(Archive& archive) {
-  gridlock::carry(archive, "length", length_);
-  gridlock::carry(archive, "squared_length", squared_length_);
-  gridlock::carry(archive, "centre", std::span(&centre_, 1));
+void Displacement::serialize(Archive& archive) {
+  gridlock::serialize(archive, "length", length_);
+  gridlock::serialize(archive, "squared_length", squared_length_);
+  gridlock::serialize(archive, "centre", std::span(&centre_, 1));
 }
 
 }  // namespace gridlock

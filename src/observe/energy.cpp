@@ -9,14 +9,14 @@ constexpr std::size_t drift_column = 1;
 
 }  // namespace
 
-void Energy::begin(Moment const& start) {
+void Energy::begin(Snapshot const& start) {
   reset({{"kinetic_energy", "mass · length² / time²", "Total kinetic energy ½ Σ m v²."},
          {"kinetic_energy_drift", "", "Relative change of the kinetic energy since the start."}});
   start_ = kinetic_energy(start.state.disks);
   last_ = start_;
 }
 
-void Energy::sample(Moment const& now, std::span<double> row, bool counts_for_average) {
+void Energy::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {
   last_ = kinetic_energy(now.state.disks);
   row[energy_column] = last_;
   row[drift_column] = has_drift() ? drift() : no_value;
@@ -30,8 +30,8 @@ std::vector<NamedEstimate> Energy::results() const {
   return results;
 }
 
-void Energy::carry(Archive& archive) {
-  AveragingObservable::carry(archive);
+void Energy::serialize(Archive& archive) {
+  AveragingObservable::serialize(archive);
   archive.visit("last", last_);
 }
 

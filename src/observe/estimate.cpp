@@ -29,7 +29,7 @@ std::optional<Estimate> estimate_from(std::span<Block const> blocks) {
   return estimate;
 }
 
-void carry(Archive& archive, std::string_view name, std::span<Block> blocks) {
+void serialize(Archive& archive, std::string_view name, std::span<Block> blocks) {
   std::vector<double> numbers;
   for (Block const& block : blocks) numbers.insert(numbers.end(), {block.sum, block.weight});
   archive.visit(name, numbers);

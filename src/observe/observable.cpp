@@ -16,12 +16,12 @@ namespace gridlock {
 void describe(ObserveSettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "every", .unit = "steps", .documentation = "Steps between two samples.", .least = 1.0},
                 settings.every);
-  visitor.visit({.key = "discard",
+  visitor.visit({.key = "equilibration",
                  .documentation = "Share of the run at its start that averages leave out.",
                  .least = 0.0,
                  .most = 1.0,
                  .most_is_allowed = false},
-                settings.discard);
+                settings.equilibration);
   visitor.visit({.key = "structure_every",
                  .unit = "samples",
                  .documentation = "Samples between two measurements of ψ6 and g(r), the expensive ones; 0 for none."},
@@ -53,7 +53,7 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor) {
                 settings.velocity_origin_every);
 }
 
-std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Moment const& start,
+std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
                                                           bool has_turns) {
   std::vector<std::unique_ptr<Observable>> observables;
   observables.push_back(std::make_unique<Displacement>());

@@ -38,7 +38,7 @@ double probability_of_nearer_points(Box const& box, double r) {
   return (disk * area - (4.0 / 3.0) * sides * r * r * r + 0.5 * r * r * r * r) / (area * area);
 }
 
-void PairCorrelation::begin(Moment const& start) {
+void PairCorrelation::begin(Snapshot const& start) {
   schedule_.reset();
   bin_width_ = 0.0;
   if (auto const domain = domain_of_centres(start.state)) {
@@ -49,7 +49,7 @@ void PairCorrelation::begin(Moment const& start) {
   correlation_.assign(counts_.size(), {});
 }
 
-void PairCorrelation::sample(Moment const& now, std::span<double>, bool counts_for_average) {
+void PairCorrelation::sample(Snapshot const& now, std::span<double>, bool counts_for_average) {
   // There is no column to fill, so what does not count need not be measured.
   if (!schedule_.is_due(counts_for_average) || !counts_for_average || counts_.empty()) return;
   auto const domain = domain_of_centres(now.state);
@@ -59,7 +59,7 @@ void PairCorrelation::sample(Moment const& now, std::span<double>, bool counts_f
   if (!domain || n < 2.0 || range > 0.5 * std::min(domain->width(), domain->height()) * (1.0 + 1e-12)) return;
 
   std::ranges::fill(counts_, 0);
-  for_each_pair(now.state, grid_for_reach(now.state, range), range, [&](std::size_t, std::size_t, Vector separation) {
+  for_each_pair(now.state, grid_for_cutoff(now.state, range), range, [&](std::size_t, std::size_t, Vector separation) {
     auto const bin = static_cast<std::size_t>(std::sqrt(squared_length(separation)) / bin_width_);
     ++counts_[std::min(bin, counts_.size() - 1)];
   });
@@ -87,9 +87,9 @@ std::vector<Distribution> PairCorrelation::distributions() const {
            .columns_of_values = {std::move(distance), std::move(value), std::move(error)}}};
 }
 
-void PairCorrelation::carry(Archive& archive) {
-  schedule_.carry(archive);
-  gridlock::carry(archive, "correlation", correlation_);
+void PairCorrelation::serialize(Archive& archive) {
+  schedule_.serialize(archive);
+  gridlock::serialize(archive, "correlation", correlation_);
 }
 
 }  // namespace gridlock

@@ -10,7 +10,7 @@ namespace gridlock {
 
 namespace {
 
-// In the order of the columns; those of walls exist in walled boxes only, the four single walls in the order of Tally.
+// In the order of the columns; those of walls exist in walled boxes only, the four single walls in the order of Counters.
 constexpr std::size_t virial_column = 0;
 constexpr std::size_t compressibility_column = 1;
 constexpr std::size_t all_walls_column = 2;
@@ -32,20 +32,21 @@ std::vector<ColumnInfo> columns_for(Box const& box) {
 
 }  // namespace
 
-void Pressure::begin(Moment const& start) {
+void Pressure::begin(Snapshot const& start) {
   has_walls_ = !start.state.box.is_periodic();
   reset(columns_for(start.state.box));
-  last_ = start.tally;
+  last_ = start.counters;
   last_time_ = start.state.clock.time;
 }
 
-void Pressure::sample(Moment const& now, std::span<double> row, bool counts_for_average) {
+void Pressure::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {
   Box const& box = now.state.box;
   double const duration = now.state.clock.time - last_time_;
-  double const virial = now.tally.pair_virial - last_.pair_virial;
+  double const virial = now.counters.pair_virial - last_.pair_virial;
   std::array<double, 4> impulse{};
-  for (std::size_t wall = 0; wall < 4; ++wall) impulse[wall] = now.tally.wall_impulse[wall] - last_.wall_impulse[wall];
-  last_ = now.tally;
+  for (std::size_t wall = 0; wall < 4; ++wall)
+    impulse[wall] = now.counters.wall_impulse[wall] - last_.wall_impulse[wall];
+  last_ = now.counters;
   last_time_ = now.state.clock.time;
 
   std::ranges::fill(row, no_value);
@@ -63,15 +64,15 @@ void Pressure::sample(Moment const& now, std::span<double> row, bool counts_for_
   double const perimeter = 2.0 * (box.width() + box.height());
   set(all_walls_column, (impulse[0] + impulse[1] + impulse[2] + impulse[3]) / (duration * perimeter), duration);
   for (std::size_t wall = 0; wall < 4; ++wall) {
-    bool const is_upright = wall == Tally::left || wall == Tally::right;
+    bool const is_upright = wall == Counters::left || wall == Counters::right;
     double const length = is_upright ? box.height() : box.width();
     set(first_wall_column + wall, impulse[wall] / (duration * length), duration);
   }
 }
 
-void Pressure::carry(Archive& archive) {
-  AveragingObservable::carry(archive);
-  carry_inside(archive, "last", [&] { gridlock::carry(archive, last_); });
+void Pressure::serialize(Archive& archive) {
+  AveragingObservable::serialize(archive);
+  serialize_inside(archive, "last", [&] { gridlock::serialize(archive, last_); });
   archive.visit("last_time", last_time_);
 }
 

@@ -10,31 +10,31 @@ namespace {
 // In the order of the columns; the last exists in walled boxes only.
 constexpr std::size_t collision_column = 0;
 constexpr std::size_t free_time_column = 1;
-constexpr std::size_t blocked_column = 2;
+constexpr std::size_t halted_column = 2;
 constexpr std::size_t wall_column = 3;
 
 }  // namespace
 
-void Rates::begin(Moment const& start) {
+void Rates::begin(Snapshot const& start) {
   has_walls_ = !start.state.box.is_periodic();
   std::vector<ColumnInfo> columns{
       {"collision_rate", "1 / time", "Pair collisions per disk and time, each counted for both partners."},
       {"mean_free_time", "time", "Mean time between two pair collisions of a disk."},
-      {"blocked_share", "", "Share of the turns that ended at a wall or at another disk."}};
+      {"halted_fraction", "", "Fraction of the moves that ended at a wall or at another disk."}};
   if (has_walls_) columns.push_back({"wall_hit_rate", "1 / time", "Wall hits per disk and time."});
   reset(std::move(columns));
-  last_ = start.tally;
+  last_ = start.counters;
   last_time_ = start.state.clock.time;
 }
 
-void Rates::sample(Moment const& now, std::span<double> row, bool counts_for_average) {
-  Tally const& tally = now.tally;
-  auto const collisions = static_cast<double>(tally.pair_collisions - last_.pair_collisions);
-  auto const wall_hits = static_cast<double>(tally.all_wall_hits() - last_.all_wall_hits());
-  auto const blocked = static_cast<double>(tally.blocked_turns - last_.blocked_turns);
-  auto const turns = static_cast<double>(tally.turns - last_.turns);
+void Rates::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {
+  Counters const& counters = now.counters;
+  auto const collisions = static_cast<double>(counters.pair_collisions - last_.pair_collisions);
+  auto const wall_hits = static_cast<double>(counters.all_wall_hits() - last_.all_wall_hits());
+  auto const halted = static_cast<double>(counters.halted_moves - last_.halted_moves);
+  auto const turns = static_cast<double>(counters.moves - last_.moves);
   double const disk_time = static_cast<double>(now.state.disks.size()) * (now.state.clock.time - last_time_);
-  last_ = tally;
+  last_ = counters;
   last_time_ = now.state.clock.time;
 
   std::ranges::fill(row, no_value);
@@ -43,13 +43,13 @@ void Rates::sample(Moment const& now, std::span<double> row, bool counts_for_ave
     if (collisions > 0.0) row[free_time_column] = disk_time / (2.0 * collisions);
     if (has_walls_) row[wall_column] = wall_hits / disk_time;
   }
-  if (has_turns_ && turns > 0.0) row[blocked_column] = blocked / turns;
+  if (has_turns_ && turns > 0.0) row[halted_column] = halted / turns;
   if (!counts_for_average) return;
   if (disk_time > 0.0) {
     average(collision_column, row[collision_column], disk_time);
     if (has_walls_) average(wall_column, row[wall_column], disk_time);
   }
-  if (has_turns_ && turns > 0.0) average(blocked_column, row[blocked_column], turns);
+  if (has_turns_ && turns > 0.0) average(halted_column, row[halted_column], turns);
 }
 
 std::vector<NamedEstimate> Rates::results() const {
@@ -65,9 +65,9 @@ std::vector<NamedEstimate> Rates::results() const {
   return results;
 }
 
-void Rates::carry(Archive& archive) {
-  AveragingObservable::carry(archive);
-  carry_inside(archive, "last", [&] { gridlock::carry(archive, last_); });
+void Rates::serialize(Archive& archive) {
+  AveragingObservable::serialize(archive);
+  serialize_inside(archive, "last", [&] { gridlock::serialize(archive, last_); });
   archive.visit("last_time", last_time_);
 }
 

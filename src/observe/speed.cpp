@@ -15,7 +15,7 @@ constexpr std::size_t ratio_column = 1;
 
 }  // namespace
 
-void Speed::begin(Moment const& start) {
+void Speed::begin(Snapshot const& start) {
   reset({{"mean_speed", "length / time", "Mean speed of the disks."},
          {"speed_moment_ratio", "", "⟨v⁴⟩/⟨v²⟩², with energies for unequal masses; 2 in thermal equilibrium."}});
   Disks const& disks = start.state.disks;
@@ -35,7 +35,7 @@ void Speed::begin(Moment const& start) {
   temperature_ = {};
 }
 
-void Speed::sample(Moment const& now, std::span<double> row, bool counts_for_average) {
+void Speed::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {
   Disks const& disks = now.state.disks;
   auto const n = static_cast<double>(disks.size());
   auto const mass = disks.column<Mass>();
@@ -94,10 +94,10 @@ std::vector<Distribution> Speed::distributions() const {
            .columns_of_values = {std::move(speed), std::move(density), std::move(error), std::move(maxwell)}}};
 }
 
-void Speed::carry(Archive& archive) {
-  AveragingObservable::carry(archive);
-  gridlock::carry(archive, "shares", shares_);
-  gridlock::carry(archive, "temperature", std::span(&temperature_, 1));
+void Speed::serialize(Archive& archive) {
+  AveragingObservable::serialize(archive);
+  gridlock::serialize(archive, "shares", shares_);
+  gridlock::serialize(archive, "temperature", std::span(&temperature_, 1));
 }
 
 }  // namespace gridlock

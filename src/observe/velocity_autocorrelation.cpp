@@ -11,7 +11,7 @@ std::vector<ColumnInfo> VelocityAutocorrelation::columns() const {
   return {{"velocity_autocorrelation", "", "Σ v(t₀)·v(t) / Σ v(t₀)² since the last origin t₀."}};
 }
 
-void VelocityAutocorrelation::begin(Moment const&) {
+void VelocityAutocorrelation::begin(Snapshot const&) {
   has_origin_ = false;
   rows_ = {};
   velocities_.clear();
@@ -24,12 +24,12 @@ void VelocityAutocorrelation::set_origin(State const& state) {
   has_origin_ = true;
   samples_since_origin_ = 0;
   origin_time_ = state.clock.time;
-  rows_ = RowsById(disks.ids());
+  rows_ = IdIndex(disks.ids());
   velocities_.assign(disks.size(), {});
   for (std::size_t i = 0; i < disks.size(); ++i) velocities_[rows_.place_of(disks.ids()[i], i)] = velocity(disks, i);
 }
 
-void VelocityAutocorrelation::sample(Moment const& now, std::span<double> row, bool counts_for_average) {
+void VelocityAutocorrelation::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {
   row[0] = no_value;
   if (!has_origin_ && !counts_for_average) return;
   bool const is_origin_due = !has_origin_ || (origin_every_ > 0 && samples_since_origin_ == origin_every_);
@@ -41,7 +41,7 @@ void VelocityAutocorrelation::sample(Moment const& now, std::span<double> row, b
   std::array<Block, disk_blocks> blocks{};
   for (std::size_t i = 0; i < disks.size(); ++i) {
     std::size_t const place = rows_.place_of(ids[i], i);
-    if (place == RowsById::not_found) continue;
+    if (place == IdIndex::not_found) continue;
     Vector const then = velocities_[place];
     blocks[rows_.block_of(place, disk_blocks)].add({dot(then, velocity(disks, i)), squared_length(then)});
   }
@@ -80,11 +80,11 @@ std::vector<Distribution> VelocityAutocorrelation::distributions() const {
            .columns_of_values = {std::move(lag), std::move(correlation), std::move(error)}}};
 }
 
-void VelocityAutocorrelation::carry(Archive& archive) {
+void VelocityAutocorrelation::serialize(Archive& archive) {
   archive.visit("has_origin", has_origin_);
   archive.visit("samples_since_origin", samples_since_origin_);
   archive.visit("origin_time", origin_time_);
-  carry_inside(archive, "origin", [&] { rows_.carry(archive); });
+  serialize_inside(archive, "origin", [&] { rows_.serialize(archive); });
   std::vector<double> velocities;
   for (Vector const v : velocities_) velocities.insert(velocities.end(), {v.x, v.y});
   archive.visit("velocities", velocities);
@@ -107,7 +107,7 @@ void VelocityAutocorrelation::carry(Archive& archive) {
   archive.visit("points", points);
   archive.require(points == 0 || points == curve_.size(), "the curve and its averages differ in length");
   over_origins_.resize(points);
-  gridlock::carry(archive, "over_origins", over_origins_);
+  gridlock::serialize(archive, "over_origins", over_origins_);
 }
 
 }  // namespace gridlock

@@ -88,7 +88,7 @@ RecordedRun const* best_of(std::vector<RecordedRun> const& runs) {
   RecordedRun const* best = nullptr;
   for (RecordedRun const& run : runs) {
     if (!run.summary) continue;
-    if (run.summary->ending == Ending::finished) return &run;
+    if (run.summary->status == RunStatus::finished) return &run;
     best = &run;
   }
   return best;

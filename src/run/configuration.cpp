@@ -172,13 +172,13 @@ void require_engine(Setup const& setup, EngineSettings const& settings) {
 void require_short_substeps(EngineSettings const& engine, State const& state) {
   if (engine.kind == "exact") return;
   double const substep = step_duration(engine, state) / static_cast<double>(engine.substeps);
-  double const way = 2.0 * engine.speed.value_or(1.0) * substep;
+  double const displacement = 2.0 * engine.speed.value_or(1.0) * substep;
   double const contact = 2.0 * radius_range(state.disks).smallest;
-  if (way < contact) return;
+  if (displacement < contact) return;
   throw Error(
       {.what = fmt::format("a disk at twice the speed {} would cover {:.6g} in one sub-step and could jump over "
                            "a disk of diameter {:.6g}",
-                           engine.speed.value_or(1.0), way, contact),
+                           engine.speed.value_or(1.0), displacement, contact),
        .hint = "use a smaller engine.time_step or more engine.substeps",
        .key = "engine.time_step"});
 }
@@ -502,17 +502,17 @@ Setup set_up(Configuration const& configuration) {
   return set_up(configuration, {}, [](std::string_view) { return false; }, {});
 }
 
-Horizon horizon_of(Setup const& setup) {
+StopCondition stop_condition_of(Setup const& setup) {
   RunSettings const& run = setup.configuration.run;
   Clock const& clock = setup.state.clock;
-  Horizon horizon;
-  if (run.steps) horizon.step = saturating_sum(clock.step, *run.steps);
-  if (run.time) horizon.time = clock.time + *run.time;
+  StopCondition stop_condition;
+  if (run.steps) stop_condition.step = saturating_sum(clock.step, *run.steps);
+  if (run.time) stop_condition.time = clock.time + *run.time;
   if (run.collisions_per_disk) {
     double const pairs = pair_collisions(*run.collisions_per_disk, setup.state);
-    if (pairs < most_collisions) horizon.pair_collisions = static_cast<std::uint64_t>(std::ceil(pairs));
+    if (pairs < most_collisions) stop_condition.pair_collisions = static_cast<std::uint64_t>(std::ceil(pairs));
   }
-  return horizon;
+  return stop_condition;
 }
 
 }  // namespace gridlock

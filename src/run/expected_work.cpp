@@ -21,8 +21,8 @@ constexpr double rest_of_turn = 10.0;
 double work_of_turn(EngineSettings const& engine, State const& state) {
   if (engine.kind != "stepped" || engine.grid != GridKind::linked || !engine.cells) return 1.0;
   double const k = static_cast<double>(*engine.cells);
-  double const reach = 2.0 * radius_range(state.disks).largest / std::min(state.box.width(), state.box.height());
-  double const block = std::min(k, 3.0 + 2.0 * k * reach);
+  double const cutoff = 2.0 * radius_range(state.disks).largest / std::min(state.box.width(), state.box.height());
+  double const block = std::min(k, 3.0 + 2.0 * k * cutoff);
   double const cells = block * block;
   double const candidates = static_cast<double>(state.disks.size()) * cells / (k * k);
   return (rest_of_turn + cells + candidates) / (rest_of_turn + usual_cells + usual_candidates);
@@ -54,9 +54,9 @@ Expectation expectation_of(Setup const& setup) {
     // Only the model knows how many agents its settings make.
     Setup single = setup;
     single.configuration.engine.threads = 1;
-    std::unique_ptr<Experiment> const experiment = make_experiment(std::move(single));
-    double const agents = static_cast<double>(experiment->agents());
-    return {.work = std::max(agents, 1.0) * steps_of(configuration.run, experiment->time_step()) + 1.0,
+    std::unique_ptr<Simulation> const simulation = make_simulation(std::move(single));
+    double const agents = static_cast<double>(simulation->agents());
+    return {.work = std::max(agents, 1.0) * steps_of(configuration.run, simulation->time_step()) + 1.0,
             .bytes = expected_memory(configuration, agents)};
   }
   double const disks = static_cast<double>(setup.state.disks.size());

@@ -45,14 +45,14 @@ std::vector<double> displacements(Frame const& first, Frame const& frame) {
   auto const along = [&](char const* name, char const* image, double side) {
     std::vector<double> const then = numbers_of(first, name), now = numbers_of(frame, name);
     std::vector<double> const image_then = numbers_or(first, image, 0.0), image_now = numbers_or(frame, image, 0.0);
-    std::vector<double> way(frame.size(), std::nan(""));
+    std::vector<double> displacement(frame.size(), std::nan(""));
     for (std::size_t i = 0; i < frame.size(); ++i) {
       auto const found = std::ranges::lower_bound(first.ids, frame.ids[i]);
       if (found == first.ids.end() || *found != frame.ids[i]) continue;
       auto const j = static_cast<std::size_t>(found - first.ids.begin());
-      way[i] = now[i] - then[j] + side * (image_now[i] - image_then[j]);
+      displacement[i] = now[i] - then[j] + side * (image_now[i] - image_then[j]);
     }
-    return way;
+    return displacement;
   };
   std::vector<double> result = along("x", "image_x", frame.box.width());
   std::vector<double> const y = along("y", "image_y", frame.box.height());

@@ -16,7 +16,7 @@ constexpr std::pair<std::string_view, std::string_view> known_labels[] = {
     {"virial_pressure", "virial pressure / (mass / time²)"},
     {"wall_pressure", "wall pressure / (mass / time²)"},
     {"collision_rate", "collisions of a disk / time⁻¹"},
-    {"blocked_share", "share of halted turns"},
+    {"halted_fraction", "share of halted moves"},
     {"disks.packing_fraction", "packing fraction φ"},
     {"disks.count", "number of disks N"},
     {"engine.cells", "cells a side k"},

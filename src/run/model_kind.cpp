@@ -32,10 +32,10 @@ void blame_table(std::string_view model, std::function<void()> const& act) {
 
 ModelKinds known_models() { return all_known(); }
 
-void make_known(std::unique_ptr<ModelKind> kind) {
+void register_model(std::unique_ptr<ModelKind> kind) {
   if (all_known().find(kind->name()) != nullptr) {
     throw Error({.what = fmt::format("there is a model {} already", kind->name()),
-                 .hint = "give this one another name, and call make_known() for it once",
+                 .hint = "give this one another name, and call register_model() for it once",
                  .key = "model.kind"});
   }
   all_known().add(std::move(kind));

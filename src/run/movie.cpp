@@ -163,29 +163,29 @@ class Movie {
         kind_names(SettingsFile::from_text(trajectory.settings().configuration, "trajectory"), painter_.colour()));
   }
 
-  Ending make() {
+  RunStatus make() {
     // The same bar in all frames.
     for (std::size_t n = 0; painter_.has_bar() && n < all_; ++n) {
-      if (!goes_on(0)) return Ending::interrupted;
+      if (!should_continue(0)) return RunStatus::interrupted;
       painter_.widen_bar(frame(n));
     }
     record_further_result(settings_.file, maker);
     AtomicFile file(settings_.file);
-    if (!goes_on(0)) return Ending::interrupted;
+    if (!should_continue(0)) return RunStatus::interrupted;
     PicturePixels const first = picture(0);
     Encoder encoder(first, settings_, file.location());
     encoder.add(first);
     for (std::size_t n = 1; n < all_; ++n) {
-      if (!goes_on(n)) return Ending::interrupted;
+      if (!should_continue(n)) return RunStatus::interrupted;
       encoder.add(picture(n));
     }
     encoder.finish();
     file.commit();
-    return Ending::finished;
+    return RunStatus::finished;
   }
 
  private:
-  [[nodiscard]] bool goes_on(std::size_t drawn) const {
+  [[nodiscard]] bool should_continue(std::size_t drawn) const {
     if (!on_progress_) return true;
     std::chrono::duration<double> const passed = std::chrono::steady_clock::now() - start_;
     return on_progress_({.drawn = drawn, .all = all_, .seconds = passed.count()});
@@ -207,7 +207,7 @@ class Movie {
 
 }  // namespace
 
-Ending make_movie(H5mdReader const& trajectory, MovieSettings const& settings, OnMovieProgress const& on_progress) {
+RunStatus make_movie(H5mdReader const& trajectory, MovieSettings const& settings, OnMovieProgress const& on_progress) {
   assert(settings.every > 0);
   require_place(settings.file);
   format_of(settings);

@@ -309,7 +309,7 @@ std::vector<std::string> drawn_observables(Table const& means) {
     if (means.contains(name + "_error")) all.push_back(name);
   }
   for (char const* name :
-       {"mean_displacement", "compressibility_factor", "wall_pressure", "collision_rate", "blocked_share"}) {
+       {"mean_displacement", "compressibility_factor", "wall_pressure", "collision_rate", "halted_fraction"}) {
     if (means.contains(name)) observables.emplace_back(name);
   }
   return observables.empty() ? all : observables;

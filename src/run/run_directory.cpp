@@ -77,7 +77,7 @@ std::string summary_json(Configuration const& configuration, std::uint64_t start
                          Frame const& frame) {
   Json json;
   json["gridlock"] = version();
-  json["ending"] = to_text(record.ending);
+  json["status"] = to_text(record.status);
   if (!record.failure.empty()) json["failure"] = record.failure;
   json["start_hash"] = fmt::format("{:016x}", start_hash);
   json["state_hash"] = fmt::format("{:016x}", record.state_hash);
@@ -91,7 +91,7 @@ std::string summary_json(Configuration const& configuration, std::uint64_t start
   json["time"] = record.clock.time;
   json["time_step"] = record.time_step;
   json["timing"] = {{"seconds", record.seconds}, {"agent_steps_per_second", record.agent_steps_per_second()}};
-  json["tally"] = to_json(record.counts);
+  json["counters"] = to_json(record.counts);
   for (auto const& [name, estimate, unit] : record.results) {
     // A model may call what it observes "time" or "seed".
     Json& entry = json[json.contains(name) ? "mean_" + name : name];
@@ -153,12 +153,12 @@ class RunInDirectory {
         log_(directory_, hooks.on_note),
         configuration_(std::move(configuration)),
         plan_(plan_of(setup_)),
-        experiment_(make_experiment(std::move(setup_))),
-        run_(*experiment_, plan_) {
+        simulation_(make_simulation(std::move(setup_))),
+        run_(*simulation_, plan_) {
     TrajectorySettings const& settings = setup_.configuration.trajectory;
     if (!settings.has_frames()) return;
-    trajectory_.emplace(settings, experiment_->time_step(),
-                        TrajectoryOnlooker::Origin{directory_ / trajectory_name, configuration_, version()});
+    trajectory_.emplace(settings, simulation_->time_step(),
+                        TrajectoryWriter::Origin{directory_ / trajectory_name, configuration_, version()});
     run_.add(*trajectory_);
   }
 
@@ -175,21 +175,21 @@ class RunInDirectory {
                              "checkpoint.previous.gridlock", trajectory_name, begun_trajectory_name}) {
       record_result(directory_ / name);
     }
-    if (!setup_.start_file.empty()) write_xyz(experiment_->frame(), directory_ / "start.xyz");
+    if (!setup_.start_file.empty()) write_xyz(simulation_->frame(), directory_ / "start.xyz");
     write_file(directory_ / configuration_name, configuration_);
     for (std::string const& note : notes_on({setup_.notes})) log_.note(note);
     Configuration const& configuration = setup_.configuration;
     std::string const what = configuration.is_of_model()
-                                 ? fmt::format("model {}, {} agents", configuration.model.kind, experiment_->agents())
-                                 : fmt::format("engine {}, {} disks", configuration.engine.kind, experiment_->agents());
+                                 ? fmt::format("model {}, {} agents", configuration.model.kind, simulation_->agents())
+                                 : fmt::format("engine {}, {} disks", configuration.engine.kind, simulation_->agents());
     log_.info(fmt::format("gridlock {} begins: {}, seed {}, start hash {:016x}", version(), what,
-                          configuration.run.seed, experiment_->state_hash()));
+                          configuration.run.seed, simulation_->state_hash()));
   }
 
   /// Nothing but run.log and trajectory.h5 changes, and those only after `require`, which may refuse what was restored.
   void restore(std::function<void()> const& require) {
-    std::uint64_t const first_step = experiment_->clock().step;
-    auto const restored = restore_checkpoint(directory_, [&](Archive& archive) { carry(archive); });
+    std::uint64_t const first_step = simulation_->clock().step;
+    auto const restored = restore_checkpoint(directory_, [&](Archive& archive) { serialize(archive); });
     require();
     std::error_code ignored;
     std::filesystem::remove(directory_ / begun_trajectory_name, ignored);
@@ -198,32 +198,32 @@ class RunInDirectory {
       return;
     }
     auto const last_stop = run_.last_stop();
-    if (trajectory_ && last_stop) trajectory_->restore(*experiment_, first_step, *last_stop);
-    if (restored->note.empty()) saved_at_ = experiment_->clock();
+    if (trajectory_ && last_stop) trajectory_->restore(*simulation_, first_step, *last_stop);
+    if (restored->note.empty()) saved_at_ = simulation_->clock();
     if (!restored->note.empty()) log_.warn(fmt::format("{}; going back to the previous one", restored->note));
-    log_.info(fmt::format("gridlock {} goes on from step {} of {}", version(), experiment_->clock().step,
+    log_.info(fmt::format("gridlock {} goes on from step {} of {}", version(), simulation_->clock().step,
                           restored->file.filename().string()));
   }
 
   void require_below_length() const {
-    if (!run_.is_at_horizon()) return;
-    Clock const clock = experiment_->clock();
+    if (!run_.has_reached_end()) return;
+    Clock const clock = simulation_->clock();
     throw Error({.what = fmt::format("the run in {} has come to step {}, time {:.6g} already", directory_.string(),
                                      clock.step, clock.time),
                  .hint = "the new length counts from the start of the run and has to be above what it has",
                  .file = directory_.string()});
   }
 
-  /// Returns the share to leave out of averages, see Run::fit_discard().
+  /// Returns the share to leave out of averages, see Run::fit_equilibration().
   double take_length() {
-    double const discard = run_.fit_discard();
-    if (discard != setup_.configuration.observe.discard) {
-      log_.note(
-          fmt::format("observe.discard is {:.4g} of the new length, so that averages leave out the samples that they "
-                      "have left out so far",
-                      discard));
+    double const equilibration = run_.fit_equilibration();
+    if (equilibration != setup_.configuration.observe.equilibration) {
+      log_.note(fmt::format(
+          "observe.equilibration is {:.4g} of the new length, so that averages leave out the samples that they "
+          "have left out so far",
+          equilibration));
     }
-    return discard;
+    return equilibration;
   }
 
   /// From here on the directory holds a run of another length that is not finished.
@@ -240,47 +240,47 @@ class RunInDirectory {
     std::uint64_t const threads = threads_of(setup_.configuration);
     log_.info(fmt::format("on {} thread{}", threads, threads == 1 ? "" : "s"));
     CheckpointClock checkpoints(setup_.configuration.checkpoint);
-    Ending const ending =
+    RunStatus const status =
         run_.go_on(hooks_.on_progress, {.is_due = [&](std::uint64_t steps) { return checkpoints.is_due(steps); },
-                                        .take_place =
+                                        .call =
                                             [&](std::uint64_t steps) {
                                               save();
                                               checkpoints.note(steps);
                                             },
-                                        .take_place_at_end =
+                                        .call_at_end =
                                             [&](std::uint64_t) {
                                               if (setup_.configuration.checkpoint.keep_last) save();
                                             }});
-    if (ending == Ending::interrupted) save();
+    if (status == RunStatus::interrupted) save();
     RunRecord record = run_.record();
     try {
-      write_results(directory_, setup_.configuration, start_hash_, record, experiment_->frame());
+      write_results(directory_, setup_.configuration, start_hash_, record, simulation_->frame());
     } catch (RunFailure const& failure) {
       // A full disk ends the run first and keeps its results out next: the first reason is the one to tell.
       if (record.failure.empty()) throw;
       throw RunFailure(fmt::format("{}; then {}", record.failure, failure.what()));
     }
-    if (ending == Ending::finished) {
+    if (status == RunStatus::finished) {
       setup_.configuration.checkpoint.keep_last ? remove_previous_checkpoint(directory_)
                                                 : remove_checkpoints(directory_);
     }
     remove_leftovers(directory_);
     if (auto const audits = audits_text(record.counts)) log_.info(*audits);
-    log_.info(fmt::format("{} at step {} after {:.1f} s, state hash {:016x}{}{}", to_text(ending), record.clock.step,
+    log_.info(fmt::format("{} at step {} after {:.1f} s, state hash {:016x}{}{}", to_text(status), record.clock.step,
                           record.seconds, record.state_hash, record.failure.empty() ? "" : ": ", record.failure));
     return record;
   }
 
  private:
-  void carry(Archive& archive) {
+  void serialize(Archive& archive) {
     std::string configuration = configuration_;
     archive.visit("configuration", configuration);
     if (archive.is_restoring()) require_same_configuration(configuration);
-    carry_inside(archive, "run", [&] { run_.carry(archive); });
+    serialize_inside(archive, "run", [&] { run_.serialize(archive); });
   }
 
   /// A run that was killed while it was lengthened has a checkpoint of the shorter run. What a length changes in what has
-  /// been measured so far is Run::fit_discard()'s.
+  /// been measured so far is Run::fit_equilibration()'s.
   void require_same_configuration(std::string const& configuration) const {
     auto const difference = find_difference(setting_texts(configuration, "checkpoint"),
                                             setting_texts(configuration_, configuration_name), settings_of_length());
@@ -290,13 +290,13 @@ class RunInDirectory {
   }
 
   void save() {
-    Clock const clock = experiment_->clock();
+    Clock const clock = simulation_->clock();
     if (saved_at_ == clock) return;
     auto const warn = [&](std::string const& why) {
       log_.warn(fmt::format("no checkpoint at step {}: {}", clock.step, why));
     };
     try {
-      write_checkpoint(directory_, [&](Archive& archive) { carry(archive); });
+      write_checkpoint(directory_, [&](Archive& archive) { serialize(archive); });
       saved_at_ = clock;
       log_.info(fmt::format("checkpoint at step {}", clock.step));
     } catch (RunFailure const& failure) {
@@ -307,15 +307,15 @@ class RunInDirectory {
   }
 
   std::filesystem::path directory_;
-  Setup setup_;  ///< without its state, which is the experiment's
+  Setup setup_;  ///< without its state, which is the simulation's
   std::uint64_t start_hash_;
   RunHooks const& hooks_;
   RunLog log_;
   std::string configuration_;
   RunPlan plan_;
-  std::unique_ptr<Experiment> experiment_;
+  std::unique_ptr<Simulation> simulation_;
   Run run_;
-  std::optional<TrajectoryOnlooker> trajectory_;
+  std::optional<TrajectoryWriter> trajectory_;
   std::optional<Clock> saved_at_;  ///< where the newest checkpoint is of
 };
 
@@ -323,11 +323,11 @@ std::uint64_t hash_in(Json const& json, char const* key) {
   return std::stoull(json.at(key).get<std::string>(), nullptr, 16);
 }
 
-Ending ending_in(Json const& json) {
-  for (Ending const ending : {Ending::finished, Ending::interrupted, Ending::failed}) {
-    if (json.at("ending") == to_text(ending)) return ending;
+RunStatus status_in(Json const& json) {
+  for (RunStatus const status : {RunStatus::finished, RunStatus::interrupted, RunStatus::failed}) {
+    if (json.at("status") == to_text(status)) return status;
   }
-  return Ending::failed;
+  return RunStatus::failed;
 }
 
 std::string resolved(Configuration configuration, bool starts_from_file) {
@@ -396,7 +396,7 @@ RunRecord go_on_in(std::filesystem::path const& directory, std::optional<RunLeng
   DirectoryLock const lock(directory);
   remove_leftovers(directory);
   auto const summary = read_summary(directory);
-  bool const is_finished = summary && summary->ending == Ending::finished;
+  bool const is_finished = summary && summary->status == RunStatus::finished;
   if (is_finished && (!length || !has_checkpoint(directory))) refuse_finished(directory);
   SettingsFile file = SettingsFile::from_path(path);
   if (length) {
@@ -416,7 +416,7 @@ RunRecord go_on_in(std::filesystem::path const& directory, std::optional<RunLeng
     if (length) run.require_below_length();
   });
   if (length) {
-    configuration.observe.discard = run.take_length();
+    configuration.observe.equilibration = run.take_length();
     run.record_length(resolved(configuration, starts_from_file), length_text(*length));
   }
   return run.carry_out();
@@ -472,7 +472,7 @@ std::optional<RunSummary> read_summary(std::filesystem::path const& directory) {
   std::string const text = read_file(path);
   try {
     Json const json = Json::parse(text);
-    RunSummary summary{.ending = ending_in(json),
+    RunSummary summary{.status = status_in(json),
                        .failure = json.value("failure", ""),
                        .start_hash = hash_in(json, "start_hash"),
                        .state_hash = hash_in(json, "state_hash"),

@@ -36,7 +36,7 @@ SettingTexts setting_texts(std::string const& toml, std::string const& name) {
 }
 
 std::set<std::string> const& settings_of_length() {
-  static std::set<std::string> const keys{"run.steps", "run.time", "run.collisions_per_disk", "observe.discard"};
+  static std::set<std::string> const keys{"run.steps", "run.time", "run.collisions_per_disk", "observe.equilibration"};
   return keys;
 }
 

@@ -43,29 +43,30 @@ double patience(RunSettings const& run, State const& state) {
 
 }  // namespace
 
-DiskExperiment::DiskExperiment(Setup&& setup)
+DiskSimulation::DiskSimulation(Setup&& setup)
     : engine_settings_(setup.configuration.engine),
       state_(std::move(setup.state)),
       engine_(make_engine(engine_settings_, state_)),
-      observables_(make_observables(setup.configuration.observe, {state_, tally_}, engine_settings_.kind != "exact")),
+      observables_(
+          make_observables(setup.configuration.observe, {state_, counters_}, engine_settings_.kind != "exact")),
       patience_(patience(setup.configuration.run, state_)) {}
 
-void DiskExperiment::advance(Horizon const& horizon) {
+void DiskSimulation::advance(StopCondition const& stop_condition) {
   if (!std::isfinite(patience_)) {
-    engine_->advance(state_, tally_, horizon);
+    engine_->advance(state_, counters_, stop_condition);
     return;
   }
   bool is_patient = true;
-  Horizon watched = horizon;
-  watched.goes_on = [&] {
-    if (!last_collision_ || tally_.pair_collisions != collisions_seen_) {
+  StopCondition watched = stop_condition;
+  watched.should_continue = [&] {
+    if (!last_collision_ || counters_.pair_collisions != collisions_seen_) {
       last_collision_ = state_.clock.time;
-      collisions_seen_ = tally_.pair_collisions;
+      collisions_seen_ = counters_.pair_collisions;
     }
     is_patient = state_.clock.time - *last_collision_ <= patience_;
-    return is_patient && !horizon.stops_here();
+    return is_patient && !stop_condition.stops_here();
   };
-  engine_->advance(state_, tally_, watched);
+  engine_->advance(state_, counters_, watched);
   if (is_patient) return;
   throw RunFailure(
       fmt::format("no two disks have met for a time of {:.6g}, in which disks that move at random meet again "
@@ -74,12 +75,12 @@ void DiskExperiment::advance(Horizon const& horizon) {
                   patience_));
 }
 
-std::vector<Count> DiskExperiment::counts() const {
-  std::vector<Count> counts{{"turns", tally_.turns},
-                            {"blocked_turns", tally_.blocked_turns},
-                            {"pair_collisions", tally_.pair_collisions},
-                            {"wall_hits", tally_.all_wall_hits()},
-                            {"distance_checks", tally_.distance_checks}};
+std::vector<Count> DiskSimulation::counts() const {
+  std::vector<Count> counts{{"moves", counters_.moves},
+                            {"halted_moves", counters_.halted_moves},
+                            {"pair_collisions", counters_.pair_collisions},
+                            {"wall_hits", counters_.all_wall_hits()},
+                            {"distance_checks", counters_.distance_checks}};
   auto const* const exact = dynamic_cast<ExactEngine const*>(engine_.get());
   if (exact != nullptr && engine_settings_.audit_every > 0) {
     counts.push_back({"audits", exact->audits()});
@@ -88,27 +89,27 @@ std::vector<Count> DiskExperiment::counts() const {
   return counts;
 }
 
-std::vector<ColumnInfo> DiskExperiment::columns() const {
+std::vector<ColumnInfo> DiskSimulation::columns() const {
   std::vector<ColumnInfo> columns;
   for (auto const& observable : observables_) std::ranges::move(observable->columns(), std::back_inserter(columns));
   return columns;
 }
 
-void DiskExperiment::sample(std::span<double> row, bool counts_for_average) {
+void DiskSimulation::sample(std::span<double> row, bool counts_for_average) {
   for (auto const& observable : observables_) {
     std::size_t const width = observable->columns().size();
-    observable->sample({state_, tally_}, row.first(width), counts_for_average);
+    observable->sample({state_, counters_}, row.first(width), counts_for_average);
     row = row.subspan(width);
   }
 }
 
-std::vector<NamedEstimate> DiskExperiment::results() const {
+std::vector<NamedEstimate> DiskSimulation::results() const {
   std::vector<NamedEstimate> results;
   for (auto const& observable : observables_) std::ranges::move(observable->results(), std::back_inserter(results));
   return results;
 }
 
-std::vector<Distribution> DiskExperiment::distributions() const {
+std::vector<Distribution> DiskSimulation::distributions() const {
   std::vector<Distribution> distributions;
   for (auto const& observable : observables_) {
     std::ranges::move(observable->distributions(), std::back_inserter(distributions));
@@ -116,20 +117,20 @@ std::vector<Distribution> DiskExperiment::distributions() const {
   return distributions;
 }
 
-void DiskExperiment::carry(Archive& archive) {
-  carry_inside(archive, "state", [&] { gridlock::carry(archive, state_); });
+void DiskSimulation::serialize(Archive& archive) {
+  serialize_inside(archive, "state", [&] { gridlock::serialize(archive, state_); });
   // Made only to see whether an engine could work with it: a file can hold anything.
   if (archive.is_restoring()) static_cast<void>(make_engine(engine_settings_, state_));
-  carry_inside(archive, "tally", [&] { gridlock::carry(archive, tally_); });
-  carry_inside(archive, "engine", [&] { engine_->carry(archive, state_); });
+  serialize_inside(archive, "counters", [&] { gridlock::serialize(archive, counters_); });
+  serialize_inside(archive, "engine", [&] { engine_->serialize(archive, state_); });
   for (std::size_t k = 0; k < observables_.size(); ++k) {
-    carry_inside(archive, "observable_" + std::to_string(k), [&] { observables_[k]->carry(archive); });
+    serialize_inside(archive, "observable_" + std::to_string(k), [&] { observables_[k]->serialize(archive); });
   }
 }
 
-std::unique_ptr<Experiment> make_experiment(Setup&& setup) {
+std::unique_ptr<Simulation> make_simulation(Setup&& setup) {
   Configuration const& configuration = setup.configuration;
-  if (!configuration.is_of_model()) return std::make_unique<DiskExperiment>(std::move(setup));
+  if (!configuration.is_of_model()) return std::make_unique<DiskSimulation>(std::move(setup));
   return configuration.models.find(configuration.model.kind)
       ->make(setup.state.box, setup.state.seed,
              {.threads = configuration.engine.threads, .verify_every = configuration.model.verify_every});
@@ -137,19 +138,19 @@ std::unique_ptr<Experiment> make_experiment(Setup&& setup) {
 
 RunPlan plan_of(Setup const& setup) {
   Configuration const& configuration = setup.configuration;
-  RunPlan plan{.horizon = horizon_of(setup),
+  RunPlan plan{.stop_condition = stop_condition_of(setup),
                .sample_every = configuration.observe.every,
-               .discard = configuration.observe.discard};
+               .equilibration = configuration.observe.equilibration};
   if (configuration.is_of_model()) plan.steps_per_chunk = model_steps_per_chunk;
   return plan;
 }
 
 RunResult simulate(Setup setup, OnProgress const& on_progress) {
   RunPlan const plan = plan_of(setup);
-  DiskExperiment experiment(std::move(setup));
-  Run run(experiment, plan);
+  DiskSimulation simulation(std::move(setup));
+  Run run(simulation, plan);
   run.go_on(on_progress);
-  return {run.record(), experiment.state(), experiment.tally()};
+  return {run.record(), simulation.state(), simulation.counters()};
 }
 
 }  // namespace gridlock

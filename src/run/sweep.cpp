@@ -19,11 +19,11 @@
 #include "gridlock/run/result_files.hpp"
 #include "gridlock/run/run_directory.hpp"
 #include "run/expected_work.hpp"
+#include "run/job_pool.hpp"
 #include "run/memory.hpp"
 #include "run/settings_difference.hpp"
 #include "run/sweep_plan.hpp"
 #include "run/sweep_tables.hpp"
-#include "run/team.hpp"
 
 namespace gridlock {
 
@@ -38,7 +38,7 @@ std::string reason_of(std::exception const& error) {
 
 SweepOutcome outcome_of(RunRecord const& record) {
   return {.has_begun = true,
-          .ending = record.ending,
+          .status = record.status,
           .message = record.failure,
           .state_hash = record.state_hash,
           .seconds = record.seconds,
@@ -153,7 +153,7 @@ class SweepInProgress {
   }
 
   void note_failure(std::size_t run, std::exception const& error) {
-    outcomes_[run] = {.has_begun = false, .ending = Ending::failed, .message = reason_of(error), .results = {}};
+    outcomes_[run] = {.has_begun = false, .status = RunStatus::failed, .message = reason_of(error), .results = {}};
   }
 
   /// A mistake that spoils every run is the user's input, not a failure of some runs.
@@ -218,15 +218,15 @@ class SweepInProgress {
       work.push_back(prospects_[run].work);
     }
     auto const start = std::chrono::steady_clock::now();
-    Team team(work, [&](double fraction, std::size_t finished) {
+    JobPool job_pool(work, [&](double fraction, std::size_t finished) {
       double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       return !settings_.on_progress ||
              settings_.on_progress(
                  {.finished = ours - open.size() + finished, .all = ours, .fraction = fraction, .seconds = seconds});
     });
-    team.run_all(settings_.threads, [&](std::size_t k) {
+    job_pool.run_all(settings_.threads, [&](std::size_t k) {
       std::size_t const run = open[k];
-      outcomes_[run] = carry_out(run, team, [&, k](double share) { return team.report(k, share); });
+      outcomes_[run] = carry_out(run, job_pool, [&, k](double share) { return job_pool.report(k, share); });
     });
   }
 
@@ -240,7 +240,7 @@ class SweepInProgress {
     return is_there(run) ? read_summary(directory_of(run)) : std::nullopt;
   }
   [[nodiscard]] static bool is_finished(SweepOutcome const& outcome) {
-    return outcome.has_begun && outcome.ending == Ending::finished;
+    return outcome.has_begun && outcome.status == RunStatus::finished;
   }
   [[nodiscard]] std::filesystem::path directory_of(std::size_t run) const {
     return gridlock::directory_of(settings_.directory, plan_.runs[run]);
@@ -276,7 +276,7 @@ class SweepInProgress {
     return summary && summary->start_hash != hash(setup.state) ? "it began from another state" : "";
   }
 
-  SweepOutcome carry_out(std::size_t run, Team const& team, std::function<bool(double)> const& report) {
+  SweepOutcome carry_out(std::size_t run, JobPool const& job_pool, std::function<bool(double)> const& report) {
     Prospect const& prospect = prospects_[run];
     RunHooks const hooks{.on_progress = [&](Progress const& progress) { return report(progress.fraction); },
                          .on_note = {},
@@ -287,14 +287,14 @@ class SweepInProgress {
         return outcome_of(*summary);
       }
       MemoryBudget::Part const memory(memory_, prospect.bytes);
-      if (team.is_stopped()) return outcomes_[run];
+      if (job_pool.is_stopped()) return outcomes_[run];
       if (is_there(run)) return outcome_of(resume_in(directory_of(run), hooks));
       Setup setup = set_up(plan_.runs[run].settings);
       // What is recorded is what is used.
       if (prospect.takes_threads) setup.configuration.engine.threads = prospect.threads;
       return outcome_of(run_in(directory_of(run), std::move(setup), hooks));
     } catch (std::exception const& error) {
-      return {.has_begun = true, .ending = Ending::failed, .message = reason_of(error), .results = {}};
+      return {.has_begun = true, .status = RunStatus::failed, .message = reason_of(error), .results = {}};
     }
   }
 

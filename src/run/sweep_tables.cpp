@@ -100,7 +100,7 @@ Estimate mean_over(std::vector<Estimate> const& runs) {
 
 SweepOutcome outcome_of(RunSummary const& summary) {
   return {.has_begun = true,
-          .ending = summary.ending,
+          .status = summary.status,
           .message = summary.failure,
           .state_hash = summary.state_hash,
           .seconds = summary.seconds,
@@ -112,19 +112,19 @@ Table rows_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes) 
   std::iota(runs.begin(), runs.end(), std::size_t{0});
   Table table;
   std::vector<std::string> names;
-  std::vector<std::string> endings;
+  std::vector<std::string> statuses;
   std::vector<std::string> hashes;
   std::vector<double> seconds;
   for (std::size_t const run : runs) {
     names.push_back(plan.runs[run].name);
-    bool const is_known = outcomes[run].has_begun || outcomes[run].ending == Ending::failed;
-    endings.emplace_back(is_known ? to_text(outcomes[run].ending) : "not begun");
+    bool const is_known = outcomes[run].has_begun || outcomes[run].status == RunStatus::failed;
+    statuses.emplace_back(is_known ? to_text(outcomes[run].status) : "not begun");
     hashes.push_back(outcomes[run].has_begun ? fmt::format("{:016x}", outcomes[run].state_hash) : "");
     seconds.push_back(outcomes[run].seconds);
   }
   table.add_column("run", names);
   add_key_columns(table, plan, runs, true);
-  table.add_column("ending", endings);
+  table.add_column("status", statuses);
   table.add_column("state_hash", hashes);
   table.add_column("seconds", seconds);
   for (std::string const& name : observable_names(outcomes)) {
@@ -158,7 +158,7 @@ Table means_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes)
   std::vector<std::uint64_t> sizes;
   for (auto& group : groups) {
     first_runs.push_back(group.front());
-    std::erase_if(group, [&](std::size_t run) { return outcomes[run].ending != Ending::finished; });
+    std::erase_if(group, [&](std::size_t run) { return outcomes[run].status != RunStatus::finished; });
     sizes.push_back(group.size());
   }
   Table table;
@@ -186,11 +186,11 @@ SweepResult result_of(SweepPlan const& plan, std::vector<SweepOutcome> const& ou
   SweepResult result{.rows = rows_of(plan, outcomes), .means = means_of(plan, outcomes), .messages = {}, .notes = {}};
   for (std::size_t run = 0; run < plan.runs.size(); ++run) {
     SweepOutcome const& outcome = outcomes[run];
-    if (outcome.ending == Ending::failed) {
+    if (outcome.status == RunStatus::failed) {
       ++result.failures;
       result.messages.push_back(fmt::format("{}: {}", plan.runs[run].name, outcome.message));
     }
-    if (outcome.ending == Ending::interrupted) ++result.interruptions;
+    if (outcome.status == RunStatus::interrupted) ++result.interruptions;
   }
   return result;
 }

@@ -16,7 +16,7 @@ namespace gridlock {
 /// How one run of a sweep stands, as the tables need it.
 struct SweepOutcome {
   bool has_begun = false;
-  Ending ending = Ending::interrupted;
+  RunStatus status = RunStatus::interrupted;
   std::string message;
   std::uint64_t state_hash = 0;
   double seconds = 0.0;

@@ -109,10 +109,10 @@ std::uint64_t FrameSchedule::next_after(std::uint64_t steps) const {
   return every_ == 0 ? next : std::min(next, next_multiple(every_, steps));
 }
 
-TrajectoryOnlooker::TrajectoryOnlooker(TrajectorySettings const& settings, double time_step, Origin origin)
+TrajectoryWriter::TrajectoryWriter(TrajectorySettings const& settings, double time_step, Origin origin)
     : settings_(settings), schedule_(settings, time_step), origin_(std::move(origin)) {}
 
-void TrajectoryOnlooker::open(Experiment const& experiment, Frame const& frame) {
+void TrajectoryWriter::open(Simulation const& simulation, Frame const& frame) {
   std::error_code ignored;
   if (std::filesystem::exists(origin_.file, ignored)) {
     try {
@@ -126,11 +126,11 @@ void TrajectoryOnlooker::open(Experiment const& experiment, Frame const& frame) 
                       .version = origin_.version,
                       .author = settings_.author,
                       .compression = settings_.compression};
-  for (ColumnInfo const& column : experiment.columns()) header.observables.push_back({column.name, column.unit});
+  for (ColumnInfo const& column : simulation.columns()) header.observables.push_back({column.name, column.unit});
   writer_ = H5mdWriter::create(origin_.file, header, frame);
 }
 
-void TrajectoryOnlooker::restore(Experiment const& experiment, std::uint64_t first_step, std::uint64_t looked_until) {
+void TrajectoryWriter::restore(Simulation const& simulation, std::uint64_t first_step, std::uint64_t written_until) {
   auto const refuse = [&](std::string const& what) {
     throw Error({.what = what,
                  .hint = "put the whole file back, or run config.resolved.toml again in another directory",
@@ -139,7 +139,7 @@ void TrajectoryOnlooker::restore(Experiment const& experiment, std::uint64_t fir
   std::error_code ignored;
   if (!std::filesystem::exists(origin_.file, ignored)) {
     refuse(
-        fmt::format("{} is missing: the frames of the first {} steps are lost", origin_.file.string(), looked_until));
+        fmt::format("{} is missing: the frames of the first {} steps are lost", origin_.file.string(), written_until));
   }
   try {
     // Before the file is opened for writing.
@@ -150,34 +150,34 @@ void TrajectoryOnlooker::restore(Experiment const& experiment, std::uint64_t fir
       throw Error({.what = fmt::format("{} is of another run: {}", origin_.file.string(),
                                        to_text(*difference, "the trajectory", "config.resolved.toml"))});
     }
-    writer_ = H5mdWriter::append(origin_.file, with_columns(experiment.frame(), settings_.columns));
+    writer_ = H5mdWriter::append(origin_.file, with_columns(simulation.frame(), settings_.columns));
   } catch (Error const& error) {
     refuse(error.problems().front().what);
   }
   auto const last = writer_->last_step();
   if (!last || *last < first_step) refuse(fmt::format("{} lacks the frames of this run", origin_.file.string()));
   std::uint64_t const next = schedule_.next_after(*last - first_step);
-  if (next > looked_until) return;
+  if (next > written_until) return;
   refuse(fmt::format("{} lacks frames: the last is of step {}, and the run has written one of step {}",
                      origin_.file.string(), *last, first_step + next));
 }
 
-void TrajectoryOnlooker::look(Experiment const& experiment, std::span<double const> sample) {
-  Clock const clock = experiment.clock();
-  std::uint64_t const state_hash = experiment.state_hash();
+void TrajectoryWriter::write(Simulation const& simulation, std::span<double const> sample) {
+  Clock const clock = simulation.clock();
+  std::uint64_t const state_hash = simulation.state_hash();
   Frame frame;
   if (!writer_) {
-    frame = with_columns(experiment.frame(), settings_.columns);
-    open(experiment, frame);
+    frame = with_columns(simulation.frame(), settings_.columns);
+    open(simulation, frame);
   }
   if (auto const last = writer_->last_step(); last && *last >= clock.step) {
     if (writer_->state_hash_at(clock.step) == state_hash) return;
     throw RunFailure(fmt::format("{} holds another run: its frames do not have the state of step {}",
                                  origin_.file.string(), clock.step));
   }
-  if (frame.columns.empty()) frame = with_columns(experiment.frame(), settings_.columns);
+  if (frame.columns.empty()) frame = with_columns(simulation.frame(), settings_.columns);
   std::vector<double> observables(sample.begin(), sample.end());
-  if (observables.empty()) observables.assign(experiment.columns().size(), no_value);
+  if (observables.empty()) observables.assign(simulation.columns().size(), no_value);
   writer_->write({.frame = std::move(frame), .observables = std::move(observables), .state_hash = state_hash});
 }
 

@@ -38,8 +38,8 @@ Chapter figure_4(Study& study) {
   configuration.run = {.steps = steps, .seed = study.seed(0)};
   Setup const setup = set_up(configuration);
   State state = setup.state;
-  Tally tally;
-  make_engine(setup.configuration.engine, state)->advance(state, tally, horizon_of(setup));
+  Counters counters;
+  make_engine(setup.configuration.engine, state)->advance(state, counters, stop_condition_of(setup));
 
   study.draw(setup.state,
              picture(fmt::format("start: N = {}, φ = {}, k = {}", state.disks.size(), packing_fraction, k)),
@@ -72,9 +72,9 @@ Chapter figure_4(Study& study) {
        .measured =
            fmt::format("After {} steps every disk is in the list of its neighbourhood and of no other; the largest "
                        "overlap of two disks is {}; kinetic energy has changed by {:.1e} of itself; {:.0f} % of the "
-                       "turns were blocked.",
+                       "moves were halted.",
                        steps, overlap, energy_change,
-                       100.0 * static_cast<double>(tally.blocked_turns) / static_cast<double>(tally.turns)),
+                       100.0 * static_cast<double>(counters.halted_moves) / static_cast<double>(counters.moves)),
        .verdict = is_sound ? Verdict::agrees : Verdict::differs});
   return chapter;
 }

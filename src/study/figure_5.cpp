@@ -10,7 +10,7 @@
 #include <optional>
 #include <utility>
 
-#include "gridlock/run/pace.hpp"
+#include "gridlock/run/rate_limiter.hpp"
 #include "study/distance_checks.hpp"
 #include "study/power_law.hpp"
 
@@ -56,48 +56,48 @@ struct Measurement {
   std::vector<double> seconds;
 };
 
-void carry(Archive& archive, Measurement& measurement) {
+void serialize(Archive& archive, Measurement& measurement) {
   StepCost& cost = measurement.cost;
   archive.visit("is_counted", measurement.is_counted);
   archive.visit("packing_fraction", cost.packing_fraction);
   archive.visit("checks", cost.checks);
   archive.visit("free_checks", cost.free_checks);
-  archive.visit("blocked_share", cost.blocked_share);
+  archive.visit("halted_fraction", cost.halted_fraction);
   archive.visit("seconds", measurement.seconds);
 }
 
-/// CPU time of one fresh run of the set-up; nothing where goes_on() says no, which is asked outside of that time.
-std::optional<double> seconds_of(Setup const& setup, std::function<bool()> const& goes_on) {
+/// CPU time of one fresh run of the set-up; nothing where should_continue() says no, which is asked outside of that time.
+std::optional<double> seconds_of(Setup const& setup, std::function<bool()> const& should_continue) {
   constexpr double seconds_between_looks = 0.1;
   State state = setup.state;
   auto const engine = make_engine(setup.configuration.engine, state);
-  Tally tally;
-  Pace pace(seconds_between_looks);
+  Counters counters;
+  RateLimiter rate_limiter(seconds_between_looks);
   std::clock_t ticks = 0;
   while (state.clock.step < timing_steps) {
     std::clock_t const start = std::clock();
-    engine->advance(state, tally, {.step = timing_steps, .goes_on = [&] { return !pace.is_due(); }});
+    engine->advance(state, counters, {.step = timing_steps, .should_continue = [&] { return !rate_limiter.is_due(); }});
     ticks += std::clock() - start;
-    if (state.clock.step < timing_steps && !goes_on()) return std::nullopt;
+    if (state.clock.step < timing_steps && !should_continue()) return std::nullopt;
   }
   return static_cast<double>(ticks) / CLOCKS_PER_SEC;
 }
 
-/// The counts of the same run, and what they would be without halting, step by step; false where goes_on() says no.
-bool count_checks(Measurement& measurement, std::function<bool()> const& goes_on) {
+/// The counts of the same run, and what they would be without halting, step by step; false where should_continue() says no.
+bool count_checks(Measurement& measurement, std::function<bool()> const& should_continue) {
   State state = measurement.setup.state;
   auto const engine = make_engine(measurement.setup.configuration.engine, state);
-  Tally tally;
+  Counters counters;
   StepCost& cost = measurement.cost;
   cost.packing_fraction = covered_area(state.disks) / state.box.area();
   cost.free_checks = 0.0;
   for (std::uint64_t step = 1; step <= timing_steps; ++step) {
     cost.free_checks += static_cast<double>(substeps_of_a_turn * checks_of_one_look(state, cost.k));
-    engine->advance(state, tally, {.step = step});
-    if (!goes_on()) return false;
+    engine->advance(state, counters, {.step = step});
+    if (!should_continue()) return false;
   }
-  cost.checks = static_cast<double>(tally.distance_checks);
-  cost.blocked_share = static_cast<double>(tally.blocked_turns) / static_cast<double>(tally.turns);
+  cost.checks = static_cast<double>(counters.distance_checks);
+  cost.halted_fraction = static_cast<double>(counters.halted_moves) / static_cast<double>(counters.moves);
   measurement.is_counted = true;
   return true;
 }
@@ -115,7 +115,7 @@ class MeasurementsInProgress {
       }
     }
     std::vector<Measurement> restored = measurements_;
-    if (study_.partial_results.restore(key_, carrying(restored))) measurements_ = std::move(restored);
+    if (study_.partial_results.restore(key_, serializing(restored))) measurements_ = std::move(restored);
   }
 
   /// False where on_progress has stopped it. What is measured is kept either way.
@@ -137,16 +137,16 @@ class MeasurementsInProgress {
   }
 
  private:
-  static std::function<void(Archive&)> carrying(std::vector<Measurement>& measurements) {
+  static std::function<void(Archive&)> serializing(std::vector<Measurement>& measurements) {
     return [&measurements](Archive& archive) {
       for (std::size_t m = 0; m < measurements.size(); ++m) {
-        carry_inside(archive, fmt::format("measurement_{}", m), [&] { carry(archive, measurements[m]); });
+        serialize_inside(archive, fmt::format("measurement_{}", m), [&] { serialize(archive, measurements[m]); });
       }
     };
   }
-  void keep() { study_.partial_results.keep(key_, carrying(measurements_)); }
+  void keep() { study_.partial_results.keep(key_, serializing(measurements_)); }
 
-  [[nodiscard]] bool goes_on() const {
+  [[nodiscard]] bool should_continue() const {
     std::size_t done = 0;
     for (Measurement const& m : measurements_) {
       done += (m.is_counted ? 1 : 0) + std::min<std::size_t>(m.seconds.size(), repeats_);
@@ -155,7 +155,7 @@ class MeasurementsInProgress {
   }
 
   bool measure_in_rounds() {
-    auto const asks = [this] { return goes_on(); };
+    auto const asks = [this] { return should_continue(); };
     for (Measurement& measurement : measurements_) {
       if (!measurement.is_counted && !count_checks(measurement, asks)) return false;
     }
@@ -167,7 +167,7 @@ class MeasurementsInProgress {
         auto const seconds = seconds_of(measurement.setup, asks);
         if (!seconds) return false;
         measurement.seconds.push_back(*seconds);
-        if (!goes_on()) return false;
+        if (!should_continue()) return false;
       }
     }
     return true;
@@ -190,16 +190,16 @@ Table cost_table(std::vector<StepCost> const& costs) {
   Table table;
   table.add_column("disks", std::vector<std::uint64_t>{});
   table.add_column("k", std::vector<std::uint64_t>{});
-  for (char const* name :
-       {"packing_fraction", "seconds", "seconds_spread", "distance_checks", "free_distance_checks",
-        "uniform_distance_checks", "paper_distance_checks", "checks_over_paper", "free_over_paper", "blocked_share"}) {
+  for (char const* name : {"packing_fraction", "seconds", "seconds_spread", "distance_checks", "free_distance_checks",
+                           "uniform_distance_checks", "paper_distance_checks", "checks_over_paper", "free_over_paper",
+                           "halted_fraction"}) {
     table.add_column(name, std::vector<double>{});
   }
   for (StepCost const& cost : costs) {
     double const paper = looks * paper_checks(cost.disks, cost.k);
     table.add_row(std::vector<Cell>{cost.disks, cost.k, cost.packing_fraction, cost.seconds, cost.spread, cost.checks,
                                     cost.free_checks, looks * uniform_checks(cost.disks, cost.k), paper,
-                                    cost.checks / paper, cost.free_checks / paper, cost.blocked_share});
+                                    cost.checks / paper, cost.free_checks / paper, cost.halted_fraction});
   }
   return table;
 }
@@ -288,10 +288,11 @@ PaperClaim growth_claim(std::vector<StepCost> const& costs, Laws const& free, La
       "Above φ = {} the CPU time grows as N^({}) and the distances checked as N^({}); without halting they would grow "
       "as N^({}). Below, where few halt, the distances grow as N^({}); the time as N^({}), since handling a disk costs "
       "too, however few neighbours it has. From φ = {:.2f} to {:.2f} the share of the checks that is made falls from "
-      "{:.3f} to {:.3f}, while the share of blocked turns rises from {:.3f} to {:.3f}.",
+      "{:.3f} to {:.3f}, while the share of halted moves rises from {:.3f} to {:.3f}.",
       dilute_packing_fraction, exponent_text(time.dense, 0), exponent_text(made.dense, 0), exponent_text(free.dense, 0),
       exponent_text(made.dilute, 0), exponent_text(time.dilute, 0), first->packing_fraction, last->packing_fraction,
-      first->checks / first->free_checks, last->checks / last->free_checks, first->blocked_share, last->blocked_share);
+      first->checks / first->free_checks, last->checks / last->free_checks, first->halted_fraction,
+      last->halted_fraction);
   if (!made.dense || !free.dense || !time.dense) return claim;
   bool const is_slower =
       made.dense->exponents[0].value < free.dense->exponents[0].value - 0.1 && time.dense->exponents[0].value < 2.0;
@@ -444,8 +445,8 @@ void draw_checks(Study& study) {
 
 bool fits_neighbourhoods(PaperExtent const& extent) {
   // A step of 0.1 diameters per v_max, and no disk is likely to become three times as fast as v_max.
-  double const reach = 2.0 * timing_radius(extent) * 1.3;
-  return reach * static_cast<double>(std::ranges::max(timing_ks)) <= 1.0;
+  double const cutoff = 2.0 * timing_radius(extent) * 1.3;
+  return cutoff * static_cast<double>(std::ranges::max(timing_ks)) <= 1.0;
 }
 
 double seconds_to_measure(PaperExtent const& extent) {

@@ -17,7 +17,7 @@ struct StepCost {
   double spread = 0.0;       ///< largest less smallest repeat
   double checks = 0.0;       ///< distances checked, exactly
   double free_checks = 0.0;  ///< what they would be if no disk halted, with the disks where they are
-  double blocked_share = 0.0;
+  double halted_fraction = 0.0;
 };
 
 /// The sizes of neighbourhoods of Figure 5.

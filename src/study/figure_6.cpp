@@ -12,31 +12,31 @@ namespace gridlock {
 namespace {
 
 /// The densities of the fan: on the square lattice as far as it goes, beyond on the triangular one.
-std::vector<Ensemble> fan(PaperExtent const& extent) {
+std::vector<ReplicaSet> fan(PaperExtent const& extent) {
   constexpr double closest_square_packing = 0.25 * std::numbers::pi;
-  std::vector<Ensemble> ensembles;
+  std::vector<ReplicaSet> replica_sets;
   for (PaperEngine const& engine : extent.engines) {
     for (double const density : extent.fan_densities) {
       StartKind const start = density < closest_square_packing ? StartKind::square : StartKind::triangular;
-      ensembles.push_back(paper_ensemble(extent, engine, start, density));
+      replica_sets.push_back(paper_replica_set(extent, engine, start, density));
     }
   }
-  return ensembles;
+  return replica_sets;
 }
 
-Table series_of(Study const& study, std::vector<Ensemble> const& ensembles) {
+Table series_of(Study const& study, std::vector<ReplicaSet> const& replica_sets) {
   Table table;
   for (char const* name : {"engine", "start"}) table.add_column(name, std::vector<std::string>{});
   for (char const* name : {"packing_fraction", "step", "time", "mean_displacement", "mean_displacement_error"}) {
     table.add_column(name, std::vector<double>{});
   }
   table.add_column("seeds", std::vector<std::uint64_t>{});
-  for (Ensemble const& ensemble : ensembles) {
-    EnsembleResult const result(study, ensemble);
+  for (ReplicaSet const& replica_set : replica_sets) {
+    ReplicaResult const result(study, replica_set);
     // A point every two percent is enough.
     for (std::size_t const sample : result.samples_spread_out(50)) {
       Estimate const displacement = result.displacement(sample);
-      table.add_row(std::vector<Cell>{ensemble.engine.kind, name_of(ensemble.start), ensemble.packing_fraction,
+      table.add_row(std::vector<Cell>{replica_set.engine.kind, name_of(replica_set.start), replica_set.packing_fraction,
                                       result.step(sample), result.time(sample), displacement.value,
                                       displacement.error.value_or(std::nan("")),
                                       static_cast<std::uint64_t>(result.seeds())});
@@ -46,7 +46,8 @@ Table series_of(Study const& study, std::vector<Ensemble> const& ensembles) {
 }
 
 /// The densities at the ends of the curves of the first engine, moved apart where they would cover each other.
-std::vector<PlotLabel> end_labels(Study const& study, std::vector<Ensemble> const& ensembles, bool is_logarithmic) {
+std::vector<PlotLabel> end_labels(Study const& study, std::vector<ReplicaSet> const& replica_sets,
+                                  bool is_logarithmic) {
   constexpr double least_distance = 0.045;  // of the height of the plot
   std::vector<double> const& densities = study.extent().fan_densities;
   double const steps = static_cast<double>(study.extent().steps);
@@ -54,17 +55,17 @@ std::vector<PlotLabel> end_labels(Study const& study, std::vector<Ensemble> cons
   std::vector<PlotLabel> labels;
   double least = is_logarithmic ? HUGE_VAL : 0.0;
   double most = -HUGE_VAL;
-  for (Ensemble const& ensemble : ensembles) {
-    EnsembleResult const result(study, ensemble);
-    if (ensemble.engine.kind != study.extent().engines.front().kind || result.seeds() == 0) continue;
+  for (ReplicaSet const& replica_set : replica_sets) {
+    ReplicaResult const result(study, replica_set);
+    if (replica_set.engine.kind != study.extent().engines.front().kind || result.seeds() == 0) continue;
     double const last = result.last_displacement().value;
     if (!(last > 0.0)) continue;
     double const first = result.displacement(std::min<std::size_t>(1, result.samples() - 1)).value;
     if (is_logarithmic && first > 0.0) least = std::min(least, on_axis(first));
     most = std::max(most, on_axis(last));
-    auto const place = std::ranges::find(densities, ensemble.packing_fraction) - densities.begin();
-    labels.push_back({.text = fmt::format("φ = {:.2f}{}", ensemble.packing_fraction,
-                                          ensemble.start == StartKind::triangular ? " tri." : ""),
+    auto const place = std::ranges::find(densities, replica_set.packing_fraction) - densities.begin();
+    labels.push_back({.text = fmt::format("φ = {:.2f}{}", replica_set.packing_fraction,
+                                          replica_set.start == StartKind::triangular ? " tri." : ""),
                       .x = is_logarithmic ? 1.05 * steps : 1.01e-3 * steps,
                       .y = on_axis(last),
                       .colour = static_cast<std::size_t>(place)});
@@ -79,7 +80,7 @@ std::vector<PlotLabel> end_labels(Study const& study, std::vector<Ensemble> cons
   return labels;
 }
 
-void draw_fan(Study& study, std::vector<Ensemble> const& ensembles, bool is_logarithmic) {
+void draw_fan(Study& study, std::vector<ReplicaSet> const& replica_sets, bool is_logarithmic) {
   Plot plot{
       .name = is_logarithmic ? "figure_6_logarithmic" : "figure_6",
       .title = is_logarithmic ? "Figure 6 again, both axes logarithmic" : "Figure 6: mean displacement against time",
@@ -98,29 +99,29 @@ void draw_fan(Study& study, std::vector<Ensemble> const& ensembles, bool is_loga
     plot.formulas.push_back({.label = engine.label, .formula = "NaN", .is_dashed = !is_first});
   }
   std::vector<double> const& densities = study.extent().fan_densities;
-  for (Ensemble const& ensemble : ensembles) {
-    if (EnsembleResult(study, ensemble).seeds() == 0) continue;
-    bool const is_first_engine = ensemble.engine.kind == study.extent().engines.front().kind;
-    auto const place = std::ranges::find(densities, ensemble.packing_fraction) - densities.begin();
+  for (ReplicaSet const& replica_set : replica_sets) {
+    if (ReplicaResult(study, replica_set).seeds() == 0) continue;
+    bool const is_first_engine = replica_set.engine.kind == study.extent().engines.front().kind;
+    auto const place = std::ranges::find(densities, replica_set.packing_fraction) - densities.begin();
     plot.curves.push_back(
         {.file = "figure_6.csv",
          .x = "step",
          .y = "mean_displacement",
          .error = "mean_displacement_error",
-         .where = {{.column = "engine", .equals = ensemble.engine.kind},
-                   {.column = "start", .equals = name_of(ensemble.start)},
-                   {.column = "packing_fraction", .equals = fmt::format("{}", ensemble.packing_fraction)}},
+         .where = {{.column = "engine", .equals = replica_set.engine.kind},
+                   {.column = "start", .equals = name_of(replica_set.start)},
+                   {.column = "packing_fraction", .equals = fmt::format("{}", replica_set.packing_fraction)}},
          .is_dashed = !is_first_engine,
          .colour = static_cast<std::size_t>(place),
          .x_factor = is_logarithmic ? 1.0 : 1e-3});
   }
   if (plot.curves.empty()) return;
-  plot.labels = end_labels(study, ensembles, is_logarithmic);
+  plot.labels = end_labels(study, replica_sets, is_logarithmic);
   study.draw(plot);
 }
 
 /// Whether the final displacements fall from each density to the next, as far as the errors can tell.
-PaperClaim order_claim(Study const& study, std::vector<Ensemble> const& ensembles) {
+PaperClaim order_claim(Study const& study, std::vector<ReplicaSet> const& replica_sets) {
   PaperClaim claim{.where = "Figure 6",
                    .statement =
                        "The denser the system, the less the disks move away from where they started; dense systems "
@@ -128,9 +129,9 @@ PaperClaim order_claim(Study const& study, std::vector<Ensemble> const& ensemble
   std::string values;
   bool is_ordered = true;
   std::optional<Estimate> last;
-  for (Ensemble const& ensemble : ensembles) {
-    if (ensemble.engine.kind != study.extent().engines.front().kind) continue;
-    EnsembleResult const result(study, ensemble);
+  for (ReplicaSet const& replica_set : replica_sets) {
+    if (replica_set.engine.kind != study.extent().engines.front().kind) continue;
+    ReplicaResult const result(study, replica_set);
     if (result.seeds() == 0) continue;
     Estimate const now = result.last_displacement();
     if (last) {
@@ -138,7 +139,7 @@ PaperClaim order_claim(Study const& study, std::vector<Ensemble> const& ensemble
       double const allowed = result.seeds() > 1 ? three_sigma(2 * (result.seeds() - 1)) : 0.0;
       is_ordered = is_ordered && now.value < last->value + allowed * error;
     }
-    values += fmt::format("{}{} at φ = {}", values.empty() ? "" : ", ", to_text(now), ensemble.packing_fraction);
+    values += fmt::format("{}{} at φ = {}", values.empty() ? "" : ", ", to_text(now), replica_set.packing_fraction);
     last = now;
   }
   claim.measured = fmt::format(
@@ -152,14 +153,14 @@ PaperClaim order_claim(Study const& study, std::vector<Ensemble> const& ensemble
 }  // namespace
 
 void plan_figure_6(Study& study) {
-  for (Ensemble const& ensemble : fan(study.extent())) plan(study, ensemble);
+  for (ReplicaSet const& replica_set : fan(study.extent())) plan(study, replica_set);
 }
 
 Chapter figure_6(Study& study) {
-  std::vector<Ensemble> const ensembles = fan(study.extent());
-  study.write(series_of(study, ensembles), "figure_6.csv");
-  draw_fan(study, ensembles, false);
-  draw_fan(study, ensembles, true);
+  std::vector<ReplicaSet> const replica_sets = fan(study.extent());
+  study.write(series_of(study, replica_sets), "figure_6.csv");
+  draw_fan(study, replica_sets, false);
+  draw_fan(study, replica_sets, true);
 
   Chapter chapter{.title = "Figure 6: how far the disks have come"};
   chapter.introduction.push_back(
@@ -177,7 +178,7 @@ Chapter figure_6(Study& study) {
   chapter.drawings.push_back({{"figure_6_logarithmic.svg"},
                               "The same on logarithmic axes, which show what the dense systems do: they rattle in "
                               "their cages, and most still creep on."});
-  chapter.claims.push_back(order_claim(study, ensembles));
+  chapter.claims.push_back(order_claim(study, replica_sets));
   return chapter;
 }
 

@@ -74,7 +74,7 @@ double time_of(std::uint64_t steps, double packing_fraction, PaperExtent const& 
 }
 
 /// Runs at low density that last until the start is forgotten.
-Ensemble plateau_ensemble(PaperExtent const& extent, StartKind start, double packing_fraction) {
+ReplicaSet plateau_replica_set(PaperExtent const& extent, StartKind start, double packing_fraction) {
   double const radius = radius_at(packing_fraction, extent.disks);
   double const room = 1.0 - 2.0 * radius;
   double const diffusion = enskog_diffusion(packing_fraction, radius, temperature_of_start);
@@ -92,12 +92,12 @@ Ensemble plateau_ensemble(PaperExtent const& extent, StartKind start, double pac
           .seeds = extent.plateau_seeds};
 }
 
-std::vector<Ensemble> plateau_ensembles(PaperExtent const& extent) {
-  std::vector<Ensemble> ensembles;
+std::vector<ReplicaSet> plateau_replica_sets(PaperExtent const& extent) {
+  std::vector<ReplicaSet> replica_sets;
   for (double const density : extent.plateau_densities) {
-    for (StartKind const start : both_starts) ensembles.push_back(plateau_ensemble(extent, start, density));
+    for (StartKind const start : both_starts) replica_sets.push_back(plateau_replica_set(extent, start, density));
   }
-  return ensembles;
+  return replica_sets;
 }
 
 Table points_table(Study const& study, Predictions const& predictions) {
@@ -105,25 +105,25 @@ Table points_table(Study const& study, Predictions const& predictions) {
   for (char const* name : {"engine", "start"}) table.add_column(name, std::vector<std::string>{});
   for (char const* name :
        {"packing_fraction", "time", "mean_displacement", "mean_displacement_error", "plateau", "enskog_diffusion",
-        "blocked_share", "blocked_share_error", "collision_rate", "collision_rate_error"}) {
+        "halted_fraction", "blocked_share_error", "collision_rate", "collision_rate_error"}) {
     table.add_column(name, std::vector<double>{});
   }
   for (char const* name : {"steps", "seeds", "arrested"}) table.add_column(name, std::vector<std::uint64_t>{});
-  for (Ensemble const& ensemble : paper_ensembles(study.extent())) {
-    EnsembleResult const result(study, ensemble);
+  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent())) {
+    ReplicaResult const result(study, replica_set);
     if (result.seeds() == 0) continue;
-    Prediction const& prediction = predictions.of(ensemble.start);
+    Prediction const& prediction = predictions.of(replica_set.start);
     Estimate const displacement = result.last_displacement();
-    Estimate const blocked = result.tail_blocked_share(0.2);
+    Estimate const halted = result.tail_halted_fraction(0.2);
     Estimate const collisions = result.tail_collision_rate(0.2);
     double const time = result.time(result.samples() - 1);
-    double const density = ensemble.packing_fraction;
+    double const density = replica_set.packing_fraction;
     double const nothing = std::nan("");
     table.add_row(std::vector<Cell>{
-        ensemble.engine.kind, name_of(ensemble.start), density, time, displacement.value,
+        replica_set.engine.kind, name_of(replica_set.start), density, time, displacement.value,
         displacement.error.value_or(nothing), prediction.plateau(density),
-        density <= diffusive_up_to ? prediction.diffused(density, time) : nothing, blocked.value,
-        blocked.error.value_or(nothing), collisions.value, collisions.error.value_or(nothing), ensemble.steps,
+        density <= diffusive_up_to ? prediction.diffused(density, time) : nothing, halted.value,
+        halted.error.value_or(nothing), collisions.value, collisions.error.value_or(nothing), replica_set.steps,
         static_cast<std::uint64_t>(result.seeds()), static_cast<std::uint64_t>(result.arrested())});
   }
   return table;
@@ -164,14 +164,15 @@ Table plateau_table(Study const& study, Predictions const& predictions) {
     table.add_column(name, std::vector<double>{});
   }
   table.add_column("seeds", std::vector<std::uint64_t>{});
-  for (Ensemble const& ensemble : plateau_ensembles(study.extent())) {
-    EnsembleResult const result(study, ensemble);
+  for (ReplicaSet const& replica_set : plateau_replica_sets(study.extent())) {
+    ReplicaResult const result(study, replica_set);
     if (result.seeds() == 0) continue;
     Estimate const displacement = result.tail_displacement(share_of_plateau);
-    table.add_row(std::vector<Cell>{
-        name_of(ensemble.start), ensemble.packing_fraction, result.time(result.samples() - 1), displacement.value,
-        displacement.error.value_or(std::nan("")), predictions.of(ensemble.start).plateau(ensemble.packing_fraction),
-        static_cast<std::uint64_t>(result.seeds())});
+    table.add_row(std::vector<Cell>{name_of(replica_set.start), replica_set.packing_fraction,
+                                    result.time(result.samples() - 1), displacement.value,
+                                    displacement.error.value_or(std::nan("")),
+                                    predictions.of(replica_set.start).plateau(replica_set.packing_fraction),
+                                    static_cast<std::uint64_t>(result.seeds())});
   }
   return table;
 }
@@ -238,13 +239,13 @@ void draw_points(Study& study) {
 /// Where the curve of one engine and start falls through 10 % after a number of samples.
 Crossing crossing_at(Study const& study, PaperEngine const& engine, StartKind start, double share_of_run) {
   std::vector<CurvePoint> points;
-  for (Ensemble const& ensemble : paper_ensembles(study.extent())) {
-    if (ensemble.engine.kind != engine.kind || ensemble.start != start) continue;
-    EnsembleResult const result(study, ensemble);
+  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent())) {
+    if (replica_set.engine.kind != engine.kind || replica_set.start != start) continue;
+    ReplicaResult const result(study, replica_set);
     if (result.seeds() == 0) continue;
     auto const sample = static_cast<std::size_t>(std::lround(share_of_run * static_cast<double>(result.samples() - 1)));
     Estimate const displacement = result.displacement(std::max<std::size_t>(1, sample));
-    if (displacement.value > 0.0) points.push_back({.x = ensemble.packing_fraction, .y = displacement});
+    if (displacement.value > 0.0) points.push_back({.x = replica_set.packing_fraction, .y = displacement});
   }
   return find_crossing(points, jamming_level);
 }
@@ -332,12 +333,12 @@ PageTable plateau_comparison(Study const& study, Predictions const& predictions)
                       "Runs of {} relaxation times of the slowest mode of the box, of which the last {:.0f} % count; "
                       "time step {} diameters per v_max, since the plateau does not depend on it.",
                       study.extent().plateau_relaxations, 100.0 * share_of_plateau, study.extent().plateau_time_step)};
-  for (Ensemble const& ensemble : plateau_ensembles(study.extent())) {
-    EnsembleResult const result(study, ensemble);
+  for (ReplicaSet const& replica_set : plateau_replica_sets(study.extent())) {
+    ReplicaResult const result(study, replica_set);
     if (result.seeds() == 0) continue;
     Estimate const measured = result.tail_displacement(share_of_plateau);
-    double const exact = predictions.of(ensemble.start).plateau(ensemble.packing_fraction);
-    table.rows.push_back({name_of(ensemble.start), fmt::format("{}", ensemble.packing_fraction),
+    double const exact = predictions.of(replica_set.start).plateau(replica_set.packing_fraction);
+    table.rows.push_back({name_of(replica_set.start), fmt::format("{}", replica_set.packing_fraction),
                           fmt::format("{}", result.seeds()), to_text(measured), fmt::format("{:.5f}", exact),
                           deviation_text(measured, exact)});
   }
@@ -351,17 +352,17 @@ PageTable approach_comparison(Study const& study, Predictions const& predictions
       .caption = fmt::format("The points of Figure 7 at low density, after {} steps: how near to the plateau they can "
                              "be after that time, by Enskog's diffusion between walls.",
                              study.extent().steps)};
-  for (Ensemble const& ensemble : paper_ensembles(study.extent())) {
-    if (ensemble.packing_fraction > diffusive_up_to) continue;
-    EnsembleResult const result(study, ensemble);
+  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent())) {
+    if (replica_set.packing_fraction > diffusive_up_to) continue;
+    ReplicaResult const result(study, replica_set);
     if (result.seeds() == 0) continue;
-    Prediction const& prediction = predictions.of(ensemble.start);
+    Prediction const& prediction = predictions.of(replica_set.start);
     Estimate const measured = result.last_displacement();
-    double const exact = prediction.plateau(ensemble.packing_fraction);
+    double const exact = prediction.plateau(replica_set.packing_fraction);
     double const time = result.time(result.samples() - 1);
-    table.rows.push_back({ensemble.engine.label, name_of(ensemble.start), fmt::format("{}", ensemble.packing_fraction),
-                          to_text(measured),
-                          fmt::format("{:.4f}", prediction.diffused(ensemble.packing_fraction, time)),
+    table.rows.push_back({replica_set.engine.label, name_of(replica_set.start),
+                          fmt::format("{}", replica_set.packing_fraction), to_text(measured),
+                          fmt::format("{:.4f}", prediction.diffused(replica_set.packing_fraction, time)),
                           fmt::format("{:.5f}", exact), deviation_text(measured, exact)});
   }
   return table;
@@ -372,15 +373,15 @@ PaperClaim plateau_claim(Study const& study, Predictions const& predictions) {
                    .statement = "At low packing fractions the mean displacement levels off near 0.5 of the side."};
   bool is_within = true;
   std::string text;
-  for (Ensemble const& ensemble : plateau_ensembles(study.extent())) {
-    EnsembleResult const result(study, ensemble);
+  for (ReplicaSet const& replica_set : plateau_replica_sets(study.extent())) {
+    ReplicaResult const result(study, replica_set);
     if (result.seeds() < 2) continue;
     Estimate const measured = result.tail_displacement(share_of_plateau);
-    double const exact = predictions.of(ensemble.start).plateau(ensemble.packing_fraction);
+    double const exact = predictions.of(replica_set.start).plateau(replica_set.packing_fraction);
     double const allowed = three_sigma(result.seeds() - 1) * measured.error.value_or(0.0);
     is_within = is_within && std::abs(measured.value - exact) < allowed;
     text += fmt::format("{}{} at φ = {} ({} start; exact {:.4f})", text.empty() ? "" : ", ", to_text(measured),
-                        ensemble.packing_fraction, name_of(ensemble.start), exact);
+                        replica_set.packing_fraction, name_of(replica_set.start), exact);
   }
   if (text.empty()) {
     claim.measured = "Not measured.";
@@ -395,19 +396,19 @@ PaperClaim plateau_claim(Study const& study, Predictions const& predictions) {
   return claim;
 }
 
-/// Ensembles that have come to a standstill, in words.
+/// Replica sets that have come to a standstill, in words.
 std::string standstill_text(Study const& study) {
   std::vector<std::string> parts;
-  for (Ensemble const& ensemble : paper_ensembles(study.extent())) {
-    EnsembleResult const result(study, ensemble);
+  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent())) {
+    ReplicaResult const result(study, replica_set);
     if (result.seeds() == 0 || result.arrested() == 0) continue;
-    parts.push_back(fmt::format("φ = {} {} ({} of {} runs, {:.1f} % of the turns blocked)", ensemble.packing_fraction,
-                                name_of(ensemble.start), result.arrested(), result.seeds(),
-                                100.0 * result.tail_blocked_share(0.2).value));
+    parts.push_back(fmt::format("φ = {} {} ({} of {} runs, {:.1f} % of the moves halted)", replica_set.packing_fraction,
+                                name_of(replica_set.start), result.arrested(), result.seeds(),
+                                100.0 * result.tail_halted_fraction(0.2).value));
   }
-  if (parts.empty()) return "No run came to a standstill: nowhere were more than 98 % of the turns blocked.";
+  if (parts.empty()) return "No run came to a standstill: nowhere were more than 98 % of the moves halted.";
   return fmt::format(
-      "Runs that came to a standstill, with more than 98 % of all turns blocked over the last fifth: {}. Hard disks "
+      "Runs that came to a standstill, with more than 98 % of all moves halted over the last fifth: {}. Hard disks "
       "that move from collision to collision do not stop; at these densities the points of the figure show the finite "
       "step, not physics.",
       fmt::join(parts, "; "));
@@ -416,8 +417,8 @@ std::string standstill_text(Study const& study) {
 }  // namespace
 
 void plan_figure_7(Study& study) {
-  for (Ensemble const& ensemble : paper_ensembles(study.extent())) plan(study, ensemble);
-  for (Ensemble const& ensemble : plateau_ensembles(study.extent())) plan(study, ensemble);
+  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent())) plan(study, replica_set);
+  for (ReplicaSet const& replica_set : plateau_replica_sets(study.extent())) plan(study, replica_set);
 }
 
 Chapter figure_7(Study& study) {

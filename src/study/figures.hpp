@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-#include "study/ensemble.hpp"
+#include "study/replica_set.hpp"
 #include "study/study.hpp"
 
 namespace gridlock {

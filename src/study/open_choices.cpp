@@ -27,7 +27,7 @@ char const* name_of(Sites sites) {
   return "triangular, unstretched";
 }
 
-Ensemble choice_ensemble(PaperExtent const& extent, StartKind start, double density, double time_step) {
+ReplicaSet choice_replica_set(PaperExtent const& extent, StartKind start, double density, double time_step) {
   return sampled_evenly({.engine = extent.engines.front(),
                          .start = start,
                          .packing_fraction = density,
@@ -45,104 +45,106 @@ std::vector<std::pair<StartKind, double>> starts_of(PaperExtent const& extent) {
 }
 
 /// The same start without a time step; its samples are as far apart as with the usual one.
-std::optional<Ensemble> reference_ensemble(PaperExtent const& extent, StartKind start, double density) {
+std::optional<ReplicaSet> reference_replica_set(PaperExtent const& extent, StartKind start, double density) {
   if (!extent.choice_reference) return std::nullopt;
-  Ensemble ensemble = choice_ensemble(extent, start, density, usual_time_step);
-  ensemble.engine = *extent.choice_reference;
-  return ensemble;
+  ReplicaSet replica_set = choice_replica_set(extent, start, density, usual_time_step);
+  replica_set.engine = *extent.choice_reference;
+  return replica_set;
 }
 
 /// What time steps are compared with: the dynamics without one, or else the finest.
-Ensemble baseline_ensemble(PaperExtent const& extent, StartKind start, double density) {
+ReplicaSet baseline_replica_set(PaperExtent const& extent, StartKind start, double density) {
   double const finest = std::ranges::min(extent.choice_time_steps);
-  return reference_ensemble(extent, start, density).value_or(choice_ensemble(extent, start, density, finest));
+  return reference_replica_set(extent, start, density).value_or(choice_replica_set(extent, start, density, finest));
 }
 
 std::string name_of_baseline(PaperExtent const& extent) {
   return extent.choice_reference ? extent.choice_reference->label : "the finest step";
 }
 
-bool has_steps(PaperExtent const& extent, Ensemble const& ensemble) {
-  return !extent.choice_reference || ensemble.engine.kind != extent.choice_reference->kind;
+bool has_steps(PaperExtent const& extent, ReplicaSet const& replica_set) {
+  return !extent.choice_reference || replica_set.engine.kind != extent.choice_reference->kind;
 }
 
 /// Every time step under both contact rules, after the reference.
-std::vector<Ensemble> rule_ensembles(PaperExtent const& extent) {
-  std::vector<Ensemble> ensembles;
+std::vector<ReplicaSet> rule_replica_sets(PaperExtent const& extent) {
+  std::vector<ReplicaSet> replica_sets;
   for (auto const& [start, density] : starts_of(extent)) {
-    if (auto const reference = reference_ensemble(extent, start, density)) ensembles.push_back(*reference);
+    if (auto const reference = reference_replica_set(extent, start, density)) replica_sets.push_back(*reference);
     for (Contact const contact : {Contact::always, Contact::approaching}) {
       for (double const time_step : extent.choice_time_steps) {
-        Ensemble ensemble = choice_ensemble(extent, start, density, time_step);
-        ensemble.contact = contact;
-        ensembles.push_back(ensemble);
+        ReplicaSet replica_set = choice_replica_set(extent, start, density, time_step);
+        replica_set.contact = contact;
+        replica_sets.push_back(replica_set);
       }
     }
   }
-  return ensembles;
+  return replica_sets;
 }
 
 /// The starts on other sites, with the fitted ones beside them.
-std::vector<Ensemble> site_ensembles(PaperExtent const& extent) {
-  std::vector<Ensemble> ensembles;
+std::vector<ReplicaSet> site_replica_sets(PaperExtent const& extent) {
+  std::vector<ReplicaSet> replica_sets;
   for (auto const& [start, density] : starts_of(extent)) {
     for (Sites const sites : {Sites::fitted, start == StartKind::square ? Sites::to_walls : Sites::perfect}) {
-      Ensemble ensemble = choice_ensemble(extent, start, density, usual_time_step);
-      ensemble.sites = sites;
-      ensembles.push_back(ensemble);
+      ReplicaSet replica_set = choice_replica_set(extent, start, density, usual_time_step);
+      replica_set.sites = sites;
+      replica_sets.push_back(replica_set);
     }
   }
-  return ensembles;
+  return replica_sets;
 }
 
 Table table_of(Study const& study) {
   Table table;
   for (char const* name : {"engine", "start", "sites", "contact"}) table.add_column(name, std::vector<std::string>{});
   for (char const* name : {"packing_fraction", "time_step", "time", "mean_displacement", "mean_displacement_error",
-                           "blocked_share", "collision_rate"}) {
+                           "halted_fraction", "collision_rate"}) {
     table.add_column(name, std::vector<double>{});
   }
   for (char const* name : {"seeds", "arrested"}) table.add_column(name, std::vector<std::uint64_t>{});
-  std::vector<Ensemble> ensembles = rule_ensembles(study.extent());
-  for (Ensemble const& ensemble : site_ensembles(study.extent())) {
-    if (ensemble.sites != Sites::fitted) ensembles.push_back(ensemble);
+  std::vector<ReplicaSet> replica_sets = rule_replica_sets(study.extent());
+  for (ReplicaSet const& replica_set : site_replica_sets(study.extent())) {
+    if (replica_set.sites != Sites::fitted) replica_sets.push_back(replica_set);
   }
-  for (Ensemble const& ensemble : ensembles) {
-    EnsembleResult const result(study, ensemble);
+  for (ReplicaSet const& replica_set : replica_sets) {
+    ReplicaResult const result(study, replica_set);
     if (result.seeds() == 0) continue;
     Estimate const displacement = result.last_displacement();
-    bool const steps = has_steps(study.extent(), ensemble);
-    table.add_row(std::vector<Cell>{
-        ensemble.engine.kind, gridlock::name_of(ensemble.start), name_of(ensemble.sites),
-        steps ? name_of(ensemble.contact) : "none", ensemble.packing_fraction, steps ? ensemble.time_step : 0.0,
-        result.time(result.samples() - 1), displacement.value, displacement.error.value_or(std::nan("")),
-        result.tail_blocked_share(0.2).value, result.tail_collision_rate(0.2).value,
-        static_cast<std::uint64_t>(result.seeds()), static_cast<std::uint64_t>(result.arrested())});
+    bool const steps = has_steps(study.extent(), replica_set);
+    table.add_row(std::vector<Cell>{replica_set.engine.kind, gridlock::name_of(replica_set.start),
+                                    name_of(replica_set.sites), steps ? name_of(replica_set.contact) : "none",
+                                    replica_set.packing_fraction, steps ? replica_set.time_step : 0.0,
+                                    result.time(result.samples() - 1), displacement.value,
+                                    displacement.error.value_or(std::nan("")), result.tail_halted_fraction(0.2).value,
+                                    result.tail_collision_rate(0.2).value, static_cast<std::uint64_t>(result.seeds()),
+                                    static_cast<std::uint64_t>(result.arrested())});
   }
   return table;
 }
 
-std::string arrest_text(EnsembleResult const& result) {
+std::string arrest_text(ReplicaResult const& result) {
   if (result.arrested() == 0) return "none";
   return fmt::format("{} of {}", result.arrested(), result.seeds());
 }
 
 PageTable rule_table(Study const& study) {
-  PageTable table{.header = {"start", "φ", "rule", "time step", "mean displacement", "blocked turns",
+  PageTable table{.header = {"start", "φ", "rule", "time step", "mean displacement", "halted moves",
                              "collisions per disk and time", "standstill"},
                   .caption = fmt::format(
-                      "After {} diameters per v_max of physical time, {} seeds. Blocked turns and collisions over the "
-                      "last fifth of the run; a smaller step is blocked less often for the same physics, so compare "
+                      "After {} diameters per v_max of physical time, {} seeds. Halted moves and collisions over the "
+                      "last fifth of the run; a smaller step is halted less often for the same physics, so compare "
                       "the collision rate.",
                       study.extent().choice_diameters, study.extent().choice_seeds)};
-  for (Ensemble const& ensemble : rule_ensembles(study.extent())) {
-    EnsembleResult const result(study, ensemble);
+  for (ReplicaSet const& replica_set : rule_replica_sets(study.extent())) {
+    ReplicaResult const result(study, replica_set);
     if (result.seeds() == 0) continue;
-    bool const steps = has_steps(study.extent(), ensemble);
-    table.rows.push_back({gridlock::name_of(ensemble.start), fmt::format("{}", ensemble.packing_fraction),
-                          steps ? name_of(ensemble.contact) : ensemble.engine.label,
-                          steps ? fmt::format("{}", ensemble.time_step) : "none", to_text(result.last_displacement()),
-                          steps ? fmt::format("{:.1f} %", 100.0 * result.tail_blocked_share(0.2).value) : "–",
+    bool const steps = has_steps(study.extent(), replica_set);
+    table.rows.push_back({gridlock::name_of(replica_set.start), fmt::format("{}", replica_set.packing_fraction),
+                          steps ? name_of(replica_set.contact) : replica_set.engine.label,
+                          steps ? fmt::format("{}", replica_set.time_step) : "none",
+                          to_text(result.last_displacement()),
+                          steps ? fmt::format("{:.1f} %", 100.0 * result.tail_halted_fraction(0.2).value) : "–",
                           fmt::format("{:.0f}", result.tail_collision_rate(0.2).value), arrest_text(result)});
   }
   return table;
@@ -154,11 +156,11 @@ PageTable site_table(Study const& study) {
       .caption = fmt::format("The same physical time, time step {}, contact = \"always\". Fitted: the square lattice "
                              "centred in its cells; the triangular one stretched to fill the box.",
                              usual_time_step)};
-  for (Ensemble const& ensemble : site_ensembles(study.extent())) {
-    EnsembleResult const result(study, ensemble);
+  for (ReplicaSet const& replica_set : site_replica_sets(study.extent())) {
+    ReplicaResult const result(study, replica_set);
     if (result.seeds() == 0) continue;
-    table.rows.push_back({gridlock::name_of(ensemble.start), fmt::format("{}", ensemble.packing_fraction),
-                          name_of(ensemble.sites), to_text(result.last_displacement()), arrest_text(result)});
+    table.rows.push_back({gridlock::name_of(replica_set.start), fmt::format("{}", replica_set.packing_fraction),
+                          name_of(replica_set.sites), to_text(result.last_displacement()), arrest_text(result)});
   }
   return table;
 }
@@ -200,8 +202,8 @@ void draw_rules(Study& study) {
   }
   double least = 1.0;
   double most = 0.0;
-  for (Ensemble const& ensemble : rule_ensembles(study.extent())) {
-    EnsembleResult const result(study, ensemble);
+  for (ReplicaSet const& replica_set : rule_replica_sets(study.extent())) {
+    ReplicaResult const result(study, replica_set);
     if (result.seeds() == 0) continue;
     least = std::min(least, result.last_displacement().value);
     most = std::max(most, result.last_displacement().value);
@@ -224,12 +226,12 @@ std::optional<double> distance_in_errors(Estimate const& a, Estimate const& b) {
   return std::abs(a.value - b.value) / error;
 }
 
-/// The largest difference among pairs of ensembles that differ in one choice.
+/// The largest difference among pairs of replica sets that differ in one choice.
 class LargestDifference {
  public:
-  void compare(Study const& study, Ensemble const& a, Ensemble const& b) {
-    EnsembleResult const first(study, a);
-    EnsembleResult const second(study, b);
+  void compare(Study const& study, ReplicaSet const& a, ReplicaSet const& b) {
+    ReplicaResult const first(study, a);
+    ReplicaResult const second(study, b);
     if (first.seeds() < 2 || second.seeds() < 2) return;
     Estimate const here = first.last_displacement();
     Estimate const there = second.last_displacement();
@@ -264,11 +266,11 @@ std::string collision_text(Study const& study) {
   PaperExtent const& extent = study.extent();
   std::vector<std::string> parts;
   for (auto const& [start, density] : starts_of(extent)) {
-    EnsembleResult const baseline(study, baseline_ensemble(extent, start, density));
+    ReplicaResult const baseline(study, baseline_replica_set(extent, start, density));
     if (baseline.seeds() == 0) continue;
     std::vector<std::string> ratios;
     for (double const time_step : extent.choice_time_steps) {
-      EnsembleResult const result(study, choice_ensemble(extent, start, density, time_step));
+      ReplicaResult const result(study, choice_replica_set(extent, start, density, time_step));
       if (result.seeds() == 0) continue;
       double const ratio = result.tail_collision_rate(0.2).value / baseline.tail_collision_rate(0.2).value;
       ratios.push_back(fmt::format("{:.2f}", ratio));
@@ -284,11 +286,11 @@ std::string time_step_conclusion(Study const& study) {
   PaperExtent const& extent = study.extent();
   LargestDifference difference;
   for (auto const& [start, density] : starts_of(extent)) {
-    Ensemble const baseline = baseline_ensemble(extent, start, density);
+    ReplicaSet const baseline = baseline_replica_set(extent, start, density);
     for (double const time_step : extent.choice_time_steps) {
-      Ensemble const ensemble = choice_ensemble(extent, start, density, time_step);
-      bool const is_baseline = ensemble.engine.kind == baseline.engine.kind && time_step == baseline.time_step;
-      if (!is_baseline) difference.compare(study, baseline, ensemble);
+      ReplicaSet const replica_set = choice_replica_set(extent, start, density, time_step);
+      bool const is_baseline = replica_set.engine.kind == baseline.engine.kind && time_step == baseline.time_step;
+      if (!is_baseline) difference.compare(study, baseline, replica_set);
     }
   }
   return fmt::format("Time step with \"always\", against {}: {}.{}", name_of_baseline(extent), difference.text(),
@@ -300,15 +302,15 @@ std::string contact_conclusion(Study const& study) {
   std::size_t arrested_always = 0;
   std::size_t arrested_approaching = 0;
   std::size_t runs = 0;
-  for (Ensemble const& ensemble : rule_ensembles(study.extent())) {
-    if (!has_steps(study.extent(), ensemble)) continue;
-    EnsembleResult const result(study, ensemble);
-    if (ensemble.contact == Contact::always) {
+  for (ReplicaSet const& replica_set : rule_replica_sets(study.extent())) {
+    if (!has_steps(study.extent(), replica_set)) continue;
+    ReplicaResult const result(study, replica_set);
+    if (replica_set.contact == Contact::always) {
       arrested_always += result.arrested();
       runs += result.seeds();
-      Ensemble other = ensemble;
+      ReplicaSet other = replica_set;
       other.contact = Contact::approaching;
-      difference.compare(study, ensemble, other);
+      difference.compare(study, replica_set, other);
     } else {
       arrested_approaching += result.arrested();
     }
@@ -322,16 +324,17 @@ std::string contact_conclusion(Study const& study) {
 
 std::string site_conclusion(Study const& study) {
   LargestDifference difference;
-  std::vector<Ensemble> const ensembles = site_ensembles(study.extent());
-  for (std::size_t i = 0; i + 1 < ensembles.size(); i += 2) difference.compare(study, ensembles[i], ensembles[i + 1]);
+  std::vector<ReplicaSet> const replica_sets = site_replica_sets(study.extent());
+  for (std::size_t i = 0; i + 1 < replica_sets.size(); i += 2)
+    difference.compare(study, replica_sets[i], replica_sets[i + 1]);
   return fmt::format("Sites of the lattice in the box: {}.", difference.text());
 }
 
 }  // namespace
 
 void plan_open_choices(Study& study) {
-  for (Ensemble const& ensemble : rule_ensembles(study.extent())) plan(study, ensemble);
-  for (Ensemble const& ensemble : site_ensembles(study.extent())) plan(study, ensemble);
+  for (ReplicaSet const& replica_set : rule_replica_sets(study.extent())) plan(study, replica_set);
+  for (ReplicaSet const& replica_set : site_replica_sets(study.extent())) plan(study, replica_set);
 }
 
 Chapter open_choices(Study& study) {
@@ -352,7 +355,7 @@ Chapter open_choices(Study& study) {
 
 std::vector<ContactsBesideExact> contacts_beside_exact(Study const& study) {
   PaperExtent const& extent = study.extent();
-  auto const ending_of = [](EnsembleResult const& result) -> ContactEnding {
+  auto const result_of = [](ReplicaResult const& result) -> ContactResult {
     return {.arrested = result.arrested(),
             .runs = result.seeds(),
             .displacement = result.last_displacement(),
@@ -360,21 +363,21 @@ std::vector<ContactsBesideExact> contacts_beside_exact(Study const& study) {
   };
   std::vector<ContactsBesideExact> contacts;
   for (auto const& [start, density] : starts_of(extent)) {
-    auto const reference = reference_ensemble(extent, start, density);
+    auto const reference = reference_replica_set(extent, start, density);
     for (double const time_step : extent.choice_time_steps) {
-      Ensemble ensemble = choice_ensemble(extent, start, density, time_step);
-      EnsembleResult const always(study, ensemble);
-      ensemble.contact = Contact::approaching;
-      EnsembleResult const approaching(study, ensemble);
+      ReplicaSet replica_set = choice_replica_set(extent, start, density, time_step);
+      ReplicaResult const always(study, replica_set);
+      replica_set.contact = Contact::approaching;
+      ReplicaResult const approaching(study, replica_set);
       if (always.seeds() == 0 || approaching.seeds() == 0) continue;
       contacts.push_back({.start = start,
                           .packing_fraction = density,
                           .time_step = time_step,
-                          .always = ending_of(always),
-                          .approaching = ending_of(approaching)});
+                          .always = result_of(always),
+                          .approaching = result_of(approaching)});
       if (!reference || reference->engine.kind != "exact") continue;
-      EnsembleResult const exact(study, *reference);
-      if (exact.seeds() > 0) contacts.back().exact = ending_of(exact);
+      ReplicaResult const exact(study, *reference);
+      if (exact.seeds() > 0) contacts.back().exact = result_of(exact);
     }
   }
   return contacts;

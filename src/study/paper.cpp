@@ -15,7 +15,7 @@
 #include "gridlock/io/file.hpp"
 #include "gridlock/run/result_files.hpp"
 #include "gridlock/run/run_directory.hpp"
-#include "run/team.hpp"
+#include "run/job_pool.hpp"
 #include "study/figure_5.hpp"
 #include "study/figures.hpp"
 
@@ -233,11 +233,11 @@ class PaperStudy {
     if (std::string const problem = study_.partial_results.problem(); !problem.empty()) {
       study_.note("partial results were not all kept: " + problem);
     }
-    PaperResult result{.ending = progression_.is_stopped() ? Ending::interrupted : Ending::finished,
+    PaperResult result{.status = progression_.is_stopped() ? RunStatus::interrupted : RunStatus::finished,
                        .simulations = study_.runs.size(),
                        .finished_simulations = study_.runs.finished()};
     result.seconds = progression_.seconds();
-    if (result.ending == Ending::finished) {
+    if (result.status == RunStatus::finished) {
       for (Chapter const& chapter : chapters_) std::ranges::copy(chapter.claims, std::back_inserter(result.claims));
       write_report(result);
       study_.partial_results.remove_all();

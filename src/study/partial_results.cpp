@@ -21,13 +21,13 @@ namespace {
 /// A piece of the full study has less than a hundred kilobytes.
 constexpr std::uint64_t largest_piece = std::uint64_t{1} << 28;
 
-void carry_piece(Archive& archive, std::string const& key, std::function<void(Archive&)> const& carry) {
+void serialize_piece(Archive& archive, std::string const& key, std::function<void(Archive&)> const& serialize) {
   for (auto const& [name, own] : {std::pair("version", std::string(version())), std::pair("key", key)}) {
     std::string recorded = own;
     archive.visit(name, recorded);
     archive.require(recorded == own, "it is the result of another piece, or of another version");
   }
-  carry_inside(archive, "result", [&] { carry(archive); });
+  serialize_inside(archive, "result", [&] { serialize(archive); });
 }
 
 }  // namespace
@@ -36,21 +36,21 @@ std::filesystem::path PartialResults::file_of(std::string const& key) const {
   return directory_ / fmt::format("{:016x}.gridlock", XXH3_64bits(key.data(), key.size()));
 }
 
-bool PartialResults::restore(std::string const& key, std::function<void(Archive&)> const& carry) const {
+bool PartialResults::restore(std::string const& key, std::function<void(Archive&)> const& serialize) const {
   std::filesystem::path const file = file_of(key);
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) return false;
   try {
     from_checkpoint(read_file(file, largest_piece), file.string(),
-                    [&](Archive& archive) { carry_piece(archive, key, carry); });
+                    [&](Archive& archive) { serialize_piece(archive, key, serialize); });
     return true;
   } catch (Error const&) {
     return false;
   }
 }
 
-void PartialResults::keep(std::string const& key, std::function<void(Archive&)> const& carry) {
-  std::string const bytes = to_checkpoint([&](Archive& archive) { carry_piece(archive, key, carry); });
+void PartialResults::keep(std::string const& key, std::function<void(Archive&)> const& serialize) {
+  std::string const bytes = to_checkpoint([&](Archive& archive) { serialize_piece(archive, key, serialize); });
   try {
     std::filesystem::create_directories(directory_);
     write_file(file_of(key), bytes);

@@ -37,14 +37,14 @@ std::optional<PaperEngine> exact_engine(PaperExtent const& extent) {
 
 std::vector<RuleBesideExact> points_of(Study const& study, PaperEngine const& exact) {
   std::vector<RuleBesideExact> points;
-  for (Ensemble const& ensemble : paper_ensembles(study.extent())) {
-    if (ensemble.engine.kind != study.extent().engines.front().kind) continue;
-    EnsembleResult const rule(study, ensemble);
-    EnsembleResult const without_step(study,
-                                      paper_ensemble(study.extent(), exact, ensemble.start, ensemble.packing_fraction));
+  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent())) {
+    if (replica_set.engine.kind != study.extent().engines.front().kind) continue;
+    ReplicaResult const rule(study, replica_set);
+    ReplicaResult const without_step(
+        study, paper_replica_set(study.extent(), exact, replica_set.start, replica_set.packing_fraction));
     if (rule.seeds() < 2 || without_step.seeds() < 2) continue;
-    points.push_back({.start = ensemble.start,
-                      .packing_fraction = ensemble.packing_fraction,
+    points.push_back({.start = replica_set.start,
+                      .packing_fraction = replica_set.packing_fraction,
                       .rule = rule.last_displacement(),
                       .exact = without_step.last_displacement(),
                       .seeds = std::min(rule.seeds(), without_step.seeds())});
@@ -190,10 +190,10 @@ PageTable contact_table(std::vector<ContactsBesideExact> const& contacts) {
                  "collisions per disk and time: approaching", "always", "exact", "standstill: approaching", "always"},
       .caption =
           "The comparison of the choices above, at the same physical time. Collisions over the last "
-          "fifth of the runs. Standstill: more than 98 % of all turns blocked there. Exact disks "
+          "fifth of the runs. Standstill: more than 98 % of all moves halted there. Exact disks "
           "take no turns and are never halted, so there is no standstill to count."};
-  auto const count = [](ContactEnding const& ending) { return fmt::format("{} of {}", ending.arrested, ending.runs); };
-  auto const rate = [](ContactEnding const& ending) { return fmt::format("{:.0f}", ending.collision_rate); };
+  auto const count = [](ContactResult const& result) { return fmt::format("{} of {}", result.arrested, result.runs); };
+  auto const rate = [](ContactResult const& result) { return fmt::format("{:.0f}", result.collision_rate); };
   for (ContactsBesideExact const& one : contacts) {
     table.rows.push_back({name_of(one.start), fmt::format("{}", one.packing_fraction), fmt::format("{}", one.time_step),
                           to_text(one.approaching.displacement), to_text(one.always.displacement),
@@ -221,7 +221,7 @@ struct Range {
 };
 
 /// Where one contact rule came to rest, and what the disks did there beside exact ones.
-std::string standstill_text(std::vector<ContactsBesideExact> const& contacts, ContactEnding ContactsBesideExact::*which,
+std::string standstill_text(std::vector<ContactsBesideExact> const& contacts, ContactResult ContactsBesideExact::*which,
                             char const* name) {
   std::size_t arrested = 0;
   std::size_t runs = 0;
@@ -229,15 +229,15 @@ std::string standstill_text(std::vector<ContactsBesideExact> const& contacts, Co
   Range displacements;
   Range collisions;
   for (ContactsBesideExact const& one : contacts) {
-    ContactEnding const& ending = one.*which;
-    arrested += ending.arrested;
-    runs += ending.runs;
-    if (ending.arrested == 0) continue;
+    ContactResult const& result = one.*which;
+    arrested += result.arrested;
+    runs += result.runs;
+    if (result.arrested == 0) continue;
     places.push_back(fmt::format("φ = {} {} with steps of {} ({} of {})", one.packing_fraction, name_of(one.start),
-                                 one.time_step, ending.arrested, ending.runs));
+                                 one.time_step, result.arrested, result.runs));
     if (!one.exact) continue;
-    displacements.add(ending.displacement.value / one.exact->displacement.value);
-    collisions.add(ending.collision_rate / one.exact->collision_rate);
+    displacements.add(result.displacement.value / one.exact->displacement.value);
+    collisions.add(result.collision_rate / one.exact->collision_rate);
   }
   if (arrested == 0) return fmt::format("With contact = \"{}\" none of {} runs came to rest.", name, runs);
   std::string text = fmt::format("With contact = \"{}\" {} of {} runs came to rest: {}.", name, arrested, runs,

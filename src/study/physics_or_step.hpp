@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "study/crossing.hpp"
-#include "study/ensemble.hpp"
+#include "study/replica_set.hpp"
 
 namespace gridlock {
 
@@ -29,8 +29,8 @@ struct LineBesideExact {
 };
 
 /// How runs of one contact rule ended.
-struct ContactEnding {
-  std::size_t arrested = 0;  ///< see EnsembleResult::arrested()
+struct ContactResult {
+  std::size_t arrested = 0;  ///< see ReplicaResult::arrested()
   std::size_t runs = 0;
   Estimate displacement;
   double collision_rate = 0.0;  ///< over the last fifth
@@ -41,9 +41,9 @@ struct ContactsBesideExact {
   StartKind start = StartKind::square;
   double packing_fraction = 0.0;
   double time_step = 0.0;
-  ContactEnding always;
-  ContactEnding approaching;
-  std::optional<ContactEnding> exact;  ///< its `arrested` says nothing: exact disks are never halted
+  ContactResult always;
+  ContactResult approaching;
+  std::optional<ContactResult> exact;  ///< its `arrested` says nothing: exact disks are never halted
 };
 
 /// What the chapter is written from, and nothing else.

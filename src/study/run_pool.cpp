@@ -11,7 +11,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/validate.hpp"
-#include "run/team.hpp"
+#include "run/job_pool.hpp"
 
 namespace gridlock {
 
@@ -57,14 +57,14 @@ std::vector<double> about_centre(RunResult const& result) {
 
 StudyOutcome outcome_from(RunResult const& result) {
   bool const has_walls = !result.state.box.is_periodic();
-  return {.is_finished = result.ending == Ending::finished,
+  return {.is_finished = result.status == RunStatus::finished,
           .failure = result.failure,
           .steps = result.series.numbers("step"),
           .times = result.series.numbers("time"),
           .displacements = result.series.numbers("mean_displacement"),
           .centre_displacements = result.series.numbers("centre_displacement"),
           .displacements_about_centre = about_centre(result),
-          .blocked_shares = result.series.numbers("blocked_share"),
+          .halted_fractions = result.series.numbers("halted_fraction"),
           .collision_rates = result.series.numbers("collision_rate"),
           .compressibility_factors = result.series.numbers("compressibility_factor"),
           .wall_pressures = has_walls ? result.series.numbers("wall_pressure") : std::vector<double>{},
@@ -84,13 +84,13 @@ void put_on(std::vector<Vector> const& sites, State& state) {
 
 }  // namespace
 
-void carry(Archive& archive, StudyOutcome& outcome) {
+void serialize(Archive& archive, StudyOutcome& outcome) {
   archive.visit("steps", outcome.steps);
   archive.visit("times", outcome.times);
   archive.visit("displacements", outcome.displacements);
   archive.visit("centre_displacements", outcome.centre_displacements);
   archive.visit("displacements_about_centre", outcome.displacements_about_centre);
-  archive.visit("blocked_shares", outcome.blocked_shares);
+  archive.visit("halted_fractions", outcome.halted_fractions);
   archive.visit("collision_rates", outcome.collision_rates);
   archive.visit("compressibility_factors", outcome.compressibility_factors);
   archive.visit("wall_pressures", outcome.wall_pressures);
@@ -98,7 +98,7 @@ void carry(Archive& archive, StudyOutcome& outcome) {
   archive.visit("seconds", outcome.seconds);
   for (auto const* series :
        {&outcome.times, &outcome.displacements, &outcome.centre_displacements, &outcome.displacements_about_centre,
-        &outcome.blocked_shares, &outcome.collision_rates, &outcome.compressibility_factors}) {
+        &outcome.halted_fractions, &outcome.collision_rates, &outcome.compressibility_factors}) {
     archive.require(series->size() == outcome.steps.size(), "the series differ in length");
   }
   archive.require(outcome.wall_pressures.empty() || outcome.wall_pressures.size() == outcome.steps.size(),
@@ -186,7 +186,7 @@ void RunPool::keep_in(PartialResults& partial_results) {
   partial_results_ = &partial_results;
   for (Entry& entry : entries_) {
     StudyOutcome outcome;
-    if (partial_results.restore(key_of(entry.run), [&](Archive& archive) { carry(archive, outcome); })) {
+    if (partial_results.restore(key_of(entry.run), [&](Archive& archive) { serialize(archive, outcome); })) {
       entry.outcome = std::move(outcome);
     }
   }
@@ -212,19 +212,19 @@ void RunPool::run_all(unsigned threads, std::function<bool(double, std::size_t)>
     work.push_back(entry.work);
   }
   std::size_t const finished_before = entries_.size() - open.size();
-  Team team(std::move(work), [&](double fraction, std::size_t finished) {
+  JobPool job_pool(std::move(work), [&](double fraction, std::size_t finished) {
     return !on_progress || on_progress(fraction, finished_before + finished);
   });
-  team.run_all(threads, [&](std::size_t k) {
+  job_pool.run_all(threads, [&](std::size_t k) {
     Entry& entry = *open[k];
     try {
       entry.outcome = outcome_from(
-          simulate(set_up(entry.run), [&](Progress const& progress) { return team.report(k, progress.fraction); }));
+          simulate(set_up(entry.run), [&](Progress const& progress) { return job_pool.report(k, progress.fraction); }));
     } catch (std::exception const& error) {
       entry.outcome.failure = error.what();
     }
     if (entry.outcome.is_finished && partial_results_ != nullptr) {
-      partial_results_->keep(key_of(entry.run), [&](Archive& archive) { carry(archive, entry.outcome); });
+      partial_results_->keep(key_of(entry.run), [&](Archive& archive) { serialize(archive, entry.outcome); });
     }
   });
 }
@@ -242,21 +242,22 @@ Table RunPool::rows() const {
   }
   for (char const* name : {"disks", "steps", "seed"}) table.add_column(name, std::vector<std::uint64_t>{});
   for (char const* name :
-       {"packing_fraction", "time_step", "time", "mean_displacement", "blocked_share", "collision_rate", "seconds"}) {
+       {"packing_fraction", "time_step", "time", "mean_displacement", "halted_fraction", "collision_rate", "seconds"}) {
     table.add_column(name, std::vector<double>{});
   }
   for (Entry const& entry : entries_) {
     StudyOutcome const& outcome = entry.outcome;
     if (!outcome.is_finished) continue;
     Configuration const& configuration = entry.run.configuration;
-    table.add_row(std::vector<Cell>{
-        to_text(configuration.disks.start), to_text(entry.run.sites),
-        configuration.box.edge == Edge::wall ? "wall" : "periodic", configuration.engine.kind,
-        configuration.engine.contact == Contact::always ? "always" : "approaching",
-        fmt::format("{:016x}", outcome.state_hash), configuration.disks.count.value_or(841),
-        static_cast<std::uint64_t>(outcome.steps.back()), configuration.run.seed,
-        configuration.disks.packing_fraction.value_or(0.0), configuration.engine.time_step, outcome.times.back(),
-        outcome.displacements.back(), outcome.blocked_shares.back(), outcome.collision_rates.back(), outcome.seconds});
+    table.add_row(std::vector<Cell>{to_text(configuration.disks.start), to_text(entry.run.sites),
+                                    configuration.box.edge == Edge::wall ? "wall" : "periodic",
+                                    configuration.engine.kind,
+                                    configuration.engine.contact == Contact::always ? "always" : "approaching",
+                                    fmt::format("{:016x}", outcome.state_hash), configuration.disks.count.value_or(841),
+                                    static_cast<std::uint64_t>(outcome.steps.back()), configuration.run.seed,
+                                    configuration.disks.packing_fraction.value_or(0.0), configuration.engine.time_step,
+                                    outcome.times.back(), outcome.displacements.back(), outcome.halted_fractions.back(),
+                                    outcome.collision_rates.back(), outcome.seconds});
   }
   return table;
 }

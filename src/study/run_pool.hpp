@@ -36,7 +36,7 @@ struct StudyOutcome {
   std::vector<double> displacements;               ///< mean displacement over the side of the box
   std::vector<double> centre_displacements;        ///< over the side of the box
   std::vector<double> displacements_about_centre;  ///< root mean square, over the side of the box
-  std::vector<double> blocked_shares;              ///< since the sample before
+  std::vector<double> halted_fractions;            ///< since the sample before
   std::vector<double> collision_rates;
   std::vector<double> compressibility_factors;
   std::vector<double> wall_pressures;  ///< none in a periodic box
@@ -44,8 +44,8 @@ struct StudyOutcome {
   double seconds = 0.0;
 };
 
-/// Carries the outcome of a finished run.
-void carry(Archive& archive, StudyOutcome& outcome);
+/// Serializes the outcome of a finished run.
+void serialize(Archive& archive, StudyOutcome& outcome);
 
 /// The sites of the paper's starts that the lattices of lattice/start.hpp do not make.
 ///

@@ -49,13 +49,13 @@ constexpr char const* exact = "exact";
 
 /// The same runs in both orders of turns, and without turns.
 struct Orders {
-  Ensemble by_id;
-  Ensemble by_tile;
-  Ensemble reference;
+  ReplicaSet by_id;
+  ReplicaSet by_tile;
+  ReplicaSet reference;
 };
 
 Orders orders_at(PaperExtent const& extent, StartKind start, Edge edge, double density, double time_step) {
-  auto const ensemble = [&](char const* kind, double step) -> Ensemble {
+  auto const replica_set = [&](char const* kind, double step) -> ReplicaSet {
     return sampled_evenly({.engine = {kind, kind},
                            .start = start,
                            .edge = edge,
@@ -64,7 +64,7 @@ Orders orders_at(PaperExtent const& extent, StartKind start, Edge edge, double d
                            .seeds = extent.order_seeds},
                           extent.order_diameters, 256);
   };
-  return {ensemble(stepped, time_step), ensemble(tiled, time_step), ensemble(exact, usual_time_step)};
+  return {replica_set(stepped, time_step), replica_set(tiled, time_step), replica_set(exact, usual_time_step)};
 }
 
 std::vector<Orders> orders_of(PaperExtent const& extent) {
@@ -84,7 +84,7 @@ using Comparison = TurnOrderComparison;
 using Row = TurnOrderRow;
 
 template <class Value>
-Comparison compare(EnsembleResult const& by_id, EnsembleResult const& by_tile, EnsembleResult const& reference,
+Comparison compare(ReplicaResult const& by_id, ReplicaResult const& by_tile, ReplicaResult const& reference,
                    Value value) {
   std::vector<double> const here = by_id.of_each_seed(value);
   std::vector<double> const there = by_tile.of_each_seed(value);
@@ -131,9 +131,9 @@ std::string place_of(Row const& row) {
 std::vector<Row> rows_of(Study const& study) {
   std::vector<Row> rows;
   for (Orders const& orders : orders_of(study.extent())) {
-    EnsembleResult const by_id(study, orders.by_id);
-    EnsembleResult const by_tile(study, orders.by_tile);
-    EnsembleResult const reference(study, orders.reference);
+    ReplicaResult const by_id(study, orders.by_id);
+    ReplicaResult const by_tile(study, orders.by_tile);
+    ReplicaResult const reference(study, orders.reference);
     // A run without its partner would be compared with another start's.
     bool const is_complete = by_id.seeds() == orders.by_id.seeds && by_tile.seeds() == orders.by_id.seeds;
     if (!is_complete || reference.seeds() == 0) continue;
@@ -175,12 +175,12 @@ Table curves_of(Study const& study) {
     table.add_column(name, std::vector<double>{});
   }
   for (Orders const& orders : orders_of(study.extent())) {
-    for (Ensemble const& ensemble : {orders.by_id, orders.by_tile}) {
-      EnsembleResult const result(study, ensemble);
+    for (ReplicaSet const& replica_set : {orders.by_id, orders.by_tile}) {
+      ReplicaResult const result(study, replica_set);
       for (std::size_t const sample : result.samples_spread_out(4)) {
-        std::vector<Cell> cells{ensemble.engine.kind,   name_of(ensemble.start),
-                                name_of(ensemble.edge), ensemble.packing_fraction,
-                                ensemble.time_step,     result.step(sample) * ensemble.time_step};
+        std::vector<Cell> cells{replica_set.engine.kind,   name_of(replica_set.start),
+                                name_of(replica_set.edge), replica_set.packing_fraction,
+                                replica_set.time_step,     result.step(sample) * replica_set.time_step};
         for (auto const values : {&StudyOutcome::displacements, &StudyOutcome::centre_displacements,
                                   &StudyOutcome::displacements_about_centre}) {
           Estimate const estimate = mean_over_seeds(
@@ -473,7 +473,7 @@ std::vector<std::string> conclusions_from(std::vector<TurnOrderRow> const& rows,
 
 void plan_turn_order(Study& study) {
   for (Orders const& orders : orders_of(study.extent())) {
-    for (Ensemble const& ensemble : {orders.by_id, orders.by_tile, orders.reference}) plan(study, ensemble);
+    for (ReplicaSet const& replica_set : {orders.by_id, orders.by_tile, orders.reference}) plan(study, replica_set);
   }
 }
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "study/ensemble.hpp"
+#include "study/replica_set.hpp"
 
 namespace gridlock {
 

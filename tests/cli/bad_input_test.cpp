@@ -124,7 +124,7 @@ std::vector<Mistake> const mistakes_in_settings{
     {"NoCells", "[engine]\ncells = 0\n", {"cells", "bad.toml:2", "at least 1"}},
     {"NegativeCells", "[engine]\ncells = -3\n", {"-3", "bad.toml:2"}},
     {"NoSampling", "[observe]\nevery = 0\n", {"every", "bad.toml:2"}},
-    {"DiscardEverything", "[observe]\ndiscard = 1.5\n", {"1.5", "bad.toml:2"}},
+    {"EquilibrateForever", "[observe]\ndiscard = 1.5\n", {"1.5", "bad.toml:2"}},
     {"NegativeSeed", "[run]\nseed = -1\n", {"-1", "bad.toml:2"}},
     {"NegativeTime", "[run]\ntime = -1.0\n", {"-1", "bad.toml:2"}},
     {"CollisionsOfDisksAtRest", "[velocities]\nmax = 0\n[run]\ncollisions_per_disk = 5\n", {"collide", "bad.toml:4"}},

@@ -39,11 +39,11 @@ TEST(Run, LeavesEverythingItPromises) {
   }
   auto const summary = summary_of(workplace / "out");
   EXPECT_EQ(summary["state_hash"].get<std::string>().size(), 16U);
-  EXPECT_EQ(summary["ending"], "finished");
+  EXPECT_EQ(summary["status"], "finished");
   EXPECT_EQ(summary["steps"], 400);
   for (char const* name :
        {"mean_displacement", "mean_squared_displacement", "kinetic_energy", "mean_speed", "compressibility_factor",
-        "wall_pressure", "collision_rate", "wall_hit_rate", "blocked_share", "global_bond_orientation_order"}) {
+        "wall_pressure", "collision_rate", "wall_hit_rate", "halted_fraction", "global_bond_orientation_order"}) {
     ASSERT_TRUE(summary.contains(name)) << name;
     EXPECT_TRUE(std::isfinite(summary[name]["value"].get<double>())) << name;
     EXPECT_GE(summary[name]["error"].get<double>(), 0.0) << name;
@@ -145,7 +145,7 @@ TEST(Run, StopsOnCtrlCAndKeepsWhatThereIs) {
   EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
   EXPECT_NE(outcome.err.find("interrupted"), std::string::npos) << outcome.err;
   auto const summary = summary_of(workplace / "out");
-  EXPECT_EQ(summary["ending"], "interrupted");
+  EXPECT_EQ(summary["status"], "interrupted");
   EXPECT_GT(summary["steps"].get<std::uint64_t>(), 0U);
   EXPECT_EQ(gridlock::read_xyz(workplace / "out/final.xyz").state.clock.step, summary["step"].get<std::uint64_t>());
 }
@@ -206,7 +206,7 @@ TEST(Sweep, GoesOnWhenOneRunCannotBeMade) {
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.err.find("0.8"), std::string::npos) << outcome.err;
   gridlock::Table const rows = gridlock::read_csv(workplace / "out/sweep.csv");
-  EXPECT_EQ(std::get<std::vector<std::string>>(rows.column("ending")),
+  EXPECT_EQ(std::get<std::vector<std::string>>(rows.column("status")),
             (std::vector<std::string>{"finished", "failed", "finished"}));
 }
 

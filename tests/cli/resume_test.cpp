@@ -31,7 +31,7 @@ TEST(Resume, MakesAFinishedRunLongerWithTheBytesOfARunThatLong) {
   ASSERT_EQ(in(workplace, {"run", "a.toml", "-o", "parts", "--no-pictures", "-q"}).exit_code, 0);
   Outcome const longer = in(workplace, {"resume", "parts", "--steps", "400", "--no-pictures"});
   EXPECT_EQ(longer.exit_code, 0) << longer.err;
-  EXPECT_NE(longer.err.find("note: observe.discard is 0.05 of the new length"), std::string::npos) << longer.err;
+  EXPECT_NE(longer.err.find("note: observe.equilibration is 0.05 of the new length"), std::string::npos) << longer.err;
   ASSERT_EQ(in(workplace, {"run", "parts/config.resolved.toml", "-o", "whole", "--no-pictures", "-q"}).exit_code, 0);
   for (char const* name : {"series.csv", "final.xyz", "speed_distribution.csv", "config.resolved.toml"}) {
     EXPECT_EQ(text_of(workplace / "parts" / name), text_of(workplace / "whole" / name)) << name;

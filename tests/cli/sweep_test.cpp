@@ -134,17 +134,17 @@ TEST(Sweep, OverEnginesNotesWhatHasNoEffectInAnyRunOnly) {
     EXPECT_EQ(outcome.err.find("note: ", first + 1), std::string::npos) << outcome.err;
   }
   gridlock::Table const means = gridlock::read_csv(workplace / "out/means.csv");
-  std::vector<double> const shares = means.numbers("blocked_share");
+  std::vector<double> const shares = means.numbers("halted_fraction");
   EXPECT_TRUE(std::isfinite(shares[0]));
   EXPECT_FALSE(std::isfinite(shares[1])) << "the exact engine halts no disk";
 }
 
-TEST(Sweep, OfTheExactEngineHasNoBlockedShare) {
+TEST(Sweep, OfTheExactEngineHasNoHaltedFraction) {
   Workplace const workplace;
   write(workplace / "s.toml", sweep_toml("0.3, 0.5") + "engine.kind = [\"exact\"]\n");
   expect_good(in(workplace.path(), {"sweep", "s.toml", "-o", "out"}));
-  EXPECT_FALSE(gridlock::read_csv(workplace / "out/means.csv").contains("blocked_share"));
-  EXPECT_FALSE(fs::exists(workplace / "out/blocked_share.svg"));
+  EXPECT_FALSE(gridlock::read_csv(workplace / "out/means.csv").contains("halted_fraction"));
+  EXPECT_FALSE(fs::exists(workplace / "out/halted_fraction.svg"));
   EXPECT_TRUE(fs::exists(workplace / "out/collision_rate.svg"));
 }
 

@@ -67,7 +67,7 @@ TEST(Trajectories, OfAPeriodicBoxGiveTheNumbersOfTheRunInTheExample) {
   Outcome const run = gridlock_in(
       workplace, {"run", source + "/scenes/mixture.toml", "--set", "engine.kind=exact", "--set", "disks.count=200",
                   "--set", "run.steps=400", "--set", "observe.every=40", "--set", "observe.structure_every=1", "--set",
-                  "observe.discard=0", "--set", "trajectory.every=40", "--no-pictures", "-o", "run"});
+                  "observe.equilibration=0", "--set", "trajectory.every=40", "--no-pictures", "-o", "run"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   Outcome const outcome =
       Process("/usr/bin/python3", {source + "/examples/read_trajectory.py", "run/trajectory.h5"}, workplace.path())

@@ -13,7 +13,7 @@ struct Grazing {
   static constexpr std::string_view name = "grazing";
   static constexpr Schedule schedule = Schedule::synchronous;
   using Agents = Population<X, Y>;
-  double reach() const { return 0.1; }
+  double cutoff() const { return 0.1; }
   double time_step() const { return 1.0; }
   void start(World<Grazing>& world) const { world.agents.add(0.5, 0.5); }
   void turn(Turn<Grazing>& self) const {

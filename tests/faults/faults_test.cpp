@@ -91,7 +91,7 @@ class WholeRun {
 
 bool is_finished(fs::path const& directory) {
   std::string const text = text_of(directory / "summary.json");
-  return text.find("\"ending\": \"finished\"") != std::string::npos;
+  return text.find("\"status\": \"finished\"") != std::string::npos;
 }
 
 /// The trajectories as the signals left them, for an independent reader at the end.

@@ -47,16 +47,17 @@ H5mdFrame frame_at(std::uint64_t step, AgentCount agents_at = hundreds) {
 }
 
 /// A process of its own that adds frames as fast as it can and tells the number of those that are there through a pipe.
-class Writer {
+class WriterProcess {
  public:
   struct Work {
     AgentCount agents_at = hundreds;
     std::uint64_t frames = std::numeric_limits<std::uint64_t>::max();  ///< after which it ends with code 0
   };
 
-  Writer(std::filesystem::path const& file, bool appends, std::function<void()> const& prepare = {})
-      : Writer(file, appends, Work{}, prepare) {}
-  Writer(std::filesystem::path const& file, bool appends, Work const& work, std::function<void()> const& prepare = {}) {
+  WriterProcess(std::filesystem::path const& file, bool appends, std::function<void()> const& prepare = {})
+      : WriterProcess(file, appends, Work{}, prepare) {}
+  WriterProcess(std::filesystem::path const& file, bool appends, Work const& work,
+                std::function<void()> const& prepare = {}) {
     int ends[2];
     if (pipe(ends) != 0) throw std::runtime_error("no pipe");
     process_ = fork();
@@ -68,9 +69,9 @@ class Writer {
     close(ends[1]);
     from_ = ends[0];
   }
-  Writer(Writer const&) = delete;
-  Writer& operator=(Writer const&) = delete;
-  ~Writer() { close(from_); }
+  WriterProcess(WriterProcess const&) = delete;
+  WriterProcess& operator=(WriterProcess const&) = delete;
+  ~WriterProcess() { close(from_); }
 
   void kill() const { ::kill(process_, SIGKILL); }
   /// How it ended, after which every frame it told of is counted.
@@ -137,7 +138,7 @@ TEST(TrajectoryFaults, NoFrameIsLostByAKillAtAnyMomentAndTheNextWriterGoesOn) {
   std::uint64_t told = 0;
   for (int k = 0; k < kills; ++k) {
     bool const appends = k % 10 != 0;  // begin anew from time to time, so that the files stay short
-    Writer writer(directory / "t.h5", appends);
+    WriterProcess writer(directory / "t.h5", appends);
     std::this_thread::sleep_for(std::chrono::microseconds(5'000 + random.below(40'000)));
     writer.kill();
     ASSERT_TRUE(WIFSIGNALED(writer.wait()));
@@ -150,7 +151,7 @@ TEST(TrajectoryFaults, NoFrameIsLostByAKillAtAnyMomentAndTheNextWriterGoesOn) {
 
 TEST(TrajectoryFaults, EveryFrameToldOfIsReadWhileTheWriterGoesOn) {
   TemporaryDirectory const directory;
-  Writer writer(directory / "t.h5", false);
+  WriterProcess writer(directory / "t.h5", false);
   std::size_t most = 0;
   for (int look = 0; look < 40; ++look) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -169,7 +170,7 @@ TEST(TrajectoryFaults, EveryFrameToldOfIsReadWhileTheWriterGoesOn) {
 TEST(TrajectoryFaults, AReaderThatNeverRestsSeesEveryFrameOfAWriterThatNeverRests) {
   auto const frames = static_cast<std::uint64_t>(rounds("GRIDLOCK_FRAMES", 10'000));
   TemporaryDirectory const directory;
-  Writer writer(directory / "t.h5", false, {.agents_at = few, .frames = frames});
+  WriterProcess writer(directory / "t.h5", false, {.agents_at = few, .frames = frames});
   ASSERT_EQ(writer.next_told(), 1U);
   // Listens meanwhile: a pipe that nobody empties stops the writer.
   std::future<int> ending = std::async(std::launch::async, [&] { return writer.wait(); });
@@ -188,7 +189,7 @@ TEST(TrajectoryFaults, AReaderThatNeverRestsSeesEveryFrameOfAWriterThatNeverRest
 TEST(TrajectoryFaults, AFullDiskEndsTheWriterAndLosesNothing) {
   for (rlim_t const size : {60'000, 200'000, 333'333, 500'000}) {
     TemporaryDirectory const directory;
-    Writer writer(directory / "t.h5", false, [size] {
+    WriterProcess writer(directory / "t.h5", false, [size] {
       rlimit const limit{size, size};
       setrlimit(RLIMIT_FSIZE, &limit);
       std::signal(SIGXFSZ, SIG_IGN);

@@ -25,10 +25,10 @@ void restore(std::string const& bytes, char const* engine) {
   configuration.observe.speed_bins = 3;
   gridlock::Setup setup = set_up(configuration);
   RunPlan const plan = plan_of(setup);
-  DiskExperiment experiment(std::move(setup));
-  Run run(experiment, plan);
+  DiskSimulation simulation(std::move(setup));
+  Run run(simulation, plan);
   try {
-    from_checkpoint(bytes, "fuzz", [&](Archive& archive) { run.carry(archive); });
+    from_checkpoint(bytes, "fuzz", [&](Archive& archive) { run.serialize(archive); });
     static_cast<void>(run.record());
   } catch (Error const&) {
   }

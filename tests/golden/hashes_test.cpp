@@ -94,10 +94,10 @@ Hashes run(Scene const& scene, std::string const& engine, Variant const& variant
   settings.kind = engine;
   settings.threads = variant.threads;
   settings.grid = variant.grid;
-  Tally tally;
-  make_engine(settings, state)->advance(state, tally, {.time = scene.time});
+  Counters counters;
+  make_engine(settings, state)->advance(state, counters, {.time = scene.time});
   EXPECT_NO_THROW(validate(state));
-  EXPECT_GT(tally.pair_collisions, 0U) << "a scene in which nothing happens proves nothing";
+  EXPECT_GT(counters.pair_collisions, 0U) << "a scene in which nothing happens proves nothing";
   return {start, fmt::format("{:016x}", hash(state))};
 }
 

@@ -29,7 +29,7 @@ struct Schelling {
     visitor.visit({.key = "tolerance", .documentation = "Share of others an agent bears.", .least = 0, .most = 1},
                   tolerance);
   }
-  double reach() const { return 0.1; }
+  double cutoff() const { return 0.1; }
   double time_step() const { return 1.0; }
   void start(World<Schelling>& world) const {
     for (std::uint64_t n = 0; n < count; ++n) {
@@ -41,7 +41,7 @@ struct Schelling {
   void turn(Turn<Schelling>& self) const {
     double all = 0.0;
     double others = 0.0;
-    self.for_each_neighbour(reach(), [&](Neighbour<Schelling> const& other) {
+    self.for_each_neighbour(cutoff(), [&](Neighbour<Schelling> const& other) {
       all += 1.0;
       if (other.get<Side>() != self.get<Side>()) others += 1.0;
     });
@@ -56,6 +56,6 @@ struct Schelling {
 };
 
 int main(int argc, char** argv) {
-  make_known<Schelling>();
+  register_model<Schelling>();
   return command_line(argc, argv);
 }

@@ -79,17 +79,17 @@ struct Pressures {
 
 Pressures measure(State& state, double equilibration, double block, int blocks) {
   auto const engine = make_engine({.kind = "exact"}, state);
-  Tally tally;
-  engine->advance(state, tally, {.time = equilibration});
+  Counters counters;
+  engine->advance(state, counters, {.time = equilibration});
   auto const n = static_cast<double>(state.disks.size());
   double const kt = temperature(state);
   std::vector<double> impulses;
   std::vector<double> rates;
   for (int b = 1; b <= blocks; ++b) {
-    Tally const before = tally;
-    engine->advance(state, tally, {.time = equilibration + b * block});
-    impulses.push_back(1.0 + (tally.pair_virial - before.pair_virial) / (2.0 * n * kt * block));
-    double const rate = 2.0 * static_cast<double>(tally.pair_collisions - before.pair_collisions) / (n * block);
+    Counters const before = counters;
+    engine->advance(state, counters, {.time = equilibration + b * block});
+    impulses.push_back(1.0 + (counters.pair_virial - before.pair_virial) / (2.0 * n * kt * block));
+    double const rate = 2.0 * static_cast<double>(counters.pair_collisions - before.pair_collisions) / (n * block);
     // Of velocities with fixed energy and momentum the mean relative speed is that of Maxwell's to order 1/N².
     rates.push_back(1.0 + 0.25 * std::sqrt(pi / kt) * rate);
   }
@@ -149,14 +149,14 @@ TEST(ExactPhysics, TwoDisksInAHardSquareBoxPressOnItsWallsAsTheirFreeAreaSays) {
     double const rest = std::sqrt(4.0 - 1.3 * 1.3 - 0.4 * 0.4);
     state.disks.add(0.72, 0.7, 0.6 * rest, -0.8 * rest, r, 1.0, 0, 0);
     auto const engine = make_engine({.kind = "exact"}, state);
-    Tally tally;
+    Counters counters;
     std::vector<double> pressures;
     double const block = 1000.0;
     for (int b = 1; b <= 100; ++b) {
-      Tally const before = tally;
-      engine->advance(state, tally, {.time = b * block});
+      Counters const before = counters;
+      engine->advance(state, counters, {.time = b * block});
       double impulse = 0.0;
-      for (std::size_t wall = 0; wall < 4; ++wall) impulse += tally.wall_impulse[wall] - before.wall_impulse[wall];
+      for (std::size_t wall = 0; wall < 4; ++wall) impulse += counters.wall_impulse[wall] - before.wall_impulse[wall];
       pressures.push_back(impulse / (4.0 * block));  // kT = K/N = 1
     }
     Estimate const pressure = estimate(pressures);
@@ -164,8 +164,8 @@ TEST(ExactPhysics, TwoDisksInAHardSquareBoxPressOnItsWallsAsTheirFreeAreaSays) {
     EXPECT_NEAR(pressure.mean, expected, 3.5 * pressure.error) << "R = " << r;
     if (r == 0.15) {
       double const time = 100 * block;
-      EXPECT_NEAR(static_cast<double>(tally.all_wall_hits()) / time, 6.0154, 0.03);
-      EXPECT_NEAR(static_cast<double>(tally.pair_collisions) / time, 1.9220, 0.02);
+      EXPECT_NEAR(static_cast<double>(counters.all_wall_hits()) / time, 6.0154, 0.03);
+      EXPECT_NEAR(static_cast<double>(counters.pair_collisions) / time, 1.9220, 0.02);
     }
   }
 }
@@ -187,13 +187,14 @@ TEST(ExactPhysics, WallsAndPairsBalanceTheKineticEnergyInTheVirial) {
     };
     double const start = virial();
     double const radius = radius_range(state.disks).largest;  // all are equal
-    Tally tally;
-    make_engine({.kind = "exact"}, state)->advance(state, tally, {.time = 20.0});
+    Counters counters;
+    make_engine({.kind = "exact"}, state)->advance(state, counters, {.time = 20.0});
     double const flight = 2.0 * kinetic_energy(state.disks) * state.clock.time;
-    double const walls = (0.75 - radius) * (tally.wall_impulse[Tally::left] + tally.wall_impulse[Tally::right]) +
-                         (0.4 - radius) * (tally.wall_impulse[Tally::bottom] + tally.wall_impulse[Tally::top]);
-    EXPECT_NEAR((virial() - start + walls - tally.pair_virial) / flight, 1.0, 1e-10);
-    EXPECT_GT(tally.pair_virial, 0.1 * flight);
+    double const walls =
+        (0.75 - radius) * (counters.wall_impulse[Counters::left] + counters.wall_impulse[Counters::right]) +
+        (0.4 - radius) * (counters.wall_impulse[Counters::bottom] + counters.wall_impulse[Counters::top]);
+    EXPECT_NEAR((virial() - start + walls - counters.pair_virial) / flight, 1.0, 1e-10);
+    EXPECT_GT(counters.pair_virial, 0.1 * flight);
     EXPECT_GT(walls, 0.1 * flight);
   }
 }
@@ -209,13 +210,13 @@ TEST(ExactPhysics, TheStartOfThePaperRelaxesToMaxwellsMoments) {
     state.disks.column<VelocityY>()[i] = v.y;
   }
   auto const engine = make_engine({.kind = "exact"}, state);
-  Tally tally;
+  Counters counters;
   std::vector<double> speeds;
   std::vector<double> fourths;
   auto const n = static_cast<double>(state.disks.size());
   double const mean_square = 2.0 * kinetic_energy(state.disks) / n;
   for (int b = 1; b <= 60; ++b) {
-    engine->advance(state, tally, {.time = 20.0 + b});
+    engine->advance(state, counters, {.time = 20.0 + b});
     double speed = 0.0;
     double fourth = 0.0;
     for (std::size_t i = 0; i < state.disks.size(); ++i) {
@@ -239,12 +240,12 @@ TEST(ExactPhysics, TheStartOfThePaperRelaxesToMaxwellsMoments) {
 TEST(ExactPhysics, TheSteppedRuleConvergesToItWithTheFirstPowerOfTheTimeStep) {
   State const start = fluid(20, 20, 0.4, 1);
   State exact = start;
-  Tally tally;
-  make_engine({.kind = "exact"}, exact)->advance(exact, tally, {.time = 0.2});
-  EXPECT_GT(tally.pair_collisions, 30U);
+  Counters counters;
+  make_engine({.kind = "exact"}, exact)->advance(exact, counters, {.time = 0.2});
+  EXPECT_GT(counters.pair_collisions, 30U);
   auto const difference = [&](double time_step) {
     State stepped = start;
-    Tally unused;
+    Counters unused;
     EngineSettings const settings{
         .kind = "stepped", .time_step = time_step, .speed = 1.0, .contact = Contact::approaching};
     auto const steps = static_cast<std::uint64_t>(std::llround(0.2 / time_step));
@@ -272,15 +273,15 @@ TEST(ExactPhysics, WallsArePressedByTheBulkAndByWhatTheyKeepOut) {
     State state = maxwellian_between_walls(16, 16, std::sqrt(pi / 4.0 / packing_fraction));
     double const side = state.box.width();
     auto const engine = make_engine({.kind = "exact"}, state);
-    Tally tally;
+    Counters counters;
     std::vector<double> pressures;
     double const kt = kinetic_energy(state.disks) / static_cast<double>(count);
     double const block = 30.0 / packing_fraction;
     for (int b = 0; b <= 40; ++b) {
-      Tally const before = tally;
-      engine->advance(state, tally, {.time = block * (b + 1)});
+      Counters const before = counters;
+      engine->advance(state, counters, {.time = block * (b + 1)});
       double impulse = 0.0;
-      for (std::size_t wall = 0; wall < 4; ++wall) impulse += tally.wall_impulse[wall] - before.wall_impulse[wall];
+      for (std::size_t wall = 0; wall < 4; ++wall) impulse += counters.wall_impulse[wall] - before.wall_impulse[wall];
       if (b > 0) pressures.push_back(impulse / (4.0 * side * block * kt));
     }
     Estimate const pressure = estimate(pressures);
@@ -320,14 +321,14 @@ TEST_P(Channel, OfDisksInASingleFilePressesOnItsEndsAsTheTransferOperatorSays) {
   }
   double const kt = kinetic_energy(state.disks) / static_cast<double>(count);
   auto const engine = make_engine({.kind = "exact"}, state);
-  Tally tally;
+  Counters counters;
   std::vector<double> forces;
   double const block = 300.0;
   for (int b = 0; b <= 30; ++b) {
-    Tally const before = tally;
-    engine->advance(state, tally, {.time = 400.0 + b * block});
-    double const impulse = tally.wall_impulse[Tally::left] + tally.wall_impulse[Tally::right] -
-                           before.wall_impulse[Tally::left] - before.wall_impulse[Tally::right];
+    Counters const before = counters;
+    engine->advance(state, counters, {.time = 400.0 + b * block});
+    double const impulse = counters.wall_impulse[Counters::left] + counters.wall_impulse[Counters::right] -
+                           before.wall_impulse[Counters::left] - before.wall_impulse[Counters::right];
     if (b > 0) forces.push_back(impulse / (2.0 * block * kt));
   }
   Estimate const measured = estimate(forces);
@@ -340,9 +341,9 @@ TEST_P(Channel, OfDisksInASingleFilePressesOnItsEndsAsTheTransferOperatorSays) {
 TEST(ExactPhysics, DiluteDisksDiffuseAsKineticTheorySays) {
   State state = fluid(64, 64, 0.005, 9);
   auto const engine = make_engine({.kind = "exact"}, state);
-  Tally tally;
+  Counters counters;
   double const free_time = 1.0 / (2.0 * 4.0 * 0.005 / pi * std::sqrt(pi) * 1.0079);  // 1/Γ, g(σ) to first order in η
-  engine->advance(state, tally, {.time = 20.0 * free_time});
+  engine->advance(state, counters, {.time = 20.0 * free_time});
   auto const n = static_cast<double>(state.disks.size());
   auto const unwrapped = [&] {
     std::vector<Vector> places;
@@ -361,13 +362,13 @@ TEST(ExactPhysics, DiluteDisksDiffuseAsKineticTheorySays) {
   std::vector<double> constants;
   for (int b = 0; b < 20; ++b) {
     double const begin = state.clock.time;
-    std::uint64_t const before = tally.pair_collisions;
+    std::uint64_t const before = counters.pair_collisions;
     std::vector<Vector> const origin = unwrapped();
-    engine->advance(state, tally, {.time = begin + 10.0 * free_time});
+    engine->advance(state, counters, {.time = begin + 10.0 * free_time});
     double const early = mean_square(origin);
-    engine->advance(state, tally, {.time = begin + 20.0 * free_time});
+    engine->advance(state, counters, {.time = begin + 20.0 * free_time});
     double const diffusion = (mean_square(origin) - early) / (4.0 * 10.0 * free_time);
-    double const rate = 2.0 * static_cast<double>(tally.pair_collisions - before) / (n * 20.0 * free_time);
+    double const rate = 2.0 * static_cast<double>(counters.pair_collisions - before) / (n * 20.0 * free_time);
     constants.push_back(diffusion * rate / temperature(state));
   }
   Estimate const constant = estimate(constants);

@@ -35,12 +35,12 @@ class MeasuredFluid {
                          seed)) {
     draw_velocities(state, {});
     engine_ = make_engine(fluid.engine, state);
-    observables = make_observables(fluid.observe, {state, tally});
+    observables = make_observables(fluid.observe, {state, counters});
   }
 
-  void advance(std::uint64_t steps) { engine_->advance(state, tally, {.step = state.clock.step + steps}); }
+  void advance(std::uint64_t steps) { engine_->advance(state, counters, {.step = state.clock.step + steps}); }
   void measure(bool counts_for_average = true) {
-    for (auto const& observable : observables) sample(*observable, state, tally, counts_for_average);
+    for (auto const& observable : observables) sample(*observable, state, counters, counts_for_average);
   }
   [[nodiscard]] Estimate estimate(std::string const& name) const {
     for (auto const& observable : observables) {
@@ -52,7 +52,7 @@ class MeasuredFluid {
   [[nodiscard]] double diameter() const { return 2.0 * state.disks.column<Radius>()[0]; }
 
   State state;
-  Tally tally;
+  Counters counters;
   std::vector<std::unique_ptr<Observable>> observables;
 
  private:
@@ -205,7 +205,7 @@ TEST(MeanDisplacement, OfAGasBetweenWallsEndsAtTheMeanDistanceFromTheLatticeToAR
   BlockAverage plateau;
   for (int k = 0; k < 1600; ++k) {
     run.advance(50);
-    plateau.add(cell(*run.observables[0], sample(*run.observables[0], run.state, run.tally), "mean_displacement"));
+    plateau.add(cell(*run.observables[0], sample(*run.observables[0], run.state, run.counters), "mean_displacement"));
   }
   expect_within_errors(*plateau.estimate(), expected, "plateau");
   EXPECT_LT(*plateau.estimate()->error, 0.005);

@@ -35,12 +35,12 @@ double shortfall_of_walls(double time_step, Contact contact, std::uint64_t steps
   State state = make_start(Box(1, 1, Edge::wall), {.count = 100, .packing_fraction = 0.4}, 3);
   draw_velocities(state, {});
   auto const engine = make_engine({.time_step = time_step, .contact = contact}, state);
-  Tally tally;
-  auto const observables = make_observables({.structure_every = 0}, {state, tally});
+  Counters counters;
+  auto const observables = make_observables({.structure_every = 0}, {state, counters});
   double const at_start = virial_of_motion(state);
   for (std::uint64_t chunk = 1; chunk <= 8; ++chunk) {
-    engine->advance(state, tally, {.step = chunk * steps / 8});
-    for (auto const& observable : observables) sample(*observable, state, tally);
+    engine->advance(state, counters, {.step = chunk * steps / 8});
+    for (auto const& observable : observables) sample(*observable, state, counters);
   }
   double const boundary = (virial_of_motion(state) - at_start) / (2.0 * state.clock.time);
   double walls = 0.0;
@@ -82,14 +82,14 @@ TEST(OneDiskBetweenWalls, ObeysTheVirialTheoremUpToTheTimeStep) {
   State state = hand_built::empty_state(Box(1, 1, Edge::wall));
   hand_built::add_disk(state, {0.5, 0.5}, v, 0.1);
   auto const engine = make_engine({.time_step = time_step / 0.2, .speed = 1.0}, state);
-  Tally tally;
-  auto const observables = make_observables({.structure_every = 0}, {state, tally});
+  Counters counters;
+  auto const observables = make_observables({.structure_every = 0}, {state, counters});
   double const at_start = virial_of_motion(state);
-  engine->advance(state, tally, {.step = 200'000});
+  engine->advance(state, counters, {.step = 200'000});
   double const boundary = (virial_of_motion(state) - at_start) / (2.0 * state.clock.time);
   bool is_measured = false;
   for (auto const& observable : observables) {
-    sample(*observable, state, tally);
+    sample(*observable, state, counters);
     auto const walls = result(*observable, "wall_pressure");
     if (!walls) continue;
     is_measured = true;

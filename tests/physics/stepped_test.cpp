@@ -1,4 +1,4 @@
-// The engine `stepped` against exact results of small systems. The rule loses time at every blocked turn, so every
+// The engine `stepped` against exact results of small systems. The rule loses time at every halted move, so every
 // average is off by a time-step error, linear in dt to leading order; three time steps h, h/2, h/4 remove the first two
 // orders of it (Richardson), and what is left must be the exact value within its standard error.
 
@@ -47,27 +47,27 @@ struct Blocks {
   double relaxation = 0.0;
 };
 
-/// Runs a system and measures each block by the tally of that block alone and the time it took.
+/// Runs a system and measures each block by the counters of that block alone and the time it took.
 Measured measure(State state, EngineSettings const& settings, Blocks const& blocks,
-                 std::function<double(State const&, Tally const&, double)> const& quantity) {
+                 std::function<double(State const&, Counters const&, double)> const& quantity) {
   auto const engine = make_engine(settings, state);
-  Tally relaxation;
+  Counters relaxation;
   engine->advance(state, relaxation, {.time = blocks.relaxation});
   std::vector<double> values;
   for (int block = 0; block < blocks.count; ++block) {
     double const start = state.clock.time;
-    Tally tally;
-    engine->advance(state, tally, {.time = start + blocks.duration});
-    values.push_back(quantity(state, tally, state.clock.time - start));
+    Counters counters;
+    engine->advance(state, counters, {.time = start + blocks.duration});
+    values.push_back(quantity(state, counters, state.clock.time - start));
   }
   return mean_of(values);
 }
 
 constexpr std::array<double, 3> halving_time_steps{0.2, 0.1, 0.05};
 
-double impulse_on_walls(Tally const& tally) {
+double impulse_on_walls(Counters const& counters) {
   double sum = 0.0;
-  for (double const impulse : tally.wall_impulse) sum += impulse;
+  for (double const impulse : counters.wall_impulse) sum += impulse;
   return sum;
 }
 
@@ -90,12 +90,12 @@ TEST_P(SteppedPhysics, TheVirialChangesByFlightPairsAndWallsToTheLastDigits) {
     auto const engine = make_engine({.time_step = time_step, .contact = GetParam()}, state);
     reference::PaperRule rule(state, engine->time_step(), 5, GetParam() == Contact::always);
     double const before = rule.virial();
-    Tally tally;
+    Counters counters;
     constexpr std::uint64_t steps = 1000;
-    engine->advance(state, tally, {.step = steps});
+    engine->advance(state, counters, {.step = steps});
     for (std::uint64_t step = 0; step < steps; ++step) rule.step();
     ASSERT_EQ(position(state.disks, 7), (Vector{rule.disks[7].x, rule.disks[7].y})) << "not the same trajectory";
-    double const change = rule.flight_virial + tally.pair_virial + rule.wall_virial;
+    double const change = rule.flight_virial + counters.pair_virial + rule.wall_virial;
     EXPECT_NEAR(rule.virial() - before, change, 1e-12 * rule.flight_virial);
     EXPECT_GT(rule.flight_virial, 100.0) << "nothing happened";
   }
@@ -111,9 +111,9 @@ TEST_P(SteppedPhysics, TheWallVirialIdentityHoldsAsTheTimeStepVanishes) {
     for (std::size_t n = 0; n < 3; ++n) {
       deviation[n] = measure(start, {.time_step = halving_time_steps[n], .contact = GetParam()},
                              {.count = 12, .duration = 20.0, .relaxation = 5.0},
-                             [&](State const& state, Tally const& tally, double time) {
-                               double const pressure = impulse_on_walls(tally) / (4.0 * time);
-                               double const right = kinetic_energy(state.disks) + 0.5 * tally.pair_virial / time;
+                             [&](State const& state, Counters const& counters, double time) {
+                               double const pressure = impulse_on_walls(counters) / (4.0 * time);
+                               double const right = kinetic_energy(state.disks) + 0.5 * counters.pair_virial / time;
                                return pressure * (1.0 - 2.0 * r) / right - 1.0;
                              });
     }
@@ -144,26 +144,26 @@ State row_of(std::vector<double> const& velocities) {
 TEST_P(SteppedPhysics, OneMoverInARowComesBackWithThePeriodOfAFreeParticle) {
   // Equal disks in a row exchange velocities, so x_i − (i − ½)σ are free particles that pass through one another on
   // L' = L − Nσ; one mover repeats after 2L'/v. A period of the rule holds 2N events. Each shortens the way by less than
-  // a sub-step δ and shifts the time by less than one step either way: the rest of a blocked turn is lost, but a disk
+  // a sub-step δ and shifts the time by less than one step either way: the rest of a halted move is lost, but a disk
   // hit before its own turn moves a full step at once.
   constexpr double count = 6.0;
-  double const way = 2.0 * (1.0 - count * 2.0 * row_radius);
+  double const path = 2.0 * (1.0 - count * 2.0 * row_radius);
   double const time = 100.0;
   for (double const time_step : {0.1, 0.03, 0.01, 0.003}) {
     State state = row_of({0.0, 1.0, 0.0, 0.0, 0.0, 0.0});
     auto const engine = make_engine({.time_step = time_step, .contact = GetParam()}, state);
     double const dt = engine->time_step();
-    Tally tally;
-    engine->advance(state, tally, {.time = time});
-    double const longest = way + 2.0 * count * dt;
-    double const shortest = way - 2.0 * count * (dt + dt / 5.0);
-    for (Tally::Wall const wall : {Tally::left, Tally::right}) {
-      auto const hits = static_cast<double>(tally.wall_hits[wall]);
+    Counters counters;
+    engine->advance(state, counters, {.time = time});
+    double const longest = path + 2.0 * count * dt;
+    double const shortest = path - 2.0 * count * (dt + dt / 5.0);
+    for (Counters::Wall const wall : {Counters::left, Counters::right}) {
+      auto const hits = static_cast<double>(counters.wall_hits[wall]);
       EXPECT_GE(hits, time / longest - 1.0) << "time step " << time_step;
       EXPECT_LE(hits, time / shortest + 1.0) << "time step " << time_step;
-      EXPECT_NEAR(tally.wall_impulse[wall], 2.0 * hits, 1e-9) << "always the one speed";
+      EXPECT_NEAR(counters.wall_impulse[wall], 2.0 * hits, 1e-9) << "always the one speed";
     }
-    EXPECT_EQ(tally.wall_hits[Tally::top], 0U);
+    EXPECT_EQ(counters.wall_hits[Counters::top], 0U);
   }
 }
 
@@ -176,10 +176,11 @@ TEST_P(SteppedPhysics, ARowOfDisksPressesOnTheWallsLikeFreeParticles) {
   std::array<Measured, 3> measured;
   for (std::size_t n = 0; n < 3; ++n) {
     measured[n] = measure(row_of(velocities), {.time_step = halving_time_steps[n], .contact = GetParam()},
-                          {.count = 20, .duration = 100.0}, [](State const&, Tally const& tally, double time) {
-                            return (tally.wall_impulse[Tally::left] + tally.wall_impulse[Tally::right]) / (2.0 * time);
+                          {.count = 20, .duration = 100.0}, [](State const&, Counters const& counters, double time) {
+                            return (counters.wall_impulse[Counters::left] + counters.wall_impulse[Counters::right]) /
+                                   (2.0 * time);
                           });
-    EXPECT_LT(measured[n].value, force) << "blocked turns lose time";
+    EXPECT_LT(measured[n].value, force) << "halted moves lose time";
   }
   Measured const limit = extrapolated(measured);
   EXPECT_NEAR(limit.value, force, 4.0 * limit.error);
@@ -219,10 +220,10 @@ TEST_P(SteppedTwoDisksAt, PressOnTheWallsAsTheConfigurationIntegralSays) {
   double const radius = GetParam();
   std::array<Measured, 3> pressure;
   for (std::size_t n = 0; n < 3; ++n) {
-    pressure[n] =
-        measure(two_disks(radius), {.time_step = halving_time_steps[n]}, {.count = 25, .duration = 400.0},
-                [](State const&, Tally const& tally, double time) { return impulse_on_walls(tally) / (4.0 * time); });
-    EXPECT_LT(pressure[n].value, pressure_of_two(radius)) << "blocked turns lose time";
+    pressure[n] = measure(
+        two_disks(radius), {.time_step = halving_time_steps[n]}, {.count = 25, .duration = 400.0},
+        [](State const&, Counters const& counters, double time) { return impulse_on_walls(counters) / (4.0 * time); });
+    EXPECT_LT(pressure[n].value, pressure_of_two(radius)) << "halted moves lose time";
   }
   Measured const limit = extrapolated(pressure);
   EXPECT_NEAR(limit.value, pressure_of_two(radius), 4.0 * limit.error);
@@ -236,11 +237,11 @@ TEST(SteppedTwoDisks, HitWallsAndEachOtherAsOftenAsTheyShould) {
   for (std::size_t n = 0; n < 3; ++n) {
     EngineSettings const settings{.time_step = halving_time_steps[n], .contact = Contact::approaching};
     Blocks const blocks{.count = 25, .duration = 1000.0};
-    walls[n] = measure(two_disks(0.15), settings, blocks, [](State const&, Tally const& tally, double time) {
-      return static_cast<double>(tally.all_wall_hits()) / time;
+    walls[n] = measure(two_disks(0.15), settings, blocks, [](State const&, Counters const& counters, double time) {
+      return static_cast<double>(counters.all_wall_hits()) / time;
     });
-    pairs[n] = measure(two_disks(0.15), settings, blocks, [](State const&, Tally const& tally, double time) {
-      return static_cast<double>(tally.pair_collisions) / time;
+    pairs[n] = measure(two_disks(0.15), settings, blocks, [](State const&, Counters const& counters, double time) {
+      return static_cast<double>(counters.pair_collisions) / time;
     });
   }
   EXPECT_NEAR(extrapolated(walls).value, 6.0154, 4.0 * extrapolated(walls).error);

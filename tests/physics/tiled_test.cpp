@@ -111,13 +111,13 @@ TEST(TiledPhysics, AgreesWithSteppedAtAShortStep) {
     SCOPED_TRACE(packing_fraction);
     Orders const orders({.packing_fraction = packing_fraction, .time_step = short_step}, starts);
     expect_agreement(orders, "mean_displacement", 0.05);
-    for (char const* name : {"wall_pressure", "compressibility_factor", "collision_rate", "blocked_share"}) {
+    for (char const* name : {"wall_pressure", "compressibility_factor", "collision_rate", "halted_fraction"}) {
       expect_agreement(orders, name, 0.005);
     }
   }
   Orders const periodic({.packing_fraction = 0.5, .edge = Edge::periodic, .time_step = short_step}, starts);
   expect_agreement(periodic, "displacement_about_centre", 0.05);
-  for (char const* name : {"compressibility_factor", "collision_rate", "blocked_share"}) {
+  for (char const* name : {"compressibility_factor", "collision_rate", "halted_fraction"}) {
     expect_agreement(periodic, name, 0.005);
   }
 }
@@ -128,7 +128,7 @@ TEST(TiledPhysics, DiffersByLessThanTwoPercentInTheFluidAtThePapersStep) {
   for (double const packing_fraction : {0.3, 0.6}) {
     SCOPED_TRACE(packing_fraction);
     Orders const orders({.packing_fraction = packing_fraction}, starts);
-    for (char const* name : {"wall_pressure", "compressibility_factor", "collision_rate", "blocked_share"}) {
+    for (char const* name : {"wall_pressure", "compressibility_factor", "collision_rate", "halted_fraction"}) {
       expect_within(orders, name, 0.02);
     }
     expect_within(orders, "mean_displacement", 0.10);

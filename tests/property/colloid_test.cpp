@@ -68,7 +68,7 @@ class ColloidOn : public testing::TestWithParam<Case> {
   /// The state after the steps of the engine, and what happened in them.
   struct End {
     std::uint64_t hash;
-    Tally tally;
+    Counters counters;
   };
 
   static State start() {
@@ -84,9 +84,9 @@ class ColloidOn : public testing::TestWithParam<Case> {
                                   .substeps = GetParam().substeps,
                                   .contact = contact,
                                   .threads = 1};
-    Tally tally;
-    make_engine(settings, state)->advance(state, tally, {.step = steps});
-    return {hash(state), tally};
+    Counters counters;
+    make_engine(settings, state)->advance(state, counters, {.step = steps});
+    return {hash(state), counters};
   }
   template <class Model>
   static void expect_the_same(End const& expected, Contact contact, ModelEngineSettings const& settings) {
@@ -100,15 +100,15 @@ class ColloidOn : public testing::TestWithParam<Case> {
     engine.advance(world, {.step = steps / 2});
     engine.advance(world, {.step = steps});
     EXPECT_EQ(hash(world), expected.hash) << settings.threads << " threads";
-    EXPECT_EQ(world.events[0], expected.tally.pair_collisions);
-    EXPECT_EQ(world.events[2], expected.tally.blocked_turns);
+    EXPECT_EQ(world.events[0], expected.counters.pair_collisions);
+    EXPECT_EQ(world.events[2], expected.counters.halted_moves);
   }
 };
 
 TEST_P(ColloidOn, OneAfterTheOtherHasTheBitsOfTheEngineStepped) {
   for (Contact const contact : {Contact::always, Contact::approaching}) {
     End const expected = end_of_engine("stepped", contact);
-    EXPECT_GE(expected.tally.pair_collisions, GetParam().scene.count > 20 ? 20U : 0U) << "little happens";
+    EXPECT_GE(expected.counters.pair_collisions, GetParam().scene.count > 20 ? 20U : 0U) << "little happens";
     expect_the_same<Colloid>(expected, contact, {.verify_every = 13});
   }
 }

@@ -87,12 +87,12 @@ TEST_P(ExactProperty, GoesThroughTheSameEventsAsBruteForce) {
     State state = start(seed);
     reference::AllPairsEvents brute(state);
     auto const engine = make_engine(exact_settings(), state);
-    Tally tally;
+    Counters counters;
     for (std::uint64_t n = 1; n <= comparable_collisions(); ++n) {
       brute.collide_next();
-      engine->advance(state, tally, {.pair_collisions = n});
-      ASSERT_EQ(tally.pair_collisions, n);
-      ASSERT_EQ(tally.wall_hits, brute.wall_hits) << "collision " << n;
+      engine->advance(state, counters, {.pair_collisions = n});
+      ASSERT_EQ(counters.pair_collisions, n);
+      ASSERT_EQ(counters.wall_hits, brute.wall_hits) << "collision " << n;
       ASSERT_NEAR(state.clock.time, brute.state.clock.time, 1e-7) << "collision " << n;
       ASSERT_LT(difference(state, brute.state), 1e-6) << "collision " << n;
     }
@@ -108,21 +108,21 @@ TEST_P(ExactProperty, RunsBackToItsStartWhenTheVelocitiesAreTurned) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     State const begin = start(seed);
     State state = begin;
-    Tally tally;
+    Counters counters;
     auto const engine = make_engine(exact_settings(), state);
-    engine->advance(state, tally, {.time = 1e6, .pair_collisions = comparable_collisions()});
+    engine->advance(state, counters, {.time = 1e6, .pair_collisions = comparable_collisions()});
     // A little further, so that the way back does not begin in contact.
     double const end = state.clock.time * 1.001;
-    engine->advance(state, tally, {.time = end});
+    engine->advance(state, counters, {.time = end});
     auto const turn_back = [&] {
       for (double& v : state.disks.column<VelocityX>()) v = -v;
       for (double& v : state.disks.column<VelocityY>()) v = -v;
     };
     turn_back();
-    Tally back;
+    Counters back;
     engine->advance(state, back, {.time = 2.0 * end});
     turn_back();
-    EXPECT_EQ(back.pair_collisions, tally.pair_collisions);
+    EXPECT_EQ(back.pair_collisions, counters.pair_collisions);
     EXPECT_LT(difference(state, begin), 1e-9);
   }
 }
@@ -133,33 +133,33 @@ TEST_P(ExactProperty, HasTheSameBitsHoweverTheRunIsCut) {
     State const begin = start(seed);
     double const step = make_engine(exact_settings(), begin)->time_step();
     State whole = begin;
-    Tally whole_tally;
-    make_engine(exact_settings(), whole)->advance(whole, whole_tally, {.step = 400});
+    Counters whole_counters;
+    make_engine(exact_settings(), whole)->advance(whole, whole_counters, {.step = 400});
 
     State cut = begin;
-    Tally cut_tally;
+    Counters cut_counters;
     auto const engine = make_engine(exact_settings(), cut);
     for (std::uint64_t n = 1; n < 50; ++n) {
-      engine->advance(cut, cut_tally, {.step = 3 * n});
-      engine->advance(cut, cut_tally, {.step = 400, .time = cut.clock.time + 0.3 * step});
-      engine->advance(cut, cut_tally, {.step = 400, .pair_collisions = cut_tally.pair_collisions + 1});
+      engine->advance(cut, cut_counters, {.step = 3 * n});
+      engine->advance(cut, cut_counters, {.step = 400, .time = cut.clock.time + 0.3 * step});
+      engine->advance(cut, cut_counters, {.step = 400, .pair_collisions = cut_counters.pair_collisions + 1});
     }
-    engine->advance(cut, cut_tally, {.step = 400});
+    engine->advance(cut, cut_counters, {.step = 400});
     EXPECT_EQ(hash(whole), hash(cut));
-    EXPECT_EQ(whole_tally.pair_collisions, cut_tally.pair_collisions);
-    EXPECT_EQ(whole_tally.turns, cut_tally.turns);
-    EXPECT_EQ(whole_tally.pair_virial, cut_tally.pair_virial);
-    EXPECT_EQ(whole_tally.wall_impulse, cut_tally.wall_impulse);
+    EXPECT_EQ(whole_counters.pair_collisions, cut_counters.pair_collisions);
+    EXPECT_EQ(whole_counters.moves, cut_counters.moves);
+    EXPECT_EQ(whole_counters.pair_virial, cut_counters.pair_virial);
+    EXPECT_EQ(whole_counters.wall_impulse, cut_counters.wall_impulse);
   }
 }
 
 TEST_P(ExactProperty, KeepsEnergyAndNeverOverlaps) {
   State state = start(11);
   double const energy = kinetic_energy(state.disks);
-  Tally tally;
+  Counters counters;
   auto const engine = make_engine(exact_settings(), state);
   for (std::uint64_t n = 1; n <= 20; ++n) {
-    engine->advance(state, tally, {.time = 1e6, .pair_collisions = 5 * n * disks()});
+    engine->advance(state, counters, {.time = 1e6, .pair_collisions = 5 * n * disks()});
     EXPECT_LT(largest_overlap(state), 1e-12 * 2.0 * radius_range(state.disks).largest);
   }
   EXPECT_NEAR(kinetic_energy(state.disks), energy, 1e-11 * energy);
@@ -168,18 +168,18 @@ TEST_P(ExactProperty, KeepsEnergyAndNeverOverlaps) {
 TEST_P(ExactProperty, PredictsTheSameBitsWithAndWithoutWideRegisters) {
   State const state = start(2);
   exact::Dynamics dynamics(state);
-  exact::Surroundings const& surroundings = dynamics.surroundings();
-  if (!exact::can_use_avx512(surroundings)) GTEST_SKIP() << "not on this processor, or not in so small a box";
-  Tally tally;
+  exact::PredictionInput const& prediction_input = dynamics.prediction_input();
+  if (!exact::can_use_avx512(prediction_input)) GTEST_SKIP() << "not on this processor, or not in so small a box";
+  Counters counters;
   for (std::uint64_t n = 1; n <= 20; ++n) {
-    dynamics.run(1e6, n * disks() / 4, 0, tally);
+    dynamics.run(1e6, n * disks() / 4, 0, counters);
     double const now = dynamics.now();
     for (exact::Index i = 0; i < dynamics.size(); ++i) {
       // Any neighbour may be the one it just met; the one it waits for is the one whose absence shows.
       exact::Index const partner = dynamics.disks()[i].partner;
       for (exact::Index const apart : {exact::no_disk, partner < exact::vertical_border ? partner : exact::no_disk}) {
-        exact::Prediction const plain = exact::predict_plainly(surroundings, i, now, apart);
-        exact::Prediction const wide = exact::predict_with_avx512(surroundings, i, now, apart);
+        exact::Prediction const plain = exact::predict_scalar(prediction_input, i, now, apart);
+        exact::Prediction const wide = exact::predict_with_avx512(prediction_input, i, now, apart);
         if (apart == exact::no_disk) {
           EXPECT_EQ(plain.time, wide.time);
           EXPECT_EQ(plain.partner, wide.partner);
@@ -203,10 +203,10 @@ TEST_P(ExactProperty, DependsOnlyOnIdsNotOnRows) {
   }
   State a = ordered;
   State b = shuffled;
-  Tally tally_a;
-  Tally tally_b;
-  make_engine(exact_settings(), a)->advance(a, tally_a, {.step = 200});
-  make_engine(exact_settings(), b)->advance(b, tally_b, {.step = 200});
+  Counters counters_a;
+  Counters counters_b;
+  make_engine(exact_settings(), a)->advance(a, counters_a, {.step = 200});
+  make_engine(exact_settings(), b)->advance(b, counters_b, {.step = 200});
   EXPECT_EQ(hash(a), hash(b));
 }
 
@@ -220,14 +220,14 @@ TEST(ExactManyDisks, KeepTheirDistanceAndTheirBitsHoweverTheRunIsCut) {
                     v.x, v.y, 0.5, 1.0, 0, 0);
   }
   State cut = state;
-  Tally tally;
-  make_engine({.kind = "exact", .audit_every = 20011}, state)->advance(state, tally, {.time = 20.0});
-  EXPECT_GT(tally.pair_collisions, 10 * state.disks.size());
+  Counters counters;
+  make_engine({.kind = "exact", .audit_every = 20011}, state)->advance(state, counters, {.time = 20.0});
+  EXPECT_GT(counters.pair_collisions, 10 * state.disks.size());
   auto const engine = make_engine({.kind = "exact"}, cut);
-  Tally cut_tally;
-  for (double const time : {0.1, 3.0, 11.7, 20.0}) engine->advance(cut, cut_tally, {.time = time});
+  Counters cut_counters;
+  for (double const time : {0.1, 3.0, 11.7, 20.0}) engine->advance(cut, cut_counters, {.time = time});
   EXPECT_EQ(hash(state), hash(cut));
-  EXPECT_EQ(tally.pair_virial, cut_tally.pair_virial);
+  EXPECT_EQ(counters.pair_virial, cut_counters.pair_virial);
 }
 
 }  // namespace

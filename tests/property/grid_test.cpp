@@ -46,20 +46,20 @@ State any_points(Box const& box) {
 
 using Pairs = std::set<std::pair<std::size_t, std::size_t>>;
 
-Pairs pairs_by_brute_force(State const& state, double reach) {
+Pairs pairs_by_brute_force(State const& state, double cutoff) {
   Pairs pairs;
   for (std::size_t i = 0; i < state.disks.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       Vector const d = state.box.displacement(position(state.disks, i), position(state.disks, j));
-      if (squared_length(d) < reach * reach) pairs.emplace(i, j);
+      if (squared_length(d) < cutoff * cutoff) pairs.emplace(i, j);
     }
   }
   return pairs;
 }
 
-Pairs pairs_by_grid(State const& state, LinkedGrid const& grid, double reach) {
+Pairs pairs_by_grid(State const& state, LinkedGrid const& grid, double cutoff) {
   Pairs pairs;
-  for_each_pair(state, grid, reach, [&](std::size_t i, std::size_t j, Vector separation) {
+  for_each_pair(state, grid, cutoff, [&](std::size_t i, std::size_t j, Vector separation) {
     RC_ASSERT(i > j);
     RC_ASSERT(separation == state.box.displacement(position(state.disks, i), position(state.disks, j)));
     RC_ASSERT(pairs.emplace(i, j).second);
@@ -67,22 +67,22 @@ Pairs pairs_by_grid(State const& state, LinkedGrid const& grid, double reach) {
   return pairs;
 }
 
-RC_GTEST_PROP(GridProperty, ForEachPairFindsThePairsOfBruteForceOnTheGridMadeForTheReach, ()) {
+RC_GTEST_PROP(GridProperty, ForEachPairFindsThePairsOfBruteForceOnTheGridMadeForTheCutoff, ()) {
   State const state = any_points(any_box());
-  double const reach = between(0.001, 0.5) * std::min(state.box.width(), state.box.height());
-  LinkedGrid const grid = grid_for_reach<LinkedGrid>(state, reach);
+  double const cutoff = between(0.001, 0.5) * std::min(state.box.width(), state.box.height());
+  LinkedGrid const grid = grid_for_cutoff<LinkedGrid>(state, cutoff);
   RC_CLASSIFY(grid.layout().count() == 1);
   RC_CLASSIFY(grid.layout().columns() <= 3 || grid.layout().rows() <= 3);
   RC_ASSERT(grid.is_consistent());
-  RC_ASSERT(pairs_by_grid(state, grid, reach) == pairs_by_brute_force(state, reach));
+  RC_ASSERT(pairs_by_grid(state, grid, cutoff) == pairs_by_brute_force(state, cutoff));
 }
 
 RC_GTEST_PROP(GridProperty, ForEachPairFindsThePairsOfBruteForceOnAnyGrid, ()) {
   State const state = any_points(any_box());
-  double const reach = between(0.001, 0.5) * std::min(state.box.width(), state.box.height());
+  double const cutoff = between(0.001, 0.5) * std::min(state.box.width(), state.box.height());
   CellLayout const layout(state.box, any_cells(), any_cells());
   LinkedGrid const grid(layout, state.disks.column<X>(), state.disks.column<Y>());
-  RC_ASSERT(pairs_by_grid(state, grid, reach) == pairs_by_brute_force(state, reach));
+  RC_ASSERT(pairs_by_grid(state, grid, cutoff) == pairs_by_brute_force(state, cutoff));
 }
 
 RC_GTEST_PROP(GridProperty, LargestOverlapIsThatOfBruteForce, ()) {

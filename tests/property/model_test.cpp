@@ -73,7 +73,7 @@ struct Market {
 
   double step = 0.02;
 
-  [[nodiscard]] double reach() const { return 0.1; }
+  [[nodiscard]] double cutoff() const { return 0.1; }
   [[nodiscard]] double time_step() const { return 0.5; }
   void start(World<Market>& world) const {
     for (std::uint64_t n = 0; n < 900; ++n) {
@@ -84,11 +84,11 @@ struct Market {
   }
   void turn(Turn<Market>& self) const {
     RandomStream random = self.random();
-    // Sums round in the order of the neighbours; a walk and a search from its end stay within the reach.
+    // Sums round in the order of the neighbours; a walk and a search from its end stay within the cutoff.
     Bounce const bounce = self.move_by(step * random.in_unit_disk());
     double sum = bounce.x ? -self.template get<VelocityX>() : self.template get<VelocityX>();
     std::optional<Neighbour<Market>> nearest;
-    self.for_each_neighbour(reach() - step, [&](Neighbour<Market> const& other) {
+    self.for_each_neighbour(cutoff() - step, [&](Neighbour<Market> const& other) {
       sum += 0.1 * other.template get<VelocityX>();
       double const distance = squared_length(other.separation());
       double const so_far = nearest ? squared_length(nearest->separation()) : 1.0;
@@ -168,7 +168,7 @@ TEST(ModelSearch, ADifferenceFromBruteForceEndsTheRun) {
   Box const box(20.0, 20.0, Edge::periodic);
   World<Flocking> world{.box = box, .seed = 1};
   Flocking{.count = 200}.start(world);
-  Requests<Flocking> requests;
+  DeferredCommands<Flocking> commands;
   EXPECT_THROW(verify_search(world, {1.0, 1.0}, 5.0, {}, [](std::size_t) { return true; }), RunFailure);
 }
 
@@ -182,7 +182,7 @@ struct Settlers {
   static constexpr std::string_view name = "settlers";
   static constexpr Schedule schedule = Schedule::synchronous;
   using Agents = Population<X, Y>;
-  [[nodiscard]] double reach() const { return 1.0; }
+  [[nodiscard]] double cutoff() const { return 1.0; }
   [[nodiscard]] double time_step() const { return 1.0; }
   void turn(Turn<Settlers>& self) const {
     RandomStream random = self.random();
@@ -197,7 +197,7 @@ struct Tribe {
   static constexpr Schedule schedule = Schedule::synchronous;
   using Agents = Population<X, Y>;
   bool dies = false;
-  double reach() const { return 0.1; }
+  double cutoff() const { return 0.1; }
   double time_step() const { return 1.0; }
   void turn(Turn<Tribe>& self) const {
     Vector const p = self.position();

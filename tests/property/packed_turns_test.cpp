@@ -58,30 +58,30 @@ TEST(PackedTurns, GiveTheBitsOfTheListsForFiveHundredRandomSystems) {
     State packed = linked;
     EngineSettings settings = s.engine;
     std::string failure;
-    Tally linked_tally;
-    Tally packed_tally;
+    Counters linked_counters;
+    Counters packed_counters;
     try {
       settings.grid = GridKind::linked;
-      make_engine(settings, linked)->advance(linked, linked_tally, {.step = 120});
+      make_engine(settings, linked)->advance(linked, linked_counters, {.step = 120});
     } catch (std::exception const& error) {
       failure = error.what();
       ++failed;
     }
     try {
       settings.grid = GridKind::packed;
-      make_engine(settings, packed)->advance(packed, packed_tally, {.step = 120});
+      make_engine(settings, packed)->advance(packed, packed_counters, {.step = 120});
       ASSERT_EQ(failure, "") << "seed " << seed << ": " << s.scene;
     } catch (std::exception const& error) {
       ASSERT_EQ(failure, error.what()) << "seed " << seed << ": " << s.scene;
     }
     ASSERT_EQ(hash(linked), hash(packed)) << "seed " << seed << ": " << s.scene;
-    ASSERT_EQ(linked_tally.turns, packed_tally.turns);
-    ASSERT_EQ(linked_tally.blocked_turns, packed_tally.blocked_turns);
-    ASSERT_EQ(linked_tally.pair_collisions, packed_tally.pair_collisions);
-    ASSERT_EQ(linked_tally.wall_hits, packed_tally.wall_hits);
-    ASSERT_EQ(linked_tally.wall_impulse, packed_tally.wall_impulse);
-    ASSERT_EQ(linked_tally.pair_virial, packed_tally.pair_virial);
-    if (linked_tally.pair_collisions > 50) ++with_collisions;
+    ASSERT_EQ(linked_counters.moves, packed_counters.moves);
+    ASSERT_EQ(linked_counters.halted_moves, packed_counters.halted_moves);
+    ASSERT_EQ(linked_counters.pair_collisions, packed_counters.pair_collisions);
+    ASSERT_EQ(linked_counters.wall_hits, packed_counters.wall_hits);
+    ASSERT_EQ(linked_counters.wall_impulse, packed_counters.wall_impulse);
+    ASSERT_EQ(linked_counters.pair_virial, packed_counters.pair_virial);
+    if (linked_counters.pair_collisions > 50) ++with_collisions;
   }
   EXPECT_GT(with_collisions, 250) << "most systems must do something";
   EXPECT_LT(failed, 100);
@@ -93,13 +93,13 @@ TEST(PackedTurns, GiveTheBitsOfTheListsAtThePapersSize) {
                               {.count = 841, .packing_fraction = packing_fraction, .start = StartKind::triangular}, 3);
     draw_velocities(linked, {});
     State packed = linked;
-    Tally tally;
-    Tally packed_tally;
-    make_engine({.grid = GridKind::linked}, linked)->advance(linked, tally, {.step = 300});
-    make_engine({.grid = GridKind::packed}, packed)->advance(packed, packed_tally, {.step = 300});
+    Counters counters;
+    Counters packed_counters;
+    make_engine({.grid = GridKind::linked}, linked)->advance(linked, counters, {.step = 300});
+    make_engine({.grid = GridKind::packed}, packed)->advance(packed, packed_counters, {.step = 300});
     EXPECT_EQ(hash(linked), hash(packed)) << packing_fraction;
-    EXPECT_EQ(tally.pair_virial, packed_tally.pair_virial);
-    EXPECT_LT(packed_tally.distance_checks, tally.distance_checks / 5) << "the filter does not filter";
+    EXPECT_EQ(counters.pair_virial, packed_counters.pair_virial);
+    EXPECT_LT(packed_counters.distance_checks, counters.distance_checks / 5) << "the filter does not filter";
   }
 }
 
@@ -119,7 +119,7 @@ struct Hot {
   TurnView view;
   PackedGrid grid;
   PackedTurns turns;
-  Tally tally;
+  Counters counters;
   std::vector<std::uint32_t> not_local;
 };
 
@@ -149,7 +149,7 @@ std::vector<std::uint32_t> rows_apart(Hot const& hot, std::size_t most, RandomSt
 }
 
 TEST(PackedTurns, TakenTogetherAreTheSameEightAtATimeAndOneByOne) {
-  if (!can_take_together_with_avx512()) GTEST_SKIP() << "this processor has no AVX-512";
+  if (!can_take_batch_with_avx512()) GTEST_SKIP() << "this processor has no AVX-512";
   std::uint64_t collisions = 0;
   std::uint64_t left_out = 0;
   std::size_t with_further_blocks = 0;
@@ -165,9 +165,9 @@ TEST(PackedTurns, TakenTogetherAreTheSameEightAtATimeAndOneByOne) {
     Hot wide(state, s.engine, layout);
     RandomStream random(seed, 1, 0, Purpose::start_position);
     for (int group = 0; group < 300; ++group) {
-      auto const rows = rows_apart(plain, 1 + random.below(PackedTurns::most_together), random);
-      take_together_plainly(plain.turns, rows, plain.tally, plain.not_local);
-      take_together_with_avx512(wide.turns, rows, wide.tally, wide.not_local);
+      auto const rows = rows_apart(plain, 1 + random.below(PackedTurns::largest_batch), random);
+      take_batch_scalar(plain.turns, rows, plain.counters, plain.not_local);
+      take_batch_avx512(wide.turns, rows, wide.counters, wide.not_local);
     }
     for (std::size_t i = 0; i < state.disks.size(); ++i) {
       DiskInTurn const& a = plain.disks[i];
@@ -179,14 +179,14 @@ TEST(PackedTurns, TakenTogetherAreTheSameEightAtATimeAndOneByOne) {
       if (plain.grid.block_of(i).next != PackedGrid::none) ++with_further_blocks;
     }
     ASSERT_TRUE(wide.grid.is_consistent()) << "seed " << seed;
-    ASSERT_EQ(plain.tally.turns, wide.tally.turns);
-    ASSERT_EQ(plain.tally.blocked_turns, wide.tally.blocked_turns);
-    ASSERT_EQ(plain.tally.pair_collisions, wide.tally.pair_collisions);
-    ASSERT_EQ(plain.tally.distance_checks, wide.tally.distance_checks);
-    ASSERT_EQ(plain.tally.wall_impulse, wide.tally.wall_impulse);
-    ASSERT_EQ(plain.tally.pair_virial, wide.tally.pair_virial);
+    ASSERT_EQ(plain.counters.moves, wide.counters.moves);
+    ASSERT_EQ(plain.counters.halted_moves, wide.counters.halted_moves);
+    ASSERT_EQ(plain.counters.pair_collisions, wide.counters.pair_collisions);
+    ASSERT_EQ(plain.counters.distance_checks, wide.counters.distance_checks);
+    ASSERT_EQ(plain.counters.wall_impulse, wide.counters.wall_impulse);
+    ASSERT_EQ(plain.counters.pair_virial, wide.counters.pair_virial);
     ASSERT_EQ(plain.not_local, wide.not_local);
-    collisions += plain.tally.pair_collisions;
+    collisions += plain.counters.pair_collisions;
     left_out += plain.not_local.size();
   }
   EXPECT_GT(collisions, 20'000U) << "most groups must do something";
@@ -194,7 +194,7 @@ TEST(PackedTurns, TakenTogetherAreTheSameEightAtATimeAndOneByOne) {
   EXPECT_GT(with_further_blocks, 1'000U);
 }
 
-TEST(PackedLayout, HoldsAtMostFourEqualDisksInACellAndTheWholeReachInABlock) {
+TEST(PackedLayout, HoldsAtMostFourEqualDisksInACellAndTheWholeCutoffInABlock) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     RandomStream random(seed, 0, 0, Purpose::start_position);
     State const state = random_scene({.edge = seed % 2 == 0 ? Edge::wall : Edge::periodic,
@@ -205,10 +205,10 @@ TEST(PackedLayout, HoldsAtMostFourEqualDisksInACellAndTheWholeReachInABlock) {
                                       .seed = seed});
     double const sigma = 2.0 * radius_range(state.disks).largest;
     CellLayout const layout = packed_layout(state.box, state.disks, 0.2 * sigma);
-    double const reach = 1.2 * sigma;
+    double const cutoff = 1.2 * sigma;
     bool const is_small = layout.columns() <= 3 || layout.rows() <= 3;
     if (!is_small) {
-      EXPECT_GE(std::min(layout.cell_width(), layout.cell_height()), reach) << "seed " << seed;
+      EXPECT_GE(std::min(layout.cell_width(), layout.cell_height()), cutoff) << "seed " << seed;
     }
     PackedGrid const grid(layout, state.disks.column<X>(), state.disks.column<Y>());
     if (std::max(layout.cell_width(), layout.cell_height()) > widest_for_four(0.5 * sigma)) continue;

@@ -23,21 +23,21 @@ namespace {
 
 using Pairs = std::map<std::pair<std::size_t, std::size_t>, std::pair<double, double>>;
 
-Pairs pairs_by_brute_force(State const& state, double reach) {
+Pairs pairs_by_brute_force(State const& state, double cutoff) {
   Pairs pairs;
   for (std::size_t i = 0; i < state.disks.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       Vector const d = state.box.displacement(position(state.disks, i), position(state.disks, j));
-      if (squared_length(d) < reach * reach) pairs[{i, j}] = {d.x, d.y};
+      if (squared_length(d) < cutoff * cutoff) pairs[{i, j}] = {d.x, d.y};
     }
   }
   return pairs;
 }
 
 template <class Grid>
-Pairs pairs_by_grid(State const& state, Grid const& grid, double reach) {
+Pairs pairs_by_grid(State const& state, Grid const& grid, double cutoff) {
   Pairs pairs;
-  for_each_pair(state, grid, reach, [&](std::size_t i, std::size_t j, Vector d) {
+  for_each_pair(state, grid, cutoff, [&](std::size_t i, std::size_t j, Vector d) {
     EXPECT_GT(i, j);
     EXPECT_TRUE(pairs.emplace(std::pair{i, j}, std::pair{d.x, d.y}).second) << "the pair came twice";
   });
@@ -45,10 +45,10 @@ Pairs pairs_by_grid(State const& state, Grid const& grid, double reach) {
 }
 
 template <class Grid>
-Pairs pairs_by_neighbours(State const& state, Grid const& grid, double reach) {
+Pairs pairs_by_neighbours(State const& state, Grid const& grid, double cutoff) {
   Pairs pairs;
   for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    for_each_neighbour(state, grid, reach, i, [&](std::size_t j, Vector d) {
+    for_each_neighbour(state, grid, cutoff, i, [&](std::size_t j, Vector d) {
       EXPECT_NE(i, j);
       if (j < i) {
         EXPECT_TRUE(pairs.emplace(std::pair{i, j}, std::pair{d.x, d.y}).second) << "the neighbour came twice";
@@ -75,13 +75,13 @@ class Scene {
   State& state() { return state_; }
   RandomStream& random() { return random_; }
 
-  [[nodiscard]] double any_reach() {
+  [[nodiscard]] double any_cutoff() {
     double const shorter = std::min(state_.box.width(), state_.box.height());
     // Often nearly half a side, where the two ways around a periodic box are equally long.
     return (random_.below(4) == 0 ? 0.49995 : 0.001 + 0.499 * random_.uniform()) * shorter;
   }
-  CellLayout any_layout(double reach) {
-    if (random_.below(2) == 0) return layout_for_reach(state_.box, reach, state_.disks.size());
+  CellLayout any_layout(double cutoff) {
+    if (random_.below(2) == 0) return layout_for_cutoff(state_.box, cutoff, state_.disks.size());
     return {state_.box, 1 + random_.below(9), 1 + random_.below(9)};
   }
   /// A point, often on borders of cells and of the box; in most periodic boxes one of its images outside, between walls
@@ -146,12 +146,12 @@ TYPED_TEST(PairsOnGrid, AreThoseOfBruteForce) {
   for (std::uint64_t seed = 0; seed < 3000; ++seed) {
     Scene scene(seed);
     State const& state = scene.state();
-    double const reach = scene.any_reach();
-    TypeParam const grid(scene.any_layout(reach), state.disks.column<X>(), state.disks.column<Y>());
-    Pairs const expected = pairs_by_brute_force(state, reach);
+    double const cutoff = scene.any_cutoff();
+    TypeParam const grid(scene.any_layout(cutoff), state.disks.column<X>(), state.disks.column<Y>());
+    Pairs const expected = pairs_by_brute_force(state, cutoff);
     ASSERT_TRUE(grid.is_consistent()) << "seed " << seed;
-    ASSERT_EQ(pairs_by_grid(state, grid, reach), expected) << "seed " << seed;
-    ASSERT_EQ(pairs_by_neighbours(state, grid, reach), expected) << "seed " << seed;
+    ASSERT_EQ(pairs_by_grid(state, grid, cutoff), expected) << "seed " << seed;
+    ASSERT_EQ(pairs_by_neighbours(state, grid, cutoff), expected) << "seed " << seed;
   }
 }
 
@@ -160,8 +160,8 @@ TYPED_TEST(PairsOnGrid, StayThoseOfBruteForceThroughBirthsMovesAndDeaths) {
     Scene scene(seed);
     State& state = scene.state();
     RandomStream& random = scene.random();
-    double const reach = scene.any_reach();
-    TypeParam grid(scene.any_layout(reach), state.disks.column<X>(), state.disks.column<Y>());
+    double const cutoff = scene.any_cutoff();
+    TypeParam grid(scene.any_layout(cutoff), state.disks.column<X>(), state.disks.column<Y>());
     for (int n = 0; n < 60; ++n) {
       std::uint64_t const what = random.below(4);
       if (what == 0 || state.disks.empty()) {
@@ -190,7 +190,7 @@ TYPED_TEST(PairsOnGrid, StayThoseOfBruteForceThroughBirthsMovesAndDeaths) {
         ASSERT_EQ(grid.cell_of(i), grid.layout().cell_of(position(state.disks, i))) << "seed " << seed;
       }
     }
-    ASSERT_EQ(pairs_by_grid(state, grid, reach), pairs_by_brute_force(state, reach)) << "seed " << seed;
+    ASSERT_EQ(pairs_by_grid(state, grid, cutoff), pairs_by_brute_force(state, cutoff)) << "seed " << seed;
   }
 }
 
@@ -201,36 +201,36 @@ TYPED_TEST(PairsOnGrid, FoldIntoAnySum) {
   };
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     Scene scene(seed);
-    double const reach = scene.any_reach();
-    TypeParam const grid = grid_for_reach<TypeParam>(scene.state(), reach);
-    Moments const sum = fold_pairs(scene.state(), grid, reach, Moments{},
+    double const cutoff = scene.any_cutoff();
+    TypeParam const grid = grid_for_cutoff<TypeParam>(scene.state(), cutoff);
+    Moments const sum = fold_pairs(scene.state(), grid, cutoff, Moments{},
                                    [](Moments& moments, std::size_t, std::size_t, Vector separation) {
                                      ++moments.pairs;
                                      moments.farthest = std::max(moments.farthest, squared_length(separation));
                                    });
     double farthest = 0.0;
-    Pairs const expected = pairs_by_brute_force(scene.state(), reach);
+    Pairs const expected = pairs_by_brute_force(scene.state(), cutoff);
     for (auto const& [pair, d] : expected) farthest = std::max(farthest, squared_length({d.first, d.second}));
     ASSERT_EQ(sum.pairs, expected.size()) << "seed " << seed;
     ASSERT_EQ(sum.farthest, farthest) << "seed " << seed;
   }
 }
 
-TYPED_TEST(PairsOnGrid, NeighboursOfAPointAreTheDisksWithinReachOfIt) {
+TYPED_TEST(PairsOnGrid, NeighboursOfAPointAreTheDisksWithinTheCutoff) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     Scene scene(seed);
     State const& state = scene.state();
-    double const reach = scene.any_reach();
-    TypeParam const grid(scene.any_layout(reach), state.disks.column<X>(), state.disks.column<Y>());
+    double const cutoff = scene.any_cutoff();
+    TypeParam const grid(scene.any_layout(cutoff), state.disks.column<X>(), state.disks.column<Y>());
     Vector const p = scene.any_point();
     std::set<std::size_t> found;
-    for_each_neighbour(state, grid, reach, p, [&](std::size_t j, Vector d) {
+    for_each_neighbour(state, grid, cutoff, p, [&](std::size_t j, Vector d) {
       EXPECT_EQ(d, state.box.displacement(p, position(state.disks, j)));
       EXPECT_TRUE(found.insert(j).second);
     });
     std::set<std::size_t> expected;
     for (std::size_t j = 0; j < state.disks.size(); ++j) {
-      if (squared_length(state.box.displacement(p, position(state.disks, j))) < reach * reach) expected.insert(j);
+      if (squared_length(state.box.displacement(p, position(state.disks, j))) < cutoff * cutoff) expected.insert(j);
     }
     ASSERT_EQ(found, expected) << "seed " << seed;
   }
@@ -240,17 +240,17 @@ TEST(NeighboursOnPackedGrid, ComeInTheOrderOfTheBlockOfCells) {
   for (std::uint64_t seed = 0; seed < 1000; ++seed) {
     Scene scene(seed);
     State const& state = scene.state();
-    double const reach = scene.any_reach();
-    PackedGrid const grid(scene.any_layout(reach), state.disks.column<X>(), state.disks.column<Y>());
+    double const cutoff = scene.any_cutoff();
+    PackedGrid const grid(scene.any_layout(cutoff), state.disks.column<X>(), state.disks.column<Y>());
     Vector const p = scene.any_point();
     std::vector<std::size_t> found;
-    for_each_neighbour(state, grid, reach, p, [&](std::size_t j, Vector) { found.push_back(j); });
+    for_each_neighbour(state, grid, cutoff, p, [&](std::size_t j, Vector) { found.push_back(j); });
     std::vector<std::size_t> expected;
     CellLayout const& layout = grid.layout();
-    grid.for_each_in_block(layout.cell_of(p), layout.columns_within(reach), layout.rows_within(reach),
+    grid.for_each_in_block(layout.cell_of(p), layout.columns_within(cutoff), layout.rows_within(cutoff),
                            [&](std::size_t j) {
                              Vector const d = state.box.displacement(p, position(state.disks, j));
-                             if (squared_length(d) < reach * reach) expected.push_back(j);
+                             if (squared_length(d) < cutoff * cutoff) expected.push_back(j);
                            });
     ASSERT_EQ(found, expected) << "seed " << seed;
   }
@@ -258,9 +258,9 @@ TEST(NeighboursOnPackedGrid, ComeInTheOrderOfTheBlockOfCells) {
 
 using CandidatePairs = std::vector<PackedGrid::AgentPair>;
 
-CandidatePairs candidate_pairs(PackedGrid const& grid, double reach, AddPairsOfRow way) {
+CandidatePairs candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOfRow kernel) {
   CandidatePairs all;
-  find_candidate_pairs(grid, reach, way, [&](std::span<PackedGrid::AgentPair const> pairs) {
+  find_candidate_pairs(grid, cutoff, kernel, [&](std::span<PackedGrid::AgentPair const> pairs) {
     all.insert(all.end(), pairs.begin(), pairs.end());
   });
   return all;
@@ -271,10 +271,10 @@ TEST(CandidatePairs, AreTheSameInTheSameOrderWithAndWithoutWideRegisters) {
   for (std::uint64_t seed = 0; seed < 3000; ++seed) {
     Scene scene(seed);
     State const& state = scene.state();
-    double const reach = scene.any_reach();
-    PackedGrid const grid(scene.any_layout(reach), state.disks.column<X>(), state.disks.column<Y>());
-    ASSERT_EQ(candidate_pairs(grid, reach, add_pairs_of_row_with_avx512),
-              candidate_pairs(grid, reach, add_pairs_of_row_plainly))
+    double const cutoff = scene.any_cutoff();
+    PackedGrid const grid(scene.any_layout(cutoff), state.disks.column<X>(), state.disks.column<Y>());
+    ASSERT_EQ(candidate_pairs(grid, cutoff, add_pairs_of_row_with_avx512),
+              candidate_pairs(grid, cutoff, add_pairs_of_row_scalar))
         << "seed " << seed;
   }
 }
@@ -289,10 +289,10 @@ TEST(CandidatePairs, AreTheSameWhereEveryCellIsFullAndEveryAgentIsNear) {
   PackedGrid const grid({state.box, 10, 10}, state.disks.column<X>(), state.disks.column<Y>());
   PackedGrid const fine({state.box, 20, 20}, state.disks.column<X>(), state.disks.column<Y>());
   for (PackedGrid const* one : {&grid, &fine}) {
-    double const reach = one->layout().cell_width();
-    CandidatePairs const wide = candidate_pairs(*one, reach, add_pairs_of_row_with_avx512);
-    EXPECT_EQ(wide, candidate_pairs(*one, reach, add_pairs_of_row_plainly));
-    EXPECT_EQ(pairs_by_grid(state, *one, reach), pairs_by_brute_force(state, reach));
+    double const cutoff = one->layout().cell_width();
+    CandidatePairs const wide = candidate_pairs(*one, cutoff, add_pairs_of_row_with_avx512);
+    EXPECT_EQ(wide, candidate_pairs(*one, cutoff, add_pairs_of_row_scalar));
+    EXPECT_EQ(pairs_by_grid(state, *one, cutoff), pairs_by_brute_force(state, cutoff));
     EXPECT_GT(wide.size(), 1600U * 8U);
   }
 }
@@ -302,9 +302,9 @@ TEST(PairsBetweenGrids, AreTheSameForThousandsOfAgents) {
     State state{.box = Box(3.0, 2.0, edge)};
     RandomStream random(7, 0, 0, Purpose::start_position);
     for (int n = 0; n < 20000; ++n) state.disks.add(3.0 * random.uniform(), 2.0 * random.uniform(), 0, 0, 1, 1, 0, 0);
-    for (double const reach : {0.003, 0.02, 0.05}) {
-      Pairs const linked = pairs_by_grid(state, grid_for_reach<LinkedGrid>(state, reach), reach);
-      EXPECT_EQ(pairs_by_grid(state, grid_for_reach<PackedGrid>(state, reach), reach), linked);
+    for (double const cutoff : {0.003, 0.02, 0.05}) {
+      Pairs const linked = pairs_by_grid(state, grid_for_cutoff<LinkedGrid>(state, cutoff), cutoff);
+      EXPECT_EQ(pairs_by_grid(state, grid_for_cutoff<PackedGrid>(state, cutoff), cutoff), linked);
       EXPECT_GT(linked.size(), 500U);
     }
   }

@@ -22,16 +22,16 @@ using reference::random_scene;
 using reference::SceneSettings;
 
 /// On k × k linked lists, or with the default cells of either grid.
-void advance_with_cells(State& state, EngineSettings settings, std::optional<std::uint64_t> cells, Tally& tally,
+void advance_with_cells(State& state, EngineSettings settings, std::optional<std::uint64_t> cells, Counters& counters,
                         std::uint64_t steps) {
   settings.cells = cells;
-  make_engine(settings, state)->advance(state, tally, {.step = state.clock.step + steps});
+  make_engine(settings, state)->advance(state, counters, {.step = state.clock.step + steps});
 }
 
 /// Everything that does not depend on which disks were looked at.
-void expect_same_tally(Tally const& a, Tally const& b) {
-  EXPECT_EQ(a.turns, b.turns);
-  EXPECT_EQ(a.blocked_turns, b.blocked_turns);
+void expect_same_counters(Counters const& a, Counters const& b) {
+  EXPECT_EQ(a.moves, b.moves);
+  EXPECT_EQ(a.halted_moves, b.halted_moves);
   EXPECT_EQ(a.pair_collisions, b.pair_collisions);
   EXPECT_EQ(a.wall_hits, b.wall_hits);
   EXPECT_EQ(a.wall_impulse, b.wall_impulse);
@@ -87,9 +87,9 @@ TEST_P(SteppedGrid, GivesTheBitsOfAllPairsForEveryNumberOfCells) {
   State const start = random_scene(GetParam().scene);
   ASSERT_NO_THROW(validate(start)) << "the scene itself is broken";
   State expected = start;
-  Tally expected_tally;
-  reference::advance_all_pairs(expected, settings(), expected_tally, steps);
-  ASSERT_GT(expected_tally.pair_collisions, 20U) << "nothing happens in this scene";
+  Counters expected_counters;
+  reference::advance_all_pairs(expected, settings(), expected_counters, steps);
+  ASSERT_GT(expected_counters.pair_collisions, 20U) << "nothing happens in this scene";
   for (std::optional<std::uint64_t> const cells :
        {std::optional<std::uint64_t>{}, {1}, {2}, {3}, {5}, {10}, {20}, {57}}) {
     SCOPED_TRACE(cells ? "k = " + std::to_string(*cells) : "default cells");
@@ -99,11 +99,11 @@ TEST_P(SteppedGrid, GivesTheBitsOfAllPairsForEveryNumberOfCells) {
       EngineSettings on_grid = settings();
       on_grid.grid = grid;
       State state = start;
-      Tally tally;
-      advance_with_cells(state, on_grid, cells, tally, steps);
+      Counters counters;
+      advance_with_cells(state, on_grid, cells, counters, steps);
       EXPECT_EQ(hash(state), hash(expected));
-      expect_same_tally(tally, expected_tally);
-      EXPECT_LE(tally.distance_checks, expected_tally.distance_checks);
+      expect_same_counters(counters, expected_counters);
+      EXPECT_LE(counters.distance_checks, expected_counters.distance_checks);
     }
   }
 }
@@ -116,9 +116,9 @@ TEST_P(SteppedRule, GivesTheBitsOfTheRuleWrittenASecondTime) {
   auto const engine = make_engine(settings(), state);
   reference::PaperRule rule(state, engine->time_step(), static_cast<int>(GetParam().substeps),
                             GetParam().contact == Contact::always);
-  Tally tally;
+  Counters counters;
   for (std::uint64_t step = 1; step <= steps; ++step) {
-    engine->advance(state, tally, {.step = step});
+    engine->advance(state, counters, {.step = step});
     rule.step();
     for (reference::PaperRule::Disk const& disk : rule.disks) {
       std::size_t const row = state.disks.index_of(disk.id);
@@ -128,11 +128,11 @@ TEST_P(SteppedRule, GivesTheBitsOfTheRuleWrittenASecondTime) {
       ASSERT_EQ(state.disks.column<ImageY>()[row], disk.image_y);
     }
   }
-  EXPECT_EQ(tally.turns, steps * state.disks.size());
-  EXPECT_EQ(tally.blocked_turns, rule.blocked_turns);
-  EXPECT_EQ(tally.pair_collisions, rule.pair_collisions);
-  EXPECT_EQ(tally.wall_hits, rule.wall_hits);
-  EXPECT_NEAR(tally.pair_virial, rule.pair_virial, 1e-12 * (std::abs(rule.pair_virial) + 1.0));
+  EXPECT_EQ(counters.moves, steps * state.disks.size());
+  EXPECT_EQ(counters.halted_moves, rule.halted_moves);
+  EXPECT_EQ(counters.pair_collisions, rule.pair_collisions);
+  EXPECT_EQ(counters.wall_hits, rule.wall_hits);
+  EXPECT_NEAR(counters.pair_virial, rule.pair_virial, 1e-12 * (std::abs(rule.pair_virial) + 1.0));
 }
 
 auto const case_name = [](testing::TestParamInfo<Case> const& info) { return info.param.name; };
@@ -159,15 +159,15 @@ TEST(SteppedStress, ThreeHundredTinySystemsOfAFewCellsGiveTheBitsOfAllPairs) {
     State const start = random_scene(scene);
     State state = start;
     State expected = start;
-    Tally tally;
-    Tally expected_tally;
-    advance_with_cells(state, settings, settings.cells, tally, 300);
-    reference::advance_all_pairs(expected, settings, expected_tally, 300);
+    Counters counters;
+    Counters expected_counters;
+    advance_with_cells(state, settings, settings.cells, counters, 300);
+    reference::advance_all_pairs(expected, settings, expected_counters, 300);
     ASSERT_EQ(hash(state), hash(expected))
         << "system " << n << ": " << scene << ", time step " << settings.time_step << ", sub-steps "
         << settings.substeps << ", cells " << static_cast<int>(settings.cells.value_or(0))
         << (settings.grid == GridKind::linked ? ", linked" : ", packed");
-    expect_same_tally(tally, expected_tally);
+    expect_same_counters(counters, expected_counters);
     ASSERT_NO_THROW(validate(state)) << "system " << n << ": " << scene;
   }
 }
@@ -183,12 +183,12 @@ TEST(SteppedRows, TheOrderOfTheRowsDoesNotMatter) {
                                       plain.disks.column<Mass>()[row], 0, 0));
   }
   State forward = plain;
-  Tally tally;
-  Tally reversed_tally;
-  advance_with_cells(forward, {}, {}, tally, 300);
-  advance_with_cells(reversed, {}, {}, reversed_tally, 300);
+  Counters counters;
+  Counters reversed_counters;
+  advance_with_cells(forward, {}, {}, counters, 300);
+  advance_with_cells(reversed, {}, {}, reversed_counters, 300);
   EXPECT_EQ(hash(forward), hash(reversed));
-  EXPECT_EQ(tally.pair_collisions, reversed_tally.pair_collisions);
+  EXPECT_EQ(counters.pair_collisions, reversed_counters.pair_collisions);
 }
 
 }  // namespace

@@ -74,10 +74,10 @@ RC_GTEST_PROP(SteppedInvariants, HoldForEverySystem, ()) {
   Vector const total = momentum(state.disks);
   std::size_t const count = state.disks.size();
   double const scale = system.scene.heaviest_mass * static_cast<double>(count);
-  Tally tally;
+  Counters counters;
   for (std::uint64_t const step : {1U, 2U, 10U, 60U, 150U}) {
     try {
-      engine->advance(state, tally, {.step = step});
+      engine->advance(state, counters, {.step = step});
     } catch (RunFailure const&) {
       RC_DISCARD("a light disk became too fast for the time step");
     }
@@ -87,19 +87,19 @@ RC_GTEST_PROP(SteppedInvariants, HoldForEverySystem, ()) {
     } catch (Error const& error) {
       RC_FAIL(error.what());
     }
-    RC_ASSERT(std::abs(kinetic_energy(state.disks) - energy) <= rounding(tally.pair_collisions, scale));
+    RC_ASSERT(std::abs(kinetic_energy(state.disks) - energy) <= rounding(counters.pair_collisions, scale));
     if (state.box.is_periodic()) {
       Vector const drift = momentum(state.disks) - total;
-      RC_ASSERT(std::abs(drift.x) <= rounding(tally.pair_collisions, scale));
-      RC_ASSERT(std::abs(drift.y) <= rounding(tally.pair_collisions, scale));
-      RC_ASSERT(tally.all_wall_hits() == 0U);
+      RC_ASSERT(std::abs(drift.x) <= rounding(counters.pair_collisions, scale));
+      RC_ASSERT(std::abs(drift.y) <= rounding(counters.pair_collisions, scale));
+      RC_ASSERT(counters.all_wall_hits() == 0U);
     }
-    RC_ASSERT(tally.turns == step * count);
-    RC_ASSERT(tally.blocked_turns <= tally.turns);
-    RC_ASSERT(tally.pair_collisions <= tally.blocked_turns);
-    if (system.engine.contact == Contact::approaching) RC_ASSERT(tally.pair_virial >= 0.0);
+    RC_ASSERT(counters.moves == step * count);
+    RC_ASSERT(counters.halted_moves <= counters.moves);
+    RC_ASSERT(counters.pair_collisions <= counters.halted_moves);
+    if (system.engine.contact == Contact::approaching) RC_ASSERT(counters.pair_virial >= 0.0);
   }
-  RC_CLASSIFY(tally.pair_collisions > 0);
+  RC_CLASSIFY(counters.pair_collisions > 0);
   RC_CLASSIFY(state.box.is_periodic());
 }
 
@@ -109,21 +109,23 @@ RC_GTEST_PROP(SteppedInvariants, MomentumChangesByWhatTheWallsGiveAndByNothingEl
   State state = random_scene(system.scene);
   auto const engine = make_engine(system.engine, state);
   Vector const before = momentum(state.disks);
-  Tally tally;
+  Counters counters;
   try {
-    engine->advance(state, tally, {.step = 100});
+    engine->advance(state, counters, {.step = 100});
   } catch (RunFailure const&) {
     RC_DISCARD("a light disk became too fast for the time step");
   }
   Vector const change = momentum(state.disks) - before;
   double const scale = system.scene.heaviest_mass * static_cast<double>(state.disks.size());
-  double const allowed = rounding(tally.pair_collisions + tally.all_wall_hits(), scale);
-  RC_ASSERT(std::abs(change.x - (tally.wall_impulse[Tally::left] - tally.wall_impulse[Tally::right])) <= allowed);
-  RC_ASSERT(std::abs(change.y - (tally.wall_impulse[Tally::bottom] - tally.wall_impulse[Tally::top])) <= allowed);
+  double const allowed = rounding(counters.pair_collisions + counters.all_wall_hits(), scale);
+  RC_ASSERT(std::abs(change.x - (counters.wall_impulse[Counters::left] - counters.wall_impulse[Counters::right])) <=
+            allowed);
+  RC_ASSERT(std::abs(change.y - (counters.wall_impulse[Counters::bottom] - counters.wall_impulse[Counters::top])) <=
+            allowed);
 }
 
-bool same_tally(Tally const& a, Tally const& b) {
-  return a.turns == b.turns && a.blocked_turns == b.blocked_turns && a.pair_collisions == b.pair_collisions &&
+bool same_counters(Counters const& a, Counters const& b) {
+  return a.moves == b.moves && a.halted_moves == b.halted_moves && a.pair_collisions == b.pair_collisions &&
          a.distance_checks == b.distance_checks && a.wall_hits == b.wall_hits && a.wall_impulse == b.wall_impulse &&
          a.pair_virial == b.pair_virial;
 }
@@ -132,31 +134,31 @@ RC_GTEST_PROP(SteppedInvariants, ARunDoesNotDependOnHowItIsCutIntoPieces, ()) {
   System const system = *any_system();
   State const start = random_scene(system.scene);
   State whole = start;
-  Tally whole_tally;
+  Counters whole_counters;
   try {
-    make_engine(system.engine, whole)->advance(whole, whole_tally, {.step = 100});
+    make_engine(system.engine, whole)->advance(whole, whole_counters, {.step = 100});
   } catch (RunFailure const&) {
     RC_DISCARD("a light disk became too fast for the time step");
   }
   State pieces = start;
-  Tally tally;
+  Counters counters;
   auto const engine = make_engine(system.engine, pieces);
   while (pieces.clock.step < 100) {
     std::uint64_t const next =
         std::min<std::uint64_t>(100, pieces.clock.step + static_cast<std::uint64_t>(*rc::gen::inRange(1, 40)));
     switch (*rc::gen::inRange(0, 3)) {
       case 0:
-        engine->advance(pieces, tally, {.step = next});
+        engine->advance(pieces, counters, {.step = next});
         break;
       case 1:
-        engine->advance(pieces, tally, {.step = 100, .time = pieces.clock.time + 3.5 * engine->time_step()});
+        engine->advance(pieces, counters, {.step = 100, .time = pieces.clock.time + 3.5 * engine->time_step()});
         break;
       default:
-        engine->advance(pieces, tally, {.step = 100, .pair_collisions = tally.pair_collisions + 5});
+        engine->advance(pieces, counters, {.step = 100, .pair_collisions = counters.pair_collisions + 5});
     }
   }
   RC_ASSERT(hash(pieces) == hash(whole));
-  RC_ASSERT(same_tally(tally, whole_tally));
+  RC_ASSERT(same_counters(counters, whole_counters));
 }
 
 RC_GTEST_PROP(SteppedInvariants, ANewEngineInTheMiddleOfARunChangesNoBit, ()) {
@@ -164,18 +166,18 @@ RC_GTEST_PROP(SteppedInvariants, ANewEngineInTheMiddleOfARunChangesNoBit, ()) {
   System const system = *any_system();
   State whole = random_scene(system.scene);
   State resumed = whole;
-  Tally whole_tally;
-  Tally tally;
+  Counters whole_counters;
+  Counters counters;
   auto const stop = static_cast<std::uint64_t>(*rc::gen::inRange(1, 100));
   try {
-    make_engine(system.engine, whole)->advance(whole, whole_tally, {.step = 100});
-    make_engine(system.engine, resumed)->advance(resumed, tally, {.step = stop});
-    make_engine(system.engine, resumed)->advance(resumed, tally, {.step = 100});
+    make_engine(system.engine, whole)->advance(whole, whole_counters, {.step = 100});
+    make_engine(system.engine, resumed)->advance(resumed, counters, {.step = stop});
+    make_engine(system.engine, resumed)->advance(resumed, counters, {.step = 100});
   } catch (RunFailure const&) {
     RC_DISCARD("a light disk became too fast for the time step");
   }
   RC_ASSERT(hash(resumed) == hash(whole));
-  RC_ASSERT(tally.pair_virial == whole_tally.pair_virial);
+  RC_ASSERT(counters.pair_virial == whole_counters.pair_virial);
 }
 
 }  // namespace

@@ -55,7 +55,7 @@ System any_system(std::uint64_t seed) {
 
 struct Ended {
   std::uint64_t hash = 0;
-  Tally tally;
+  Counters counters;
   std::string failure;
 };
 
@@ -63,7 +63,7 @@ Ended advance(EngineSettings settings, std::uint64_t threads, State& state, std:
   settings.threads = threads;
   Ended ended;
   try {
-    make_engine(settings, state)->advance(state, ended.tally, {.step = step});
+    make_engine(settings, state)->advance(state, ended.counters, {.step = step});
   } catch (std::exception const& error) {
     ended.failure = error.what();
   }
@@ -78,17 +78,17 @@ TEST(Tiled, GivesTheSameBitsForOneTwoThreeAndEightThreads) {
     State const start = s.start();
     State state = start;
     Ended const one = advance(s.engine, 1, state, 40);
-    if (one.tally.pair_collisions > 50) ++with_collisions;
+    if (one.counters.pair_collisions > 50) ++with_collisions;
     for (std::uint64_t const threads : {2U, 3U, 8U}) {
       state = start;
       Ended const many = advance(s.engine, threads, state, 40);
       ASSERT_EQ(one.hash, many.hash) << "seed " << seed << ", " << threads << " threads: " << s.scene;
       ASSERT_EQ(one.failure, many.failure) << "seed " << seed;
-      ASSERT_EQ(one.tally.turns, many.tally.turns);
-      ASSERT_EQ(one.tally.pair_collisions, many.tally.pair_collisions);
-      ASSERT_EQ(one.tally.pair_virial, many.tally.pair_virial);
-      ASSERT_EQ(one.tally.wall_impulse, many.tally.wall_impulse);
-      ASSERT_EQ(one.tally.distance_checks, many.tally.distance_checks);
+      ASSERT_EQ(one.counters.moves, many.counters.moves);
+      ASSERT_EQ(one.counters.pair_collisions, many.counters.pair_collisions);
+      ASSERT_EQ(one.counters.pair_virial, many.counters.pair_virial);
+      ASSERT_EQ(one.counters.wall_impulse, many.counters.wall_impulse);
+      ASSERT_EQ(one.counters.distance_checks, many.counters.distance_checks);
     }
   }
   EXPECT_GT(with_collisions, 30) << "most systems must do something";
@@ -135,7 +135,7 @@ TEST(Tiled, KeepsEveryPromiseOfTheRule) {
     EXPECT_NO_THROW(validate(state)) << "seed " << seed;
     EXPECT_NEAR(kinetic_energy(state.disks), energy, 1e-11 * energy) << "seed " << seed;
     if (!ended.failure.empty()) continue;
-    EXPECT_EQ(ended.tally.turns, 80 * state.disks.size()) << "seed " << seed << ": " << s.scene;
+    EXPECT_EQ(ended.counters.moves, 80 * state.disks.size()) << "seed " << seed << ": " << s.scene;
   }
 }
 
@@ -145,9 +145,9 @@ TEST(Tiled, TakesTheTurnsOfSteppedWhereNoneMeetsAnother) {
     State tiled = make_start(Box(1.0, 1.0, edge), {.count = 400, .packing_fraction = 0.02}, 5);
     draw_velocities(tiled, {});
     State stepped = tiled;
-    Tally tally;
-    Tally reference;
-    make_engine({.kind = "tiled"}, tiled)->advance(tiled, tally, {.step = 6});
+    Counters counters;
+    Counters reference;
+    make_engine({.kind = "tiled"}, tiled)->advance(tiled, counters, {.step = 6});
     make_engine({.kind = "stepped"}, stepped)->advance(stepped, reference, {.step = 6});
     ASSERT_EQ(reference.pair_collisions, 0U);
     EXPECT_EQ(hash(tiled), hash(stepped));

@@ -30,7 +30,7 @@ class AllPairsEvents {
       state.clock.time += wait;
       if (event.wait > wait) continue;
       if (event.wall < 0) {
-        scatter(event);
+        collide(event);
         ++pair_collisions;
         return {event.i, event.j};
       }
@@ -110,7 +110,7 @@ class AllPairsEvents {
     ++wall_hits[static_cast<std::size_t>(event.wall)];
   }
 
-  void scatter(Event const& event) {
+  void collide(Event const& event) {
     auto const mass = state.disks.column<Mass>();
     Vector const d = state.box.displacement(position(state.disks, event.i), position(state.disks, event.j));
     double const distance = std::sqrt(squared_length(d));

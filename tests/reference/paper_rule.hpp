@@ -32,7 +32,7 @@ class PaperRule {
   bool scatters_always = true;
 
   std::uint64_t pair_collisions = 0;
-  std::uint64_t blocked_turns = 0;
+  std::uint64_t halted_moves = 0;
   std::array<std::uint64_t, 4> wall_hits{};  ///< left, right, bottom, top
   double flight_virial = 0.0;                ///< Σ over accepted sub-steps of m v² δt
   double pair_virial = 0.0;                  ///< Σ over scattered pairs of r_i·Δp_i + r_j·Δp_j
@@ -77,7 +77,7 @@ class PaperRule {
     double x, y;
   };
 
-  static double shorter_way(double d, double side) {
+  static double shorter_displacement(double d, double side) {
     if (d > side / 2) return d - side;
     if (d < -side / 2) return d + side;
     return d;
@@ -87,7 +87,7 @@ class PaperRule {
     double const dx = to.x - from_x;
     double const dy = to.y - from_y;
     if (!is_periodic) return {dx, dy};
-    return {shorter_way(dx, width), shorter_way(dy, height)};
+    return {shorter_displacement(dx, width), shorter_displacement(dy, height)};
   }
 
   void turn(Disk& disk) {
@@ -95,7 +95,7 @@ class PaperRule {
       double x = disk.x + substep * disk.vx;
       double y = disk.y + substep * disk.vy;
       if (!is_periodic && meets_wall(disk, x, y)) {
-        ++blocked_turns;
+        ++halted_moves;
         return;
       }
       int image_x = disk.image_x;
@@ -106,8 +106,8 @@ class PaperRule {
       }
       Disk* const partner = nearest_overlapped(disk, x, y);
       if (partner != nullptr) {
-        scatter(disk, *partner);
-        ++blocked_turns;
+        collide(disk, *partner);
+        ++halted_moves;
         return;
       }
       flight_virial += disk.mass * substep * (disk.vx * disk.vx + disk.vy * disk.vy);
@@ -170,7 +170,7 @@ class PaperRule {
     return nearest;
   }
 
-  void scatter(Disk& i, Disk& j) {
+  void collide(Disk& i, Disk& j) {
     Separation const b = separation(i.x, i.y, j);
     double const wx = i.vx - j.vx;
     double const wy = i.vy - j.vy;

@@ -9,11 +9,11 @@
 
 namespace gridlock {
 
-/// Carries by name everything that must outlive the process, out of an object or back into it.
+/// Serializes by name everything that must outlive the process, out of an object or back into it.
 ///
-/// An object names its members once, in `void carry(Archive&)` or `void carry(Archive&, Thing&)`, and that one function
+/// An object names its members once, in `void serialize(Archive&)` or `void serialize(Archive&, Thing&)`, and that one function
 /// serves both directions, so that what is saved and what is restored cannot drift apart.
-/// Errors while restoring: Error for a name that is missing or of another type; a carry() that restores checks what
+/// Errors while restoring: Error for a name that is missing or of another type; a serialize() that restores checks what
 /// its members must satisfy together (lengths that agree, numbers in range) and throws Error too, since a file can hold
 /// anything.
 class Archive {
@@ -44,17 +44,17 @@ class Archive {
   void require(bool holds, char const* what) const;
 };
 
-/// Carries what `carry_members` visits inside `name`.
-template <class CarryMembers>
-void carry_inside(Archive& archive, std::string_view name, CarryMembers carry_members) {
+/// Serializes what `serialize_members` visits inside `name`.
+template <class SerializeMembers>
+void serialize_inside(Archive& archive, std::string_view name, SerializeMembers serialize_members) {
   archive.enter(name);
-  carry_members();
+  serialize_members();
   archive.leave();
 }
 
-/// Carries a whole number of any type as one of 64 bits.
+/// Serializes a whole number of any type as one of 64 bits.
 template <std::unsigned_integral Number>
-void carry_number(Archive& archive, std::string_view name, Number& number) {
+void serialize_number(Archive& archive, std::string_view name, Number& number) {
   std::uint64_t wide = number;
   archive.visit(name, wide);
   archive.require(wide <= std::numeric_limits<Number>::max(), "a number is too large");

@@ -15,7 +15,7 @@ enum class Edge { wall, periodic };
 /// a point outside is just that.
 ///
 /// In a periodic box every displacement is the minimum image, which is the right one only while the distances asked
-/// for stay below half the shorter side; engines refuse boxes too small for their reach.
+/// for stay below half the shorter side; engines refuse boxes too small for their cutoff.
 /// Errors: a side that is not finite and positive throws Error.
 class Box {
  public:

@@ -149,11 +149,11 @@ class Population {
     }
   }
 
-  /// Carries agents, the order of their rows, and the names that are used up, so that the agents born afterwards get the
+  /// Serializes agents, the order of their rows, and the names that are used up, so that the agents born afterwards get the
   /// same Ids. Errors: Error where what is restored is no population.
-  void carry(Archive& archive) {
-    carry(archive, "id", ids_);
-    (carry(archive, Columns::name, rows_.template values<Columns>()), ...);
+  void serialize(Archive& archive) {
+    serialize(archive, "id", ids_);
+    (serialize(archive, Columns::name, rows_.template values<Columns>()), ...);
     std::vector<std::uint32_t> generations;
     for (Slot const& slot : slots_) generations.push_back(slot.generation);
     archive.visit("generation_of_slot", generations);
@@ -196,7 +196,7 @@ class Population {
   }
 
   template <class Value>
-  static void carry(Archive& archive, char const* name, LargeArray<Value>& values) {
+  static void serialize(Archive& archive, char const* name, LargeArray<Value>& values) {
     std::vector<Value> plain(values.begin(), values.end());
     archive.visit(name, plain);
     if (archive.is_restoring()) values.assign(plain.begin(), plain.end());

@@ -61,9 +61,9 @@ std::uint64_t hash(Box const& box, Clock const& clock, std::uint64_t seed, Popul
 }
 std::uint64_t hash(State const& state);
 
-/// Carries every bit of a state. Errors: Error where what is restored is none.
-void carry(Archive& archive, Clock& clock);
-void carry(Archive& archive, Box& box);
-void carry(Archive& archive, State& state);
+/// Serializes every bit of a state. Errors: Error where what is restored is none.
+void serialize(Archive& archive, Clock& clock);
+void serialize(Archive& archive, Box& box);
+void serialize(Archive& archive, State& state);
 
 }  // namespace gridlock

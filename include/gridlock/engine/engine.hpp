@@ -17,25 +17,25 @@
 namespace gridlock {
 
 /// Where an engine stops: at whichever comes first.
-struct Horizon {
+struct StopCondition {
   std::uint64_t step = std::numeric_limits<std::uint64_t>::max();             ///< state.clock.step to reach
   double time = std::numeric_limits<double>::infinity();                      ///< state.clock.time to reach
-  std::uint64_t pair_collisions = std::numeric_limits<std::uint64_t>::max();  ///< tally.pair_collisions to reach
+  std::uint64_t pair_collisions = std::numeric_limits<std::uint64_t>::max();  ///< counters.pair_collisions to reach
   /// Asked after every step, and by exact, whose step may hold any number of collisions, within it as well: where the
-  /// answer is no, the engine stops there. Tally and whole steps are up to date then, time and disks only when advance()
+  /// answer is no, the engine stops there. Counters and whole steps are up to date then, time and disks only when advance()
   /// has returned. Empty: never asked. Must not throw.
-  std::function<bool()> goes_on = {};
+  std::function<bool()> should_continue = {};
 
-  [[nodiscard]] bool stops_here() const { return goes_on && !goes_on(); }
+  [[nodiscard]] bool stops_here() const { return should_continue && !should_continue(); }
 };
 
 /// What happened, counted from the start of the run; the caller keeps it and every advance() adds to it, so the sums
 /// do not depend on how a run is cut into chunks.
-struct Tally {
+struct Counters {
   enum Wall : std::size_t { left, right, bottom, top };
 
-  std::uint64_t turns = 0;            ///< disk turns taken (stepped) or disk events handled (exact)
-  std::uint64_t blocked_turns = 0;    ///< turns that ended at a wall or at another disk
+  std::uint64_t moves = 0;            ///< moves tried (stepped) or disk events handled (exact)
+  std::uint64_t halted_moves = 0;     ///< moves that ended at a wall or at another disk
   std::uint64_t pair_collisions = 0;  ///< pairs scattered
   /// Candidate distances measured; how many that takes is a property of the grid, not of the physics.
   std::uint64_t distance_checks = 0;
@@ -49,8 +49,8 @@ struct Tally {
   }
 };
 
-/// Carries every count and sum.
-void carry(Archive& archive, Tally& tally);
+/// Serializes every count and sum.
+void serialize(Archive& archive, Counters& counters);
 
 /// Whether a disk that halts scatters off its partner whatever their motion (the paper's rule) or only when the two
 /// approach each other.
@@ -82,17 +82,17 @@ class Engine {
   Engine& operator=(Engine const&) = delete;
   virtual ~Engine() = default;
 
-  /// Moves the state on to the horizon and adds what happened to the tally. Between calls the state is plain and up
+  /// Moves the state on until the stop condition holds and adds what happened to the counters. Between calls the state is plain and up
   /// to date, and the caller may change it.
   /// Errors: RunFailure where the physics breaks an invariant, naming step, ids and gap.
-  virtual void advance(State& state, Tally& tally, Horizon const& horizon) = 0;
+  virtual void advance(State& state, Counters& counters, StopCondition const& stop_condition) = 0;
 
   /// The physical time one step stands for.
   [[nodiscard]] virtual double time_step() const = 0;
 
-  /// Carries what the engine keeps between two calls of advance() besides the state, which has been carried before:
+  /// Serializes what the engine keeps between two calls of advance() besides the state, which has been serialized before:
   /// restored into an engine made for the same start, it goes on with the same bits. Most keep nothing.
-  virtual void carry(Archive& /*archive*/, State const& /*state*/) {}
+  virtual void serialize(Archive& /*archive*/, State const& /*state*/) {}
 };
 
 /// Makes the engine named by settings.kind for a valid state.

@@ -108,11 +108,11 @@ class CellLayout {
     int const whole = static_cast<int>(cells);
     return whole < cells ? whole + 1 : whole;
   }
-  [[nodiscard]] Range range(int index, int reach, int count) const {
-    if (!is_periodic_) return {std::max(0, index - reach), std::min(count, index + reach + 1)};
-    return has_all(reach, count) ? Range{0, count} : Range{index - reach, index + reach + 1};
+  [[nodiscard]] Range range(int index, int cutoff, int count) const {
+    if (!is_periodic_) return {std::max(0, index - cutoff), std::min(count, index + cutoff + 1)};
+    return has_all(cutoff, count) ? Range{0, count} : Range{index - cutoff, index + cutoff + 1};
   }
-  static bool has_all(int reach, int count) { return reach >= count - 1 - reach; }
+  static bool has_all(int cutoff, int count) { return cutoff >= count - 1 - cutoff; }
   static int wrapped(int index, int count) {
     if (index < 0) return index + count;
     return index >= count ? index - count : index;
@@ -129,8 +129,8 @@ class CellLayout {
   bool is_periodic_ = false;
 };
 
-/// The finest layout whose 3×3 block holds every point nearer than `reach`, with at most about two cells an agent.
-/// Errors: Error for a reach that is negative or no number.
-CellLayout layout_for_reach(Box const& box, double reach, std::size_t agents);
+/// The finest layout whose 3×3 block holds every point nearer than `cutoff`, with at most about two cells an agent.
+/// Errors: Error for a cutoff that is negative or no number.
+CellLayout layout_for_cutoff(Box const& box, double cutoff, std::size_t agents);
 
 }  // namespace gridlock

@@ -78,17 +78,17 @@ class LinkedGrid {
     layout_.for_each_cell_in_block(cell, reach_columns, reach_rows, [&](int c) { for_each_in_cell(c, visit); });
   }
 
-  /// Calls visit(j) for every agent nearer to p than `reach`, and for some that are farther.
+  /// Calls visit(j) for every agent nearer to p than `cutoff`, and for some that are farther.
   template <class Visit>
-  void for_each_candidate(Vector p, double reach, Visit visit) const {
-    for_each_in_block(layout_.cell_of(p), layout_.columns_within(reach), layout_.rows_within(reach), visit);
+  void for_each_candidate(Vector p, double cutoff, Visit visit) const {
+    for_each_in_block(layout_.cell_of(p), layout_.columns_within(cutoff), layout_.rows_within(cutoff), visit);
   }
 
-  /// Calls visit(i, j), i > j, once for every pair nearer than `reach`, and for some that are farther.
+  /// Calls visit(i, j), i > j, once for every pair nearer than `cutoff`, and for some that are farther.
   template <class Visit>
-  void for_each_candidate_pair(double reach, Visit visit) const {
-    int const reach_columns = layout_.columns_within(reach);
-    int const reach_rows = layout_.rows_within(reach);
+  void for_each_candidate_pair(double cutoff, Visit visit) const {
+    int const reach_columns = layout_.columns_within(cutoff);
+    int const reach_rows = layout_.rows_within(cutoff);
     for (std::size_t i = 0; i < cell_.size(); ++i) {
       if (cell_[i] == outside) continue;
       for_each_in_block(cell_[i], reach_columns, reach_rows, [&](std::size_t j) {

@@ -166,14 +166,14 @@ class PackedGrid {
     layout_.for_each_cell_in_block(cell, reach_columns, reach_rows, [&](int c) { for_each_in_cell(c, visit); });
   }
 
-  /// Calls visit(j) once for every agent nearer to p than `reach`, and for a few that are farther, in the order in
+  /// Calls visit(j) once for every agent nearer to p than `cutoff`, and for a few that are farther, in the order in
   /// which for_each_in_block() comes to them.
   template <class Visit>
-  void for_each_candidate(Vector p, double reach, Visit visit) const;
+  void for_each_candidate(Vector p, double cutoff, Visit visit) const;
 
-  /// Calls visit(i, j) once for every pair nearer than `reach`, and for some that are farther.
+  /// Calls visit(i, j) once for every pair nearer than `cutoff`, and for some that are farther.
   template <class Visit>
-  void for_each_candidate_pair(double reach, Visit visit) const;
+  void for_each_candidate_pair(double cutoff, Visit visit) const;
 
   struct AgentPair {
     std::uint32_t first;
@@ -183,14 +183,14 @@ class PackedGrid {
   using OnPairs = std::function<void(std::span<AgentPair const>)>;
   /// The same pairs in portions of up to a thousand. Sixteen candidates are looked at at a time where the processor has
   /// AVX-512, chosen at run time, four elsewhere; the same pairs in the same order on both.
-  /// Errors: Error for a reach that is negative or no number.
-  void find_candidate_pairs(double reach, OnPairs const& on_pairs) const;
+  /// Errors: Error for a cutoff that is negative or no number.
+  void find_candidate_pairs(double cutoff, OnPairs const& on_pairs) const;
 
   /// Whether every block holds only agents of its cell, at their places, and all agents are in one.
   /// Cost: O(agents + cells); for tests and audits.
   [[nodiscard]] bool is_consistent() const;
 
-  // What a search that knows more than a reach is made of; see src/grid/candidate_pairs.cpp for how it is used.
+  // What a search that knows more than a cutoff is made of; see src/grid/candidate_pairs.cpp for how it is used.
 
   [[nodiscard]] Block const& block_of(std::size_t agent) const { return blocks_[place_[agent] / slots]; }
   [[nodiscard]] Block& block_of(std::size_t agent) { return blocks_[place_[agent] / slots]; }
@@ -218,12 +218,12 @@ class PackedGrid {
             static_cast<float>(p.y * layout_.rows_per_length() - row) * local_height_};
   }
 
-  /// The squared local distance that no pair nearer than √squared_reach exceeds, whatever has rounded, for cells up to
+  /// The squared local distance that no pair nearer than √squared_cutoff exceeds, whatever has rounded, for cells up to
   /// `cells` apart.
-  [[nodiscard]] float local_limit(double squared_reach, int cells = 1) const {
+  [[nodiscard]] float local_limit(double squared_cutoff, int cells = 1) const {
     // Local coordinates are wrong by some 1e-7 of the cells they span: (a + b)² ≤ 1.001 a² + 1001 b².
     double const error = 1e-6 * (cells + 1.0);
-    double const limit = 1.001 * squared_reach * locals_per_length_ * locals_per_length_ + 1001.0 * error * error;
+    double const limit = 1.001 * squared_cutoff * locals_per_length_ * locals_per_length_ + 1001.0 * error * error;
     return static_cast<float>(std::min(farthest_limit, limit));
   }
 
@@ -237,7 +237,7 @@ class PackedGrid {
  private:
   /// Far from everything, and its square still finite.
   static constexpr float nowhere = 1e18F;
-  /// Above every distance between two cells and below that to nowhere, whatever the reach.
+  /// Above every distance between two cells and below that to nowhere, whatever the cutoff.
   static constexpr double farthest_limit = 1e30;
   /// Points farther than this outside their cell, which only points outside walls are, are kept at this distance:
   /// nobody comes to seem farther away by that.
@@ -311,9 +311,9 @@ class PackedGrid {
 };
 
 template <class Visit>
-void PackedGrid::for_each_candidate(Vector p, double reach, Visit visit) const {
-  int const reach_columns = layout_.columns_within(reach);
-  int const reach_rows = layout_.rows_within(reach);
+void PackedGrid::for_each_candidate(Vector p, double cutoff, Visit visit) const {
+  int const reach_columns = layout_.columns_within(cutoff);
+  int const reach_rows = layout_.rows_within(cutoff);
   p = layout_.image_in_cell(p);
   int const column = layout_.column_of(p.x);
   int const row = layout_.row_of(p.y);
@@ -321,7 +321,7 @@ void PackedGrid::for_each_candidate(Vector p, double reach, Visit visit) const {
     for_each_in_block(row * layout_.columns() + column, reach_columns, reach_rows, visit);
     return;
   }
-  float const limit = local_limit(reach * reach, std::max(reach_columns, reach_rows));
+  float const limit = local_limit(cutoff * cutoff, std::max(reach_columns, reach_rows));
   LocalPoint const inside = local(p, column, row);
   LocalPoint const here{place(inside.x), place(inside.y)};
   // Every agent of a block is written and only the count depends on who is near, see PairBuffer.
@@ -348,8 +348,8 @@ void PackedGrid::for_each_candidate(Vector p, double reach, Visit visit) const {
 }
 
 template <class Visit>
-void PackedGrid::for_each_candidate_pair(double reach, Visit visit) const {
-  find_candidate_pairs(reach, [&](std::span<AgentPair const> pairs) {
+void PackedGrid::for_each_candidate_pair(double cutoff, Visit visit) const {
+  find_candidate_pairs(cutoff, [&](std::span<AgentPair const> pairs) {
     for (AgentPair const& pair : pairs) visit(std::size_t{pair.first}, std::size_t{pair.second});
   });
 }

@@ -5,7 +5,7 @@
 namespace gridlock {
 
 /// What validate() lets pass as rounding; by default nothing.
-struct Allowance {
+struct Tolerance {
   double overlap = 0.0;       ///< of two disks
   double beyond_walls = 0.0;  ///< of a rim
 };
@@ -16,7 +16,7 @@ struct Allowance {
 /// sum of their radii; an overlap names both Ids and the gap. Sides, radii, masses and the largest speed lie from 10⁻⁶⁰ to
 /// 10⁶⁰, or nothing moves at all, so that no product of them leaves the range of numbers.
 /// Cost: O(N) for disks of similar size.
-void validate(State const& state, Allowance const& allowance = {});
+void validate(State const& state, Tolerance const& tolerance = {});
 
 /// The overlap that is only rounding: 10⁻¹² diameters of the smallest disk or, in large boxes, a few last digits of the
 /// coordinates. Disks written at the very moment they touch have it.

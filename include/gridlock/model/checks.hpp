@@ -53,7 +53,7 @@ struct FarSearch {
   std::optional<Id> agent;  ///< whose turn it is, where agents take turns
   Vector point;
   Vector position;  ///< of that agent
-  double reach = 0.0;
+  double cutoff = 0.0;
   double declared = 0.0;
 };
 [[noreturn, gnu::cold]] void throw_far_search(FarSearch const& search);
@@ -66,6 +66,6 @@ struct FarSearch {
 [[noreturn, gnu::cold]] void throw_not_alive(std::uint64_t step, Id agent);
 
 /// A cutoff or a time step that is not a finite positive number.
-[[noreturn, gnu::cold]] void throw_bad_step(std::uint64_t step, double reach, double time_step);
+[[noreturn, gnu::cold]] void throw_bad_step(std::uint64_t step, double cutoff, double time_step);
 
 }  // namespace gridlock

@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "gridlock/core/rows_in_order.hpp"
-#include "gridlock/core/thread_team.hpp"
+#include "gridlock/core/thread_pool.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/tiling.hpp"
-#include "gridlock/grid/waiting.hpp"
+#include "gridlock/grid/update_order.hpp"
 #include "gridlock/model/cell_order.hpp"
 #include "gridlock/model/checks.hpp"
-#include "gridlock/model/open_world.hpp"
+#include "gridlock/model/mutable_world.hpp"
 #include "gridlock/model/turn.hpp"
 
 namespace gridlock {
@@ -29,20 +29,20 @@ struct ModelEngineSettings {
 };
 
 /// Throws Error where agents cannot search that far in the box.
-void require_reach(Box const& box, double reach, std::string_view model);
+void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 
-/// Carries a world on, step by step, with a grid whose cells fit the model's reach.
+/// Carries a world on, step by step, with a grid whose cells fit the model's cutoff.
 ///
 /// A model is a struct with
 ///
 ///     static constexpr std::string_view name, documentation;
 ///     static constexpr Schedule schedule;
 ///     using Agents = Population<X, Y, …>;            its columns
-///     double reach() const;                          how far an agent looks
+///     double cutoff() const;                         how far an agent looks
 ///     double time_step() const;
 ///     void start(World<Model>&) const;               puts the first agents into the box
 ///     void turn(Turn<Model>&) const;                 synchronous, sequential, tiled: what an agent does in a step
-///     void step(OpenWorld<Model>&) const;            events: what happens in a step
+///     void step(MutableWorld<Model>&) const;         events: what happens in a step
 ///     void observe(World<Model> const&, Observations&) const;
 ///     void describe(SettingVisitor&);                its settings
 ///     void check(Box const&) const;                  throws Error for settings with which no run is possible
@@ -50,10 +50,10 @@ void require_reach(Box const& box, double reach, std::string_view model);
 ///     double attempts_at_start(Box const&, std::uint64_t seed) const;   random places that start() will try
 ///     std::vector<std::string> notes(World<Model> const&) const;   where its results mislead, of a start
 ///
-/// of which the last five may be left out, and, if it likes, `static constexpr std::array<std::string_view, n> events`, the names of what it counts. reach() and
+/// of which the last five may be left out, and, if it likes, `static constexpr std::array<std::string_view, n> events`, the names of what it counts. cutoff() and
 /// time_step() may take the World they are asked for.
 ///
-/// In a tiled model nobody looks or goes farther than the reach from where its turn began. A model in which a few do says
+/// In a tiled model nobody looks or goes farther than the cutoff from where its turn began. A model in which a few do says
 /// so in `bool is_local(Turn<Model> const&, double room) const`, with room the shorter side of a cell: those that are not
 /// take their turns one after the other at the end of the step. The order of turns follows from the cells; a model may
 /// fix them in `CellLayout cells(World<Model> const&) const`.
@@ -65,18 +65,18 @@ template <class Model>
 class ModelEngine {
  public:
   ModelEngine(Model model, Box const& box, ModelEngineSettings const& settings)
-      : model_(std::move(model)), settings_(settings), team_(settings.threads) {
-    if constexpr (requires { model_.reach(); }) require_reach(box, model_.reach(), Model::name);
+      : model_(std::move(model)), settings_(settings), thread_pool_(settings.threads) {
+    if constexpr (requires { model_.cutoff(); }) require_cutoff_fits(box, model_.cutoff(), Model::name);
   }
 
   [[nodiscard]] Model const& model() const { return model_; }
 
   /// Errors: RunFailure where a verified search differs from brute force, where an agent is outside the box, looks
   /// farther than the model says or counts what is not declared, or what the model throws.
-  void advance(World<Model>& world, Horizon const& horizon) {
+  void advance(World<Model>& world, StopCondition const& stop_condition) {
     // Between two calls the world may have become another one.
     bool knows_world = false;
-    while (world.clock.step < horizon.step && world.clock.time < horizon.time) {
+    while (world.clock.step < stop_condition.step && world.clock.time < stop_condition.time) {
       prepare(world, knows_world);
       knows_world = true;
       if constexpr (Model::schedule == Schedule::synchronous) {
@@ -86,7 +86,7 @@ class ModelEngine {
       } else if constexpr (Model::schedule == Schedule::tiled) {
         step_in_tiles(world);
       } else {
-        OpenWorld<Model> open(world, grid_, reach_, is_verified(world));
+        MutableWorld<Model> open(world, grid_, cutoff_, is_verified(world));
         model_.step(open);
       }
       ++world.clock.step;
@@ -113,17 +113,17 @@ class ModelEngine {
   void prepare(World<Model>& world, bool knows_world) {
     // What comes from outside: a start, a checkpoint. Within a step births and moves are looked at one by one.
     if (!knows_world) require_inside(world);
-    reach_ = reach_of(model_, world);
+    cutoff_ = cutoff_of(model_, world);
     time_step_ = time_step_of(model_, world);
-    if (!(reach_ > 0.0 && time_step_ > 0.0 && std::isfinite(reach_) && std::isfinite(time_step_))) {
-      throw_bad_step(world.clock.step, reach_, time_step_);
+    if (!(cutoff_ > 0.0 && time_step_ > 0.0 && std::isfinite(cutoff_) && std::isfinite(time_step_))) {
+      throw_bad_step(world.clock.step, cutoff_, time_step_);
     }
     [[maybe_unused]] CellLayout const before = layout_;
     if constexpr (requires { model_.cells(world); }) {
       layout_ = model_.cells(world);
     } else {
       // A power of two, so that the cells change seldom while agents come and go.
-      layout_ = layout_for_reach(world.box, reach_, std::bit_ceil(std::max<std::size_t>(16, world.agents.size())));
+      layout_ = layout_for_cutoff(world.box, cutoff_, std::bit_ceil(std::max<std::size_t>(16, world.agents.size())));
     }
     if constexpr (Model::schedule == Schedule::synchronous) {
       put_in_cell_order(world);
@@ -132,10 +132,10 @@ class ModelEngine {
       grid_ = PackedGrid(layout_, world.agents.template column<X>(), world.agents.template column<Y>());
       if (rounds_.empty() || layout_ != before) {
         tiling_ = Tiling(layout_);
-        rounds_ = tiling_.rounds(team_.size());
+        rounds_ = tiling_.rounds(thread_pool_.size());
       }
     } else if constexpr (Model::schedule == Schedule::events) {
-      // It has followed every event, and nothing that OpenWorld tells depends on the order inside the cells.
+      // It has followed every event, and nothing that MutableWorld tells depends on the order inside the cells.
       if (knows_world && layout_ == before) return;
       grid_ = PackedGrid(layout_, world.agents.template column<X>(), world.agents.template column<Y>());
     } else {
@@ -149,51 +149,51 @@ class ModelEngine {
 
   void put_in_cell_order(World<Model>& world) {
     auto& agents = world.agents;
-    order_.sort(layout_, agents.template column<X>(), agents.template column<Y>(), agents.ids(), team_);
+    order_.sort(layout_, agents.template column<X>(), agents.template column<Y>(), agents.ids(), thread_pool_);
     std::size_t const count = agents.size();
-    spare_.resize(count);
-    spare_ids_.resize(count);
+    scratch_.resize(count);
+    scratch_ids_.resize(count);
     values_.resize(count);
-    // The present values go through a spare set of columns, since nothing can be read and replaced at the same time.
+    // The present values go through a scratch set of columns, since nothing can be read and replaced at the same time.
     agents.exchange(values_);
-    for_each_stretch_of_rows(count, [&](std::size_t first, std::size_t end) {
+    for_each_range_of_rows(count, [&](std::size_t first, std::size_t end) {
       for (std::size_t row = first; row < end; ++row) {
         std::size_t const from = order_.rows()[row];
-        spare_.copy(row, values_, from);
-        spare_ids_[row] = agents.ids()[from];
+        scratch_.copy(row, values_, from);
+        scratch_ids_[row] = agents.ids()[from];
       }
     });
-    agents.reorder(spare_ids_, spare_);
-    for_each_stretch_of_rows(count, [&](std::size_t first, std::size_t end) { agents.find_again(first, end); });
+    agents.reorder(scratch_ids_, scratch_);
+    for_each_range_of_rows(count, [&](std::size_t first, std::size_t end) { agents.find_again(first, end); });
   }
 
   template <class Take>
-  void for_each_stretch_of_rows(std::size_t rows, Take take) {
-    std::size_t const parts = team_.size() == 1 ? 1 : 4 * team_.size();
-    team_.for_each(parts, [&](std::size_t part) { take(part * rows / parts, (part + 1) * rows / parts); });
+  void for_each_range_of_rows(std::size_t rows, Take take) {
+    std::size_t const parts = thread_pool_.size() == 1 ? 1 : 4 * thread_pool_.size();
+    thread_pool_.for_each(parts, [&](std::size_t part) { take(part * rows / parts, (part + 1) * rows / parts); });
   }
 
   void step_synchronously(World<Model>& world) {
     values_.resize(world.agents.size());
-    // Bands of whole rows of cells; how many there are changes nothing, since all requests are sorted afterwards.
+    // Bands of whole rows of cells; how many there are changes nothing, since all commands are sorted afterwards.
     auto const cell_rows = static_cast<std::size_t>(layout_.rows());
-    std::size_t const bands = team_.size() == 1 ? 1 : std::min(cell_rows, 16 * team_.size());
-    requests_.resize(bands);
-    team_.for_each(bands, [&](std::size_t band) {
-      take_turns_of_rows(world, requests_[band], static_cast<int>(band * cell_rows / bands),
+    std::size_t const bands = thread_pool_.size() == 1 ? 1 : std::min(cell_rows, 16 * thread_pool_.size());
+    commands_.resize(bands);
+    thread_pool_.for_each(bands, [&](std::size_t band) {
+      take_turns_of_rows(world, commands_[band], static_cast<int>(band * cell_rows / bands),
                          static_cast<int>((band + 1) * cell_rows / bands));
     });
     world.agents.exchange(values_);
-    settle<Model>(world, requests_);
+    apply_commands<Model>(world, commands_);
   }
 
-  void take_turns_of_rows(World<Model>& world, Requests<Model>& requests, int first_row, int end_row) {
-    Surroundings<Model> around{.world = world,
-                               .requests = requests,
-                               .next = &values_,
-                               .reach = reach_,
-                               .time_step = time_step_,
-                               .is_verified = is_verified(world)};
+  void take_turns_of_rows(World<Model>& world, DeferredCommands<Model>& commands, int first_row, int end_row) {
+    Neighbourhood<Model> around{.world = world,
+                                .commands = commands,
+                                .next = &values_,
+                                .cutoff = cutoff_,
+                                .time_step = time_step_,
+                                .is_verified = is_verified(world)};
     // The present values stay readable through the population; what comes after the step is written to values_.
     auto cell = static_cast<std::size_t>(first_row) * static_cast<std::size_t>(layout_.columns());
     for (int cell_row = first_row; cell_row < end_row; ++cell_row) {
@@ -212,19 +212,19 @@ class ModelEngine {
 
   void copy_present(World<Model> const& world, std::size_t row) { values_.copy(row, world.agents.values(), row); }
 
-  /// The stretches of rows that the block of cells around a cell consists of.
-  void look_around(Surroundings<Model>& around, int column, int row) const {
+  /// The ranges of rows that the block of cells around a cell consists of.
+  void look_around(Neighbourhood<Model>& around, int column, int row) const {
     int const columns = layout_.columns();
     int const rows = layout_.rows();
     around.is_at_edge = column == 0 || column + 1 == columns || row == 0 || row + 1 == rows || columns < 4 || rows < 4;
-    around.stretch_count = 0;
+    around.range_count = 0;
     around.candidates = 0;
     auto const add = [&](int r, int first, int end) {
       auto const base = static_cast<std::size_t>(r) * static_cast<std::size_t>(columns);
-      Stretch const stretch{order_.first_of(base + static_cast<std::size_t>(first)),
-                            order_.first_of(base + static_cast<std::size_t>(end))};
-      around.stretches[around.stretch_count++] = stretch;
-      around.candidates += stretch.end - stretch.first;
+      RowRange const range{order_.first_of(base + static_cast<std::size_t>(first)),
+                           order_.first_of(base + static_cast<std::size_t>(end))};
+      around.ranges[around.range_count++] = range;
+      around.candidates += range.end - range.first;
     };
     auto const add_row = [&](int r) {
       if (!layout_.is_periodic() || (column > 0 && column + 1 < columns)) {
@@ -247,18 +247,18 @@ class ModelEngine {
   }
 
   void step_in_turns(World<Model>& world) {
-    requests_.resize(1);
-    Surroundings<Model> around{.world = world,
-                               .requests = requests_.front(),
-                               .grid = &grid_,
-                               .reach = reach_,
-                               .time_step = time_step_,
-                               .is_verified = is_verified(world)};
+    commands_.resize(1);
+    Neighbourhood<Model> around{.world = world,
+                                .commands = commands_.front(),
+                                .grid = &grid_,
+                                .cutoff = cutoff_,
+                                .time_step = time_step_,
+                                .is_verified = is_verified(world)};
     for (std::size_t const row : rows_in_order(world.agents.ids())) {
       Turn<Model> turn(around, row);
       model_.turn(turn);
     }
-    settle<Model>(world, requests_);
+    apply_commands<Model>(world, commands_);
   }
 
   void step_in_tiles(World<Model>& world) {
@@ -270,34 +270,34 @@ class ModelEngine {
     std::vector<Tiling::Round> const& rounds = is_verified(world) ? rounds_of_one : rounds_;
     std::size_t parts = 0;
     for (Tiling::Round const& round : rounds) parts = std::max(parts, round.size());
-    requests_.resize(parts);
+    commands_.resize(parts);
     late_.resize(tiling_.tiles().size());
     for (Tiling::Round const& round : rounds) {
-      team_.for_each(round.size(), [&](std::size_t part) {
-        for (std::uint32_t const tile : round[part]) take_turns_of_tile(world, tile, requests_[part]);
+      thread_pool_.for_each(round.size(), [&](std::size_t part) {
+        for (std::uint32_t const tile : round[part]) take_turns_of_tile(world, tile, commands_[part]);
       });
     }
     take_late_turns(world);
-    settle<Model>(world, requests_);
+    apply_commands<Model>(world, commands_);
   }
 
-  void take_turns_of_tile(World<Model>& world, std::uint32_t tile, Requests<Model>& requests) {
-    Surroundings<Model> around{.world = world,
-                               .requests = requests,
-                               .grid = &grid_,
-                               .reach = reach_,
-                               .time_step = time_step_,
-                               .is_verified = is_verified(world),
-                               .is_confined = true};
-    static thread_local Waiting waiting;
-    waiting.find(grid_, tiling_.tiles()[tile], ids_, [&](PackedGrid::Block const& block) {
+  void take_turns_of_tile(World<Model>& world, std::uint32_t tile, DeferredCommands<Model>& commands) {
+    Neighbourhood<Model> around{.world = world,
+                                .commands = commands,
+                                .grid = &grid_,
+                                .cutoff = cutoff_,
+                                .time_step = time_step_,
+                                .is_verified = is_verified(world),
+                                .is_confined = true};
+    static thread_local UpdateOrder update_order;
+    update_order.find(grid_, tiling_.tiles()[tile], ids_, [&](PackedGrid::Block const& block) {
       unsigned slots = 0;
       for (unsigned s = 0; s < block.count; ++s) {
         slots |= (has_turned_[block.agent[s]] == 0 ? 1U : 0U) << s;
       }
       return slots;
     });
-    waiting.for_each_group([&](std::span<std::uint32_t const> rows) {
+    update_order.for_each_group([&](std::span<std::uint32_t const> rows) {
       for (std::uint32_t const row : rows) {
         has_turned_[row] = 1;
         Turn<Model> turn(around, row);
@@ -320,12 +320,12 @@ class ModelEngine {
 
   /// In the order of the tiles, however many threads have found them.
   void take_late_turns(World<Model>& world) {
-    Surroundings<Model> around{.world = world,
-                               .requests = requests_.front(),
-                               .grid = &grid_,
-                               .reach = reach_,
-                               .time_step = time_step_,
-                               .is_verified = is_verified(world)};
+    Neighbourhood<Model> around{.world = world,
+                                .commands = commands_.front(),
+                                .grid = &grid_,
+                                .cutoff = cutoff_,
+                                .time_step = time_step_,
+                                .is_verified = is_verified(world)};
     for (std::vector<std::uint32_t>& rows : late_) {
       for (std::uint32_t const row : rows) {
         Turn<Model> turn(around, row);
@@ -337,18 +337,18 @@ class ModelEngine {
 
   Model model_;
   ModelEngineSettings settings_;
-  ThreadTeam team_;
-  double reach_ = 0.0;
+  ThreadPool thread_pool_;
+  double cutoff_ = 0.0;
   double time_step_ = 0.0;
   CellLayout layout_;
   CellOrder order_;
   PackedGrid grid_;
   AllValues values_;
-  AllValues spare_;
-  LargeArray<Id> spare_ids_;
-  std::vector<Requests<Model>> requests_;
+  AllValues scratch_;
+  LargeArray<Id> scratch_ids_;
+  std::vector<DeferredCommands<Model>> commands_;
   Tiling tiling_;
-  std::vector<Tiling::Round> rounds_;             ///< tiled: for the team
+  std::vector<Tiling::Round> rounds_;             ///< tiled: for the thread pool
   std::vector<Id> ids_;                           ///< tiled: of all rows
   std::vector<std::uint8_t> has_turned_;          ///< tiled: by row
   std::vector<std::vector<std::uint32_t>> late_;  ///< tiled: of each tile the rows of agents that are not local

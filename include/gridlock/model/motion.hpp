@@ -14,7 +14,7 @@ struct Bounce {
 };
 
 /// Where a way from `p` ends: on the other side of a periodic box, mirrored at a wall.
-/// Contract: the way is shorter than the sides of the box.
+/// Contract: the displacement is shorter than the sides of the box.
 struct Motion {
   Vector end;
   int crossed_x = 0;  ///< see Box::wrap()
@@ -22,8 +22,8 @@ struct Motion {
   Bounce bounce;
 };
 
-inline Motion motion(Box const& box, Vector p, Vector way) {
-  Motion motion{.end = p + way};
+inline Motion motion(Box const& box, Vector p, Vector displacement) {
+  Motion motion{.end = p + displacement};
   if (box.is_periodic()) {
     motion.end = box.wrap(motion.end, motion.crossed_x, motion.crossed_y);
     return motion;

@@ -11,9 +11,9 @@
 
 #include "gridlock/grid/packed_grid.hpp"
 #include "gridlock/model/checks.hpp"
+#include "gridlock/model/deferred_commands.hpp"
+#include "gridlock/model/find_neighbours.hpp"
 #include "gridlock/model/motion.hpp"
-#include "gridlock/model/near_rows.hpp"
-#include "gridlock/model/requests.hpp"
 #include "gridlock/model/verify.hpp"
 
 namespace gridlock {
@@ -24,8 +24,8 @@ class Neighbour {
  public:
   using Agents = typename World<Model>::Agents;
 
-  Neighbour(World<Model>& world, Requests<Model>& requests, std::size_t row, Vector seen_from)
-      : world_(world), requests_(requests), row_(row), seen_from_(seen_from) {}
+  Neighbour(World<Model>& world, DeferredCommands<Model>& commands, std::size_t row, Vector seen_from)
+      : world_(world), commands_(commands), row_(row), seen_from_(seen_from) {}
 
   [[nodiscard]] Id id() const { return world_.agents.ids()[row_]; }
   /// As it was before the step in a synchronous model, as it is now in all others.
@@ -44,11 +44,11 @@ class Neighbour {
     world_.agents.template column<Column>()[row_] = value;
   }
   /// Lets it die at the end of the step. More than one may do so.
-  void kill() const { requests_.deaths.push_back(id()); }
+  void kill() const { commands_.deaths.push_back(id()); }
 
  private:
   World<Model>& world_;
-  Requests<Model>& requests_;
+  DeferredCommands<Model>& commands_;
   std::size_t row_;
   Vector seen_from_;
 };
@@ -57,18 +57,18 @@ class Neighbour {
 ///
 /// Not for models, which see a Turn.
 template <class Model>
-struct Surroundings {
+struct Neighbourhood {
   World<Model>& world;
-  Requests<Model>& requests;
+  DeferredCommands<Model>& commands;
   typename World<Model>::Agents::AllValues* next = nullptr;  ///< synchronous: what the agents will be after the step
   PackedGrid* grid = nullptr;                                ///< sequential, tiled: who is where now
-  double reach = 0.0;                                        ///< the model's
+  double cutoff = 0.0;                                       ///< the model's
   double time_step = 0.0;                                    ///< the model's
   bool is_verified = false;                                  ///< whether searches are compared with a look at everybody
 
   /// Synchronous: the rows that stand in the block of cells around the agent, and whether it touches an edge.
-  std::array<Stretch, 6> stretches{};
-  std::size_t stretch_count = 0;
+  std::array<RowRange, 6> ranges{};
+  std::size_t range_count = 0;
   std::size_t candidates = 0;
   bool is_at_edge = true;
   /// Tiled: whether others take their turns at the same time, so that nobody may look beyond the cells next to its own.
@@ -80,7 +80,7 @@ struct Surroundings {
 /// In a synchronous model get() and all neighbours are as they were before the step, and set() and moves are what the
 /// agent will be after it. In a sequential or tiled model everything takes effect at once, save for births and deaths: these
 /// come at the end of the step, in an order that the state alone decides.
-/// Errors: RunFailure, in every build, for an agent that leaves the box, a search beyond the model's reach and an event
+/// Errors: RunFailure, in every build, for an agent that leaves the box, a search beyond the model's cutoff and an event
 /// that is not declared.
 template <class Model>
 class Turn {
@@ -88,7 +88,7 @@ class Turn {
   using Agents = typename World<Model>::Agents;
   using Row = typename Agents::Values;  ///< one value per column
 
-  Turn(Surroundings<Model>& surroundings, std::size_t row) : around_(surroundings), row_(row) {
+  Turn(Neighbourhood<Model>& neighbourhood, std::size_t row) : around_(neighbourhood), row_(row) {
     if constexpr (Model::schedule == Schedule::tiled) home_ = around_.grid->cell_of(row_);
   }
 
@@ -96,7 +96,7 @@ class Turn {
   [[nodiscard]] Box const& box() const { return world().box; }
   [[nodiscard]] Clock const& clock() const { return world().clock; }
   /// What the model says of its world in this step.
-  [[nodiscard]] double reach() const { return around_.reach; }
+  [[nodiscard]] double cutoff() const { return around_.cutoff; }
   [[nodiscard]] double time_step() const { return around_.time_step; }
   /// How many agents there were when the step began.
   [[nodiscard]] std::size_t population() const { return world().agents.size(); }
@@ -114,11 +114,11 @@ class Turn {
 
   /// Walks from position() by `way`: into the next image of a periodic box, mirrored at walls. Says which walls turned
   /// it back, so that the model can turn its heading too. Columns ImageX and ImageY are kept.
-  /// Errors: RunFailure for a way that is not shorter than the sides of the box.
-  Bounce move_by(Vector way) {
+  /// Errors: RunFailure for a displacement that is not shorter than the sides of the box.
+  Bounce move_by(Vector displacement) {
     // Most steps end inside, and these are not longer than the box: the check costs them nothing.
-    Vector const end = position() + way;
-    if (!is_within_edges(end)) return move_across_edges(way);
+    Vector const end = position() + displacement;
+    if (!is_within_edges(end)) return move_across_edges(displacement);
     go_to(end);
     return {};
   }
@@ -133,20 +133,20 @@ class Turn {
     return {world().seed, world().clock.step, id(), purpose_of_turn(purpose)};
   }
 
-  /// Calls visit(neighbour) for every other agent nearer than `reach`. Errors: RunFailure where that is more than the
+  /// Calls visit(neighbour) for every other agent nearer than `cutoff`. Errors: RunFailure where that is more than the
   /// model's own.
   template <class Visit>
-  void for_each_neighbour(double reach, Visit visit) const {
+  void for_each_neighbour(double cutoff, Visit visit) const {
     Vector const p = position();
-    if (!(reach >= 0.0 && reach <= around_.reach)) throw_far(p, reach);
-    visit_near(p, reach, visit);
+    if (!(cutoff >= 0.0 && cutoff <= around_.cutoff)) throw_far(p, cutoff);
+    visit_near(p, cutoff, visit);
   }
-  /// The same around another point: in a synchronous model one from which the neighbours within `reach` are also within
-  /// the model's reach of the agent.
+  /// The same around another point: in a synchronous model one from which the neighbours within `cutoff` are also within
+  /// the model's cutoff of the agent.
   template <class Visit>
-  void for_each_neighbour(Vector p, double reach, Visit visit) const {
-    if (!(reach >= 0.0 && reach <= around_.reach && is_searchable(p, reach))) throw_far(p, reach);
-    visit_near(p, reach, visit);
+  void for_each_neighbour(Vector p, double cutoff, Visit visit) const {
+    if (!(cutoff >= 0.0 && cutoff <= around_.cutoff && is_searchable(p, cutoff))) throw_far(p, cutoff);
+    visit_near(p, cutoff, visit);
   }
 
   /// Another agent with these values, one per column in the order they are declared, from the next step on.
@@ -156,17 +156,17 @@ class Turn {
     Row const newborn{values...};
     Vector const p = position_of<Agents>(newborn);
     if (!is_inside(box(), p)) throw_birth_outside(clock().step, id(), p, box());
-    around_.requests.births.push_back(newborn);
-    around_.requests.parents.push_back(id());
+    around_.commands.births.push_back(newborn);
+    around_.commands.parents.push_back(id());
   }
   /// Dies at the end of the step.
-  void die() { around_.requests.deaths.push_back(id()); }
+  void die() { around_.commands.deaths.push_back(id()); }
   /// Counts an event of the model, see `Model::events`. Errors: RunFailure for one that is not declared.
   void count(std::size_t event) {
     if (event >= event_names<Model>().size()) {
       throw_unknown_event(clock().step, id(), event, event_names<Model>());
     }
-    ++around_.requests.events[event];
+    ++around_.commands.events[event];
   }
 
  private:
@@ -184,9 +184,9 @@ class Turn {
   [[nodiscard]] bool is_within_edges(Vector p) const {
     return p.x >= 0.0 && p.x < box().width() && p.y >= 0.0 && p.y < box().height();
   }
-  [[gnu::noinline]] Bounce move_across_edges(Vector way) {
-    if (!is_shorter_than_box(box(), way)) throw_long_displacement(clock().step, id(), way, box());
-    Motion const to = motion(box(), position(), way);
+  [[gnu::noinline]] Bounce move_across_edges(Vector displacement) {
+    if (!is_shorter_than_box(box(), displacement)) throw_long_displacement(clock().step, id(), displacement, box());
+    Motion const to = motion(box(), position(), displacement);
     if constexpr (Agents::template has<ImageX>) {
       set<ImageX>(get<ImageX>() + to.crossed_x);
       set<ImageY>(get<ImageY>() + to.crossed_y);
@@ -201,84 +201,84 @@ class Turn {
   }
 
   /// Whether a search around `p` finds everybody: in a synchronous model it sees what the agent itself can see.
-  [[nodiscard]] bool is_searchable(Vector p, double reach) const {
+  [[nodiscard]] bool is_searchable(Vector p, double cutoff) const {
     if constexpr (Model::schedule == Schedule::synchronous) {
-      // The cells are wider than the reach by as much, so that sums which round do not count as too far.
+      // The cells are wider than the cutoff by as much, so that sums which round do not count as too far.
       constexpr double rounding = 1.0 + 1e-9;
-      double const room = around_.reach - reach;
+      double const room = around_.cutoff - cutoff;
       return squared_length(box().displacement(position(), p)) <= room * room * rounding;
     } else {
       return is_finite(p);
     }
   }
 
-  [[noreturn, gnu::cold]] void throw_far(Vector p, double reach) const {
+  [[noreturn, gnu::cold]] void throw_far(Vector p, double cutoff) const {
     throw_far_search({.step = clock().step,
                       .agent = id(),
                       .point = p,
                       .position = position(),
-                      .reach = reach,
-                      .declared = around_.reach});
+                      .cutoff = cutoff,
+                      .declared = around_.cutoff});
   }
 
   template <class Visit>
-  void visit_near(Vector p, double reach, Visit& visit) const {
-    Requests<Model>& requests = around_.requests;
-    std::size_t const first = requests.found_top;
+  void visit_near(Vector p, double cutoff, Visit& visit) const {
+    DeferredCommands<Model>& commands = around_.commands;
+    std::size_t const first = commands.found_top;
     if constexpr (Model::schedule == Schedule::synchronous) {
-      find_in_stretches(p, reach);
+      find_in_ranges(p, cutoff);
     } else {
-      find_in_grid(p, reach);
+      find_in_grid(p, cutoff);
     }
-    if (around_.is_verified) verify(p, reach, first);
+    if (around_.is_verified) verify(p, cutoff, first);
     // Rows are copied out by index: a search within a search may make the stack longer.
-    for (std::size_t k = first; k < requests.found_top; ++k) {
-      visit(Neighbour<Model>(around_.world, requests, requests.found[k], p));
+    for (std::size_t k = first; k < commands.found_top; ++k) {
+      visit(Neighbour<Model>(around_.world, commands, commands.found[k], p));
     }
-    requests.found_top = first;
+    commands.found_top = first;
   }
 
-  void find_in_stretches(Vector p, double reach) const {
-    Requests<Model>& requests = around_.requests;
-    std::size_t const room = requests.found_top + around_.candidates + near_rows_slack;
-    if (requests.found.size() < room) requests.found.resize(2 * room);
-    requests.found_top += find_near_rows({.x = world().agents.template column<X>().data(),
-                                          .y = world().agents.template column<Y>().data(),
-                                          .p = p,
-                                          .squared_reach = reach * reach,
-                                          .left_out = row_,
-                                          .box = around_.is_at_edge ? &world().box : nullptr},
-                                         std::span(around_.stretches).first(around_.stretch_count),
-                                         requests.found.data() + requests.found_top);
+  void find_in_ranges(Vector p, double cutoff) const {
+    DeferredCommands<Model>& commands = around_.commands;
+    std::size_t const room = commands.found_top + around_.candidates + neighbour_slack;
+    if (commands.found.size() < room) commands.found.resize(2 * room);
+    commands.found_top += find_neighbours({.x = world().agents.template column<X>().data(),
+                                           .y = world().agents.template column<Y>().data(),
+                                           .p = p,
+                                           .squared_cutoff = cutoff * cutoff,
+                                           .left_out = row_,
+                                           .box = around_.is_at_edge ? &world().box : nullptr},
+                                          std::span(around_.ranges).first(around_.range_count),
+                                          commands.found.data() + commands.found_top);
   }
 
-  void find_in_grid(Vector p, double reach) const {
-    Requests<Model>& requests = around_.requests;
-    requests.found.resize(requests.found_top);
+  void find_in_grid(Vector p, double cutoff) const {
+    DeferredCommands<Model>& commands = around_.commands;
+    commands.found.resize(commands.found_top);
     auto const consider = [&](std::size_t row) {
       Vector const separation = world().box.displacement(
           p, {world().agents.template column<X>()[row], world().agents.template column<Y>()[row]});
-      if (row != row_ && squared_length(separation) < reach * reach) {
-        requests.found.push_back(static_cast<std::uint32_t>(row));
+      if (row != row_ && squared_length(separation) < cutoff * cutoff) {
+        commands.found.push_back(static_cast<std::uint32_t>(row));
       }
     };
     if (around_.is_confined) {
       around_.grid->for_each_in_block(home_, 1, 1, consider);
     } else {
-      around_.grid->for_each_candidate(p, reach, consider);
+      around_.grid->for_each_candidate(p, cutoff, consider);
     }
-    requests.found_top = requests.found.size();
+    commands.found_top = commands.found.size();
   }
 
-  void verify(Vector p, double reach, std::size_t first) const {
+  void verify(Vector p, double cutoff, std::size_t first) const {
     std::vector<Id> ids;
-    for (std::size_t k = first; k < around_.requests.found_top; ++k) {
-      ids.push_back(world().agents.ids()[around_.requests.found[k]]);
+    for (std::size_t k = first; k < around_.commands.found_top; ++k) {
+      ids.push_back(world().agents.ids()[around_.commands.found[k]]);
     }
-    verify_search(world(), p, reach, std::move(ids), [&](std::size_t row) { return row != row_; });
+    verify_search(world(), p, cutoff, std::move(ids), [&](std::size_t row) { return row != row_; });
   }
 
-  Surroundings<Model>& around_;
+  Neighbourhood<Model>& around_;
   std::size_t row_;
   int home_ = 0;  ///< tiled: the cell in which the turn began
 };

@@ -14,7 +14,7 @@ namespace gridlock {
 struct SearchDifference {
   std::uint64_t step = 0;
   Vector point;
-  double reach = 0.0;
+  double cutoff = 0.0;
   std::size_t found = 0;
   std::size_t expected = 0;
   Id id = 0;  ///< the first agent in which the two differ
@@ -26,13 +26,13 @@ struct SearchDifference {
 /// Compares the agents that a search found with those that a look at every agent finds; throws RunFailure where they
 /// differ. `counts(row)` says whether an agent may be found at all. Cost: O(agents).
 template <class Model, class Counts>
-void verify_search(World<Model> const& world, Vector p, double reach, std::vector<Id> found, Counts counts) {
+void verify_search(World<Model> const& world, Vector p, double cutoff, std::vector<Id> found, Counts counts) {
   std::vector<Id> expected;
   auto const x = world.agents.template column<X>();
   auto const y = world.agents.template column<Y>();
   for (std::size_t row = 0; row < world.agents.size(); ++row) {
     Vector const separation = world.box.displacement(p, {x[row], y[row]});
-    if (squared_length(separation) < reach * reach && counts(row)) expected.push_back(world.agents.ids()[row]);
+    if (squared_length(separation) < cutoff * cutoff && counts(row)) expected.push_back(world.agents.ids()[row]);
   }
   std::ranges::sort(found);
   std::ranges::sort(expected);
@@ -40,7 +40,7 @@ void verify_search(World<Model> const& world, Vector p, double reach, std::vecto
   auto const [one, other] = std::ranges::mismatch(found, expected);
   throw_search_difference({.step = world.clock.step,
                            .point = p,
-                           .reach = reach,
+                           .cutoff = cutoff,
                            .found = found.size(),
                            .expected = expected.size(),
                            .id = one != found.end() ? *one : *other});

@@ -16,8 +16,8 @@ namespace gridlock {
 enum class Schedule {
   synchronous,  ///< all at once: everybody sees the world as it was before the step, and changes only itself
   sequential,   ///< one after the other in the order of the Ids; everybody sees what the others have just done
-  tiled,        ///< the same tile by tile, see Tiling and Waiting: far from one another many take their turns at once
-  events,       ///< no turns: the model carries the whole world through a step, one event after the other
+  tiled,   ///< the same tile by tile, see Tiling and UpdateOrder: far from one another many take their turns at once
+  events,  ///< no turns: the model carries the whole world through a step, one event after the other
 };
 
 /// The names of what is counted in a model, `Model::events`; none where it declares none.
@@ -64,11 +64,11 @@ Vector position_of(typename Agents::Values const& values) {
 
 /// How far an agent of the model searches, and the physical time of a step: numbers of the model alone, or of its world.
 template <class Model>
-double reach_of(Model const& model, World<Model> const& world) {
-  if constexpr (requires { model.reach(world); }) {
-    return model.reach(world);
+double cutoff_of(Model const& model, World<Model> const& world) {
+  if constexpr (requires { model.cutoff(world); }) {
+    return model.cutoff(world);
   } else {
-    return model.reach();
+    return model.cutoff();
   }
 }
 template <class Model>
@@ -87,12 +87,12 @@ std::uint64_t hash(World<Model> const& world) {
 }
 
 template <class Model>
-void carry(Archive& archive, World<Model>& world) {
-  carry_inside(archive, "box", [&] { carry(archive, world.box); });
-  carry_inside(archive, "clock", [&] { carry(archive, world.clock); });
+void serialize(Archive& archive, World<Model>& world) {
+  serialize_inside(archive, "box", [&] { serialize(archive, world.box); });
+  serialize_inside(archive, "clock", [&] { serialize(archive, world.clock); });
   archive.visit("seed", world.seed);
-  carry_inside(archive, "agents", [&] { world.agents.carry(archive); });
-  carry_inside(archive, "events", [&] {
+  serialize_inside(archive, "agents", [&] { world.agents.serialize(archive); });
+  serialize_inside(archive, "events", [&] {
     for (std::size_t k = 0; k < world.events.size(); ++k) archive.visit(event_names<Model>()[k], world.events[k]);
   });
 }

@@ -15,8 +15,8 @@ class AveragingObservable : public Observable {
   /// One estimate per column that ever had a value that counted.
   [[nodiscard]] std::vector<NamedEstimate> results() const override;
 
-  /// Carries the averages; a derived class with more to carry adds that.
-  void carry(Archive& archive) override { gridlock::carry(archive, "averages", averages_); }
+  /// Serializes the averages; a derived class with more to serialize adds that.
+  void serialize(Archive& archive) override { gridlock::serialize(archive, "averages", averages_); }
 
  protected:
   /// Sets the columns and forgets all averages; for begin().

@@ -41,8 +41,8 @@ class BlockAverage {
   /// The mean of every block.
   [[nodiscard]] std::vector<double> block_means() const;
 
-  /// Carries a number of averages; there must be as many where they are restored.
-  friend void carry(Archive& archive, std::string_view name, std::span<BlockAverage> averages);
+  /// Serializes a number of averages; there must be as many where they are restored.
+  friend void serialize(Archive& archive, std::string_view name, std::span<BlockAverage> averages);
 
  private:
   void open_block();
@@ -54,6 +54,6 @@ class BlockAverage {
   std::uint64_t samples_ = 0;
 };
 
-void carry(Archive& archive, std::string_view name, std::span<BlockAverage> averages);
+void serialize(Archive& archive, std::string_view name, std::span<BlockAverage> averages);
 
 }  // namespace gridlock

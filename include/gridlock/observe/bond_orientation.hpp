@@ -38,9 +38,9 @@ class BondOrientation final : public AveragingObservable {
  public:
   explicit BondOrientation(std::uint64_t every) : schedule_(every) {}
 
-  void begin(Moment const& start) override;
-  void sample(Moment const& now, std::span<double> row, bool counts_for_average) override;
-  void carry(Archive& archive) override;
+  void begin(Snapshot const& start) override;
+  void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override;
+  void serialize(Archive& archive) override;
 
  private:
   StructureSchedule schedule_;

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "gridlock/core/box.hpp"
+#include "gridlock/observe/id_index.hpp"
 #include "gridlock/observe/observable.hpp"
-#include "gridlock/observe/rows_by_id.hpp"
 
 namespace gridlock {
 
@@ -40,10 +40,10 @@ class Displacement final : public Observable {
   static constexpr std::size_t disk_blocks = 16;
 
   [[nodiscard]] std::vector<ColumnInfo> columns() const override;
-  void begin(Moment const& start) override;
-  void sample(Moment const& now, std::span<double> row, bool counts_for_average) override;
+  void begin(Snapshot const& start) override;
+  void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override;
   [[nodiscard]] std::vector<NamedEstimate> results() const override;
-  void carry(Archive& archive) override;
+  void serialize(Archive& archive) override;
 
  private:
   struct Site {
@@ -53,7 +53,7 @@ class Displacement final : public Observable {
     std::int32_t image_y;
   };
 
-  RowsById rows_;
+  IdIndex rows_;
   std::vector<Site> sites_;
   std::array<Block, disk_blocks> length_{};          ///< Σ |u| of the last sample, in units of the side
   std::array<Block, disk_blocks> squared_length_{};  ///< Σ u² of the last sample

@@ -17,10 +17,10 @@ namespace gridlock {
 /// thing to look at.
 class Energy final : public AveragingObservable {
  public:
-  void begin(Moment const& start) override;
-  void sample(Moment const& now, std::span<double> row, bool counts_for_average) override;
+  void begin(Snapshot const& start) override;
+  void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override;
   [[nodiscard]] std::vector<NamedEstimate> results() const override;
-  void carry(Archive& archive) override;
+  void serialize(Archive& archive) override;
 
  private:
   [[nodiscard]] bool has_drift() const { return start_ > 0.0; }

@@ -27,8 +27,8 @@ struct Block {
   }
 };
 
-/// Carries blocks; there must be as many where they are restored.
-void carry(Archive& archive, std::string_view name, std::span<Block> blocks);
+/// Serializes blocks; there must be as many where they are restored.
+void serialize(Archive& archive, std::string_view name, std::span<Block> blocks);
 
 /// The weighted mean of all blocks, with its standard error from the scatter of the block means.
 ///

@@ -16,9 +16,9 @@
 namespace gridlock {
 
 /// What an observable sees: the state now, and what happened since the start of the run.
-struct Moment {
+struct Snapshot {
   State const& state;
-  Tally const& tally;
+  Counters const& counters;
 };
 
 /// One column of a table.
@@ -59,13 +59,13 @@ class Observable {
   [[nodiscard]] virtual std::vector<ColumnInfo> columns() const = 0;
 
   /// Forgets everything and starts to measure from this moment.
-  virtual void begin(Moment const& start) = 0;
+  virtual void begin(Snapshot const& start) = 0;
 
   /// Measures now: writes one number per column, or `no_value`. Rates are those since the previous sample (or since
   /// begin), and enter the averages with that interval's duration.
   /// `counts_for_average` says whether this moment, and the interval that ends with it, enter averages.
   /// Contract: row.size() == columns().size().
-  virtual void sample(Moment const& now, std::span<double> row, bool counts_for_average) = 0;
+  virtual void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) = 0;
 
   /// The averages over what counted, and the final values of what grows with time; only finite numbers. What is not
   /// defined (a rate of no time, a pressure of no disks) is left out.
@@ -74,15 +74,15 @@ class Observable {
   /// The measured curves, averaged over what counted; those without a sample are left out.
   [[nodiscard]] virtual std::vector<Distribution> distributions() const { return {}; }
 
-  /// Carries what was gathered since begin(); restored after a begin() at the same start, it measures on as if it had
+  /// Serializes what was gathered since begin(); restored after a begin() at the same start, it measures on as if it had
   /// never stopped.
-  virtual void carry(Archive& archive) = 0;
+  virtual void serialize(Archive& archive) = 0;
 };
 
 /// The settings `[observe]`.
 struct ObserveSettings {
   std::uint64_t every = 100;            ///< steps between samples
-  double discard = 0.2;                 ///< share of the run left out of averages
+  double equilibration = 0.2;           ///< share of the run left out of averages
   std::uint64_t structure_every = 10;   ///< samples between measurements of ψ6 and g(r); 0 for none
   double pair_correlation_range = 5.0;  ///< in mean diameters
   std::uint64_t pair_correlation_bins = 250;
@@ -98,7 +98,7 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor);
 /// structure_every is 0. Each is described in its own header. Quantities of walls exist in walled boxes only, those of
 /// turns where `has_turns`: not where disks go from event to event.
 /// Cost of a sample: a few passes over the disks, about 20 ns a disk; ψ6 and g(r) about 1 µs a disk when they are due.
-std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Moment const& start,
+std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
                                                           bool has_turns = true);
 
 }  // namespace gridlock

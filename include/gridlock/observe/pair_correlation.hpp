@@ -41,11 +41,11 @@ class PairCorrelation final : public Observable {
       : schedule_(every), range_(range), bins_(bins) {}
 
   [[nodiscard]] std::vector<ColumnInfo> columns() const override { return {}; }
-  void begin(Moment const& start) override;
-  void sample(Moment const& now, std::span<double> row, bool counts_for_average) override;
+  void begin(Snapshot const& start) override;
+  void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override;
   [[nodiscard]] std::vector<NamedEstimate> results() const override { return {}; }
   [[nodiscard]] std::vector<Distribution> distributions() const override;
-  void carry(Archive& archive) override;
+  void serialize(Archive& archive) override;
 
  private:
   StructureSchedule schedule_;

@@ -24,12 +24,12 @@ namespace gridlock {
 /// Mechanics B, ed. B. J. Berne.
 class Pressure final : public AveragingObservable {
  public:
-  void begin(Moment const& start) override;
-  void sample(Moment const& now, std::span<double> row, bool counts_for_average) override;
-  void carry(Archive& archive) override;
+  void begin(Snapshot const& start) override;
+  void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override;
+  void serialize(Archive& archive) override;
 
  private:
-  Tally last_;
+  Counters last_;
   double last_time_ = 0.0;
   bool has_walls_ = false;
 };

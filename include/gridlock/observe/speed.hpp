@@ -29,10 +29,10 @@ class Speed final : public AveragingObservable {
  public:
   Speed(double range, std::uint64_t bins) : range_(range), bins_(bins) {}
 
-  void begin(Moment const& start) override;
-  void sample(Moment const& now, std::span<double> row, bool counts_for_average) override;
+  void begin(Snapshot const& start) override;
+  void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override;
   [[nodiscard]] std::vector<Distribution> distributions() const override;
-  void carry(Archive& archive) override;
+  void serialize(Archive& archive) override;
 
  private:
   struct MassShare {

@@ -28,7 +28,7 @@ class StructureSchedule {
   /// Starts over.
   void reset() { *this = StructureSchedule(every_); }
 
-  void carry(Archive& archive) {
+  void serialize(Archive& archive) {
     archive.visit("wait", wait_);
     archive.visit("has_counted", has_counted_);
   }

@@ -6,8 +6,8 @@
 
 #include "gridlock/core/vector.hpp"
 #include "gridlock/observe/block_average.hpp"
+#include "gridlock/observe/id_index.hpp"
 #include "gridlock/observe/observable.hpp"
-#include "gridlock/observe/rows_by_id.hpp"
 
 namespace gridlock {
 
@@ -30,11 +30,11 @@ class VelocityAutocorrelation final : public Observable {
   explicit VelocityAutocorrelation(std::uint64_t origin_every = 0) : origin_every_(origin_every) {}
 
   [[nodiscard]] std::vector<ColumnInfo> columns() const override;
-  void begin(Moment const& start) override;
-  void sample(Moment const& now, std::span<double> row, bool counts_for_average) override;
+  void begin(Snapshot const& start) override;
+  void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override;
   [[nodiscard]] std::vector<NamedEstimate> results() const override { return {}; }
   [[nodiscard]] std::vector<Distribution> distributions() const override;
-  void carry(Archive& archive) override;
+  void serialize(Archive& archive) override;
 
  private:
   void set_origin(State const& state);
@@ -49,7 +49,7 @@ class VelocityAutocorrelation final : public Observable {
   bool has_origin_ = false;
   std::uint64_t samples_since_origin_ = 0;
   double origin_time_ = 0.0;
-  RowsById rows_;
+  IdIndex rows_;
   std::vector<Vector> velocities_;  ///< at the origin, in Id order
   std::vector<Point> curve_;
   std::vector<BlockAverage> over_origins_;  ///< of the points of the curve, where there is more than one origin

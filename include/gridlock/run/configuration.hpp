@@ -115,6 +115,6 @@ Setup set_up(SettingsFile const& file, OnSlowStart const& on_slow_start);
 Setup set_up(Configuration const& configuration);
 
 /// Where the run ends.
-Horizon horizon_of(Setup const& setup);
+StopCondition stop_condition_of(Setup const& setup);
 
 }  // namespace gridlock

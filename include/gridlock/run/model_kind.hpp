@@ -11,7 +11,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/setting.hpp"
-#include "gridlock/run/model_experiment.hpp"
+#include "gridlock/run/model_simulation.hpp"
 
 namespace gridlock {
 
@@ -38,7 +38,7 @@ class ModelKind {
   /// Makes a start only to see whether the model can, and that its agents are in the box; returns where the model says that
   /// its results mislead. Errors: Error.
   [[nodiscard]] virtual std::vector<std::string> check_start(Box const& box, std::uint64_t seed) const = 0;
-  [[nodiscard]] virtual std::unique_ptr<Experiment> make(Box const& box, std::uint64_t seed,
+  [[nodiscard]] virtual std::unique_ptr<Simulation> make(Box const& box, std::uint64_t seed,
                                                          ModelEngineSettings const& settings) const = 0;
 
  protected:
@@ -91,7 +91,7 @@ class ModelKindOf final : public ModelKind {
     blame_table(Model::name, [&] {
       if constexpr (requires { model_.check(box); }) model_.check(box);
     });
-    if constexpr (requires { model_.reach(); }) require_reach(box, model_.reach(), Model::name);
+    if constexpr (requires { model_.cutoff(); }) require_cutoff_fits(box, model_.cutoff(), Model::name);
   }
   [[nodiscard]] std::uint64_t agents_at_start() const override {
     if constexpr (requires { model_.agents_at_start(); }) {
@@ -121,16 +121,16 @@ class ModelKindOf final : public ModelKind {
       model_.start(world);
       ModelEngine<Model>::require_inside(world);
     });
-    require_reach(box, reach_of(model_, world), Model::name);
+    require_cutoff_fits(box, cutoff_of(model_, world), Model::name);
     if constexpr (requires { model_.notes(world); }) {
       return model_.notes(world);
     } else {
       return {};
     }
   }
-  [[nodiscard]] std::unique_ptr<Experiment> make(Box const& box, std::uint64_t seed,
+  [[nodiscard]] std::unique_ptr<Simulation> make(Box const& box, std::uint64_t seed,
                                                  ModelEngineSettings const& settings) const override {
-    return std::make_unique<ModelExperiment<Model>>(model_, box, seed, settings);
+    return std::make_unique<ModelSimulation<Model>>(model_, box, seed, settings);
   }
 
  private:
@@ -174,15 +174,15 @@ class ModelKinds {
 /// Those of the folder models/.
 ModelKinds shipped_models();
 
-/// What a Configuration knows from the start: those of the folder models/ and those that make_known() was told of.
+/// What a Configuration knows from the start: those of the folder models/ and those that register_model() was told of.
 ModelKinds known_models();
-void make_known(std::unique_ptr<ModelKind> kind);
+void register_model(std::unique_ptr<ModelKind> kind);
 
 /// From now on the program can run, resume, sweep and draw this model by its name (`model.kind`), as those of the folder
 /// models/. To be called before there are other threads. Errors: Error where a model of that name is known already.
 template <class Model>
-void make_known() {
-  make_known(std::make_unique<ModelKindOf<Model>>());
+void register_model() {
+  register_model(std::make_unique<ModelKindOf<Model>>());
 }
 
 }  // namespace gridlock

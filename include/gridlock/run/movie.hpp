@@ -40,6 +40,7 @@ using OnMovieProgress = std::function<bool(MovieProgress const&)>;
 /// Errors: Error for a name or place that cannot be, before anything is drawn, for a colour that cannot be, a trajectory
 /// without frames or positions, or where ffmpeg is not installed; RunFailure where it fails. Cost: two passes over the
 /// trajectory.
-Ending make_movie(H5mdReader const& trajectory, MovieSettings const& settings, OnMovieProgress const& on_progress = {});
+RunStatus make_movie(H5mdReader const& trajectory, MovieSettings const& settings,
+                     OnMovieProgress const& on_progress = {});
 
 }  // namespace gridlock

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "gridlock/io/table.hpp"
-#include "gridlock/run/experiment.hpp"
-#include "gridlock/run/pace.hpp"
+#include "gridlock/run/rate_limiter.hpp"
+#include "gridlock/run/simulation.hpp"
 
 namespace gridlock {
 
@@ -32,13 +32,13 @@ struct Progress {
 /// Called between two steps, and within a long one of exact; returning false ends the run there.
 using OnProgress = std::function<bool(Progress const&)>;
 
-/// Work between two steps, or within a long one of exact, that needs the whole experiment, such as saving it.
-struct Interlude {
+/// Work between two steps, or within a long one of exact, that needs the whole simulation, such as saving it.
+struct Callback {
   std::function<bool(std::uint64_t steps)> is_due;  ///< asked as often as progress is reported
-  std::function<void(std::uint64_t steps)> take_place;
+  std::function<void(std::uint64_t steps)> call;
   /// Called once the run has reached its end, before the sample that may be due only there: what is saved here can go on
   /// to a later end with the bits of a run that never ended.
-  std::function<void(std::uint64_t steps)> take_place_at_end = {};
+  std::function<void(std::uint64_t steps)> call_at_end = {};
 };
 
 /// How far a run has come since its start, in every unit its length can have.
@@ -47,19 +47,19 @@ struct Extent {
   double time = 0.0;
   std::uint64_t pair_collisions = 0;
 };
-void carry(Archive& archive, Extent& extent);
+void serialize(Archive& archive, Extent& extent);
 
 /// How a run ended.
-enum class Ending { finished, interrupted, failed };
-char const* to_text(Ending ending);
+enum class RunStatus { finished, interrupted, failed };
+char const* to_text(RunStatus status);
 
 /// Someone who looks at a run at steps of its own choice, such as the writer of a trajectory.
-class Onlooker {
+class Writer {
  public:
-  Onlooker() = default;
-  Onlooker(Onlooker const&) = delete;
-  Onlooker& operator=(Onlooker const&) = delete;
-  virtual ~Onlooker() = default;
+  Writer() = default;
+  Writer(Writer const&) = delete;
+  Writer& operator=(Writer const&) = delete;
+  virtual ~Writer() = default;
 
   /// Whether it wants to look now, `steps` after the start of the run; asked once for each step the run stops at.
   [[nodiscard]] virtual bool is_due(std::uint64_t steps) const = 0;
@@ -67,26 +67,26 @@ class Onlooker {
   [[nodiscard]] virtual std::uint64_t next_after(std::uint64_t steps) const = 0;
   /// `sample` is the row of the series taken at this very step, without step and time; empty where sample_every asks for
   /// none, also at the end of the run, so that what is seen does not depend on how long the run is.
-  virtual void look(Experiment const& experiment, std::span<double const> sample) = 0;
+  virtual void write(Simulation const& simulation, std::span<double const> sample) = 0;
   /// Brings what it has seen to the disk and carries how much that is: a run that is restored goes back to it.
-  virtual void carry(Archive& archive) = 0;
+  virtual void serialize(Archive& archive) = 0;
 };
 
-/// How far an experiment is carried on, and what is looked at on the way.
+/// How far a simulation is carried on, and what is looked at on the way.
 struct RunPlan {
-  Horizon horizon;
+  StopCondition stop_condition;
   std::uint64_t sample_every = 100;  ///< steps between samples
-  double discard = 0.0;              ///< share of the run left out of averages
+  double equilibration = 0.0;        ///< share of the run left out of averages
   /// Between two reports within a chunk, or one step if that takes longer; 0: a report after every step.
   double seconds_per_look = 0.1;
-  /// The most steps an experiment is told to take at once: few where it does not ask goes_on().
+  /// The most steps a simulation is told to take at once: few where it does not ask should_continue().
   std::uint64_t steps_per_chunk = std::numeric_limits<std::uint64_t>::max();
 };
 
-/// What a run of any experiment leaves behind.
+/// What a run of any simulation leaves behind.
 struct RunRecord {
-  Ending ending = Ending::interrupted;
-  std::string failure;  ///< why, for Ending::failed
+  RunStatus status = RunStatus::interrupted;
+  std::string failure;  ///< why, for RunStatus::failed
   Clock clock;
   std::uint64_t steps = 0;
   double time_step = 0.0;
@@ -106,63 +106,63 @@ struct RunRecord {
 
 /// The loop of a run: chunks of work, samples between them, and reports on the way, also within a chunk.
 ///
-/// A chunk reaches to the next sample or the next look of an onlooker, since some engines pay for beginning one.
-/// Samples are taken at the start, at every multiple of sample_every steps and at the horizon. The bits of the
-/// experiment and of the series depend neither on how often progress is reported nor on interruptions, nor, up to the
-/// sample at the horizon, on how long the run is.
-/// The experiment must outlive the run.
+/// A chunk reaches to the next sample or the next frame of a writer, since some engines pay for beginning one.
+/// Samples are taken at the start, at every multiple of sample_every steps and at the end. The bits of the
+/// simulation and of the series depend neither on how often progress is reported nor on interruptions, nor, up to the
+/// sample at the end, on how long the run is.
+/// The simulation must outlive the run.
 class Run {
  public:
-  Run(Experiment& experiment, RunPlan const& plan);
+  Run(Simulation& simulation, RunPlan const& plan);
 
-  /// Carries the experiment on to the horizon, or until on_progress wants to stop or an invariant breaks. May be called
+  /// Carries the simulation on to the stop condition, or until on_progress wants to stop or an invariant breaks. May be called
   /// again after an interruption.
-  Ending go_on(OnProgress const& on_progress = {}, Interlude const& interlude = {});
+  RunStatus go_on(OnProgress const& on_progress = {}, Callback const& callback = {});
 
   /// Lets someone look on from now on; it must outlive the run.
-  void add(Onlooker& onlooker) { onlookers_.push_back(&onlooker); }
+  void add(Writer& writer) { writers_.push_back(&writer); }
 
   /// Whether there is nothing left to do but to sample the end.
-  [[nodiscard]] bool is_at_horizon() const;
-  /// Steps from the start to the last step that onlookers were asked about; nothing before the first.
+  [[nodiscard]] bool has_reached_end() const;
+  /// Steps from the start to the last step that writers were asked about; nothing before the first.
   [[nodiscard]] std::optional<std::uint64_t> last_stop() const;
 
   /// After a run of another length was restored: chooses the share to leave out of averages so that the samples taken so
   /// far count, or not, as they did, and every later one as in a run that had this share and length from its start.
   /// The share of the plan stays where it does so already. Returns the share.
-  double fit_discard();
+  double fit_equilibration();
 
   [[nodiscard]] RunRecord record() const;
 
-  /// Carries everything the rest of the run depends on, the experiment with it.
-  void carry(Archive& archive);
+  /// Serializes everything the rest of the run depends on, the simulation with it.
+  void serialize(Archive& archive);
 
  private:
-  [[nodiscard]] std::uint64_t steps_done() const { return experiment_.clock().step - first_.step; }
+  [[nodiscard]] std::uint64_t steps_done() const { return simulation_.clock().step - first_.step; }
   [[nodiscard]] Extent extent() const;
   [[nodiscard]] double fraction_of(Extent const& extent) const;
   [[nodiscard]] double fraction_done() const { return fraction_of(extent()); }
   void stop_here();
   void sample();
-  void carry_series(Archive& archive);
-  [[nodiscard]] Horizon next_stop() const;
-  bool advance_one_chunk(OnProgress const& on_progress, Interlude const& interlude);
+  void serialize_series(Archive& archive);
+  [[nodiscard]] StopCondition next_stop() const;
+  bool advance_one_chunk(OnProgress const& on_progress, Callback const& callback);
   void note_time();
   bool report(OnProgress const& on_progress);
 
-  Experiment& experiment_;
+  Simulation& simulation_;
   RunPlan plan_;
-  Pace pace_;
+  RateLimiter rate_limiter_;
   Clock first_;
   std::optional<Clock> last_stop_;        ///< where it was sampled and looked at, if that was due
   Extent last_left_out_;                  ///< at the last sample that is left out of averages; the first always is
   std::optional<Extent> first_averaged_;  ///< at the first sample that is not
   std::vector<double> last_row_;
-  std::vector<Onlooker*> onlookers_;
+  std::vector<Writer*> writers_;
   double seconds_ = 0.0;  ///< real time of all calls of go_on()
   double seconds_before_ = 0.0;
   std::chrono::steady_clock::time_point went_on_;
-  Ending ending_ = Ending::interrupted;
+  RunStatus status_ = RunStatus::interrupted;
   std::string failure_;
   std::vector<ColumnInfo> columns_;
   Table series_;

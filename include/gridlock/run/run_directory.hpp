@@ -94,7 +94,7 @@ struct RunLength {
 ///
 /// It ends with the same bits as a run of the configuration that config.resolved.toml holds from then on: the old one with
 /// the new length. State, series and frames are those of a run that long. Averages go on to leave out the samples that they
-/// have left out so far: where the share observe.discard of the new length would be another number of them, observe.discard
+/// have left out so far: where the share observe.equilibration of the new length would be another number of them, observe.equilibration
 /// in config.resolved.toml becomes the share that fits.
 /// A lengthening that is killed at any moment goes on by resume_in(), to the old length or the new one.
 /// Errors: those of resume_in(), except that the run may be finished; Error where a finished run kept no checkpoint, and
@@ -103,7 +103,7 @@ RunRecord lengthen_in(std::filesystem::path const& directory, RunLength const& l
 
 /// What summary.json says of a run.
 struct RunSummary {
-  Ending ending = Ending::interrupted;
+  RunStatus status = RunStatus::interrupted;
   std::string failure;
   std::uint64_t start_hash = 0;
   std::uint64_t state_hash = 0;

@@ -61,7 +61,7 @@ struct SweepSettings {
 
 /// What a sweep leaves behind, besides one run directory in runs/ for each run.
 struct SweepResult {
-  Table rows;  ///< sweep.csv: one row a run in the order of the plan: values, ending, state_hash, every observable
+  Table rows;  ///< sweep.csv: one row a run in the order of the plan: values, status, state_hash, every observable
   /// means.csv: averages over runs that differ in run.seed alone; errors from their scatter or, where that is larger,
   /// from the errors of the runs.
   Table means;

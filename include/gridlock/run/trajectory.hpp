@@ -53,7 +53,7 @@ class FrameSchedule {
 ///
 /// Nothing of it is in a checkpoint: the file itself says which frames it holds. A run that goes on from an earlier step
 /// comes by frames that are there already; they stay, and their state hash must be the one of the run.
-class TrajectoryOnlooker final : public Onlooker {
+class TrajectoryWriter final : public Writer {
  public:
   struct Origin {
     std::filesystem::path file;
@@ -62,20 +62,20 @@ class TrajectoryOnlooker final : public Onlooker {
   };
 
   /// Begins the file at the first frame, or goes on with one that is there.
-  TrajectoryOnlooker(TrajectorySettings const& settings, double time_step, Origin origin);
+  TrajectoryWriter(TrajectorySettings const& settings, double time_step, Origin origin);
 
   /// Opens the file of a run that was restored. Errors: Error where it is missing, damaged, or lacks a frame that was due
-  /// up to the step `looked_until` after the start: going on would leave it out without a word.
-  void restore(Experiment const& experiment, std::uint64_t first_step, std::uint64_t looked_until);
+  /// up to the step `written_until` after the start: going on would leave it out without a word.
+  void restore(Simulation const& simulation, std::uint64_t first_step, std::uint64_t written_until);
 
   [[nodiscard]] bool is_due(std::uint64_t steps) const override { return schedule_.is_due(steps); }
   [[nodiscard]] std::uint64_t next_after(std::uint64_t steps) const override { return schedule_.next_after(steps); }
   /// Errors: RunFailure where the file cannot be written or holds another run.
-  void look(Experiment const& experiment, std::span<double const> sample) override;
-  void carry(Archive&) override {}
+  void write(Simulation const& simulation, std::span<double const> sample) override;
+  void serialize(Archive&) override {}
 
  private:
-  void open(Experiment const& experiment, Frame const& frame);
+  void open(Simulation const& simulation, Frame const& frame);
 
   TrajectorySettings settings_;
   FrameSchedule schedule_;

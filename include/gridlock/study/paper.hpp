@@ -94,7 +94,7 @@ struct PaperClaim {
 };
 
 struct PaperResult {
-  Ending ending = Ending::finished;
+  RunStatus status = RunStatus::finished;
   std::size_t simulations = 0;
   std::size_t finished_simulations = 0;
   std::vector<PaperClaim> claims;            ///< of a finished study

@@ -10,45 +10,45 @@
 namespace gridlock::exact {
 
 /// Who is due when.
-struct Appointment {
+struct ScheduledEvent {
   double time;
   Index disk;
-  std::uint32_t next;  ///< place of the next appointment of the same slice
+  std::uint32_t next;  ///< place of the next event of the same bucket
 };
 
 /// The events of one epoch [0, length), handed out in the order of (time, rank of the disk).
 ///
-///     epoch   ├────────────┼────────────┼────────────┤   chapters: unsorted, in chunks of memory
-///     chapter              ├─┼─┼─┼─┼─┼─┼─┤               slices of the open chapter: short lists
-///     slice                    ├┤                        the open slice: sorted, a few appointments
+///     epoch   ├────────────┼────────────┼────────────┤   groups: unsorted, in chunks of memory
+///     group                ├─┼─┼─┼─┼─┼─┼─┤               buckets of the open group: short lists
+///     bucket                   ├┤                        the open bucket: sorted, a few events
 ///
-/// An appointment is written at the end of its chapter, dealt into slices when the chapter opens, and sorted when its
-/// slice opens: three sequential passes, no tree, no search and no removal. One that became void stays until its time
+/// An event is written at the end of its group, dealt into buckets when the group opens, and sorted when its
+/// bucket opens: three sequential passes, no tree, no search and no removal. One that became void stays until its time
 /// and is dropped then, because its disk waits for another time.
-/// Appointments at or after the end of the epoch are not kept; whoever opens the next epoch makes them again.
-/// Cost: O(1) amortised while a slice holds a few appointments.
+/// Events at or after the end of the epoch are not kept; whoever opens the next epoch makes them again.
+/// Cost: O(1) amortised while a bucket holds a few events.
 class Calendar {
  public:
-  /// Starts an empty epoch. `expected` is about how many appointments will be made in it, `disks` how many disks make
+  /// Starts an empty epoch. `expected` is about how many events will be scheduled in it, `disks` how many disks make
   /// them: numbers that change the cost, never the order.
   void open(double length, std::uint64_t expected, std::uint64_t disks);
 
-  /// Makes an appointment, not before the last one handed out.
+  /// Schedules an event, not before the last one handed out.
   void add(double time, Index disk, MovingDisk const* disks) {
     if (!(time < length_)) return;
     ++made_;
-    auto const slice = static_cast<std::uint32_t>(time * slices_per_time_);
-    if (slice <= open_slice_ && is_open_) {
-      add_to_open_slice(time, disk, disks);
-    } else if (slice >> slice_bits_ == open_chapter_) {
-      deal({time, disk, 0}, slice);
+    auto const bucket = static_cast<std::uint32_t>(time * buckets_per_time_);
+    if (bucket <= open_bucket_ && is_open_) {
+      add_to_open_bucket(time, disk, disks);
+    } else if (bucket >> bucket_bits_ == open_group_) {
+      deal({time, disk, 0}, bucket);
     } else {
-      add_to_chapter(slice >> slice_bits_, time, disk);
+      add_to_group(bucket >> bucket_bits_, time, disk);
     }
   }
 
-  /// The next appointment without removing it, or nullptr at the end of the epoch. It may be void.
-  Appointment const* next(MovingDisk const* disks) {
+  /// The next event without removing it, or nullptr at the end of the epoch. It may be void.
+  ScheduledEvent const* next(MovingDisk const* disks) {
     for (;;) {
       bool const has_late = !late_.empty();
       if (cursor_ < due_count_) {
@@ -56,12 +56,12 @@ class Calendar {
         return &due_[cursor_];
       }
       if (has_late) return &late_.front();
-      if (!open_next_slice(disks)) return nullptr;
+      if (!open_next_bucket(disks)) return nullptr;
     }
   }
 
-  /// Removes the appointment that next() pointed to.
-  void pop(Appointment const* handed_out, MovingDisk const* disks) {
+  /// Removes the event that next() pointed to.
+  void pop(ScheduledEvent const* handed_out, MovingDisk const* disks) {
     if (cursor_ < due_count_ && handed_out == &due_[cursor_]) {
       ++cursor_;
     } else {
@@ -69,71 +69,71 @@ class Calendar {
     }
   }
 
-  /// Which slice of the epoch is open.
-  [[nodiscard]] std::uint32_t open_slice() const { return open_slice_; }
+  /// Which bucket of the epoch is open.
+  [[nodiscard]] std::uint32_t open_bucket() const { return open_bucket_; }
 
-  /// Calls visit(disk, time) for the appointments `ahead` slices after the open one, as far as they are in this chapter.
+  /// Calls visit(disk, time) for the events `ahead` buckets after the open one, as far as they are in this group.
   template <class Visit>
   void for_each_ahead(std::uint32_t ahead, Visit visit) const {
-    std::uint32_t const slice = open_slice_ + ahead;
-    if (slice >> slice_bits_ != open_chapter_) return;
-    std::uint32_t place = slice_heads_[slice & ((1U << slice_bits_) - 1)];
+    std::uint32_t const bucket = open_bucket_ + ahead;
+    if (bucket >> bucket_bits_ != open_group_) return;
+    std::uint32_t place = bucket_heads_[bucket & ((1U << bucket_bits_) - 1)];
     for (; place != none; place = dealt_[place].next) visit(dealt_[place].disk, dealt_[place].time);
   }
 
-  /// Appointments made since open().
+  /// Events scheduled since open().
   [[nodiscard]] std::uint64_t made() const { return made_; }
 
  private:
   static constexpr std::uint32_t none = 0xFFFFFFFFU;
-  static constexpr std::uint32_t slice_bits_ = 9;  // slices per chapter: the open one fits in the second cache
+  static constexpr std::uint32_t bucket_bits_ = 9;  // buckets per group: the open one fits in the second cache
   static constexpr std::uint32_t chunk_size = 31;
 
   struct Chunk {
-    Appointment entries[chunk_size];
+    ScheduledEvent entries[chunk_size];
     std::uint32_t next;
   };
 
-  static bool is_before(Appointment const& a, Appointment const& b, MovingDisk const* disks) {
+  static bool is_before(ScheduledEvent const& a, ScheduledEvent const& b, MovingDisk const* disks) {
     if (a.time != b.time) return a.time < b.time;
     return disks[a.disk].rank < disks[b.disk].rank;
   }
-  void deal(Appointment appointment, std::uint32_t slice) {
-    std::uint32_t& head = slice_heads_[slice & ((1U << slice_bits_) - 1)];
-    appointment.next = head;
+  void deal(ScheduledEvent event, std::uint32_t bucket) {
+    std::uint32_t& head = bucket_heads_[bucket & ((1U << bucket_bits_) - 1)];
+    event.next = head;
     head = static_cast<std::uint32_t>(dealt_.size());
-    dealt_.push_back(appointment);
+    dealt_.push_back(event);
   }
-  void add_to_open_slice(double time, Index disk, MovingDisk const* disks);
-  void add_to_chapter(std::uint32_t chapter, double time, Index disk);
+  void add_to_open_bucket(double time, Index disk, MovingDisk const* disks);
+  void add_to_group(std::uint32_t group, double time, Index disk);
   void pop_late(MovingDisk const* disks);
-  bool open_next_slice(MovingDisk const* disks);
+  bool open_next_bucket(MovingDisk const* disks);
   void sort_due(MovingDisk const* disks);
-  bool open_next_chapter();
+  bool open_next_group();
   std::uint32_t new_chunk(std::uint32_t next);
 
-  /// The newest chunk of a chapter, and how many appointments are in it; the older ones are full. The count stands here
-  /// and not in the chunk, so that a new appointment touches one line of memory of its chapter.
+  /// The newest chunk of a group, and how many events are in it; the older ones are full. The count stands here
+  /// and not in the chunk, so that a new event touches one line of memory of its group.
   struct Tail {
     std::uint32_t chunk = none;
     std::uint32_t count = chunk_size;
   };
 
   double length_ = 0.0;
-  double slices_per_time_ = 0.0;
+  double buckets_per_time_ = 0.0;
   std::uint64_t made_ = 0;
-  std::uint32_t open_chapter_ = 0;
-  std::uint32_t open_slice_ = 0;
+  std::uint32_t open_group_ = 0;
+  std::uint32_t open_bucket_ = 0;
   bool is_open_ = false;     // whether open_slice_ has been opened
-  std::vector<Tail> tails_;  // by chapter
+  std::vector<Tail> tails_;  // by group
   LargeArray<Chunk> chunks_;
   std::vector<std::uint32_t> free_chunks_;
-  std::vector<std::uint32_t> slice_heads_;
-  std::vector<Appointment> dealt_;
-  std::vector<Appointment> due_;  // the open slice, sorted: the first due_count_, of which cursor_ is the next
+  std::vector<std::uint32_t> bucket_heads_;
+  std::vector<ScheduledEvent> dealt_;
+  std::vector<ScheduledEvent> due_;  // the open bucket, sorted: the first due_count_, of which cursor_ is the next
   std::size_t due_count_ = 0;
   std::size_t cursor_ = 0;
-  std::vector<Appointment> late_;  // a heap of those made for the open slice after it was opened
+  std::vector<ScheduledEvent> late_;  // a heap of those made for the open bucket after it was opened
 };
 
 }  // namespace gridlock::exact

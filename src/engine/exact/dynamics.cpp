@@ -51,17 +51,17 @@ void permute(Array& values, std::vector<Index> new_place) {
 
 Dynamics::Dynamics(State const& state) : box_(state.box), size_(state.disks.size()) {
   read_disks(state);
-  refresh_surroundings();
+  refresh_prediction_input();
   choose_epoch();
   sort_disks_by_cell();
   for (Index i = 0; i < size_; ++i) disks_[i].event_time = never;
   for (Index i = 0; i < size_; ++i) {
-    Prediction const first = predictor_.one(surroundings_, i, 0.0, no_disk);
+    Prediction const first = predictor_.one(prediction_input_, i, 0.0, no_disk);
     disks_[i].event_time = first.time;
     disks_[i].partner = first.partner;
-    if (first.partner < vertical_border) disks_[i].partner_stamp = disks_[first.partner].stamp;
+    if (first.partner < vertical_border) disks_[i].partner_collision_count = disks_[first.partner].collision_count;
   }
-  expected_appointments_ = 32 * size_;
+  expected_events_ = 32 * size_;
   fetches_ahead_ = size_ * sizeof(MovingDisk) > largest_cached;
   start_epoch();
 }
@@ -76,8 +76,8 @@ void Dynamics::read_disks(State const& state) {
     equal_mass_ = mass.front();
   }
   bool const is_mixture = size_ > 0 && !(are_all_equal(radius) && are_all_equal(mass));
-  double const reach = 2.0 * radius_range(disks).largest;
-  cells_ = SlotCells(size_ > 0 ? layout_for_reach(box_, reach, size_) : CellLayout(box_, 1, 1), box_);
+  double const cutoff = 2.0 * radius_range(disks).largest;
+  cells_ = SlotCells(size_ > 0 ? layout_for_cutoff(box_, cutoff, size_) : CellLayout(box_, 1, 1), box_);
   disks_.reserve(size_ + 1);
   image_.reserve(size_);
   for (std::uint32_t rank = 0; rank < size_; ++rank) {
@@ -91,8 +91,8 @@ void Dynamics::read_disks(State const& state) {
             .velocity_y = v.y,
             .event_time = never,
             .partner = vertical_border,
-            .partner_stamp = 0,
-            .stamp = 0,
+            .partner_collision_count = 0,
+            .collision_count = 0,
             .column = cells_.column_of(p.x),
             .row = cells_.row_of(p.y),
             .rank = rank};
@@ -110,21 +110,21 @@ void Dynamics::read_disks(State const& state) {
   if (!std::ranges::is_sorted(rows)) row_of_ = std::move(rows);
 }
 
-void Dynamics::refresh_surroundings() {
-  surroundings_ = {.disks = disks_.data(),
-                   .radius = radius_.empty() ? nullptr : radius_.data(),
-                   .equal_radius = equal_radius_,
-                   .slots = cells_.slots(),
-                   .row_stride = cells_.row_stride(),
-                   .capacity = cells_.capacity(),
-                   .column_edges = cells_.column_edges(),
-                   .row_edges = cells_.row_edges(),
-                   .columns = cells_.columns(),
-                   .rows = cells_.rows(),
-                   .width = box_.width(),
-                   .height = box_.height(),
-                   .is_periodic = box_.is_periodic()};
-  predictor_ = fastest_predictor(surroundings_);
+void Dynamics::refresh_prediction_input() {
+  prediction_input_ = {.disks = disks_.data(),
+                       .radius = radius_.empty() ? nullptr : radius_.data(),
+                       .equal_radius = equal_radius_,
+                       .slots = cells_.slots(),
+                       .row_stride = cells_.row_stride(),
+                       .capacity = cells_.capacity(),
+                       .column_edges = cells_.column_edges(),
+                       .row_edges = cells_.row_edges(),
+                       .columns = cells_.columns(),
+                       .rows = cells_.rows(),
+                       .width = box_.width(),
+                       .height = box_.height(),
+                       .is_periodic = box_.is_periodic()};
+  predictor_ = fastest_predictor(prediction_input_);
 }
 
 void Dynamics::choose_epoch() {
@@ -138,7 +138,7 @@ void Dynamics::choose_epoch() {
 }
 
 void Dynamics::start_epoch() {
-  calendar_.open(epoch_length_, expected_appointments_, size_);
+  calendar_.open(epoch_length_, expected_events_, size_);
   for (Index i = 0; i < size_; ++i) calendar_.add(disks_[i].event_time, i, disks_.data());
 }
 
@@ -167,36 +167,36 @@ void Dynamics::sort_disks_by_cell() {
   permute(disks_, std::move(new_name));  // the last may use it up
 }
 
-bool Dynamics::run(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Tally& tally,
-                   std::function<bool()> const& goes_on) {
+bool Dynamics::run(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Counters& counters,
+                   std::function<bool()> const& should_continue) {
   if (epoch_length_ == 0.0) return true;  // nothing moves, nothing happens
-  while (tally.pair_collisions < pair_collisions) {
-    Appointment const* const next = next_event();
+  while (counters.pair_collisions < pair_collisions) {
+    ScheduledEvent const* const next = next_event();
     if (next->time > elapsed - epoch_start_) return true;
-    Appointment const due = *next;
+    ScheduledEvent const due = *next;
     calendar_.pop(next, disks_.data());
-    std::uint64_t const before = tally.pair_collisions;
+    std::uint64_t const before = counters.pair_collisions;
     now_ = due.time;
     if (fetches_ahead_) fetch_ahead();
-    handle(due.disk, tally);
+    handle(due.disk, counters);
     bool const is_audit_due =
-        audit_every > 0 && tally.pair_collisions != before && tally.pair_collisions % audit_every == 0;
+        audit_every > 0 && counters.pair_collisions != before && counters.pair_collisions % audit_every == 0;
     if (is_audit_due) {
       audit();
       ++audits_;
     }
     // A count that outlives interruptions, so that the moments do not depend on them.
-    bool const is_look_due = tally.turns % events_per_look == 0;
+    bool const is_look_due = counters.moves % events_per_look == 0;
     if (is_look_due) require_time_to_pass();
-    if ((is_look_due || is_audit_due) && goes_on && !goes_on()) return false;
+    if ((is_look_due || is_audit_due) && should_continue && !should_continue()) return false;
   }
   return false;
 }
 
-/// The next appointment that is still kept, of a later epoch where this one has none left.
-Appointment const* Dynamics::next_event() {
+/// The next event that is still kept, of a later epoch where this one has none left.
+ScheduledEvent const* Dynamics::next_event() {
   for (;;) {
-    while (Appointment const* const next = calendar_.next(disks_.data())) {
+    while (ScheduledEvent const* const next = calendar_.next(disks_.data())) {
       if (disks_[next->disk].event_time == next->time) return next;
       calendar_.pop(next, disks_.data());
     }
@@ -209,21 +209,21 @@ Appointment const* Dynamics::next_event() {
     ++epoch_;
     epoch_start_ = static_cast<double>(epoch_) * epoch_length_;
     now_ -= epoch_length_;
-    expected_appointments_ = calendar_.made();
+    expected_events_ = calendar_.made();
     if (epoch_ % epochs_per_sort == 0) sort_disks_by_cell();
     pipeline_.clear();
     start_epoch();
   }
 }
 
-/// Keeps the pipeline fed with the disks of a slice to come, and moving: about two appointments are made for each event.
+/// Keeps the pipeline fed with the disks of a bucket to come, and moving: about two events are scheduled for each one handled.
 void Dynamics::fetch_ahead() {
-  constexpr std::uint32_t slices_ahead = 8;
+  constexpr std::uint32_t buckets_ahead = 8;
   constexpr std::uint64_t most_waiting = 16;
-  if (calendar_.open_slice() != seen_slice_) {
-    seen_slice_ = calendar_.open_slice();
+  if (calendar_.open_bucket() != seen_bucket_) {
+    seen_bucket_ = calendar_.open_bucket();
     std::uint64_t entered = 0;
-    calendar_.for_each_ahead(slices_ahead, [&](Index i, double time) {
+    calendar_.for_each_ahead(buckets_ahead, [&](Index i, double time) {
       if (++entered <= most_waiting) pipeline_.enter(i, time);
     });
   }
@@ -233,39 +233,40 @@ void Dynamics::fetch_ahead() {
   } while (pipeline_.waiting() > most_waiting);
 }
 
-void Dynamics::handle(Index i, Tally& tally) {
-  ++tally.turns;
+void Dynamics::handle(Index i, Counters& counters) {
+  ++counters.moves;
   MovingDisk& disk = disks_[i];
   if (disk.partner == vertical_border) {
-    hit_or_cross_vertical_border(disk, i, tally);
+    hit_or_cross_vertical_border(disk, i, counters);
   } else if (disk.partner == horizontal_border) {
-    hit_or_cross_horizontal_border(disk, i, tally);
-  } else if (disks_[disk.partner].stamp == disk.partner_stamp) {
+    hit_or_cross_horizontal_border(disk, i, counters);
+  } else if (disks_[disk.partner].collision_count == disk.partner_collision_count) {
     Index const j = disk.partner;
-    collide(i, j, tally);
+    collide(i, j, counters);
     disk.event_time = never;
     disks_[j].event_time = never;
     // Both predictions before either is written down, so that the processor works on the two at once.
-    PairPrediction const next = predictor_.pair(surroundings_, i, j, now_);
+    PairPrediction const next = predictor_.pair(prediction_input_, i, j, now_);
     schedule(i, next.of_i);
     schedule(j, next.of_j);
     return;
   }
   disk.event_time = never;
-  schedule(i, predictor_.one(surroundings_, i, now_, no_disk));
+  schedule(i, predictor_.one(prediction_input_, i, now_, no_disk));
 }
 
 void Dynamics::schedule(Index i, Prediction const& next) {
   MovingDisk& disk = disks_[i];
   disk.event_time = next.time;
   disk.partner = next.partner;
-  disk.partner_stamp = disks_[std::min<std::size_t>(next.partner, size_)].stamp;  // of the spare disk for a border
+  disk.partner_collision_count =
+      disks_[std::min<std::size_t>(next.partner, size_)].collision_count;  // of the spare disk for a border
   calendar_.add(next.time, i, disks_.data());
 }
 
 /// The elastic rule of turn.hpp, at the time of contact; the centre at the zero of time moves so that the path does not
 /// jump: x + v·now stays what it was.
-void Dynamics::collide(Index i, Index j, Tally& tally) {
+void Dynamics::collide(Index i, Index j, Counters& counters) {
   MovingDisk& a = disks_[i];
   MovingDisk& b = disks_[j];
   double const w_x = b.velocity_x - a.velocity_x;
@@ -290,22 +291,22 @@ void Dynamics::collide(Index i, Index j, Tally& tally) {
   a.y -= along_a * d_y * now_;
   b.x += along_b * d_x * now_;
   b.y += along_b * d_y * now_;
-  ++a.stamp;
-  ++b.stamp;
-  ++tally.pair_collisions;
-  tally.pair_virial -= mass_a * along_a * squared_distance;
+  ++a.collision_count;
+  ++b.collision_count;
+  ++counters.pair_collisions;
+  counters.pair_virial -= mass_a * along_a * squared_distance;
 }
 
-void Dynamics::hit_or_cross_vertical_border(MovingDisk& disk, Index i, Tally& tally) {
+void Dynamics::hit_or_cross_vertical_border(MovingDisk& disk, Index i, Counters& counters) {
   bool const is_rightwards = disk.velocity_x > 0.0;
   bool const is_last = disk.column == (is_rightwards ? cells_.columns() - 1 : 0);
   if (is_last && !box_.is_periodic()) {
-    Tally::Wall const wall = is_rightwards ? Tally::right : Tally::left;
-    ++tally.wall_hits[wall];
-    tally.wall_impulse[wall] += 2.0 * mass_of(i) * std::abs(disk.velocity_x);
+    Counters::Wall const wall = is_rightwards ? Counters::right : Counters::left;
+    ++counters.wall_hits[wall];
+    counters.wall_impulse[wall] += 2.0 * mass_of(i) * std::abs(disk.velocity_x);
     disk.x += 2.0 * disk.velocity_x * now_;
     disk.velocity_x = -disk.velocity_x;
-    ++disk.stamp;
+    ++disk.collision_count;
     return;
   }
   cells_.erase(i, disk.column, disk.row);
@@ -316,19 +317,19 @@ void Dynamics::hit_or_cross_vertical_border(MovingDisk& disk, Index i, Tally& ta
     image_[i].x += is_rightwards ? 1 : -1;
   }
   cells_.insert(i, disk.column, disk.row);
-  if (surroundings_.capacity != cells_.capacity()) refresh_surroundings();
+  if (prediction_input_.capacity != cells_.capacity()) refresh_prediction_input();
 }
 
-void Dynamics::hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Tally& tally) {
+void Dynamics::hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Counters& counters) {
   bool const is_upwards = disk.velocity_y > 0.0;
   bool const is_last = disk.row == (is_upwards ? cells_.rows() - 1 : 0);
   if (is_last && !box_.is_periodic()) {
-    Tally::Wall const wall = is_upwards ? Tally::top : Tally::bottom;
-    ++tally.wall_hits[wall];
-    tally.wall_impulse[wall] += 2.0 * mass_of(i) * std::abs(disk.velocity_y);
+    Counters::Wall const wall = is_upwards ? Counters::top : Counters::bottom;
+    ++counters.wall_hits[wall];
+    counters.wall_impulse[wall] += 2.0 * mass_of(i) * std::abs(disk.velocity_y);
     disk.y += 2.0 * disk.velocity_y * now_;
     disk.velocity_y = -disk.velocity_y;
-    ++disk.stamp;
+    ++disk.collision_count;
     return;
   }
   cells_.erase(i, disk.column, disk.row);
@@ -339,7 +340,7 @@ void Dynamics::hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Tally& 
     image_[i].y += is_upwards ? 1 : -1;
   }
   cells_.insert(i, disk.column, disk.row);
-  if (surroundings_.capacity != cells_.capacity()) refresh_surroundings();
+  if (prediction_input_.capacity != cells_.capacity()) refresh_prediction_input();
 }
 
 void Dynamics::write_at(double t, State& state) const {
@@ -371,7 +372,7 @@ std::vector<Index> Dynamics::disks_by_rank() const {
   return disks;
 }
 
-void Dynamics::carry(Archive& archive) {
+void Dynamics::serialize(Archive& archive) {
   SavedDisks saved;
   for (Index const i : disks_by_rank()) {
     MovingDisk const& disk = disks_[i];
@@ -381,18 +382,18 @@ void Dynamics::carry(Archive& archive) {
     saved.velocity_y.push_back(disk.velocity_y);
     saved.event_time.push_back(disk.event_time);
     saved.partner.push_back(disk.partner < vertical_border ? disks_[disk.partner].rank : disk.partner);
-    saved.partner_stamp.push_back(disk.partner_stamp);
-    saved.stamp.push_back(disk.stamp);
+    saved.partner_collision_count.push_back(disk.partner_collision_count);
+    saved.collision_count.push_back(disk.collision_count);
     saved.column.push_back(disk.column);
     saved.row.push_back(disk.row);
     saved.image_x.push_back(image_[i].x);
     saved.image_y.push_back(image_[i].y);
   }
-  saved.carry(archive);
+  saved.serialize(archive);
   archive.visit("now", now_);
   archive.visit("epoch", epoch_);
   archive.visit("epoch_length", epoch_length_);
-  archive.visit("expected_appointments", expected_appointments_);
+  archive.visit("expected_events", expected_events_);
   if (archive.is_restoring()) restore(archive, saved);
 }
 
@@ -413,8 +414,8 @@ void Dynamics::restore(Archive const& archive, SavedDisks const& saved) {
             .velocity_y = saved.velocity_y[rank],
             .event_time = saved.event_time[rank],
             .partner = partner < vertical_border ? disks[partner] : partner,
-            .partner_stamp = saved.partner_stamp[rank],
-            .stamp = saved.stamp[rank],
+            .partner_collision_count = saved.partner_collision_count[rank],
+            .collision_count = saved.collision_count[rank],
             .column = saved.column[rank],
             .row = saved.row[rank],
             .rank = disk.rank};
@@ -422,7 +423,7 @@ void Dynamics::restore(Archive const& archive, SavedDisks const& saved) {
     cells_.insert(disks[rank], disk.column, disk.row);
   }
   epoch_start_ = static_cast<double>(epoch_) * epoch_length_;
-  refresh_surroundings();
+  refresh_prediction_input();
   pipeline_.clear();
   start_epoch();
 }

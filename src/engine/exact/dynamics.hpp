@@ -28,12 +28,12 @@ class Dynamics {
  public:
   explicit Dynamics(State const& state);
 
-  /// Handles every event up to `elapsed`, or until the tally counts `pair_collisions`, or until `goes_on`, asked every
+  /// Handles every event up to `elapsed`, or until the counters reach `pair_collisions`, or until `should_continue`, asked every
   /// `events_per_look` events and after each audit, says no; says whether it got to `elapsed`.
   /// Errors: RunFailure where an audit, due every `audit_every` pair collisions, finds what must not be, and where
   /// collisions without end keep the time from passing.
-  bool run(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Tally& tally,
-           std::function<bool()> const& goes_on = {});
+  bool run(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Counters& counters,
+           std::function<bool()> const& should_continue = {});
   static constexpr std::uint64_t events_per_look = std::uint64_t{1} << 14;
 
   /// The time of the last event handled, in this epoch.
@@ -59,15 +59,15 @@ class Dynamics {
   /// Whether audits look for missed collisions too.
   [[nodiscard]] bool looks_for_missed_events() const;
 
-  /// Carries the disks as they fly and the events they wait for; restored into a dynamics of the state that was written
-  /// at the same moment. Which memory a disk lies in is not carried: the trajectory does not depend on it.
-  void carry(Archive& archive);
+  /// Serializes the disks as they fly and the events they wait for; restored into a dynamics of the state that was written
+  /// at the same moment. Which memory a disk lies in is not serialized: the trajectory does not depend on it.
+  void serialize(Archive& archive);
 
   /// The disks as they are, for tests that damage them.
   [[nodiscard]] LargeArray<MovingDisk>& disks() { return disks_; }
   [[nodiscard]] std::size_t size() const { return size_; }
   /// What predictions read, for tests that compare implementations.
-  [[nodiscard]] Surroundings const& surroundings() const { return surroundings_; }
+  [[nodiscard]] PredictionInput const& prediction_input() const { return prediction_input_; }
 
  private:
   void read_disks(State const& state);
@@ -75,16 +75,16 @@ class Dynamics {
   [[nodiscard]] std::vector<Index> disks_by_rank() const;
   void start_epoch();
   void sort_disks_by_cell();
-  void refresh_surroundings();
+  void refresh_prediction_input();
 
   void restore(Archive const& archive, SavedDisks const& saved);
 
-  Appointment const* next_event();
+  ScheduledEvent const* next_event();
   void fetch_ahead();
-  void handle(Index i, Tally& tally);
-  void collide(Index i, Index j, Tally& tally);
-  void hit_or_cross_vertical_border(MovingDisk& disk, Index i, Tally& tally);
-  void hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Tally& tally);
+  void handle(Index i, Counters& counters);
+  void collide(Index i, Index j, Counters& counters);
+  void hit_or_cross_vertical_border(MovingDisk& disk, Index i, Counters& counters);
+  void hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Counters& counters);
   void schedule(Index i, Prediction const& next);
 
   void write_at(double time, State& state) const;
@@ -101,7 +101,7 @@ class Dynamics {
   LargeArray<MovingDisk> disks_;  // and one more behind them that no prediction ever chooses
   SlotCells cells_;
   Calendar calendar_;
-  Surroundings surroundings_{};
+  PredictionInput prediction_input_{};
   Predictor predictor_{};
 
   // Empty while all disks are equal.
@@ -119,21 +119,21 @@ class Dynamics {
   std::vector<std::uint32_t> row_of_;  // row in the state, by rank; empty where the rows are in the order of the Ids
 
   bool fetches_ahead_ = false;  // the disks are too many for the cache
-  std::uint32_t seen_slice_ = 0;
+  std::uint32_t seen_bucket_ = 0;
   FetchPipeline pipeline_;
   double now_ = 0.0;           // time of the last event, in this epoch
   double epoch_length_ = 0.0;  // 0 when nothing moves
   double epoch_start_ = 0.0;
   std::uint64_t epoch_ = 0;
-  std::uint64_t expected_appointments_ = 0;
+  std::uint64_t expected_events_ = 0;
   std::uint64_t audits_ = 0;
 
-  /// Since when it is watched whether time passes. Only a run that fails depends on it, so it is not carried.
+  /// Since when it is watched whether time passes. Only a run that fails depends on it, so it is not serialized.
   struct Watch {
     std::uint64_t epoch = 0;
     double now = 0.0;
     std::uint64_t looks = 0;
-    std::vector<std::uint32_t> stamps;  ///< by rank; empty where there is no suspicion yet
+    std::vector<std::uint32_t> collision_counts;  ///< by rank; empty where there is no suspicion yet
   };
   Watch watch_;
 };

@@ -14,21 +14,21 @@ namespace gridlock::exact {
 /// Asks for the memory of events to come, a little with each event handled, so that memory is busy while the processor
 /// computes.
 ///
-/// Appointments enter in about the order in which they are due, and pass four stations on the way: what one station
-/// asked for has arrived when the appointment reaches the next.
+/// Events enter in about the order in which they are due, and pass four stations on the way: what one station
+/// asked for has arrived when the event reaches the next.
 ///
 ///     entered → the disk → its partner → the cells around the two → the disks in them
 ///                 12           8                   4                       0
 ///
-/// Four in ten appointments turn out void once their disk has arrived, and go no further.
+/// Four in ten events turn out void once their disk has arrived, and go no further.
 class FetchPipeline {
  public:
   void clear() { entered_ = taken_ = 0; }
 
-  /// Takes in an appointment that is due in a while.
+  /// Takes in an event that is due in a while.
   void enter(Index disk, double time) { waiting_[entered_++ % waiting_.size()] = {time, disk}; }
 
-  /// Moves every appointment on by one place.
+  /// Moves every event on by one place.
   void step(MovingDisk const* disks, SlotCells const& cells, std::size_t last_disk) {
     if (taken_ == entered_) return;
     prefetch(&disks[at(0).disk]);
@@ -38,11 +38,11 @@ class FetchPipeline {
     ++taken_;
   }
 
-  /// Appointments that have entered and have not been asked for.
+  /// Events that have entered and have not been asked for.
   [[nodiscard]] std::uint64_t waiting() const { return entered_ - taken_; }
 
  private:
-  /// The cells around a disk and the partner it is to meet; none for a void appointment.
+  /// The cells around a disk and the partner it is to meet; none for a void event.
   struct Entry {
     double time;
     Index disk;

@@ -21,7 +21,7 @@ inline constexpr Index no_disk = std::numeric_limits<Index>::max();
 /// disk is ever brought up to date, and a prediction reads this one cache line of each neighbour and nothing else.
 ///
 ///     byte  0        8        16           24           32          40       44             48     52      56   60
-///           x        y        velocity_x   velocity_y   event_time  partner  partner_stamp  stamp  column  row  rank
+///           x        y        velocity_x   velocity_y   event_time  partner  (counts)       column  row  rank
 struct alignas(64) MovingDisk {
   double x;
   double y;
@@ -30,8 +30,8 @@ struct alignas(64) MovingDisk {
   double event_time;  ///< when the disk's event is due, in time of the epoch; never earlier than now
   Index partner;      ///< the disk it is to meet, or a border
   std::uint32_t
-      partner_stamp;    ///< the partner's stamp when the event was predicted; another one means it was hit since
-  std::uint32_t stamp;  ///< how often this disk's velocity has changed
+      partner_collision_count;  ///< the partner's collision count when the event was predicted; another one means it was hit since
+  std::uint32_t collision_count;  ///< how often this disk's velocity has changed
   std::int32_t column;
   std::int32_t row;
   std::uint32_t rank;  ///< place in the order of Ids; breaks ties

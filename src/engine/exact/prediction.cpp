@@ -9,7 +9,7 @@ namespace {
 /// The candidate with the earliest collision so far.
 class Earliest {
  public:
-  Earliest(Surroundings const& s, Index i, double now, Index apart)
+  Earliest(PredictionInput const& s, Index i, double now, Index apart)
       : s_(s), self_(s.disks[i]), now_(now), apart_(apart), radius_(s.radius_of(i)), best_(predict_border(s, i, now)) {}
 
   /// Looks at the image of disk j shifted by whole sides of the box.
@@ -36,7 +36,7 @@ class Earliest {
   [[nodiscard]] Prediction best() const { return best_; }
 
  private:
-  Surroundings const& s_;
+  PredictionInput const& s_;
   MovingDisk const& self_;
   double now_;
   Index apart_;
@@ -51,7 +51,7 @@ double shift(std::int32_t index, std::int32_t count, double side) {
 
 }  // namespace
 
-Prediction predict_plainly(Surroundings const& s, Index i, double now, Index apart) {
+Prediction predict_scalar(PredictionInput const& s, Index i, double now, Index apart) {
   Earliest earliest(s, i, now, apart);
   MovingDisk const& disk = s.disks[i];
   for (std::int32_t row = disk.row - 1; row <= disk.row + 1; ++row) {
@@ -68,13 +68,13 @@ Prediction predict_plainly(Surroundings const& s, Index i, double now, Index apa
   return earliest.best();
 }
 
-PairPrediction predict_pair_plainly(Surroundings const& s, Index i, Index j, double now) {
-  return {predict_plainly(s, i, now, j), predict_plainly(s, j, now, i)};
+PairPrediction predict_pair_scalar(PredictionInput const& s, Index i, Index j, double now) {
+  return {predict_scalar(s, i, now, j), predict_scalar(s, j, now, i)};
 }
 
-Predictor fastest_predictor(Surroundings const& s) {
+Predictor fastest_predictor(PredictionInput const& s) {
   if (can_use_avx512(s)) return {predict_with_avx512, predict_pair_with_avx512};
-  return {predict_plainly, predict_pair_plainly};
+  return {predict_scalar, predict_pair_scalar};
 }
 
 }  // namespace gridlock::exact

@@ -8,7 +8,7 @@
 namespace gridlock::exact {
 
 /// Everything a prediction reads; borrowed pointers and the numbers of the box.
-struct Surroundings {
+struct PredictionInput {
   MovingDisk const* disks;
   double const* radius;  ///< of each disk; nullptr while all are equal
   double equal_radius;
@@ -42,25 +42,25 @@ struct Prediction {
 /// The 3×3 block of cells is enough, for leaving its cell is an event as well.
 /// Every implementation gives the same bits: the same operations on each candidate in the same order, no contraction,
 /// ties to the lower rank.
-using Predict = Prediction (*)(Surroundings const& surroundings, Index i, double now, Index apart);
+using Predict = Prediction (*)(PredictionInput const& prediction_input, Index i, double now, Index apart);
 
-Prediction predict_plainly(Surroundings const& surroundings, Index i, double now, Index apart);
+Prediction predict_scalar(PredictionInput const& prediction_input, Index i, double now, Index apart);
 
 /// Whether the processor has the instructions, and the box the five cells a side and the cells the few slots, that
 /// predict_with_avx512() needs.
-bool can_use_avx512(Surroundings const& surroundings);
+bool can_use_avx512(PredictionInput const& prediction_input);
 /// Eight candidates at a time.
-Prediction predict_with_avx512(Surroundings const& surroundings, Index i, double now, Index apart);
+Prediction predict_with_avx512(PredictionInput const& prediction_input, Index i, double now, Index apart);
 
 /// The predictions of two disks that have just been scattered off one another.
 struct PairPrediction {
   Prediction of_i;
   Prediction of_j;
 };
-using PredictPair = PairPrediction (*)(Surroundings const& surroundings, Index i, Index j, double now);
+using PredictPair = PairPrediction (*)(PredictionInput const& prediction_input, Index i, Index j, double now);
 
-PairPrediction predict_pair_plainly(Surroundings const& surroundings, Index i, Index j, double now);
-PairPrediction predict_pair_with_avx512(Surroundings const& surroundings, Index i, Index j, double now);
+PairPrediction predict_pair_scalar(PredictionInput const& prediction_input, Index i, Index j, double now);
+PairPrediction predict_pair_with_avx512(PredictionInput const& prediction_input, Index i, Index j, double now);
 
 /// One way to predict, for one disk and for two.
 struct Predictor {
@@ -69,10 +69,10 @@ struct Predictor {
 };
 
 /// The fastest implementation for this processor and these cells.
-Predictor fastest_predictor(Surroundings const& surroundings);
+Predictor fastest_predictor(PredictionInput const& prediction_input);
 
 /// When disk i reaches the border of its cell, or the wall there.
-inline Prediction predict_border(Surroundings const& s, Index i, double now) {
+inline Prediction predict_border(PredictionInput const& s, Index i, double now) {
   MovingDisk const& disk = s.disks[i];
   double x_edge = s.column_edges[disk.column + (disk.velocity_x > 0.0 ? 1 : 0)];
   double y_edge = s.row_edges[disk.row + (disk.velocity_y > 0.0 ? 1 : 0)];

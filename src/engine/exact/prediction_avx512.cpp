@@ -41,7 +41,7 @@ GRIDLOCK_AVX512 inline __m512i moved_up(Run const& run, unsigned places) {
 
 /// Three cells of four slots are a run of memory that one register of sixteen holds.
 /// Returns false where there are more than sixteen candidates.
-GRIDLOCK_AVX512 inline bool collect(Surroundings const& s, Index i, Index apart, Candidates& candidates) {
+GRIDLOCK_AVX512 inline bool collect(PredictionInput const& s, Index i, Index apart, Candidates& candidates) {
   MovingDisk const& disk = s.disks[i];
   Index const* const run = s.slots + static_cast<std::size_t>(disk.row) * s.row_stride +
                            static_cast<std::size_t>(disk.column) * slots_per_cell;
@@ -92,7 +92,7 @@ GRIDLOCK_AVX512 inline Columns columns_of(MovingDisk const* disks, Index const* 
 
 }  // namespace
 
-bool can_use_avx512(Surroundings const& s) {
+bool can_use_avx512(PredictionInput const& s) {
   // In fewer cells a side the nearest image of a disk may not be the one in the neighbouring cell.
   bool const has_room = !s.is_periodic || (s.columns >= 5 && s.rows >= 5);
   return has_avx512() && has_room && s.capacity == slots_per_cell;
@@ -101,7 +101,7 @@ bool can_use_avx512(Surroundings const& s) {
 namespace {
 
 /// predict_border(), the two directions side by side.
-GRIDLOCK_AVX512 inline Prediction predict_border_packed(Surroundings const& s, Index i, double now) {
+GRIDLOCK_AVX512 inline Prediction predict_border_packed(PredictionInput const& s, Index i, double now) {
   MovingDisk const& disk = s.disks[i];
   __m128d const zero = _mm_setzero_pd();
   __m128d const place = _mm_load_pd(&disk.x);
@@ -123,13 +123,13 @@ GRIDLOCK_AVX512 inline Prediction predict_border_packed(Surroundings const& s, I
 }
 
 /// Whether some neighbouring cell lies across the edge of a periodic box.
-inline bool is_at_periodic_edge(Surroundings const& s, MovingDisk const& disk) {
+inline bool is_at_periodic_edge(PredictionInput const& s, MovingDisk const& disk) {
   return s.is_periodic && (static_cast<std::uint32_t>(disk.column - 1) >= static_cast<std::uint32_t>(s.columns - 2) ||
                            static_cast<std::uint32_t>(disk.row - 1) >= static_cast<std::uint32_t>(s.rows - 2));
 }
 
 /// The first of the border and the contacts with the candidates.
-GRIDLOCK_AVX512 inline Prediction first_event(Surroundings const& s, Index i, double now,
+GRIDLOCK_AVX512 inline Prediction first_event(PredictionInput const& s, Index i, double now,
                                               Candidates const& candidates) {
   Prediction best = predict_border_packed(s, i, now);
   MovingDisk const& self = s.disks[i];
@@ -192,14 +192,14 @@ GRIDLOCK_AVX512 inline Prediction first_event(Surroundings const& s, Index i, do
 
 }  // namespace
 
-GRIDLOCK_AVX512 Prediction predict_with_avx512(Surroundings const& s, Index i, double now, Index apart) {
+GRIDLOCK_AVX512 Prediction predict_with_avx512(PredictionInput const& s, Index i, double now, Index apart) {
   Candidates candidates;
   if (!collect(s, i, apart, candidates)) [[unlikely]]
-    return predict_plainly(s, i, now, apart);
+    return predict_scalar(s, i, now, apart);
   return first_event(s, i, now, candidates);
 }
 
-GRIDLOCK_AVX512 PairPrediction predict_pair_with_avx512(Surroundings const& s, Index i, Index j, double now) {
+GRIDLOCK_AVX512 PairPrediction predict_pair_with_avx512(PredictionInput const& s, Index i, Index j, double now) {
   // What is around the two does not depend on how they were scattered: collected first, it is found while the processor
   // still waits for the new velocities.
   Candidates around_i;
@@ -207,7 +207,7 @@ GRIDLOCK_AVX512 PairPrediction predict_pair_with_avx512(Surroundings const& s, I
   bool const fits_i = collect(s, i, j, around_i);
   bool const fits_j = collect(s, j, i, around_j);
   if (!fits_i || !fits_j) [[unlikely]]
-    return predict_pair_plainly(s, i, j, now);
+    return predict_pair_scalar(s, i, j, now);
   return {first_event(s, i, now, around_i), first_event(s, j, now, around_j)};
 }
 
@@ -217,12 +217,12 @@ GRIDLOCK_AVX512 PairPrediction predict_pair_with_avx512(Surroundings const& s, I
 
 namespace gridlock::exact {
 
-bool can_use_avx512(Surroundings const&) { return false; }
-Prediction predict_with_avx512(Surroundings const& s, Index i, double now, Index apart) {
-  return predict_plainly(s, i, now, apart);
+bool can_use_avx512(PredictionInput const&) { return false; }
+Prediction predict_with_avx512(PredictionInput const& s, Index i, double now, Index apart) {
+  return predict_scalar(s, i, now, apart);
 }
-PairPrediction predict_pair_with_avx512(Surroundings const& s, Index i, Index j, double now) {
-  return predict_pair_plainly(s, i, j, now);
+PairPrediction predict_pair_with_avx512(PredictionInput const& s, Index i, Index j, double now) {
+  return predict_pair_scalar(s, i, j, now);
 }
 
 }  // namespace gridlock::exact

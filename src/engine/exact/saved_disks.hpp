@@ -14,20 +14,20 @@ namespace gridlock::exact {
 struct SavedDisks {
   std::vector<double> x, y, velocity_x, velocity_y, event_time;
   std::vector<std::uint32_t> partner;  ///< by rank, or a border
-  std::vector<std::uint32_t> partner_stamp, stamp;
+  std::vector<std::uint32_t> partner_collision_count, collision_count;
   std::vector<std::int32_t> column, row, image_x, image_y;
 
   [[nodiscard]] std::size_t size() const { return x.size(); }
 
-  void carry(Archive& archive) {
+  void serialize(Archive& archive) {
     archive.visit("x", x);
     archive.visit("y", y);
     archive.visit("velocity_x", velocity_x);
     archive.visit("velocity_y", velocity_y);
     archive.visit("event_time", event_time);
     archive.visit("partner", partner);
-    archive.visit("partner_stamp", partner_stamp);
-    archive.visit("stamp", stamp);
+    archive.visit("partner_collision_count", partner_collision_count);
+    archive.visit("collision_count", collision_count);
     archive.visit("column", column);
     archive.visit("row", row);
     archive.visit("image_x", image_x);
@@ -37,7 +37,8 @@ struct SavedDisks {
   /// Whether there are `disks` of everything.
   [[nodiscard]] bool has_size(std::size_t disks) const {
     auto const fits = [disks](auto const&... columns) { return ((columns.size() == disks) && ...); };
-    return fits(x, y, velocity_x, velocity_y, event_time, partner, partner_stamp, stamp, column, row, image_x, image_y);
+    return fits(x, y, velocity_x, velocity_y, event_time, partner, partner_collision_count, collision_count, column,
+                row, image_x, image_y);
   }
 };
 

@@ -32,20 +32,20 @@ void Dynamics::require_time_to_pass() {
     squared_speeds += disks_[i].velocity_x * disks_[i].velocity_x + disks_[i].velocity_y * disks_[i].velocity_y;
   }
   double const speed = std::sqrt(squared_speeds / static_cast<double>(size_));
-  double const least_way =
+  double const least_displacement =
       digits_per_flight * std::numeric_limits<double>::epsilon() * std::max(box_.width(), box_.height());
-  if (!watch_.stamps.empty()) {
+  if (!watch_.collision_counts.empty()) {
     std::uint32_t most_hits = 0;
     Index most_hit = 0;
     for (Index i = 0; i < size_; ++i) {
-      std::uint32_t const hits = disks_[i].stamp - watch_.stamps[disks_[i].rank];
+      std::uint32_t const hits = disks_[i].collision_count - watch_.collision_counts[disks_[i].rank];
       if (hits > most_hits) {
         most_hits = hits;
         most_hit = i;
       }
     }
     MovingDisk const& disk = disks_[most_hit];
-    if (passed * speed < most_hits * least_way) {
+    if (passed * speed < most_hits * least_displacement) {
       throw RunFailure(fmt::format(
           "time {}: time stands still: disk {} at ({:.6g}, {:.6g}) was hit {} times in a time of {:.3g}, for it "
           "is in contact on all sides and has no free way\n  hint: give the disks more room, by a lower "
@@ -54,11 +54,11 @@ void Dynamics::require_time_to_pass() {
           passed));
     }
   }
-  bool const is_suspicious = passed * speed < static_cast<double>(watch_.looks * events_per_look) * least_way;
-  watch_ = {.epoch = epoch_, .now = now_, .looks = 0, .stamps = {}};
+  bool const is_suspicious = passed * speed < static_cast<double>(watch_.looks * events_per_look) * least_displacement;
+  watch_ = {.epoch = epoch_, .now = now_, .looks = 0, .collision_counts = {}};
   if (!is_suspicious) return;
-  watch_.stamps.resize(size_);
-  for (Index i = 0; i < size_; ++i) watch_.stamps[disks_[i].rank] = disks_[i].stamp;
+  watch_.collision_counts.resize(size_);
+  for (Index i = 0; i < size_; ++i) watch_.collision_counts[disks_[i].rank] = disks_[i].collision_count;
 }
 
 }  // namespace gridlock::exact

@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "gridlock/core/thread_team.hpp"
+#include "gridlock/core/thread_pool.hpp"
 #include "unit/io/temporary_directory.hpp"
 
 namespace gridlock {
@@ -84,10 +84,10 @@ TEST(Resources, ThatAreSpentAreNoLessThanNothing) {
   EXPECT_EQ(granted_memory(container.root()), 0.0);
 }
 
-TEST(UsableCores, FollowTheAffinityMaskSoThatATeamHasNoMoreThreads) {
+TEST(UsableCores, FollowTheAffinityMaskSoThatAThreadPoolHasNoMoreThreads) {
   // In a thread of its own, which takes the mask with it when it ends.
   std::size_t cores = 0;
-  std::size_t team = 0;
+  std::size_t pool_size = 0;
   std::thread([&] {
     cpu_set_t mask;
     ASSERT_EQ(sched_getaffinity(0, sizeof mask, &mask), 0);
@@ -97,10 +97,10 @@ TEST(UsableCores, FollowTheAffinityMaskSoThatATeamHasNoMoreThreads) {
     CPU_SET(first, &mask);
     ASSERT_EQ(sched_setaffinity(0, sizeof mask, &mask), 0);
     cores = usable_cores();
-    team = ThreadTeam(0).size();
+    pool_size = ThreadPool(0).size();
   }).join();
   EXPECT_EQ(cores, 1U);
-  EXPECT_EQ(team, 1U);
+  EXPECT_EQ(pool_size, 1U);
 }
 
 }  // namespace

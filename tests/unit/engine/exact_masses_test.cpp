@@ -33,10 +33,10 @@ TEST_P(MassesApart, UpToTheLimitRunWithoutOverlapsUnderTheAudit) {
   for (Edge const edge : {Edge::wall, Edge::periodic}) {
     State state = mixture(GetParam().light_share, GetParam().heavy_mass, edge);
     double const energy = kinetic_energy(state.disks);
-    Tally tally;
+    Counters counters;
     auto const engine = make_engine(audited(), state);
-    EXPECT_NO_THROW(engine->advance(state, tally, {.pair_collisions = 200'000}));
-    EXPECT_EQ(tally.pair_collisions, 200'000U);
+    EXPECT_NO_THROW(engine->advance(state, counters, {.pair_collisions = 200'000}));
+    EXPECT_EQ(counters.pair_collisions, 200'000U);
     EXPECT_NEAR(kinetic_energy(state.disks) / energy, 1.0, 1e-9);
   }
 }

@@ -25,16 +25,16 @@ class Scene {
     state.disks.add(x, y, vx, vy, radius, mass, 0, 0);
     return *this;
   }
-  Scene& run(Horizon const& horizon) {
+  Scene& run(StopCondition const& stop_condition) {
     if (!engine) engine = make_engine(exact_settings(), state);
-    engine->advance(state, tally, horizon);
+    engine->advance(state, counters, stop_condition);
     return *this;
   }
   [[nodiscard]] Vector place(std::size_t i) const { return position(state.disks, i); }
   [[nodiscard]] Vector speed(std::size_t i) const { return velocity(state.disks, i); }
 
   State state;
-  Tally tally;
+  Counters counters;
   std::unique_ptr<Engine> engine;
 };
 
@@ -55,9 +55,9 @@ TEST(ExactEngine, OneDiskBetweenWallsRepeatsAfterTwiceItsFreeLength) {
   EXPECT_NEAR(scene.place(0).x, 0.3, 1e-13);
   EXPECT_EQ(scene.place(0).y, 0.6);
   EXPECT_EQ(scene.speed(0), (Vector{0.7, 0.0}));
-  EXPECT_EQ(scene.tally.wall_hits, (std::array<std::uint64_t, 4>{5, 5, 0, 0}));
-  EXPECT_NEAR(scene.tally.wall_impulse[Tally::left], 5 * 2 * 0.7, 1e-13);
-  EXPECT_EQ(scene.tally.pair_collisions, 0U);
+  EXPECT_EQ(scene.counters.wall_hits, (std::array<std::uint64_t, 4>{5, 5, 0, 0}));
+  EXPECT_NEAR(scene.counters.wall_impulse[Counters::left], 5 * 2 * 0.7, 1e-13);
+  EXPECT_EQ(scene.counters.pair_collisions, 0U);
 }
 
 TEST(ExactEngine, OneDiskInAPeriodicBoxCountsItsImages) {
@@ -88,7 +88,7 @@ TEST(ExactEngine, DisksApproachingThroughTheMiddleMeetThere) {
   EXPECT_NEAR(scene.speed(0).x, -0.5, 1e-15);
   EXPECT_NEAR(scene.speed(1).x, 1.0, 1e-15);
   // Σ σ m |v_n| with σ = 0.2 and v_n = 1.5.
-  EXPECT_NEAR(scene.tally.pair_virial, 0.2 * 1.5, 1e-15);
+  EXPECT_NEAR(scene.counters.pair_virial, 0.2 * 1.5, 1e-15);
 }
 
 // The target leaves along the line of centres with v cos α, the other at a right angle with v sin α, where the impact
@@ -126,7 +126,7 @@ TEST(ExactEngine, ARowOfDisksWithOneMoverRepeatsAfterTwiceTheFreeLength) {
   EXPECT_NEAR(scene.place(1).x, 0.4, 1e-13);
   EXPECT_NEAR(scene.place(2).x, 0.7, 1e-13);
   EXPECT_NEAR(scene.speed(1).x, 0.8, 1e-13);
-  EXPECT_EQ(scene.tally.pair_collisions, 4U);
+  EXPECT_EQ(scene.counters.pair_collisions, 4U);
 }
 
 TEST(ExactEngine, ACradleInContactPassesItsMotionOnAtOnce) {
@@ -134,7 +134,7 @@ TEST(ExactEngine, ACradleInContactPassesItsMotionOnAtOnce) {
   scene.add(0.25, 0.5, 1.0, 0.0, 0.125);
   for (int n = 0; n < 4; ++n) scene.add(0.75 + 0.25 * n, 0.5, 0.0, 0.0, 0.125);  // touching, exactly
   scene.run({.time = 0.5});
-  EXPECT_EQ(scene.tally.pair_collisions, 4U);
+  EXPECT_EQ(scene.counters.pair_collisions, 4U);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(scene.speed(i).x, 0.0);
   EXPECT_EQ(scene.speed(4).x, 1.0);
   EXPECT_NEAR(scene.place(4).x, 1.5 + 0.25, 1e-15);
@@ -144,7 +144,7 @@ TEST(ExactEngine, DisksTouchingWallsBounceAtOnce) {
   Scene scene(Edge::wall);
   scene.add(0.1, 0.1, -1.0, -0.5).add(0.9, 0.9, 1.0, 0.0);
   scene.run({.time = 0.25});
-  EXPECT_EQ(scene.tally.wall_hits, (std::array<std::uint64_t, 4>{1, 1, 1, 0}));
+  EXPECT_EQ(scene.counters.wall_hits, (std::array<std::uint64_t, 4>{1, 1, 1, 0}));
   EXPECT_EQ(scene.place(0), (Vector{0.35, 0.225}));
   EXPECT_EQ(scene.speed(1), (Vector{-1.0, 0.0}));
 }
@@ -154,7 +154,7 @@ TEST(ExactEngine, ADiskAsWideAsTheBoxStaysInTouchWithBothWalls) {
   scene.add(0.5, 0.1, 1.0, 0.0);
   scene.run({.time = 10.0});
   EXPECT_EQ(scene.place(0).y, 0.1);
-  EXPECT_GT(scene.tally.wall_hits[Tally::right], 2U);
+  EXPECT_GT(scene.counters.wall_hits[Counters::right], 2U);
 }
 
 TEST(ExactEngine, AtRestNothingHappensButTimePasses) {
@@ -162,7 +162,7 @@ TEST(ExactEngine, AtRestNothingHappensButTimePasses) {
   scene.add(0.3, 0.5, 0.0, 0.0).add(0.5, 0.5, 0.0, 0.0);
   scene.run({.step = 10});
   EXPECT_EQ(scene.state.clock.step, 10U);
-  EXPECT_EQ(scene.tally.turns, 0U);
+  EXPECT_EQ(scene.counters.moves, 0U);
   EXPECT_EQ(scene.place(0), (Vector{0.3, 0.5}));
   EXPECT_THROW(scene.run({.pair_collisions = 1}), RunFailure);
 }
@@ -175,7 +175,7 @@ TEST(ExactEngine, OneMoverAmongDisksAtRestSetsThemMoving) {
   scene.state.disks.column<VelocityX>()[5] = 1.0;
   scene.state.disks.column<VelocityY>()[5] = 0.3;
   scene.run({.time = 50.0});
-  EXPECT_GT(scene.tally.pair_collisions, 100U);
+  EXPECT_GT(scene.counters.pair_collisions, 100U);
   EXPECT_NEAR(kinetic_energy(scene.state.disks), 0.5 * 1.09, 1e-12);
   EXPECT_NEAR(momentum(scene.state.disks).x, 1.0, 1e-12);
 }
@@ -184,8 +184,8 @@ TEST(ExactEngine, StepsLineUpWithTheSteppedEngine) {
   Scene scene(Edge::wall);
   scene.add(0.3, 0.5, 0.1, 0.2).add(0.7, 0.5, -0.1, 0.3);
   State stepped = scene.state;
-  Tally tally;
-  make_engine({.kind = "stepped"}, stepped)->advance(stepped, tally, {.step = 1000});
+  Counters counters;
+  make_engine({.kind = "stepped"}, stepped)->advance(stepped, counters, {.step = 1000});
   for (std::uint64_t n = 1; n <= 10; ++n) scene.run({.step = 100 * n});
   EXPECT_EQ(scene.state.clock, stepped.clock);
 }
@@ -204,10 +204,10 @@ TEST(ExactEngine, StopsAtATimeBetweenTwoSteps) {
 TEST(ExactEngine, StopsAtTheCollisionAskedFor) {
   State state = reference::random_scene({.count = 50, .packing_fraction = 0.5});
   auto const engine = make_engine(exact_settings(), state);
-  Tally tally;
+  Counters counters;
   for (std::uint64_t n = 1; n < 100; ++n) {
-    engine->advance(state, tally, {.pair_collisions = n});
-    EXPECT_EQ(tally.pair_collisions, n);
+    engine->advance(state, counters, {.pair_collisions = n});
+    EXPECT_EQ(counters.pair_collisions, n);
   }
 }
 
@@ -253,7 +253,7 @@ TEST(ExactEngine, ContactAndWallsButForRoundingAreNoOverlap) {
   scene.add(0.1 - 1e-14, 0.5, 1.0, 0.0).add(0.3 - 3e-14, 0.5, -1.0, 0.0);
   EXPECT_EQ(error_of(scene.state), "");
   scene.run({.time = 0.1});
-  EXPECT_EQ(scene.tally.pair_collisions, 1U);
+  EXPECT_EQ(scene.counters.pair_collisions, 1U);
 }
 
 TEST(ExactEngine, ADiskThatMovesBetweenTwoWallsItTouchesIsRefused) {
@@ -308,14 +308,14 @@ TEST(ExactEngine, ALatticeInContactWithRoomBesideItComesApart) {
     scene.add(0.05 + 0.1 * (n % 10), 0.05 + 0.1 * (n / 10), std::cos(angle), std::sin(angle), 0.05);
   }
   EXPECT_EQ(failure_of(scene), "");
-  EXPECT_GT(scene.tally.pair_collisions, 100U);
+  EXPECT_GT(scene.counters.pair_collisions, 100U);
 }
 
 TEST(ExactEngine, AFullLatticeAtRestStaysAtRest) {
   Scene scene(Edge::periodic);
   for (int n = 0; n < 16; ++n) scene.add(0.125 + 0.25 * (n % 4), 0.125 + 0.25 * (n / 4), 0.0, 0.0, 0.125);
   scene.run({.time = 1e3});
-  EXPECT_EQ(scene.tally.turns, 0U);
+  EXPECT_EQ(scene.counters.moves, 0U);
 }
 
 TEST(ExactEngine, CollisionsClosePackedAreNoStandstill) {
@@ -324,32 +324,32 @@ TEST(ExactEngine, CollisionsClosePackedAreNoStandstill) {
   scene.add(0.1, 0.1, 0.5, 0.0).add(0.3 + 1e-10, 0.1, -0.25, 0.0).add(0.5 + 2e-10, 0.1, 0.125, 0.0);
   scene.engine = make_engine({.kind = "exact"}, scene.state);
   scene.run({.time = 1e3, .pair_collisions = 4'000'000});
-  EXPECT_EQ(scene.tally.pair_collisions, 4'000'000U);
+  EXPECT_EQ(scene.counters.pair_collisions, 4'000'000U);
 }
 
 TEST(ExactEngine, IsStoppedWithinAStepAndGoesOnToTheSameBits) {
   State const begin = reference::random_scene({.count = 50, .packing_fraction = 0.5, .seed = 3});
   EngineSettings const settings{.kind = "exact", .time_step = 1e4, .audit_every = 10'000};
   State whole = begin;
-  Tally whole_tally;
+  Counters whole_counters;
   auto const engine = make_engine(settings, whole);
-  engine->advance(whole, whole_tally, {.time = 0.25 * engine->time_step()});
-  ASSERT_GT(whole_tally.pair_collisions, 100'000U);
+  engine->advance(whole, whole_counters, {.time = 0.25 * engine->time_step()});
+  ASSERT_GT(whole_counters.pair_collisions, 100'000U);
   State cut = begin;
-  Tally cut_tally;
+  Counters cut_counters;
   auto const cut_engine = make_engine(settings, cut);
   int stops = 0;
   double const end = whole.clock.time;
   while (cut.clock.time < end) {
-    cut_engine->advance(cut, cut_tally, {.time = end, .goes_on = [] { return false; }});
+    cut_engine->advance(cut, cut_counters, {.time = end, .should_continue = [] { return false; }});
     EXPECT_LE(largest_overlap(cut), rounding_of_contact(cut));
     ++stops;
   }
   EXPECT_GT(stops, 10);
   EXPECT_EQ(cut.clock.step, 0U);
   EXPECT_EQ(hash(whole), hash(cut));
-  EXPECT_EQ(whole_tally.turns, cut_tally.turns);
-  EXPECT_EQ(whole_tally.pair_virial, cut_tally.pair_virial);
+  EXPECT_EQ(whole_counters.moves, cut_counters.moves);
+  EXPECT_EQ(whole_counters.pair_virial, cut_counters.pair_virial);
 }
 
 // The time of a run has fewer digits the longer it lasts; the places of the disks keep theirs.
@@ -357,9 +357,9 @@ TEST(ExactEngine, HandsOutDisksInContactWithoutOverlapHoweverLateItIs) {
   State state = reference::random_scene({.edge = Edge::periodic, .count = 16, .packing_fraction = 0.1});
   state.clock.time = 1e9;
   auto const engine = make_engine(exact_settings(), state);
-  Tally tally;
+  Counters counters;
   for (std::uint64_t n = 1; n <= 200; ++n) {
-    engine->advance(state, tally, {.pair_collisions = n});
+    engine->advance(state, counters, {.pair_collisions = n});
     ASSERT_LE(largest_overlap(state), rounding_of_contact(state)) << "collision " << n;
     for (std::string const& kind : engine_kinds()) {
       EXPECT_NO_THROW(make_engine({.kind = kind}, state)) << kind << " from collision " << n;
@@ -380,16 +380,16 @@ TEST(ExactEngine, ADiskMeetsTwoSidesOfAnotherInANarrowPeriodicBox) {
   scene.add(0.1, 0.5, 0.0, 0.0).add(0.35, 0.5, 1.0, 0.0);
   // Gaps of 0.05 on both sides: the motion is passed on at once, and comes back after the other gap.
   scene.run({.time = 0.32});
-  EXPECT_EQ(scene.tally.pair_collisions, 3U);  // after 0.05, 0.15, 0.25 — the sum of the gaps is 0.1
+  EXPECT_EQ(scene.counters.pair_collisions, 3U);  // after 0.05, 0.15, 0.25 — the sum of the gaps is 0.1
 }
 
 class AuditTest : public testing::Test {
  protected:
   AuditTest() : state_(reference::random_scene({.count = 30, .packing_fraction = 0.4})), dynamics_(state_) {
-    dynamics_.run(0.1, std::numeric_limits<std::uint64_t>::max(), 0, tally_);
+    dynamics_.run(0.1, std::numeric_limits<std::uint64_t>::max(), 0, counters_);
   }
   State state_;
-  Tally tally_;
+  Counters counters_;
   exact::Dynamics dynamics_;
 };
 

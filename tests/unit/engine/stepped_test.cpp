@@ -41,23 +41,23 @@ EngineSettings exact_settings(Contact contact = Contact::always) {
 }
 constexpr double substep = 1.0 / 64.0;
 
-Tally advance(State& state, std::uint64_t steps, EngineSettings const& settings = exact_settings()) {
-  Tally tally;
-  make_engine(settings, state)->advance(state, tally, {.step = state.clock.step + steps});
-  return tally;
+Counters advance(State& state, std::uint64_t steps, EngineSettings const& settings = exact_settings()) {
+  Counters counters;
+  make_engine(settings, state)->advance(state, counters, {.step = state.clock.step + steps});
+  return counters;
 }
 
 // ---- the turn, step by step -------------------------------------------------------------------------------------
 
 TEST(SteppedTurn, AFreeDiskMovesByItsVelocityTimesTheStep) {
   State state = make_state(Edge::wall, {{.position = {0.25, 0.5}, .velocity = {1.0, -0.5}}});
-  Tally const tally = advance(state, 2);
+  Counters const counters = advance(state, 2);
   EXPECT_EQ(position(state.disks, 0), (Vector{0.25 + 8 * substep, 0.5 - 4 * substep}));
   EXPECT_EQ(velocity(state.disks, 0), (Vector{1.0, -0.5}));
   EXPECT_EQ(state.clock, (Clock{.step = 2, .time = 0.125}));
-  EXPECT_EQ(tally.turns, 2U);
-  EXPECT_EQ(tally.blocked_turns, 0U);
-  EXPECT_EQ(tally.distance_checks, 0U);
+  EXPECT_EQ(counters.moves, 2U);
+  EXPECT_EQ(counters.halted_moves, 0U);
+  EXPECT_EQ(counters.distance_checks, 0U);
 }
 
 TEST(SteppedTurn, HaltingKeepsTheSubStepsMadeBefore) {
@@ -66,15 +66,15 @@ TEST(SteppedTurn, HaltingKeepsTheSubStepsMadeBefore) {
       Edge::wall, {{.position = {0.25, 0.5}, .velocity = {1.0, 0.0}}, {.position = {0.5 + 3.5 * substep, 0.5}}});
   EngineSettings settings = exact_settings();
   settings.grid = GridKind::linked;
-  Tally const tally = advance(state, 1, settings);
+  Counters const counters = advance(state, 1, settings);
   EXPECT_EQ(position(state.disks, 0), (Vector{0.25 + 3 * substep, 0.5}));
   EXPECT_EQ(velocity(state.disks, 0), (Vector{0.0, 0.0}));
   EXPECT_EQ(velocity(state.disks, 1), (Vector{1.0, 0.0}));
   // Disk 1 takes its turn after it was hit, in the same step, already with its new velocity.
   EXPECT_EQ(position(state.disks, 1), (Vector{0.5 + 7.5 * substep, 0.5}));
-  EXPECT_EQ(tally.blocked_turns, 1U);
-  EXPECT_EQ(tally.pair_collisions, 1U);
-  EXPECT_EQ(tally.distance_checks, 8U) << "one candidate in each of four sub-steps of both";
+  EXPECT_EQ(counters.halted_moves, 1U);
+  EXPECT_EQ(counters.pair_collisions, 1U);
+  EXPECT_EQ(counters.distance_checks, 8U) << "one candidate in each of four sub-steps of both";
 }
 
 TEST(SteppedTurn, TheLowerIdGoesFirst) {
@@ -90,9 +90,9 @@ TEST(SteppedTurn, TheLowerIdGoesFirst) {
 TEST(SteppedTurn, TouchingIsNotOverlapping) {
   State state = make_state(Edge::wall,
                            {{.position = {0.25, 0.5}, .velocity = {1.0, 0.0}}, {.position = {0.5 + 4 * substep, 0.5}}});
-  Tally const tally = advance(state, 1);
+  Counters const counters = advance(state, 1);
   EXPECT_EQ(position(state.disks, 0), (Vector{0.25 + 4 * substep, 0.5}));
-  EXPECT_EQ(tally.blocked_turns, 0U);
+  EXPECT_EQ(counters.halted_moves, 0U);
   EXPECT_NO_THROW(validate(state));
 }
 
@@ -125,8 +125,8 @@ TEST(SteppedTurn, TiesGoToTheLowerIdInWhateverRowAndCellItIs) {
       EngineSettings settings = exact_settings();
       settings.cells = cells;
       settings.grid = GridKind::linked;
-      Tally const tally = advance(state, 1, settings);
-      EXPECT_EQ(tally.pair_collisions, 1U);
+      Counters const counters = advance(state, 1, settings);
+      EXPECT_EQ(counters.pair_collisions, 1U);
       EXPECT_EQ(velocity(state.disks, state.disks.index_of(7)), (Vector{0.0, 0.0}));
       EXPECT_NE(velocity(state.disks, state.disks.index_of(3)), (Vector{0.0, 0.0}));
     }
@@ -137,45 +137,45 @@ TEST(SteppedTurn, AWallComesBeforeADiskBehindIt) {
   // The trial crosses the right wall and overlaps disk 1: the wall halts it and no pair is scattered.
   State state =
       make_state(Edge::wall, {{.position = {0.875, 0.5}, .velocity = {1.0, 0.5}}, {.position = {0.875, 0.75}}});
-  Tally const tally = advance(state, 1);
+  Counters const counters = advance(state, 1);
   EXPECT_EQ(velocity(state.disks, 0), (Vector{-1.0, 0.5}));
   EXPECT_EQ(position(state.disks, 0), (Vector{0.875, 0.5}));
-  EXPECT_EQ(tally.pair_collisions, 0U);
-  EXPECT_EQ(tally.all_wall_hits(), 1U);
+  EXPECT_EQ(counters.pair_collisions, 0U);
+  EXPECT_EQ(counters.all_wall_hits(), 1U);
 }
 
 // ---- walls --------------------------------------------------------------------------------------------------------
 
 TEST(SteppedWalls, EveryWallTurnsItsOwnComponentBackAndTakesTwiceTheMomentum) {
   struct Hit {
-    Tally::Wall wall;
+    Counters::Wall wall;
     Vector position;
     Vector velocity;
     Vector reflected;
   };
-  for (Hit const& hit : {Hit{Tally::left, {0.125, 0.5}, {-0.75, 0.25}, {0.75, 0.25}},
-                         Hit{Tally::right, {0.875, 0.5}, {0.75, 0.25}, {-0.75, 0.25}},
-                         Hit{Tally::bottom, {0.5, 0.125}, {0.25, -0.75}, {0.25, 0.75}},
-                         Hit{Tally::top, {0.5, 0.875}, {0.25, 0.75}, {0.25, -0.75}}}) {
+  for (Hit const& hit : {Hit{Counters::left, {0.125, 0.5}, {-0.75, 0.25}, {0.75, 0.25}},
+                         Hit{Counters::right, {0.875, 0.5}, {0.75, 0.25}, {-0.75, 0.25}},
+                         Hit{Counters::bottom, {0.5, 0.125}, {0.25, -0.75}, {0.25, 0.75}},
+                         Hit{Counters::top, {0.5, 0.875}, {0.25, 0.75}, {0.25, -0.75}}}) {
     State state = make_state(Edge::wall, {{.position = hit.position, .velocity = hit.velocity, .mass = 3.0}});
-    Tally const tally = advance(state, 1);
+    Counters const counters = advance(state, 1);
     EXPECT_EQ(position(state.disks, 0), hit.position) << "halted before it moved, also along the wall";
     EXPECT_EQ(velocity(state.disks, 0), hit.reflected);
-    EXPECT_EQ(tally.blocked_turns, 1U);
+    EXPECT_EQ(counters.halted_moves, 1U);
     for (std::size_t wall = 0; wall < 4; ++wall) {
-      EXPECT_EQ(tally.wall_hits[wall], wall == hit.wall ? 1U : 0U);
-      EXPECT_EQ(tally.wall_impulse[wall], wall == hit.wall ? 2.0 * 3.0 * 0.75 : 0.0);
+      EXPECT_EQ(counters.wall_hits[wall], wall == hit.wall ? 1U : 0U);
+      EXPECT_EQ(counters.wall_impulse[wall], wall == hit.wall ? 2.0 * 3.0 * 0.75 : 0.0);
     }
   }
 }
 
 TEST(SteppedWalls, ACornerTurnsBothComponentsBackInOneTurn) {
   State state = make_state(Edge::wall, {{.position = {0.875, 0.875}, .velocity = {0.5, 0.75}}});
-  Tally const tally = advance(state, 1);
+  Counters const counters = advance(state, 1);
   EXPECT_EQ(velocity(state.disks, 0), (Vector{-0.5, -0.75}));
-  EXPECT_EQ(tally.blocked_turns, 1U);
-  EXPECT_EQ(tally.wall_hits, (std::array<std::uint64_t, 4>{0, 1, 0, 1}));
-  EXPECT_EQ(tally.wall_impulse, (std::array<double, 4>{0.0, 1.0, 0.0, 1.5}));
+  EXPECT_EQ(counters.halted_moves, 1U);
+  EXPECT_EQ(counters.wall_hits, (std::array<std::uint64_t, 4>{0, 1, 0, 1}));
+  EXPECT_EQ(counters.wall_impulse, (std::array<double, 4>{0.0, 1.0, 0.0, 1.5}));
 }
 
 TEST(SteppedWalls, OneDiskBetweenWallsRepeatsWithThePeriodOfTheRule) {
@@ -183,17 +183,17 @@ TEST(SteppedWalls, OneDiskBetweenWallsRepeatsWithThePeriodOfTheRule) {
   // one that is blocked and turned back. Period 2·13 steps, against 2a/v = 24 in continuous time.
   State state = make_state(Edge::wall, {{.position = {0.125, 0.5}, .velocity = {1.0, 0.0}}});
   State const start = state;
-  Tally tally;
+  Counters counters;
   auto const engine = make_engine(exact_settings(), state);
   for (std::uint64_t period = 1; period <= 5; ++period) {
-    engine->advance(state, tally, {.step = 26 * period - 13});
+    engine->advance(state, counters, {.step = 26 * period - 13});
     EXPECT_EQ(position(state.disks, 0), (Vector{0.875, 0.5}));
     EXPECT_EQ(velocity(state.disks, 0), (Vector{-1.0, 0.0}));
-    engine->advance(state, tally, {.step = 26 * period});
+    engine->advance(state, counters, {.step = 26 * period});
     EXPECT_EQ(position(state.disks, 0), position(start.disks, 0));
     EXPECT_EQ(velocity(state.disks, 0), velocity(start.disks, 0));
-    EXPECT_EQ(tally.wall_hits, (std::array<std::uint64_t, 4>{period, period, 0, 0}));
-    EXPECT_EQ(tally.wall_impulse[Tally::left], 2.0 * static_cast<double>(period));
+    EXPECT_EQ(counters.wall_hits, (std::array<std::uint64_t, 4>{period, period, 0, 0}));
+    EXPECT_EQ(counters.wall_impulse[Counters::left], 2.0 * static_cast<double>(period));
   }
 }
 
@@ -202,17 +202,17 @@ TEST(SteppedWalls, ThePeriodBetweenWallsTendsToTwiceTheWayOverTheSpeed) {
   // (a − δ)/v ≤ half a period ≤ a/v + dt, so the hits in a time T lie between T/(a/v + dt) − 1 and T/((a − δ)/v) + 1.
   double const radius = 0.15;
   double const speed = 0.83;
-  double const way = 1.0 - 2.0 * radius;
+  double const path = 1.0 - 2.0 * radius;
   double const time = 1000.0;
   for (double const time_step : {0.3, 0.1, 0.03}) {
     State state = make_state(Edge::wall, {{.position = {0.5, 0.5}, .velocity = {speed, 0.0}, .radius = radius}});
     auto const engine = make_engine({.time_step = time_step}, state);
     double const dt = engine->time_step();
-    Tally tally;
-    engine->advance(state, tally, {.time = time});
-    auto const hits = static_cast<double>(tally.all_wall_hits());
-    EXPECT_GE(hits, time / (way / speed + dt) - 1.0);
-    EXPECT_LE(hits, (time + dt) / (way / speed - dt / 5.0) + 1.0);
+    Counters counters;
+    engine->advance(state, counters, {.time = time});
+    auto const hits = static_cast<double>(counters.all_wall_hits());
+    EXPECT_GE(hits, time / (path / speed + dt) - 1.0);
+    EXPECT_LE(hits, (time + dt) / (path / speed - dt / 5.0) + 1.0);
   }
 }
 
@@ -221,10 +221,10 @@ TEST(SteppedWalls, ThePeriodBetweenWallsTendsToTwiceTheWayOverTheSpeed) {
 TEST(SteppedPairs, AHeadOnHitOfEqualDisksExchangesTheirVelocities) {
   State state = make_state(Edge::wall, {{.position = {0.25, 0.5}, .velocity = {1.0, 0.0}},
                                         {.position = {0.75, 0.5}, .velocity = {-0.5, 0.0}}});
-  Tally tally;
+  Counters counters;
   auto const engine = make_engine(exact_settings(), state);
-  engine->advance(state, tally, {.pair_collisions = 1});
-  EXPECT_EQ(tally.pair_collisions, 1U);
+  engine->advance(state, counters, {.pair_collisions = 1});
+  EXPECT_EQ(counters.pair_collisions, 1U);
   EXPECT_EQ(velocity(state.disks, 0), (Vector{-0.5, 0.0}));
   EXPECT_EQ(velocity(state.disks, 1), (Vector{1.0, 0.0}));
 }
@@ -233,8 +233,8 @@ TEST(SteppedPairs, AHeadOnHitOfUnequalDisksFollowsTheElasticRule) {
   // v₁' = (m₁ − m₂)/(m₁ + m₂) v, v₂' = 2m₁/(m₁ + m₂) v with the target at rest; here m₁ = 1, m₂ = 3.
   State state = make_state(
       Edge::wall, {{.position = {0.25, 0.5}, .velocity = {1.0, 0.0}}, {.position = {0.625, 0.5}, .mass = 3.0}});
-  Tally tally;
-  make_engine(exact_settings(), state)->advance(state, tally, {.pair_collisions = 1});
+  Counters counters;
+  make_engine(exact_settings(), state)->advance(state, counters, {.pair_collisions = 1});
   EXPECT_DOUBLE_EQ(velocity(state.disks, 0).x, -0.5);
   EXPECT_DOUBLE_EQ(velocity(state.disks, 1).x, 0.5);
   EXPECT_EQ(velocity(state.disks, 0).y, 0.0);
@@ -248,32 +248,32 @@ TEST(SteppedPairs, AlwaysScattersAPairThatSeparatesAndApproachingLetsItGo) {
                                    {.position = {0.5, 0.5}, .velocity = {1.0, 0.0}}});
   };
   State always = start();
-  Tally const scattered = advance(always, 1, exact_settings(Contact::always));
+  Counters const scattered = advance(always, 1, exact_settings(Contact::always));
   EXPECT_EQ(velocity(always.disks, 0), (Vector{1.0, 0.0})) << "the paper's rule makes it approach";
   EXPECT_EQ(velocity(always.disks, 1), (Vector{0.5, 0.0}));
   EXPECT_EQ(scattered.pair_collisions, 1U);
   EXPECT_LT(scattered.pair_virial, 0.0) << "a pull, not a push";
 
   State approaching = start();
-  Tally const let_go = advance(approaching, 1, exact_settings(Contact::approaching));
+  Counters const let_go = advance(approaching, 1, exact_settings(Contact::approaching));
   EXPECT_EQ(velocity(approaching.disks, 0), (Vector{0.5, 0.0}));
   EXPECT_EQ(velocity(approaching.disks, 1), (Vector{1.0, 0.0}));
   EXPECT_EQ(let_go.pair_collisions, 0U);
   EXPECT_EQ(let_go.pair_virial, 0.0);
 
-  EXPECT_EQ(scattered.blocked_turns, 1U) << "halted under both rules";
-  EXPECT_EQ(let_go.blocked_turns, 1U);
+  EXPECT_EQ(scattered.halted_moves, 1U) << "halted under both rules";
+  EXPECT_EQ(let_go.halted_moves, 1U);
   EXPECT_EQ(position(always.disks, 0), position(approaching.disks, 0));
 }
 
 TEST(SteppedPairs, BothContactRulesAgreeOnAPairThatApproaches) {
   for (Contact const contact : {Contact::always, Contact::approaching}) {
     State state = make_state(Edge::wall, {{.position = {0.25, 0.5}, .velocity = {1.0, 0.0}}, {.position = {0.5, 0.5}}});
-    Tally const tally = advance(state, 1, exact_settings(contact));
+    Counters const counters = advance(state, 1, exact_settings(contact));
     EXPECT_EQ(velocity(state.disks, 1), (Vector{1.0, 0.0}));
-    EXPECT_EQ(tally.pair_collisions, 1U);
+    EXPECT_EQ(counters.pair_collisions, 1U);
     // σ m |v_n| = 1/4 for two equal disks in contact.
-    EXPECT_EQ(tally.pair_virial, 0.25);
+    EXPECT_EQ(counters.pair_virial, 0.25);
   }
 }
 
@@ -290,9 +290,9 @@ TEST(SteppedPairs, ScatteringAtAnImpactParameterLiesWithinTheSubStepOfTheExactRe
       State state = make_state(Edge::wall, {{.position = {0.2, 0.5}, .velocity = {1.0, 0.0}, .radius = radius},
                                             {.position = {0.45, 0.5 + p}, .radius = radius}});
       auto const engine = make_engine({.time_step = time_step}, state);
-      Tally tally;
-      engine->advance(state, tally, {.time = 1.0, .pair_collisions = 1});
-      ASSERT_EQ(tally.pair_collisions, 1U);
+      Counters counters;
+      engine->advance(state, counters, {.time = 1.0, .pair_collisions = 1});
+      ASSERT_EQ(counters.pair_collisions, 1U);
       double const delta = engine->time_step() / 5.0;
       Vector const vi = velocity(state.disks, 0);
       Vector const vj = velocity(state.disks, 1);
@@ -318,21 +318,21 @@ TEST(SteppedPairs, AMissedDiskIsNotTouched) {
   double const radius = 0.05;
   State state = make_state(Edge::wall, {{.position = {0.2, 0.5}, .velocity = {1.0, 0.0}, .radius = radius},
                                         {.position = {0.45, 0.5 + 2.0 * radius + 1e-9}, .radius = radius}});
-  Tally tally;
-  make_engine({.time_step = 0.01}, state)->advance(state, tally, {.time = 0.6});
-  EXPECT_EQ(tally.pair_collisions, 0U);
+  Counters counters;
+  make_engine({.time_step = 0.01}, state)->advance(state, counters, {.time = 0.6});
+  EXPECT_EQ(counters.pair_collisions, 0U);
   EXPECT_EQ(velocity(state.disks, 0), (Vector{1.0, 0.0}));
 }
 
 TEST(SteppedPairs, CollideAcrossTheEdgeOfAPeriodicBox) {
   State state =
       make_state(Edge::periodic, {{.position = {0.9375, 0.5}, .velocity = {1.0, 0.0}}, {.position = {0.25, 0.5}}});
-  Tally tally;
-  make_engine(exact_settings(), state)->advance(state, tally, {.pair_collisions = 1});
+  Counters counters;
+  make_engine(exact_settings(), state)->advance(state, counters, {.pair_collisions = 1});
   EXPECT_EQ(position(state.disks, 0), (Vector{0.0, 0.5})) << "one side further on, in contact";
   EXPECT_EQ(state.disks.column<ImageX>()[0], 1);
   EXPECT_EQ(velocity(state.disks, 1), (Vector{1.0, 0.0}));
-  EXPECT_EQ(tally.pair_virial, 0.25);
+  EXPECT_EQ(counters.pair_virial, 0.25);
 }
 
 TEST(Scatter, ReversesTheNormalPartOfTheRelativeVelocityAndKeepsTheRest) {
@@ -349,9 +349,9 @@ TEST(Scatter, ReversesTheNormalPartOfTheRelativeVelocityAndKeepsTheRest) {
     Vector const w = velocity(state.disks, 0) - velocity(state.disks, 1);
     Vector const p = momentum(state.disks);
     double const energy = kinetic_energy(state.disks);
-    Tally tally;
+    Counters counters;
     HotDisks disks(state, rows_in_order(state.disks.ids()));
-    scatter(disks.view(state.box, {}, 0.1), 0, 1, tally);
+    collide(disks.view(state.box, {}, 0.1), 0, 1, counters);
     disks.write_back(state);
     Vector const after = velocity(state.disks, 0) - velocity(state.disks, 1);
     double const length = std::sqrt(squared_length(b));
@@ -362,8 +362,8 @@ TEST(Scatter, ReversesTheNormalPartOfTheRelativeVelocityAndKeepsTheRest) {
     ASSERT_NEAR(momentum(state.disks).y, p.y, rounding * (m0 + m1));
     ASSERT_NEAR(kinetic_energy(state.disks), energy, rounding * (m0 + m1));
     // −b·Δp₀ = 2 (w·b) m₀m₁/(m₀ + m₁)
-    ASSERT_NEAR(tally.pair_virial, 2.0 * dot(w, b) * m0 * m1 / (m0 + m1), 10.0 * rounding);
-    ASSERT_EQ(tally.pair_collisions, 1U);
+    ASSERT_NEAR(counters.pair_virial, 2.0 * dot(w, b) * m0 * m1 / (m0 + m1), 10.0 * rounding);
+    ASSERT_EQ(counters.pair_collisions, 1U);
   }
 }
 
@@ -381,7 +381,7 @@ TEST(SteppedPeriodic, APathIsUnwrappedByTheImagesCounted) {
 
 // ---- the grid ---------------------------------------------------------------------------------------------------------
 
-TEST(SteppedGridReach, AFastDiskSeesAsFarAsItMoves) {
+TEST(SteppedGridCutoff, AFastDiskSeesAsFarAsItMoves) {
   // One step carries disk 0 over a quarter of the box, four cells and more of k = 20: the 3×3 block would miss disk 1.
   for (std::uint64_t const cells : {0U, 1U, 3U, 10U, 20U, 100U}) {
     State state = make_state(Edge::wall, {{.position = {0.25, 0.5}, .velocity = {1.0, 0.0}, .radius = 0.03125},
@@ -391,13 +391,13 @@ TEST(SteppedGridReach, AFastDiskSeesAsFarAsItMoves) {
       settings.cells = cells;
       settings.grid = GridKind::linked;
     }
-    Tally const tally = advance(state, 1, settings);
-    EXPECT_EQ(tally.pair_collisions, 1U) << cells << " cells a side, 0 for the packed grid";
+    Counters const counters = advance(state, 1, settings);
+    EXPECT_EQ(counters.pair_collisions, 1U) << cells << " cells a side, 0 for the packed grid";
     EXPECT_NO_THROW(validate(state));
   }
 }
 
-TEST(SteppedGridReach, ADiskThatBecameFastSeesFartherThanTheGridWasMadeFor) {
+TEST(SteppedGridCutoff, ADiskThatBecameFastSeesFartherThanTheGridWasMadeFor) {
   // A heavy disk kicks a light one to nearly twice its speed; the light one must not miss the next in its way.
   auto const start = [] {
     return make_state(Edge::wall, {{.position = {0.2, 0.5}, .velocity = {1.0, 0.0}, .radius = 0.03, .mass = 1e6},
@@ -409,41 +409,41 @@ TEST(SteppedGridReach, ADiskThatBecameFastSeesFartherThanTheGridWasMadeFor) {
   State fine = start();
   settings.cells = 1;
   settings.grid = GridKind::linked;
-  Tally const tally = advance(coarse, 3, settings);
+  Counters const counters = advance(coarse, 3, settings);
   settings.cells.reset();
   settings.grid = GridKind::packed;
   advance(fine, 3, settings);
-  EXPECT_GE(tally.pair_collisions, 2U);
+  EXPECT_GE(counters.pair_collisions, 2U);
   EXPECT_EQ(hash(coarse), hash(fine));
 }
 
-TEST(SteppedGridReach, ABoxChangedBetweenCallsGetsANewGrid) {
+TEST(SteppedGridCutoff, ABoxChangedBetweenCallsGetsANewGrid) {
   // Cells of the old box would put the two disks, neighbours across the edge of the new box, far apart.
   State state = make_state(Edge::periodic, {{.position = {0.3, 0.5}, .velocity = {0.0, 1.0}, .radius = 0.02},
                                             {.position = {0.48, 0.2}, .velocity = {1.0, 0.0}, .radius = 0.02},
                                             {.position = {0.03, 0.2}, .radius = 0.02}});
   auto const engine = make_engine({.cells = 10}, state);
-  Tally tally;
-  engine->advance(state, tally, {.step = 1});
-  ASSERT_EQ(tally.pair_collisions, 0U);
+  Counters counters;
+  engine->advance(state, counters, {.step = 1});
+  ASSERT_EQ(counters.pair_collisions, 0U);
   state.box = Box(0.5, 1.0, Edge::periodic);
   ASSERT_NO_THROW(validate(state));
-  engine->advance(state, tally, {.step = 20});
-  EXPECT_EQ(tally.pair_collisions, 1U);
+  engine->advance(state, counters, {.step = 20});
+  EXPECT_EQ(counters.pair_collisions, 1U);
   EXPECT_NO_THROW(validate(state));
 }
 
-// ---- horizons ---------------------------------------------------------------------------------------------------------
+// ---- stop conditions --------------------------------------------------------------------------------------------------
 
-TEST(SteppedHorizon, StopsAtTheStepTheTimeOrTheCollisionsWhicheverComesFirst) {
+TEST(SteppedStopCondition, StopsAtTheStepTheTimeOrTheCollisionsWhicheverComesFirst) {
   auto const start = [] {
     return make_state(Edge::wall, {{.position = {0.25, 0.5}, .velocity = {1.0, 0.0}}, {.position = {0.75, 0.5}}});
   };
   // A step lasts 1/16; the collision comes in step 5.
-  auto const steps_to = [&](Horizon const& horizon) {
+  auto const steps_to = [&](StopCondition const& stop_condition) {
     State state = start();
-    Tally tally;
-    make_engine(exact_settings(), state)->advance(state, tally, horizon);
+    Counters counters;
+    make_engine(exact_settings(), state)->advance(state, counters, stop_condition);
     return state.clock.step;
   };
   EXPECT_EQ(steps_to({.step = 3}), 3U);
@@ -458,17 +458,17 @@ TEST(SteppedHorizon, StopsAtTheStepTheTimeOrTheCollisionsWhicheverComesFirst) {
   EXPECT_EQ(steps_to({.pair_collisions = 0}), 0U);
 }
 
-TEST(SteppedHorizon, AHorizonAlreadyReachedChangesNothing) {
+TEST(SteppedStopCondition, AStopConditionAlreadyMetChangesNothing) {
   State state = make_state(Edge::wall, {{.position = {0.25, 0.5}, .velocity = {1.0, 0.0}}});
   auto const engine = make_engine(exact_settings(), state);
-  Tally tally;
-  engine->advance(state, tally, {.step = 7});
+  Counters counters;
+  engine->advance(state, counters, {.step = 7});
   std::uint64_t const before = hash(state);
-  engine->advance(state, tally, {.step = 7});
-  engine->advance(state, tally, {.step = 3});
-  engine->advance(state, tally, {.time = state.clock.time});
+  engine->advance(state, counters, {.step = 7});
+  engine->advance(state, counters, {.step = 3});
+  engine->advance(state, counters, {.time = state.clock.time});
   EXPECT_EQ(hash(state), before);
-  EXPECT_EQ(tally.turns, 7U);
+  EXPECT_EQ(counters.moves, 7U);
 }
 
 // ---- set-ups ----------------------------------------------------------------------------------------------------------
@@ -550,9 +550,9 @@ TEST(SteppedFailure, ASubStepThatBecameTooLongStopsTheRunNamingStepDiskAndLength
   State state = make_state(Edge::wall,
                            {{.position = {0.15, 0.5}, .velocity = {0.7, 0.0}, .mass = 1e6}, {.position = {0.5, 0.5}}});
   auto const engine = make_engine({.time_step = 1.0, .substeps = 1}, state);
-  Tally tally;
+  Counters counters;
   try {
-    engine->advance(state, tally, {.step = 100});
+    engine->advance(state, counters, {.step = 100});
     FAIL() << "the light disk jumped";
   } catch (RunFailure const& failure) {
     std::string const text = failure.what();
@@ -567,8 +567,8 @@ TEST(SteppedFailure, AVelocityThatIsNotANumberStopsTheRun) {
   State state = make_state(Edge::wall, {{.position = {0.25, 0.5}}});
   auto const engine = make_engine({}, state);
   state.disks.column<VelocityX>()[0] = std::nan("");
-  Tally tally;
-  EXPECT_THROW(engine->advance(state, tally, {.step = 1}), RunFailure);
+  Counters counters;
+  EXPECT_THROW(engine->advance(state, counters, {.step = 1}), RunFailure);
 }
 
 }  // namespace

@@ -114,7 +114,7 @@ TEST(CellLayout, ABlockNamesNoCellTwiceHoweverSmallTheBox) {
           for (int reach_columns = 0; reach_columns <= layout.columns(); ++reach_columns) {
             for (int reach_rows = 0; reach_rows <= layout.rows(); ++reach_rows) {
               // What belongs to the block, straight from the definition: cells whose distance, around a periodic box
-              // the shorter way, is at most the reach.
+              // the shorter way, is at most the cutoff.
               auto const distance = [&](int a, int b, int count) {
                 int const d = std::abs(a - b);
                 return edge == Edge::periodic ? std::min(d, count - d) : d;
@@ -186,33 +186,33 @@ TEST(CellLayout, RefusesNoCellsAndTooMany) {
   EXPECT_NO_THROW(CellLayout(box, 46340, 46340));
 }
 
-TEST(LayoutForReach, IsTheFinestWhose3By3BlockIsEnough) {
+TEST(LayoutForCutoff, IsTheFinestWhose3By3BlockIsEnough) {
   Box const box(1.0, 2.0, Edge::periodic);
-  CellLayout const layout = layout_for_reach(box, 0.15, 1000);
+  CellLayout const layout = layout_for_cutoff(box, 0.15, 1000);
   EXPECT_EQ(layout.columns(), 6);
   EXPECT_EQ(layout.rows(), 13);
   EXPECT_EQ(layout.columns_within(0.15), 1);
   EXPECT_EQ(layout.rows_within(0.15), 1);
 }
 
-TEST(LayoutForReach, ASideOfExactlyNReachesStillNeedsOneRingOnly) {
+TEST(LayoutForCutoff, ASideOfExactlyNReachesStillNeedsOneRingOnly) {
   for (std::uint64_t n = 1; n < 200; ++n) {
     double const side = 0.1 * static_cast<double>(n);
-    CellLayout const layout = layout_for_reach(Box(side, side, Edge::wall), 0.1, 100000);
+    CellLayout const layout = layout_for_cutoff(Box(side, side, Edge::wall), 0.1, 100000);
     ASSERT_LE(layout.columns_within(0.1), 1) << n;
     ASSERT_GE(layout.columns(), static_cast<int>(n) - 1) << n;
   }
 }
 
-TEST(LayoutForReach, MakesOneCellOfABoxSmallerThanTheReach) {
-  EXPECT_EQ(layout_for_reach(Box(1.0, 1.0, Edge::periodic), 5.0, 10).count(), 1);
+TEST(LayoutForCutoff, MakesOneCellOfABoxSmallerThanTheCutoff) {
+  EXPECT_EQ(layout_for_cutoff(Box(1.0, 1.0, Edge::periodic), 5.0, 10).count(), 1);
 }
 
-TEST(LayoutForReach, MakesNoMoreThanAboutTwoCellsAnAgent) {
+TEST(LayoutForCutoff, MakesNoMoreThanAboutTwoCellsAnAgent) {
   for (std::size_t const agents :
        {std::size_t{0}, std::size_t{1}, std::size_t{10}, std::size_t{841}, std::size_t{100000}}) {
     for (double const width : {1e-4, 0.1, 1.0, 10.0, 1e4}) {
-      CellLayout const layout = layout_for_reach(Box(width, 1.0, Edge::wall), 1e-9, agents);
+      CellLayout const layout = layout_for_cutoff(Box(width, 1.0, Edge::wall), 1e-9, agents);
       double const most = 2.0 * static_cast<double>(agents) + 1.0;
       double const margin = layout.columns() + layout.rows() + 1.0;  // rounding up each side
       EXPECT_LE(layout.count(), most + margin) << agents << " agents, width " << width;

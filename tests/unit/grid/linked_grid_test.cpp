@@ -15,9 +15,9 @@ std::vector<std::size_t> in_cell(LinkedGrid const& grid, int cell) {
   return agents;
 }
 
-std::vector<std::size_t> in_block(LinkedGrid const& grid, int cell, int reach) {
+std::vector<std::size_t> in_block(LinkedGrid const& grid, int cell, int cutoff) {
   std::vector<std::size_t> agents;
-  grid.for_each_in_block(cell, reach, reach, [&](std::size_t agent) { agents.push_back(agent); });
+  grid.for_each_in_block(cell, cutoff, cutoff, [&](std::size_t agent) { agents.push_back(agent); });
   std::ranges::sort(agents);
   return agents;
 }

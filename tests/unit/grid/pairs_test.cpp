@@ -18,9 +18,9 @@ namespace {
 
 using Pairs = std::set<std::pair<std::size_t, std::size_t>>;
 
-Pairs pairs_within(State const& state, double reach) {
+Pairs pairs_within(State const& state, double cutoff) {
   Pairs pairs;
-  for_each_pair(state, grid_for_reach(state, reach), reach, [&](std::size_t i, std::size_t j, Vector separation) {
+  for_each_pair(state, grid_for_cutoff(state, cutoff), cutoff, [&](std::size_t i, std::size_t j, Vector separation) {
     EXPECT_GT(i, j);
     EXPECT_EQ(separation, state.box.displacement(position(state.disks, i), position(state.disks, j)));
     EXPECT_TRUE(pairs.emplace(i, j).second) << "a pair came twice";
@@ -40,7 +40,7 @@ TEST(ForEachPair, FindsPairsAcrossTheEdgeOfAPeriodicBoxOnly) {
   EXPECT_EQ(pairs_within(points(Edge::periodic, where), 0.1), (Pairs{{1, 0}, {2, 0}, {2, 1}, {3, 0}, {3, 1}, {3, 2}}));
 }
 
-TEST(ForEachPair, TheReachItselfIsOutside) {
+TEST(ForEachPair, TheCutoffItselfIsOutside) {
   State const state = points(Edge::wall, {{0.25, 0.5}, {0.5, 0.5}, {0.75, 0.5}});
   EXPECT_EQ(pairs_within(state, 0.25), Pairs{});
   EXPECT_EQ(pairs_within(state, 0.2500000001), (Pairs{{1, 0}, {2, 1}}));
@@ -94,9 +94,9 @@ TYPED_TEST(AnyGrid, MovesAllItHoldsAlsoWhereItHasRoomForMore) {
 
 TEST(PackedGrid, RefusesACutoffThatIsNoDistance) {
   State const state = points(Edge::wall, {{0.1, 0.5}, {0.5, 0.5}, {0.9, 0.5}});
-  PackedGrid const grid = grid_for_reach(state, 0.2);
+  PackedGrid const grid = grid_for_cutoff(state, 0.2);
   for (double const bad : {-1.0, std::nan("")}) {
-    EXPECT_THROW(static_cast<void>(layout_for_reach(state.box, bad, 3)), Error) << bad;
+    EXPECT_THROW(static_cast<void>(layout_for_cutoff(state.box, bad, 3)), Error) << bad;
     EXPECT_THROW(pairs_within(state, bad), Error) << bad;
     EXPECT_THROW(grid.for_each_candidate_pair(bad, [](std::size_t, std::size_t) {}), Error) << bad;
   }
@@ -115,7 +115,7 @@ TYPED_TEST(AnyGrid, FindsPairsOfImagesOutsideAPeriodicBox) {
     for (bool const is_x : {true, false}) {
       State const state =
           points(Edge::periodic, {is_x ? Vector{a, 0.5} : Vector{0.5, a}, is_x ? Vector{b, 0.5} : Vector{0.5, b}});
-      TypeParam const grid = grid_for_reach<TypeParam>(state, 0.2);
+      TypeParam const grid = grid_for_cutoff<TypeParam>(state, 0.2);
       Vector const expected = state.box.displacement(position(state.disks, 1), position(state.disks, 0));
       EXPECT_EQ(squared_length(expected), 0.125 * 0.125);
       std::size_t found = 0;
@@ -162,18 +162,18 @@ TYPED_TEST(AnyGrid, FollowsAnAgentOutOfAPeriodicBoxAndBack) {
   }
 }
 
-TYPED_TEST(AnyGrid, FindsAllBetweenWallsForAnyReachHoweverFar) {
+TYPED_TEST(AnyGrid, FindsAllBetweenWallsForAnyCutoffHoweverFar) {
   State const state = points(Edge::wall, {{0.1, 0.5}, {0.5, 0.5}, {0.9, 0.5}, {-7.0, 1e6}});
   TypeParam const grid(CellLayout(state.box, 5, 4), state.disks.column<X>(), state.disks.column<Y>());
-  for (double const reach : {1e7, 1e19, 1e200, std::numeric_limits<double>::infinity()}) {
+  for (double const cutoff : {1e7, 1e19, 1e200, std::numeric_limits<double>::infinity()}) {
     Pairs pairs;
-    for_each_pair(state, grid, reach, [&](std::size_t i, std::size_t j, Vector) {
+    for_each_pair(state, grid, cutoff, [&](std::size_t i, std::size_t j, Vector) {
       EXPECT_TRUE(pairs.emplace(i, j).second) << "a pair came twice";
     });
-    EXPECT_EQ(pairs, (Pairs{{1, 0}, {2, 0}, {2, 1}, {3, 0}, {3, 1}, {3, 2}})) << reach;
+    EXPECT_EQ(pairs, (Pairs{{1, 0}, {2, 0}, {2, 1}, {3, 0}, {3, 1}, {3, 2}})) << cutoff;
     std::size_t neighbours = 0;
-    for_each_neighbour(state, grid, reach, std::size_t{3}, [&](std::size_t, Vector) { ++neighbours; });
-    EXPECT_EQ(neighbours, 3U) << reach;
+    for_each_neighbour(state, grid, cutoff, std::size_t{3}, [&](std::size_t, Vector) { ++neighbours; });
+    EXPECT_EQ(neighbours, 3U) << cutoff;
   }
 }
 
@@ -187,7 +187,7 @@ TYPED_TEST(AnyGrid, FindsHundredsOfNeighboursInOneCell) {
   EXPECT_EQ(found.size(), 299U);
 }
 
-TEST(ForEachPair, WorksOnAGridCutMuchFinerThanTheReach) {
+TEST(ForEachPair, WorksOnAGridCutMuchFinerThanTheCutoff) {
   State const state = points(Edge::wall, {{0.1, 0.5}, {0.5, 0.5}, {0.9, 0.5}});
   LinkedGrid const fine(CellLayout(state.box, 50, 50), state.disks.column<X>(), state.disks.column<Y>());
   Pairs pairs;

@@ -29,12 +29,12 @@ struct Everything {
   std::vector<std::uint32_t> places{7};
   std::vector<std::uint64_t> ids;
 
-  void carry(Archive& archive) {
+  void serialize(Archive& archive) {
     archive.visit("flag", flag);
     archive.visit("number", number);
     archive.visit("count", count);
     archive.visit("text", text);
-    carry_inside(archive, "lists", [&] {
+    serialize_inside(archive, "lists", [&] {
       archive.visit("reals", reals);
       archive.visit("integers", integers);
       archive.visit("places", places);
@@ -47,8 +47,8 @@ Everything nothing() {
   return {.flag = false, .number = 5.0, .count = 0, .text = "", .reals = {}, .integers = {}, .places = {}, .ids = {1}};
 }
 
-CarryAll carrying(Everything& thing) {
-  return [&thing](Archive& archive) { thing.carry(archive); };
+SerializeAll serializing(Everything& thing) {
+  return [&thing](Archive& archive) { thing.serialize(archive); };
 }
 
 std::string message_of(std::function<void()> const& action) {
@@ -78,7 +78,7 @@ TEST(Checkpoint, BringsEveryBitBack) {
   Everything saved;
   saved.number = std::bit_cast<double>(std::uint64_t{0xFFF8'0000'0000'1234});  // a NaN with a payload
   Everything restored = nothing();
-  from_checkpoint(to_checkpoint(carrying(saved)), "a", carrying(restored));
+  from_checkpoint(to_checkpoint(serializing(saved)), "a", serializing(restored));
   EXPECT_EQ(restored.flag, saved.flag);
   EXPECT_EQ(std::bit_cast<std::uint64_t>(restored.number), std::bit_cast<std::uint64_t>(saved.number));
   EXPECT_EQ(restored.count, saved.count);
@@ -92,39 +92,39 @@ TEST(Checkpoint, BringsEveryBitBack) {
 
 TEST(Checkpoint, RefusesEveryFlippedBit) {
   Everything saved;
-  std::string const good = to_checkpoint(carrying(saved));
+  std::string const good = to_checkpoint(serializing(saved));
   for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
     // Four bytes of the header mean nothing and are not looked at.
     if (bit / 8 >= 12 && bit / 8 < 16) continue;
     std::string bad = good;
     bad[bit / 8] = static_cast<char>(bad[bit / 8] ^ (1 << bit % 8));
     Everything restored = nothing();
-    EXPECT_THROW(from_checkpoint(bad, "a", carrying(restored)), Error) << "bit " << bit;
+    EXPECT_THROW(from_checkpoint(bad, "a", serializing(restored)), Error) << "bit " << bit;
   }
 }
 
 TEST(Checkpoint, RefusesEveryBeginningOfItself) {
   Everything saved;
-  std::string const good = to_checkpoint(carrying(saved));
+  std::string const good = to_checkpoint(serializing(saved));
   for (std::size_t size = 0; size < good.size(); ++size) {
     Everything restored = nothing();
-    EXPECT_THROW(from_checkpoint(good.substr(0, size), "a", carrying(restored)), Error) << size << " bytes";
+    EXPECT_THROW(from_checkpoint(good.substr(0, size), "a", serializing(restored)), Error) << size << " bytes";
   }
 }
 
 TEST(Checkpoint, OfAnotherFormatIsRefusedSayingSo) {
   Everything saved;
-  std::string other = to_checkpoint(carrying(saved));
+  std::string other = to_checkpoint(serializing(saved));
   other[8] = 2;
-  EXPECT_NE(message_of([&] { from_checkpoint(other, "a", carrying(saved)); }).find("format 2"), std::string::npos);
+  EXPECT_NE(message_of([&] { from_checkpoint(other, "a", serializing(saved)); }).find("format 2"), std::string::npos);
 }
 
 TEST(Checkpoint, WithoutAMemberIsRefusedNamingIt) {
   Everything saved;
-  std::string const bytes = to_checkpoint(carrying(saved));
+  std::string const bytes = to_checkpoint(serializing(saved));
   std::string const message = message_of([&] {
     from_checkpoint(bytes, "a", [](Archive& archive) {
-      carry_inside(archive, "lists", [&] {
+      serialize_inside(archive, "lists", [&] {
         std::vector<double> more;
         archive.visit("more", more);
       });
@@ -134,7 +134,7 @@ TEST(Checkpoint, WithoutAMemberIsRefusedNamingIt) {
   std::string const kind = message_of([&] {
     from_checkpoint(bytes, "a", [](Archive& archive) {
       std::vector<double> places;
-      carry_inside(archive, "lists", [&] { archive.visit("places", places); });
+      serialize_inside(archive, "lists", [&] { archive.visit("places", places); });
     });
   });
   EXPECT_NE(kind.find("another kind"), std::string::npos) << kind;
@@ -152,19 +152,19 @@ std::string with_header(std::string const& content) {
 TEST(Checkpoint, ThatHoldsAMemberTwiceIsRefused) {
   std::uint64_t a = 0;
   std::uint64_t b = 0;
-  CarryAll const carry = [&](Archive& archive) {
+  SerializeAll const serialize = [&](Archive& archive) {
     archive.visit("a", a);
     if (!archive.is_restoring()) archive.visit("b", b);
   };
   a = 1, b = 2;
-  std::string content = to_checkpoint(carry).substr(32);
+  std::string content = to_checkpoint(serialize).substr(32);
   a = 0;
-  from_checkpoint(with_header(content), "once", carry);
+  from_checkpoint(with_header(content), "once", serialize);
   EXPECT_EQ(a, 1U);
   std::size_t const name = content.find('b');
   ASSERT_NE(name, std::string::npos);
   content[name] = 'a';
-  std::string const message = message_of([&] { from_checkpoint(with_header(content), "twice", carry); });
+  std::string const message = message_of([&] { from_checkpoint(with_header(content), "twice", serialize); });
   EXPECT_NE(message.find("its content cannot be read"), std::string::npos) << message;
   EXPECT_EQ(a, 1U);
 }
@@ -175,12 +175,12 @@ TEST(Checkpoint, LeavesThePreviousOneAndGoesBackToItSayingSo) {
   first.count = 1;
   Everything second;
   second.count = 2;
-  EXPECT_EQ(restore_checkpoint(directory.path(), carrying(first)), std::nullopt);
-  write_checkpoint(directory.path(), carrying(first));
-  write_checkpoint(directory.path(), carrying(second));
+  EXPECT_EQ(restore_checkpoint(directory.path(), serializing(first)), std::nullopt);
+  write_checkpoint(directory.path(), serializing(first));
+  write_checkpoint(directory.path(), serializing(second));
 
   Everything restored = nothing();
-  auto const newest = restore_checkpoint(directory.path(), carrying(restored));
+  auto const newest = restore_checkpoint(directory.path(), serializing(restored));
   ASSERT_TRUE(newest);
   EXPECT_EQ(newest->note, "");
   EXPECT_EQ(restored.count, 2U);
@@ -188,15 +188,16 @@ TEST(Checkpoint, LeavesThePreviousOneAndGoesBackToItSayingSo) {
   std::string damaged = read_file(directory / "checkpoint.gridlock");
   damaged[damaged.size() / 2] = static_cast<char>(damaged[damaged.size() / 2] ^ 4);
   write_file(directory / "checkpoint.gridlock", damaged);
-  auto const previous = restore_checkpoint(directory.path(), carrying(restored));
+  auto const previous = restore_checkpoint(directory.path(), serializing(restored));
   ASSERT_TRUE(previous);
   EXPECT_NE(previous->note.find("damaged"), std::string::npos);
   EXPECT_EQ(restored.count, 1U);
 
   fs::remove(directory / "checkpoint.gridlock");  // as a crash between two renames leaves it
-  EXPECT_EQ(restore_checkpoint(directory.path(), carrying(restored))->file.filename(), "checkpoint.previous.gridlock");
+  EXPECT_EQ(restore_checkpoint(directory.path(), serializing(restored))->file.filename(),
+            "checkpoint.previous.gridlock");
   write_file(directory / "checkpoint.previous.gridlock", "GRIDLOCK");
-  EXPECT_THROW(static_cast<void>(restore_checkpoint(directory.path(), carrying(restored))), Error);
+  EXPECT_THROW(static_cast<void>(restore_checkpoint(directory.path(), serializing(restored))), Error);
 }
 
 TEST(Checkpoint, OfAPopulationGivesTheSameNamesToTheAgentsBornAfterwards) {
@@ -205,8 +206,8 @@ TEST(Checkpoint, OfAPopulationGivesTheSameNamesToTheAgentsBornAfterwards) {
   disks.remove(3);
   disks.remove(0);
   Disks restored;
-  from_checkpoint(to_checkpoint([&](Archive& archive) { disks.carry(archive); }), "a",
-                  [&](Archive& archive) { restored.carry(archive); });
+  from_checkpoint(to_checkpoint([&](Archive& archive) { disks.serialize(archive); }), "a",
+                  [&](Archive& archive) { restored.serialize(archive); });
   EXPECT_TRUE(std::ranges::equal(disks.ids(), restored.ids()));
   EXPECT_TRUE(std::ranges::equal(disks.column<X>(), restored.column<X>()));
   EXPECT_FALSE(restored.contains(0));

@@ -30,7 +30,7 @@ struct Scripted {
   double declared = 0.1;
   std::vector<Vector> places{{0.2, 0.2}, {0.5, 0.5}, {0.55, 0.5}};
 
-  double reach() const { return declared; }
+  double cutoff() const { return declared; }
   double time_step() const { return 1.0; }
   void start(World<Scripted>& world) const {
     for (Vector const p : places) world.agents.add(p.x, p.y);
@@ -86,7 +86,7 @@ TYPED_TEST(EveryScheduleOfTurns, RefusesADisplacementAsLongAsTheBox) {
   this->expect_failure([](auto& self) { self.move_by({-infinity, 0.0}); }, "inf");
 }
 
-TYPED_TEST(EveryScheduleOfTurns, RefusesASearchBeyondTheDeclaredReach) {
+TYPED_TEST(EveryScheduleOfTurns, RefusesASearchBeyondTheDeclaredCutoff) {
   auto const ignore = [](auto const&) {};
   this->expect_failure([&](auto& self) { self.for_each_neighbour(0.5, ignore); },
                        "searches within 0.5 of (0.5, 0.5), but the model declares that it looks 0.1 far");
@@ -154,7 +154,7 @@ struct Silent {
   static constexpr std::string_view name = "silent";
   static constexpr Schedule schedule = Schedule::synchronous;
   using Agents = Population<X, Y>;
-  double reach() const { return 0.1; }
+  double cutoff() const { return 0.1; }
   double time_step() const { return 1.0; }
   void start(World<Silent>& world) const { world.agents.add(0.5, 0.5); }
   void turn(Turn<Silent>& self) const { self.count(7); }
@@ -171,7 +171,7 @@ struct Stepping {
   static constexpr Schedule schedule = Schedule::sequential;
   using Agents = Population<X, Y>;
   double step = 1.0;
-  double reach() const { return 0.1; }
+  double cutoff() const { return 0.1; }
   double time_step() const { return step; }
   void start(World<Stepping>& world) const { world.agents.add(0.5, 0.5); }
   void turn(Turn<Stepping>&) const {}
@@ -190,18 +190,18 @@ struct Open {
   static constexpr Schedule schedule = Schedule::events;
   static constexpr std::array<std::string_view, 1> events{"only"};
   using Agents = Population<X, Y>;
-  std::function<void(OpenWorld<Open>&)> act;
-  double reach() const { return 0.1; }
+  std::function<void(MutableWorld<Open>&)> act;
+  double cutoff() const { return 0.1; }
   double time_step() const { return 1.0; }
   void start(World<Open>& world) const { world.agents.add(0.5, 0.5); }
-  void step(OpenWorld<Open>& world) const { act(world); }
+  void step(MutableWorld<Open>& world) const { act(world); }
 };
 
-std::string failure_of_events(std::function<void(OpenWorld<Open>&)> act) {
+std::string failure_of_events(std::function<void(MutableWorld<Open>&)> act) {
   return failure_of(Open{.act = std::move(act)}, Box(1.0, 1.0, Edge::periodic));
 }
 
-TEST(OpenWorld, RefusesBirthsAndMovesOutsideTheBox) {
+TEST(MutableWorld, RefusesBirthsAndMovesOutsideTheBox) {
   EXPECT_NE(failure_of_events([](auto& world) { world.add(1.5, 0.5); }).find("newborn agent at (1.5, 0.5)"),
             std::string::npos);
   EXPECT_NE(failure_of_events([](auto& world) {
@@ -210,7 +210,7 @@ TEST(OpenWorld, RefusesBirthsAndMovesOutsideTheBox) {
             std::string::npos);
 }
 
-TEST(OpenWorld, RefusesSearchesBeyondTheDeclaredReach) {
+TEST(MutableWorld, RefusesSearchesBeyondTheDeclaredCutoff) {
   EXPECT_NE(failure_of_events([](auto& world) {
               static_cast<void>(world.nearest({0.5, 0.5}, 0.2));
             }).find("searches within 0.2 of (0.5, 0.5), but the model declares that it looks 0.1 far"),
@@ -221,17 +221,17 @@ TEST(OpenWorld, RefusesSearchesBeyondTheDeclaredReach) {
             std::string::npos);
 }
 
-TEST(OpenWorld, RefusesEventsThatAreNotDeclared) {
+TEST(MutableWorld, RefusesEventsThatAreNotDeclared) {
   EXPECT_NE(failure_of_events([](auto& world) { world.count(1); }).find("declares 1 events: only"), std::string::npos);
 }
 
-TEST(OpenWorld, RefusesAgentsThatAreNotAlive) {
-  for (auto const& act :
-       std::vector<std::function<void(OpenWorld<Open>&)>>{[](auto& world) { world.remove(5); },
-                                                          [](auto& world) {
-                                                            world.move_to(5, {0.5, 0.5});
-                                                          },
-                                                          [](auto& world) { static_cast<void>(world.position(5)); }}) {
+TEST(MutableWorld, RefusesAgentsThatAreNotAlive) {
+  for (auto const& act : std::vector<std::function<void(MutableWorld<Open>&)>>{
+           [](auto& world) { world.remove(5); },
+           [](auto& world) {
+             world.move_to(5, {0.5, 0.5});
+           },
+           [](auto& world) { static_cast<void>(world.position(5)); }}) {
     EXPECT_NE(failure_of_events(act).find("step 0: there is no agent 5"), std::string::npos);
   }
 }

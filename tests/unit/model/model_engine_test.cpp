@@ -30,7 +30,7 @@ struct Scripted {
 
   std::function<void(Turn<Scripted>&)> script;
 
-  [[nodiscard]] double reach() const { return 0.1; }
+  [[nodiscard]] double cutoff() const { return 0.1; }
   [[nodiscard]] double time_step() const { return 0.5; }
   void turn(Turn<Scripted>& self) const {
     self.count(0);
@@ -188,7 +188,7 @@ struct Latecomers {
   using Agents = Population<X, Y>;
   double* room_told;
 
-  [[nodiscard]] double reach() const { return 0.1; }
+  [[nodiscard]] double cutoff() const { return 0.1; }
   [[nodiscard]] double time_step() const { return 0.5; }
   [[nodiscard]] CellLayout cells(World<Latecomers> const& world) const { return {world.box, 8, 8}; }
   [[nodiscard]] bool is_local(Turn<Latecomers> const&, double room) const {
@@ -214,10 +214,10 @@ struct Script {
   static constexpr std::string_view name = "script";
   static constexpr Schedule schedule = Schedule::events;
   using Agents = Population<X, Y, Kind>;
-  std::function<void(OpenWorld<Script>&)> script;
-  [[nodiscard]] double reach() const { return 0.2; }
+  std::function<void(MutableWorld<Script>&)> script;
+  [[nodiscard]] double cutoff() const { return 0.2; }
   [[nodiscard]] double time_step() const { return 1.0; }
-  void step(OpenWorld<Script>& world) const { script(world); }
+  void step(MutableWorld<Script>& world) const { script(world); }
 };
 
 World<Script> world_of_events(std::vector<Vector> const& places) {
@@ -229,7 +229,7 @@ World<Script> world_of_events(std::vector<Vector> const& places) {
 TEST(ModelEngineOfEvents, KnowsTheAgentsThatCameBetweenTwoCalls) {
   std::vector<Id> seen;
   ModelEngine<Script> engine({.script =
-                                  [&](OpenWorld<Script>& world) {
+                                  [&](MutableWorld<Script>& world) {
                                     seen.clear();
                                     world.for_each_neighbour({0.5, 0.5}, 0.2, [&](Id id) { seen.push_back(id); });
                                   }},
@@ -242,10 +242,10 @@ TEST(ModelEngineOfEvents, KnowsTheAgentsThatCameBetweenTwoCalls) {
   EXPECT_EQ(seen, (std::vector<Id>{0, 2}));
 }
 
-TEST(OpenWorld, TheNearestIsTheOneOfTheLowerIdAmongEquallyNearAndNeverTheExcepted) {
+TEST(MutableWorld, TheNearestIsTheOneOfTheLowerIdAmongEquallyNearAndNeverTheExcepted) {
   World<Script> world = world_of_events({{0.5, 0.5}, {0.625, 0.5}, {0.375, 0.5}, {0.5, 0.6875}});
   ModelEngine<Script>({.script =
-                           [](OpenWorld<Script>& open) {
+                           [](MutableWorld<Script>& open) {
                              Vector const p{0.5, 0.5};
                              EXPECT_EQ(open.nearest(p, 0.2), std::optional<Id>(0));
                              EXPECT_EQ(open.nearest(p, 0.2, Id{0}), std::optional<Id>(1));
@@ -256,12 +256,12 @@ TEST(OpenWorld, TheNearestIsTheOneOfTheLowerIdAmongEquallyNearAndNeverTheExcepte
       .advance(world, {.step = 1});
 }
 
-TEST(OpenWorld, NeighboursComeInTheOrderOfTheirIds) {
+TEST(MutableWorld, NeighboursComeInTheOrderOfTheirIds) {
   std::vector<Vector> places;
   for (int n = 0; n < 60; ++n) places.push_back({0.5 + 0.0625 * ((n * 7) % 5 - 2), 0.5 + 0.0625 * ((n * 11) % 3 - 1)});
   World<Script> world = world_of_events(places);
   ModelEngine<Script>({.script =
-                           [](OpenWorld<Script>& open) {
+                           [](MutableWorld<Script>& open) {
                              for (Id const gone : {3, 20, 41}) open.remove(gone);  // the last rows take their places
                              std::vector<Id> seen;
                              open.for_each_neighbour({0.5, 0.5}, 0.2, [&](Id id) { seen.push_back(id); });
@@ -272,11 +272,11 @@ TEST(OpenWorld, NeighboursComeInTheOrderOfTheirIds) {
       .advance(world, {.step = 1});
 }
 
-TEST(OpenWorld, RandomNumbersDifferFromStepToStep) {
+TEST(MutableWorld, RandomNumbersDifferFromStepToStep) {
   std::vector<double> drawn;
   World<Script> world = world_of_events({});
-  ModelEngine<Script>({.script = [&](OpenWorld<Script>& open) { drawn.push_back(open.random().uniform()); }}, world.box,
-                      {})
+  ModelEngine<Script>({.script = [&](MutableWorld<Script>& open) { drawn.push_back(open.random().uniform()); }},
+                      world.box, {})
       .advance(world, {.step = 2});
   ASSERT_EQ(drawn.size(), 2U);
   EXPECT_NE(drawn[0], drawn[1]);

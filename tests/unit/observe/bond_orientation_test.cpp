@@ -18,8 +18,8 @@ using namespace hand_built;
 BondOrientationOrder from_definition(State const& state) {
   std::size_t const n = state.disks.size();
   double const density = static_cast<double>(n) / state.box.area();
-  double reach = 1.5 * std::sqrt(2.0 / (std::sqrt(3.0) * density));
-  if (state.box.is_periodic()) reach = std::min(reach, 0.5 * std::min(state.box.width(), state.box.height()));
+  double cutoff = 1.5 * std::sqrt(2.0 / (std::sqrt(3.0) * density));
+  if (state.box.is_periodic()) cutoff = std::min(cutoff, 0.5 * std::min(state.box.width(), state.box.height()));
   std::complex<double> global;
   double local = 0.0;
   for (std::size_t j = 0; j < n; ++j) {
@@ -27,7 +27,7 @@ BondOrientationOrder from_definition(State const& state) {
     int neighbours = 0;
     for (std::size_t k = 0; k < n; ++k) {
       Vector const r = state.box.displacement(position(state.disks, j), position(state.disks, k));
-      if (k == j || std::hypot(r.x, r.y) >= reach) continue;
+      if (k == j || std::hypot(r.x, r.y) >= cutoff) continue;
       sum += std::polar(1.0, 6.0 * std::atan2(r.y, r.x));
       ++neighbours;
     }

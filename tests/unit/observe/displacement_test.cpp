@@ -70,14 +70,14 @@ TEST(Displacement, FollowsADiskThroughPeriodicEdges) {
   add_disk(state, {0.9, 0.2}, {1.5, -1.0}, 0.05);
   EngineSettings const settings{.time_step = 0.25};  // 0.025 time units
   auto const engine = make_engine(settings, state);
-  Tally tally;
-  engine->advance(state, tally, {.step = 4});
+  Counters counters;
+  engine->advance(state, counters, {.step = 4});
   Displacement displacement;
-  displacement.begin({state, tally});  // images that are not zero at the start must not count
+  displacement.begin({state, counters});  // images that are not zero at the start must not count
   std::uint64_t const first = state.clock.step;
   double const start = state.clock.time;
-  engine->advance(state, tally, {.step = first + 40});
-  auto const row = sample(displacement, state, tally);
+  engine->advance(state, counters, {.step = first + 40});
+  auto const row = sample(displacement, state, counters);
   double const time = state.clock.time - start;
   ASSERT_GT(time, 0.99);
   EXPECT_NEAR(row[0], std::hypot(1.5, 1.0) * time, 1e-12);

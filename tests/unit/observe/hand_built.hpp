@@ -77,10 +77,10 @@ inline State with_rows_reversed(State const& state) {
 }
 
 /// Takes one sample and returns its row.
-inline std::vector<double> sample(Observable& observable, State const& state, Tally const& tally = {},
+inline std::vector<double> sample(Observable& observable, State const& state, Counters const& counters = {},
                                   bool counts_for_average = true) {
   std::vector<double> row(observable.columns().size(), 0.0);
-  observable.sample({state, tally}, row, counts_for_average);
+  observable.sample({state, counters}, row, counts_for_average);
   return row;
 }
 

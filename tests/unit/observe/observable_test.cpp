@@ -39,7 +39,7 @@ std::set<std::string> const names_everywhere{"mean_displacement",
                                              "speed_moment_ratio",
                                              "collision_rate",
                                              "mean_free_time",
-                                             "blocked_share",
+                                             "halted_fraction",
                                              "virial_pressure",
                                              "compressibility_factor",
                                              "velocity_autocorrelation",
@@ -64,20 +64,20 @@ TEST(MakeObservables, LeavesOutStructureWhereItIsNotAskedFor) {
   EXPECT_TRUE(names.contains("mean_displacement"));
 }
 
-/// A run of `samples` samples in which disks fly freely and the tally grows; every number that comes out is checked.
+/// A run of `samples` samples in which disks fly freely and the counters grow; every number that comes out is checked.
 void expect_only_numbers(State state, int samples, bool passes_time) {
-  Tally tally;
-  auto const observables = make_observables({.structure_every = 1, .pair_correlation_bins = 5}, {state, tally});
+  Counters counters;
+  auto const observables = make_observables({.structure_every = 1, .pair_correlation_bins = 5}, {state, counters});
   for (int n = 0; n < samples; ++n) {
     for (auto const& observable : observables) {
-      for (double const value : sample(*observable, state, tally)) EXPECT_FALSE(std::isinf(value));
+      for (double const value : sample(*observable, state, counters)) EXPECT_FALSE(std::isinf(value));
     }
     if (!passes_time) continue;
     state.clock.step += 1;
     state.clock.time += 0.1;
-    tally.turns += state.disks.size();
-    tally.pair_collisions += state.disks.size() / 2;
-    tally.pair_virial += 0.01 * static_cast<double>(state.disks.size() / 2);
+    counters.moves += state.disks.size();
+    counters.pair_collisions += state.disks.size() / 2;
+    counters.pair_virial += 0.01 * static_cast<double>(state.disks.size() / 2);
   }
   for (auto const& observable : observables) {
     for (NamedEstimate const& named : observable->results()) {
@@ -125,8 +125,8 @@ TEST(MakeObservables, OfAnEngineWithoutTurnsLeavesOutTheirShare) {
     State later = state;
     later.clock.time = 1.0;
     for (auto const& observable : observables) {
-      sample(*observable, later, {.turns = 100, .blocked_turns = 10});
-      has_share = has_share || result(*observable, "blocked_share");
+      sample(*observable, later, {.moves = 100, .halted_moves = 10});
+      has_share = has_share || result(*observable, "halted_fraction");
     }
     EXPECT_EQ(has_share, has_turns);
   }
@@ -166,22 +166,22 @@ class StirredRun {
   [[nodiscard]] std::vector<std::unique_ptr<Observable>> begin() const {
     return make_observables(
         {.structure_every = 2, .pair_correlation_bins = 4, .speed_bins = 6, .velocity_origin_every = 3},
-        {state_, tally_});
+        {state_, counters_});
   }
   void go_to(int n) {
     stir(static_cast<std::uint64_t>(n));
     state_.clock.time = 0.5 * n;
     state_.disks.column<ImageX>()[3] = n;
     auto const count = static_cast<std::uint64_t>(n);
-    tally_ = {.turns = 40 * count,
-              .blocked_turns = count * count / 9,
-              .pair_collisions = 7 * count + count * count / 5,
-              .wall_hits = {count, 2 * count, 3 * count, count * count},
-              .pair_virial = 0.1 * n * n};
-    tally_.wall_impulse = {1.0 * n, 0.5 * n * n, 2.0 * n, 1.5 * n};
+    counters_ = {.moves = 40 * count,
+                 .halted_moves = count * count / 9,
+                 .pair_collisions = 7 * count + count * count / 5,
+                 .wall_hits = {count, 2 * count, 3 * count, count * count},
+                 .pair_virial = 0.1 * n * n};
+    counters_.wall_impulse = {1.0 * n, 0.5 * n * n, 2.0 * n, 1.5 * n};
   }
   [[nodiscard]] std::vector<double> sample_of(Observable& observable, int n) const {
-    return sample(observable, state_, tally_, n > 4);
+    return sample(observable, state_, counters_, n > 4);
   }
 
  private:
@@ -192,7 +192,7 @@ class StirredRun {
     draw_maxwell(state_, 1.0 + 0.1 * static_cast<double>(seed), seed);
   }
   State state_;
-  Tally tally_;
+  Counters counters_;
 };
 
 /// Every number that an observable gives, as text that tells every bit.
@@ -223,8 +223,8 @@ TEST(Observables, SavedAndRestoredAtAnySampleTheyGiveTheSameBits) {
           auto const row = run.sample_of(*whole[k], n);
           if (n <= stop) static_cast<void>(run.sample_of(*begun[k], n));
           if (n == stop) {
-            std::string const saved = to_checkpoint([&](Archive& archive) { begun[k]->carry(archive); });
-            from_checkpoint(saved, "saved", [&](Archive& archive) { resumed[k]->carry(archive); });
+            std::string const saved = to_checkpoint([&](Archive& archive) { begun[k]->serialize(archive); });
+            from_checkpoint(saved, "saved", [&](Archive& archive) { resumed[k]->serialize(archive); });
             EXPECT_EQ(everything_of(*resumed[k]), everything_of(*whole[k])) << "restored after " << n;
           } else if (n > stop) {
             auto const resumed_row = run.sample_of(*resumed[k], n);
@@ -265,7 +265,7 @@ TEST(Observables, BeginForgetsWhatCameBefore) {
     State moved = ideal_gas(Box(1, 1, Edge::wall), 30, 0.01, 2);
     moved.clock.time = 1.0;
     draw_maxwell(moved, 1.0, 2);
-    sample(*observable, moved, {.turns = 10, .pair_collisions = 3});
+    sample(*observable, moved, {.moves = 10, .pair_collisions = 3});
     observable->begin({state, {}});
     auto const fresh = make_observables({}, {state, {}});
     EXPECT_TRUE(observable->distributions().empty());
@@ -309,7 +309,7 @@ TEST(ObserveSettings, DescribeEverySettingWithADefaultInItsBounds) {
   Collector collector;
   describe(settings, collector);
   EXPECT_EQ(collector.keys,
-            (std::set<std::string>{"every", "discard", "structure_every", "pair_correlation_range",
+            (std::set<std::string>{"every", "equilibration", "structure_every", "pair_correlation_range",
                                    "pair_correlation_bins", "speed_range", "speed_bins", "velocity_origin_every"}));
 }
 

@@ -34,12 +34,12 @@ TEST(Pressure, OfDisksThatMeetNobodyIsThatOfTheIdealGas) {
 
 TEST(Pressure, OfPairsComesFromTheirVirial) {
   State state = two_disks(Box(3, 2, Edge::wall));  // N kT = 3, A = 6
-  Tally tally{.pair_virial = 100.0};
+  Counters counters{.pair_virial = 100.0};
   Pressure pressure;
-  pressure.begin({state, tally});
+  pressure.begin({state, counters});
   state.clock.time = 4.0;
-  tally.pair_virial += 24.0;
-  auto const row = sample(pressure, state, tally);
+  counters.pair_virial += 24.0;
+  auto const row = sample(pressure, state, counters);
   EXPECT_DOUBLE_EQ(cell(pressure, row, "virial_pressure"), (3.0 + 24.0 / 8.0) / 6.0);
   EXPECT_DOUBLE_EQ(cell(pressure, row, "compressibility_factor"), 2.0);
 }
@@ -47,30 +47,30 @@ TEST(Pressure, OfPairsComesFromTheirVirial) {
 TEST(Pressure, AveragesOfTheCompressibilityAreRatiosOfSumsThoughTheTemperatureChanges) {
   // 24 of virial while N kT = 3 for a time of 4, 48 while N kT = 12 for a time of 1: Z = 1 + ΣW / (2 Σ N kT t).
   State state = two_disks(Box(3, 2, Edge::wall));
-  Tally tally;
+  Counters counters;
   Pressure pressure;
-  pressure.begin({state, tally});
+  pressure.begin({state, counters});
   state.clock.time = 4.0;
-  tally.pair_virial = 24.0;
-  sample(pressure, state, tally);
+  counters.pair_virial = 24.0;
+  sample(pressure, state, counters);
   for (double& v : state.disks.column<VelocityX>()) v *= 2.0;
   for (double& v : state.disks.column<VelocityY>()) v *= 2.0;
   state.clock.time = 5.0;
-  tally.pair_virial += 48.0;
-  sample(pressure, state, tally);
+  counters.pair_virial += 48.0;
+  sample(pressure, state, counters);
   EXPECT_DOUBLE_EQ(result(pressure, "compressibility_factor")->value, 1.0 + 72.0 / (2.0 * (3.0 * 4.0 + 12.0 * 1.0)));
   EXPECT_DOUBLE_EQ(result(pressure, "virial_pressure")->value, ((3.0 * 4.0 + 12.0 * 1.0) + 36.0) / (5.0 * 6.0));
 }
 
 TEST(Pressure, OfWallsIsImpulsePerTimeAndLength) {
   State state = two_disks(Box(3, 2, Edge::wall));
-  Tally tally;
-  tally.wall_impulse = {9, 9, 9, 9};
+  Counters counters;
+  counters.wall_impulse = {9, 9, 9, 9};
   Pressure pressure;
-  pressure.begin({state, tally});
+  pressure.begin({state, counters});
   state.clock.time = 4.0;
-  tally.wall_impulse = {9 + 8, 9 + 16, 9 + 24, 9 + 48};
-  auto const row = sample(pressure, state, tally);
+  counters.wall_impulse = {9 + 8, 9 + 16, 9 + 24, 9 + 48};
+  auto const row = sample(pressure, state, counters);
   EXPECT_DOUBLE_EQ(cell(pressure, row, "wall_pressure_left"), 8 / (4.0 * 2));
   EXPECT_DOUBLE_EQ(cell(pressure, row, "wall_pressure_right"), 16 / (4.0 * 2));
   EXPECT_DOUBLE_EQ(cell(pressure, row, "wall_pressure_bottom"), 24 / (4.0 * 3));
@@ -89,9 +89,9 @@ TEST(Pressure, OneDiskBetweenWallsObeysTheVirialTheorem) {
   Pressure pressure;
   pressure.begin({state, {}});
   state.clock.time = 2.0 * (side - 2.0 * radius) / 1.0;
-  Tally const tally{.wall_hits = {2, 2, 1, 1},
-                    .wall_impulse = {2 * 2 * mass * 2, 2 * 2 * mass * 2, 2 * mass, 2 * mass}};
-  auto const row = sample(pressure, state, tally);
+  Counters const counters{.wall_hits = {2, 2, 1, 1},
+                          .wall_impulse = {2 * 2 * mass * 2, 2 * 2 * mass * 2, 2 * mass, 2 * mass}};
+  auto const row = sample(pressure, state, counters);
   EXPECT_NEAR(cell(pressure, row, "wall_pressure") * side * (side - 2 * radius), 0.5 * mass * 5.0, 1e-12);
 }
 
@@ -109,28 +109,28 @@ TEST(Pressure, AHeadOnPairBetweenWallsTiesWallsToPairs) {
   pressure.begin({state, {}});
   double const period = (side - 4 * radius) / v;
   state.clock.time = period;
-  Tally const tally{.pair_collisions = 1,
-                    .wall_hits = {1, 1, 0, 0},
-                    .wall_impulse = {2 * v, 2 * v, 0, 0},
-                    .pair_virial = 2 * radius * 2 * v};
-  auto const row = sample(pressure, state, tally);
+  Counters const counters{.pair_collisions = 1,
+                          .wall_hits = {1, 1, 0, 0},
+                          .wall_impulse = {2 * v, 2 * v, 0, 0},
+                          .pair_virial = 2 * radius * 2 * v};
+  auto const row = sample(pressure, state, counters);
   double const kinetic = v * v;
   // wall_pressure · L (L − 2R) = K + W/2t, the identity of the physics reference.
   double const walls = cell(pressure, row, "wall_pressure") * side * (side - 2 * radius);
-  EXPECT_NEAR(walls, kinetic + 0.5 * tally.pair_virial / period, 1e-12);
+  EXPECT_NEAR(walls, kinetic + 0.5 * counters.pair_virial / period, 1e-12);
   EXPECT_NEAR(walls, cell(pressure, row, "virial_pressure") * side * side, 1e-12);
 }
 
 TEST(Pressure, AveragesAreRatiosOfSumsOverWhatCounts) {
   State state = two_disks(Box(3, 2, Edge::wall));
-  Tally tally;
+  Counters counters;
   Pressure pressure;
-  pressure.begin({state, tally});
+  pressure.begin({state, counters});
   auto const pass = [&](double time, double virial, double impulse, bool counts) {
     state.clock.time += time;
-    tally.pair_virial += virial;
-    tally.wall_impulse[Tally::left] += impulse;
-    sample(pressure, state, tally, counts);
+    counters.pair_virial += virial;
+    counters.wall_impulse[Counters::left] += impulse;
+    sample(pressure, state, counters, counts);
   };
   pass(1.0, 1000, 1000, false);
   pass(1.0, 6, 2, true);

@@ -41,13 +41,13 @@ OnProgress stopping_after(int chunks) {
 }
 
 /// What the first sample that counts for averages begins: the first origin of the correlation, the measurements of structure.
-bool depends_on_discard(std::string const& column) {
+bool depends_on_equilibration(std::string const& column) {
   return column == "velocity_autocorrelation" || column.ends_with("_bond_orientation_order");
 }
 
-enum class Discard { same, other };
+enum class Equilibration { same, other };
 
-void expect_same_frames(fs::path const& a, fs::path const& b, Discard discard = Discard::same) {
+void expect_same_frames(fs::path const& a, fs::path const& b, Equilibration equilibration = Equilibration::same) {
   H5mdReader const frames(a / "trajectory.h5");
   H5mdReader const same(b / "trajectory.h5");
   ASSERT_EQ(frames.frame_count(), same.frame_count());
@@ -58,18 +58,18 @@ void expect_same_frames(fs::path const& a, fs::path const& b, Discard discard = 
     EXPECT_EQ(one.state_hash, two.state_hash) << "frame " << k;
     for (std::size_t o = 0; o < one.observables.size(); ++o) {
       std::string const& name = frames.settings().observables[o].name;
-      if (discard == Discard::other && depends_on_discard(name)) continue;
+      if (equilibration == Equilibration::other && depends_on_equilibration(name)) continue;
       EXPECT_EQ(word_of(one.observables[o]), word_of(two.observables[o])) << "frame " << k << ", " << name;
     }
   }
 }
 
-void expect_same_series(fs::path const& a, fs::path const& b, Discard discard) {
+void expect_same_series(fs::path const& a, fs::path const& b, Equilibration equilibration) {
   Table const one = read_csv(a / "series.csv");
   Table const two = read_csv(b / "series.csv");
   ASSERT_EQ(one.names(), two.names());
   for (std::string const& name : one.names()) {
-    if (discard == Discard::other && depends_on_discard(name)) continue;
+    if (equilibration == Equilibration::other && depends_on_equilibration(name)) continue;
     EXPECT_TRUE(std::ranges::equal(one.numbers(name), two.numbers(name), {}, word_of<double>, word_of<double>)) << name;
   }
 }
@@ -97,7 +97,7 @@ void expect_same_results(fs::path const& a, fs::path const& b) {
 
 /// The run of the configuration that a directory holds now, made at one go.
 void run_at_one_go(fs::path const& of, fs::path const& into) {
-  ASSERT_EQ(run_in(into, set_up(SettingsFile::from_path(of / "config.resolved.toml"))).ending, Ending::finished);
+  ASSERT_EQ(run_in(into, set_up(SettingsFile::from_path(of / "config.resolved.toml"))).status, RunStatus::finished);
 }
 
 class Lengthened : public testing::TestWithParam<Kind> {};
@@ -105,22 +105,22 @@ class Lengthened : public testing::TestWithParam<Kind> {};
 TEST_P(Lengthened, EndsWithTheBitsOfARunThatWasThatLongFromItsStart) {
   TemporaryDirectory const directory;
   run_in(directory / "parts", set_up(settings_of(GetParam(), "[run]\nsteps = 47")));
-  EXPECT_EQ(lengthen_in(directory / "parts", {.steps = 110}).ending, Ending::finished);
-  EXPECT_EQ(lengthen_in(directory / "parts", {.steps = 203}).ending, Ending::finished);
+  EXPECT_EQ(lengthen_in(directory / "parts", {.steps = 110}).status, RunStatus::finished);
+  EXPECT_EQ(lengthen_in(directory / "parts", {.steps = 203}).status, RunStatus::finished);
   run_at_one_go(directory / "parts", directory / "whole");
   expect_same_results(directory / "whole", directory / "parts");
   // With the share that the short run left out of averages, all but these and what begins with them.
   run_in(directory / "long", set_up(settings_of(GetParam(), "[run]\nsteps = 203")));
   EXPECT_EQ(read_file(directory / "long" / "final.xyz"), read_file(directory / "parts" / "final.xyz"));
-  expect_same_series(directory / "long", directory / "parts", Discard::other);
-  expect_same_frames(directory / "long", directory / "parts", Discard::other);
+  expect_same_series(directory / "long", directory / "parts", Equilibration::other);
+  expect_same_frames(directory / "long", directory / "parts", Equilibration::other);
 }
 
 TEST_P(Lengthened, WithoutSamplesLeftOutHasTheAveragesOfTheLongRunToo) {
   TemporaryDirectory const directory;
   auto const settings = [](std::string const& length) {
     SettingsFile file = settings_of(GetParam(), length);
-    file.set("observe.discard=0");
+    file.set("observe.equilibration=0");
     return file;
   };
   run_in(directory / "parts", set_up(settings("[run]\nsteps = 47")));
@@ -132,12 +132,12 @@ TEST_P(Lengthened, WithoutSamplesLeftOutHasTheAveragesOfTheLongRunToo) {
 TEST_P(Lengthened, AndInterruptedAllTheTimeItEndsWithTheSameBits) {
   TemporaryDirectory const directory;
   run_in(directory / "parts", set_up(settings_of(GetParam(), "[run]\nsteps = 47")));
-  Ending ending =
+  RunStatus status =
       lengthen_in(directory / "parts", {.steps = 110}, {.on_progress = stopping_after(1), .on_note = {}, .threads = {}})
-          .ending;
+          .status;
   int interruptions = 0;
-  for (; ending == Ending::interrupted && interruptions < 100; ++interruptions) {
-    ending = resume_in(directory / "parts", {.on_progress = stopping_after(1), .on_note = {}, .threads = {}}).ending;
+  for (; status == RunStatus::interrupted && interruptions < 100; ++interruptions) {
+    status = resume_in(directory / "parts", {.on_progress = stopping_after(1), .on_note = {}, .threads = {}}).status;
   }
   EXPECT_GT(interruptions, 5);
   run_at_one_go(directory / "parts", directory / "whole");
@@ -152,19 +152,19 @@ TEST_P(Lengthened, AndKilledBetweenAnyTwoOfItsFilesItResumesToOneOfTheTwoLengths
   // Before the configuration was written.
   fs::copy(directory / "short", directory / "first");
   fs::remove(directory / "first" / "summary.json");
-  EXPECT_EQ(resume_in(directory / "first").ending, Ending::finished);
+  EXPECT_EQ(resume_in(directory / "first").status, RunStatus::finished);
   expect_same_results(directory / "short", directory / "first");
   // After that, before the first checkpoint.
   fs::copy(directory / "short", directory / "second");
   fs::remove(directory / "second" / "summary.json");
   fs::copy(directory / "long" / "config.resolved.toml", directory / "second" / "config.resolved.toml",
            fs::copy_options::overwrite_existing);
-  EXPECT_EQ(resume_in(directory / "second").ending, Ending::finished);
+  EXPECT_EQ(resume_in(directory / "second").status, RunStatus::finished);
   expect_same_results(directory / "long", directory / "second");
   // The same command again.
   fs::copy(directory / "short", directory / "third");
   fs::remove(directory / "third" / "summary.json");
-  EXPECT_EQ(lengthen_in(directory / "third", {.steps = 110}).ending, Ending::finished);
+  EXPECT_EQ(lengthen_in(directory / "third", {.steps = 110}).status, RunStatus::finished);
   expect_same_results(directory / "long", directory / "third");
 }
 
@@ -187,8 +187,8 @@ TEST(LengthenedExact, GoesOnFromTheMiddleOfAStepWhereATimeOrACollisionEndedIt) {
   for (char const* length : {"[run]\ntime = 0.4321", "[run]\ncollisions_per_disk = 7"}) {
     TemporaryDirectory const directory;
     run_in(directory / "parts", set_up(settings_of(exact, length)));
-    EXPECT_EQ(lengthen_in(directory / "parts", {.time = 0.61}).ending, Ending::finished);
-    EXPECT_EQ(lengthen_in(directory / "parts", {.collisions_per_disk = 60.0}).ending, Ending::finished);
+    EXPECT_EQ(lengthen_in(directory / "parts", {.time = 0.61}).status, RunStatus::finished);
+    EXPECT_EQ(lengthen_in(directory / "parts", {.collisions_per_disk = 60.0}).status, RunStatus::finished);
     run_at_one_go(directory / "parts", directory / "whole");
     expect_same_results(directory / "whole", directory / "parts");
   }
@@ -234,9 +234,9 @@ TEST(Lengthening, SaysWhichShareOfTheNewLengthIsLeftOutOfAverages) {
                                                   if (line.level == LogLevel::note) notes.push_back(line.text);
                                                 }});
   // Of 50 steps a fifth were left out, up to step 10: a twentieth of 200.
-  EXPECT_NE(read_file(directory / "a" / "config.resolved.toml").find("discard = 0.05\n"), std::string::npos);
+  EXPECT_NE(read_file(directory / "a" / "config.resolved.toml").find("equilibration = 0.05\n"), std::string::npos);
   ASSERT_EQ(notes.size(), 1U);
-  EXPECT_EQ(notes[0].find("observe.discard is 0.05 of the new length"), 0U) << notes[0];
+  EXPECT_EQ(notes[0].find("observe.equilibration is 0.05 of the new length"), 0U) << notes[0];
 }
 
 TEST(Lengthening, ToNoMoreThanThereIsIsRefusedAndChangesNothing) {

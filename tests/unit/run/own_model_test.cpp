@@ -20,7 +20,7 @@ struct Drifting {
   static constexpr std::string_view name = "drifting";
   static constexpr Schedule schedule = Schedule::synchronous;
   using Agents = Population<X, Y>;
-  double reach() const { return 0.1; }
+  double cutoff() const { return 0.1; }
   double time_step() const { return 1.0; }
   void start(World<Drifting>& world) const {
     for (std::uint64_t n = 0; n < 50; ++n) {
@@ -42,7 +42,7 @@ struct Sowing {
   static constexpr std::string_view name = "sowing";
   static constexpr Schedule schedule = Schedule::synchronous;
   using Agents = Population<X, Y>;
-  double reach() const { return 0.1; }
+  double cutoff() const { return 0.1; }
   double time_step() const { return 1.0; }
   void start(World<Sowing>& world) const { world.agents.add(0.5, 0.5); }
   void turn(Turn<Sowing>& /*self*/) const {}
@@ -56,8 +56,8 @@ SettingsFile settings() {
 class OwnModel : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    if (known_models().find("drifting") == nullptr) make_known<Drifting>();
-    if (known_models().find("sowing") == nullptr) make_known<Sowing>();
+    if (known_models().find("drifting") == nullptr) register_model<Drifting>();
+    if (known_models().find("sowing") == nullptr) register_model<Sowing>();
   }
   void SetUp() override {
     place_ = std::filesystem::temp_directory_path() / ("gridlock-own-model-" + std::to_string(getpid()));
@@ -71,7 +71,7 @@ TEST_F(OwnModel, ResumesToTheBitsOfARunThatWasNeverInterrupted) {
   std::uint64_t const expected = run_in(place_ / "whole", set_up(settings())).state_hash;
   RunRecord const stopped = run_in(place_ / "stopped", set_up(settings()),
                                    {.on_progress = [](Progress const& progress) { return progress.steps < 20; }});
-  ASSERT_EQ(stopped.ending, Ending::interrupted);
+  ASSERT_EQ(stopped.status, RunStatus::interrupted);
   EXPECT_NE(stopped.state_hash, expected);
   EXPECT_EQ(resume_in(place_ / "stopped").state_hash, expected);
 }
@@ -92,7 +92,7 @@ TEST_F(OwnModel, AnObservationNamedLikeAnEntryOfTheSummaryIsThereAsItsMean) {
   EXPECT_NE(read_file(place_ / "summary.json").find("\"seed\": 77,"), std::string::npos);
 }
 
-TEST_F(OwnModel, OfANameThatIsTakenIsRefused) { EXPECT_THROW(make_known<Drifting>(), Error); }
+TEST_F(OwnModel, OfANameThatIsTakenIsRefused) { EXPECT_THROW(register_model<Drifting>(), Error); }
 
 }  // namespace
 }  // namespace gridlock

@@ -63,7 +63,7 @@ OnProgress stopping_after(int chunks) {
 }
 
 void expect_same(RunRecord const& a, RunRecord const& b) {
-  EXPECT_EQ(a.ending, b.ending);
+  EXPECT_EQ(a.status, b.status);
   EXPECT_EQ(a.state_hash, b.state_hash);
   EXPECT_EQ(to_csv(a.series), to_csv(b.series));
   ASSERT_EQ(a.results.size(), b.results.size());
@@ -82,11 +82,11 @@ TEST_P(Interrupted, ResumedAfterEveryChunkItEndsWithTheSameBitsAsARunNeverInterr
   Directory const directory;
   gridlock::Setup const setup = set_up(configuration_of(GetParam()));
   RunRecord const whole = run_in(directory / "whole", setup);
-  ASSERT_EQ(whole.ending, Ending::finished);
+  ASSERT_EQ(whole.status, RunStatus::finished);
   RunRecord record =
       run_in(directory / "parts", setup, {.on_progress = stopping_after(1), .on_note = {}, .threads = {}});
   int interruptions = 0;
-  while (record.ending == Ending::interrupted && ++interruptions < 100) {
+  while (record.status == RunStatus::interrupted && ++interruptions < 100) {
     record = resume_in(directory / "parts", {.on_progress = stopping_after(1), .on_note = {}, .threads = {}});
   }
   EXPECT_GE(interruptions, 14);
@@ -163,7 +163,7 @@ TEST(RunDirectory, BegunOverOneWithoutAListOfItsFilesHoldsNoFramesOfTheOldRun) {
   fs::remove(directory / "a" / ".gridlock.files");
   configuration.run.seed = 2;
   RunRecord const record = run_in(directory / "a", set_up(configuration));
-  EXPECT_EQ(record.ending, Ending::finished) << record.failure;
+  EXPECT_EQ(record.status, RunStatus::finished) << record.failure;
   H5mdReader const trajectory(directory / "a" / "trajectory.h5");
   EXPECT_EQ(trajectory.frame(0).frame.seed, 2U);
   EXPECT_EQ(trajectory.frame_count(), 8U);
@@ -242,7 +242,7 @@ TEST(RunDirectory, SaysHowOftenTheExactEngineAuditedItselfOverInterruptions) {
       << log;
   std::string const summary = read_file(directory / "a" / "summary.json");
   EXPECT_NE(summary.find("\"audits\": " + std::to_string(audits)), std::string::npos) << summary;
-  EXPECT_EQ(summary.find("blocked_share"), std::string::npos) << "the exact engine halts no disk";
+  EXPECT_EQ(summary.find("halted_fraction"), std::string::npos) << "the exact engine halts no disk";
 }
 
 TEST(RunDirectory, SaysWhereAnAuditDoesNotLookForMissedEvents) {
@@ -430,7 +430,7 @@ TEST(RunSummary, ReadsBackWhatTheRunWrote) {
   RunRecord const record = run_in(directory / "a", set_up(small()));
   auto const summary = read_summary(directory / "a");
   ASSERT_TRUE(summary);
-  EXPECT_EQ(summary->ending, Ending::finished);
+  EXPECT_EQ(summary->status, RunStatus::finished);
   EXPECT_EQ(summary->state_hash, record.state_hash);
   ASSERT_EQ(summary->results.size(), record.results.size());
   for (std::size_t k = 0; k < record.results.size(); ++k) {
@@ -439,7 +439,7 @@ TEST(RunSummary, ReadsBackWhatTheRunWrote) {
     EXPECT_EQ(summary->results[k].estimate.error, record.results[k].estimate.error);
   }
   EXPECT_FALSE(read_summary(directory / "none"));
-  write_file(directory / "a" / "summary.json", "{\"ending\": 3");
+  write_file(directory / "a" / "summary.json", "{\"status\": 3");
   EXPECT_NE(refusal([&] { static_cast<void>(read_summary(directory / "a")); }).find("damaged"), std::string::npos);
 }
 

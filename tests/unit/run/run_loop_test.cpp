@@ -1,4 +1,4 @@
-// What the loop of a run promises about samples, averages, progress and time, with an experiment that only counts.
+// What the loop of a run promises about samples, averages, progress and time, with a simulation that only counts.
 
 #include <gtest/gtest.h>
 
@@ -11,14 +11,14 @@
 #include <vector>
 
 #include "gridlock/io/checkpoint.hpp"
-#include "gridlock/run/model_experiment.hpp"
+#include "gridlock/run/model_simulation.hpp"
 #include "gridlock/run/run.hpp"
 
 namespace gridlock {
 namespace {
 
 /// Steps of half a unit of time that do nothing.
-class Ticking final : public Experiment {
+class Ticking final : public Simulation {
  public:
   explicit Ticking(Clock const& start = {}) : clock_(start) {}
   [[nodiscard]] Clock clock() const override { return clock_; }
@@ -26,8 +26,8 @@ class Ticking final : public Experiment {
   [[nodiscard]] std::size_t agents() const override { return 1; }
   [[nodiscard]] std::uint64_t state_hash() const override { return clock_.step; }
   [[nodiscard]] std::vector<Count> counts() const override { return {}; }
-  void advance(Horizon const& horizon) override {
-    while (clock_.step < horizon.step && clock_.time < horizon.time) {
+  void advance(StopCondition const& stop_condition) override {
+    while (clock_.step < stop_condition.step && clock_.time < stop_condition.time) {
       ++clock_.step;
       clock_.time += time_step();
     }
@@ -40,7 +40,7 @@ class Ticking final : public Experiment {
   [[nodiscard]] std::vector<NamedEstimate> results() const override { return {}; }
   [[nodiscard]] std::vector<Distribution> distributions() const override { return {}; }
   [[nodiscard]] Frame frame() const override { return {}; }
-  void carry(Archive& archive) override {
+  void serialize(Archive& archive) override {
     archive.visit("step", clock_.step);
     archive.visit("time", clock_.time);
   }
@@ -57,7 +57,7 @@ struct Walkers {
   static constexpr Schedule schedule = Schedule::synchronous;
   static constexpr std::array<std::string_view, 2> events{"steps", "rests"};
   using Agents = Population<X, Y>;
-  [[nodiscard]] double reach() const { return 0.1; }
+  [[nodiscard]] double cutoff() const { return 0.1; }
   [[nodiscard]] double time_step() const { return 1.0; }
   void start(World<Walkers>& world) const {
     for (int n = 0; n < 3; ++n) world.agents.add(1.0 + n, 0.5);
@@ -74,29 +74,29 @@ struct Walkers {
 };
 
 /// The results by name and the counts, as text.
-std::string told_of(Experiment const& experiment) {
+std::string told_of(Simulation const& simulation) {
   std::string text;
-  for (NamedEstimate const& named : experiment.results()) {
+  for (NamedEstimate const& named : simulation.results()) {
     text += named.name + " " + std::to_string(named.estimate.value) + ", ";
   }
-  for (Count const& count : experiment.counts()) text += count.name + " " + std::to_string(count.value) + ", ";
+  for (Count const& count : simulation.counts()) text += count.name + " " + std::to_string(count.value) + ", ";
   return text;
 }
 
-TEST(ModelExperiment, AveragesEveryObservationUnderItsNameAlsoWhereItResumes) {
+TEST(ModelSimulation, AveragesEveryObservationUnderItsNameAlsoWhereItResumes) {
   Box const box(20.0, 1.0, Edge::wall);
-  RunPlan const plan{.horizon = {.step = 4}, .sample_every = 1};
-  ModelExperiment<Walkers> whole({}, box, 1);
+  RunPlan const plan{.stop_condition = {.step = 4}, .sample_every = 1};
+  ModelSimulation<Walkers> whole({}, box, 1);
   gridlock::Run run(whole, plan);
   run.go_on();
   // At steps 1 to 4 the last one is at 1.5, 2, 2.5 and 3, the first one is 2 ahead of it.
   EXPECT_EQ(told_of(whole), "agents 3.000000, least_x 2.250000, most_x 4.250000, steps 12, rests 0, ");
-  ModelExperiment<Walkers> begun({}, box, 1);
-  gridlock::Run interrupted(begun, {.horizon = {.step = 2}, .sample_every = 1});
+  ModelSimulation<Walkers> begun({}, box, 1);
+  gridlock::Run interrupted(begun, {.stop_condition = {.step = 2}, .sample_every = 1});
   interrupted.go_on();
-  ModelExperiment<Walkers> resumed({}, box, 1);
-  from_checkpoint(to_checkpoint([&](Archive& archive) { begun.carry(archive); }), "saved",
-                  [&](Archive& archive) { resumed.carry(archive); });
+  ModelSimulation<Walkers> resumed({}, box, 1);
+  from_checkpoint(to_checkpoint([&](Archive& archive) { begun.serialize(archive); }), "saved",
+                  [&](Archive& archive) { resumed.serialize(archive); });
   EXPECT_EQ(told_of(resumed), told_of(begun));
 }
 
@@ -105,38 +105,38 @@ using Steps = std::vector<std::uint64_t>;
 Steps sampled(gridlock::Run const& run) { return std::get<Steps>(run.record().series.column("step")); }
 
 TEST(RunLoop, ARunGivenInTimeEndsWithTheStepThatReachesItAndIsSampledThere) {
-  Ticking experiment;
-  gridlock::Run run(experiment, {.horizon = {.time = 3.5}, .sample_every = 5});
-  EXPECT_EQ(run.go_on(), Ending::finished);
-  EXPECT_EQ(experiment.clock().step, 7U);
+  Ticking simulation;
+  gridlock::Run run(simulation, {.stop_condition = {.time = 3.5}, .sample_every = 5});
+  EXPECT_EQ(run.go_on(), RunStatus::finished);
+  EXPECT_EQ(simulation.clock().step, 7U);
   EXPECT_EQ(sampled(run), (Steps{0, 5, 7}));
 }
 
 TEST(RunLoop, SamplesOfARunThatStartsLaterAreMultiplesFromItsStart) {
-  Ticking experiment({.step = 1003, .time = 20.0});
-  gridlock::Run run(experiment, {.horizon = {.step = 1026}, .sample_every = 10});
+  Ticking simulation({.step = 1003, .time = 20.0});
+  gridlock::Run run(simulation, {.stop_condition = {.step = 1026}, .sample_every = 10});
   run.go_on();
   EXPECT_EQ(sampled(run), (Steps{1003, 1013, 1023, 1026}));
 }
 
-TEST(RunLoop, AveragesLeaveOutTheStartAndTheShareThatIsDiscarded) {
+TEST(RunLoop, AveragesLeaveOutTheStartAndTheEquilibration) {
   Ticking whole;
-  gridlock::Run(whole, {.horizon = {.step = 100}, .sample_every = 10}).go_on();
+  gridlock::Run(whole, {.stop_condition = {.step = 100}, .sample_every = 10}).go_on();
   EXPECT_EQ(whole.averaged, (Steps{10, 20, 30, 40, 50, 60, 70, 80, 90, 100}));
   Ticking half;
-  gridlock::Run(half, {.horizon = {.step = 100}, .sample_every = 10, .discard = 0.5}).go_on();
+  gridlock::Run(half, {.stop_condition = {.step = 100}, .sample_every = 10, .equilibration = 0.5}).go_on();
   EXPECT_EQ(half.averaged, (Steps{60, 70, 80, 90, 100}));
   Ticking none;
-  gridlock::Run run(none, {.horizon = {.step = 0}, .sample_every = 10});
+  gridlock::Run run(none, {.stop_condition = {.step = 0}, .sample_every = 10});
   run.go_on();
   EXPECT_EQ(sampled(run), (Steps{0}));
   EXPECT_EQ(none.averaged, Steps{}) << "the start of a run without a step is no average of anything";
 }
 
 TEST(RunLoop, TheShareThatIsDoneCountsFromTheStartOfTheRun) {
-  auto const shares = [](Horizon const& horizon) {
-    Ticking experiment({.step = 1000, .time = 80.0});
-    gridlock::Run run(experiment, {.horizon = horizon, .sample_every = 10, .seconds_per_look = 3600.0});
+  auto const shares = [](StopCondition const& stop_condition) {
+    Ticking simulation({.step = 1000, .time = 80.0});
+    gridlock::Run run(simulation, {.stop_condition = stop_condition, .sample_every = 10, .seconds_per_look = 3600.0});
     std::vector<double> seen;
     run.go_on([&](Progress const& progress) {
       seen.push_back(progress.fraction);
@@ -151,15 +151,15 @@ TEST(RunLoop, TheShareThatIsDoneCountsFromTheStartOfTheRun) {
 
 TEST(RunLoop, TheRealTimeOfAResumedRunIncludesThatBefore) {
   Ticking first;
-  RunPlan const plan{.horizon = {.step = 1'000'000'000}, .sample_every = 1000, .seconds_per_look = 0.0};
+  RunPlan const plan{.stop_condition = {.step = 1'000'000'000}, .sample_every = 1000, .seconds_per_look = 0.0};
   gridlock::Run begun(first, plan);
   begun.go_on([](Progress const& progress) { return progress.seconds < 0.02; });
   double const before = begun.record().seconds;
   ASSERT_GT(before, 0.0);
-  std::string const saved = to_checkpoint([&](Archive& archive) { begun.carry(archive); });
+  std::string const saved = to_checkpoint([&](Archive& archive) { begun.serialize(archive); });
   Ticking second;
   gridlock::Run resumed(second, plan);
-  from_checkpoint(saved, "saved", [&](Archive& archive) { resumed.carry(archive); });
+  from_checkpoint(saved, "saved", [&](Archive& archive) { resumed.serialize(archive); });
   EXPECT_EQ(resumed.record().seconds, before);
   resumed.go_on([](Progress const&) { return false; });
   EXPECT_GE(resumed.record().seconds, before);

@@ -66,8 +66,8 @@ TEST(Simulate, SamplesTheStartEveryIntervalAndTheEnd) {
   RunResult const result = simulate(set_up(small()));
   std::vector<std::uint64_t> expected{0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 95};
   EXPECT_EQ(std::get<std::vector<std::uint64_t>>(result.series.column("step")), expected);
-  EXPECT_EQ(result.ending, Ending::finished);
-  EXPECT_EQ(result.tally.turns, 64U * 95U);
+  EXPECT_EQ(result.status, RunStatus::finished);
+  EXPECT_EQ(result.counters.moves, 64U * 95U);
 }
 
 TEST(Simulate, EndsAtWhicheverLengthComesFirst) {
@@ -75,7 +75,7 @@ TEST(Simulate, EndsAtWhicheverLengthComesFirst) {
   configuration.run.collisions_per_disk = 0.5;
   RunResult const by_collisions = simulate(set_up(configuration));
   EXPECT_LT(by_collisions.steps, 95U);
-  EXPECT_GE(by_collisions.tally.pair_collisions, 16U);
+  EXPECT_GE(by_collisions.counters.pair_collisions, 16U);
   configuration = small();
   gridlock::Setup setup = set_up(configuration);
   configuration.run.time = 20.5 * step_duration(setup.configuration.engine, setup.state);
@@ -100,10 +100,10 @@ gridlock::Setup rows_waiting_for_collisions(double velocity_across) {
 
 TEST(Simulate, GivesUpWaitingForCollisionsThatNeverCome) {
   RunResult const result = simulate(rows_waiting_for_collisions(0.0));
-  EXPECT_EQ(result.ending, Ending::failed);
+  EXPECT_EQ(result.status, RunStatus::failed);
   EXPECT_NE(result.failure.find("no two disks have met"), std::string::npos) << result.failure;
-  EXPECT_EQ(result.tally.pair_collisions, 0U);
-  EXPECT_EQ(simulate(rows_waiting_for_collisions(0.01)).ending, Ending::finished);
+  EXPECT_EQ(result.counters.pair_collisions, 0U);
+  EXPECT_EQ(simulate(rows_waiting_for_collisions(0.01)).status, RunStatus::finished);
 }
 
 TEST(Simulate, WaitsForCollisionsThatNeverComeUntilTheTimeThatEndsTheRunToo) {
@@ -112,13 +112,13 @@ TEST(Simulate, WaitsForCollisionsThatNeverComeUntilTheTimeThatEndsTheRunToo) {
   gridlock::Setup setup = rows_waiting_for_collisions(0.0);
   setup.configuration.run.time = time;
   RunResult const result = simulate(std::move(setup));
-  EXPECT_EQ(result.ending, Ending::finished) << result.failure;
+  EXPECT_EQ(result.status, RunStatus::finished) << result.failure;
   EXPECT_DOUBLE_EQ(result.clock.time, time);
 }
 
 TEST(Simulate, StoppedByTheCallerKeepsWhatThereIs) {
   RunResult const result = simulate(set_up(small()), [](Progress const&) { return false; });
-  EXPECT_EQ(result.ending, Ending::interrupted);
+  EXPECT_EQ(result.status, RunStatus::interrupted);
   EXPECT_LT(result.steps, 95U);
   EXPECT_EQ(result.state.clock.step, result.steps);
 }

@@ -64,15 +64,16 @@ TEST_F(StartFile, TheSeedIsThatOfTheSettingsAndVelocitiesAreThoseOfTheFileUnless
 }
 
 TEST_F(StartFile, LengthsOfTheRunCountFromItsClock) {
-  Horizon const in_time = horizon_of(set_up_from(four_disks(Edge::wall), "run.time = 3.0\n"));
+  StopCondition const in_time = stop_condition_of(set_up_from(four_disks(Edge::wall), "run.time = 3.0\n"));
   EXPECT_EQ(in_time.time, 23.0);
-  Horizon const in_steps = horizon_of(set_up_from(four_disks(Edge::wall), "run.steps = 7\n"));
+  StopCondition const in_steps = stop_condition_of(set_up_from(four_disks(Edge::wall), "run.steps = 7\n"));
   EXPECT_EQ(in_steps.step, 47U);
 }
 
 TEST_F(StartFile, CollisionsPerDiskCountEachCollisionForBothPartners) {
-  Horizon const horizon = horizon_of(set_up_from(four_disks(Edge::wall), "run.collisions_per_disk = 5.0\n"));
-  EXPECT_EQ(horizon.pair_collisions, 10U);
+  StopCondition const stop_condition =
+      stop_condition_of(set_up_from(four_disks(Edge::wall), "run.collisions_per_disk = 5.0\n"));
+  EXPECT_EQ(stop_condition.pair_collisions, 10U);
 }
 
 TEST_F(StartFile, DisksInARowThatMoveAlikeMeetBetweenWallsAndNeverInAPeriodicBox) {
@@ -108,8 +109,9 @@ TEST(SetUpOfSpeeds, ASubstepInWhichTwiceTheSpeedCoversADiskIsRefused) {
     configuration.disks = {.count = 16, .packing_fraction = 0.3};
     gridlock::Setup const usual = set_up(configuration);
     double const diameter = 2.0 * usual.state.disks.column<Radius>()[0];
-    double const way = step_duration(usual.configuration.engine, usual.state) / 5.0;
-    configuration.engine.time_step = usual.configuration.engine.time_step * diameters_at_the_speed * diameter / way;
+    double const displacement = step_duration(usual.configuration.engine, usual.state) / 5.0;
+    configuration.engine.time_step =
+        usual.configuration.engine.time_step * diameters_at_the_speed * diameter / displacement;
     try {
       static_cast<void>(set_up(configuration));
     } catch (Error const&) {
@@ -200,8 +202,8 @@ SweepPlan plan_of_seeds(std::vector<std::string> const& seeds) {
 TEST(SweepTables, KeepEveryDigitOfASeedAndLeaveMissingErrorsOpen) {
   SweepPlan const plan = plan_of_seeds({"9007199254740993", "2"});
   std::vector<SweepOutcome> const outcomes{
-      {.has_begun = true, .ending = Ending::finished, .results = {energy(1.0, std::nullopt)}},
-      {.has_begun = true, .ending = Ending::finished, .results = {energy(2.0, 0.5)}}};
+      {.has_begun = true, .status = RunStatus::finished, .results = {energy(1.0, std::nullopt)}},
+      {.has_begun = true, .status = RunStatus::finished, .results = {energy(2.0, 0.5)}}};
   Table const rows = rows_of(plan, outcomes);
   EXPECT_EQ(std::get<std::vector<std::uint64_t>>(rows.column("run.seed")),
             (std::vector<std::uint64_t>{9007199254740993U, 2U}));
@@ -213,10 +215,10 @@ TEST(SweepTables, KeepEveryDigitOfASeedAndLeaveMissingErrorsOpen) {
 TEST(SweepTables, MeansAreOfFinishedRunsOnly) {
   SweepPlan const plan = plan_of_seeds({"1", "2", "3", "4"});
   std::vector<SweepOutcome> const outcomes{
-      {.has_begun = true, .ending = Ending::finished, .results = {energy(1.0, 0.1)}},
-      {.has_begun = true, .ending = Ending::interrupted, .results = {energy(50.0, 0.1)}},
-      {.has_begun = true, .ending = Ending::failed, .results = {energy(90.0, 0.1)}},
-      {.has_begun = true, .ending = Ending::finished, .results = {energy(3.0, 0.1)}}};
+      {.has_begun = true, .status = RunStatus::finished, .results = {energy(1.0, 0.1)}},
+      {.has_begun = true, .status = RunStatus::interrupted, .results = {energy(50.0, 0.1)}},
+      {.has_begun = true, .status = RunStatus::failed, .results = {energy(90.0, 0.1)}},
+      {.has_begun = true, .status = RunStatus::finished, .results = {energy(3.0, 0.1)}}};
   Table const means = means_of(plan, outcomes);
   EXPECT_EQ(means.numbers("energy"), (std::vector<double>{2.0}));
   EXPECT_EQ(std::get<std::vector<std::uint64_t>>(means.column("runs")), (std::vector<std::uint64_t>{2}));

@@ -21,9 +21,9 @@
 #include "gridlock/run/model_kind.hpp"
 #include "gridlock/run/run_directory.hpp"
 #include "run/expected_work.hpp"
+#include "run/job_pool.hpp"
 #include "run/memory.hpp"
 #include "run/sweep_tables.hpp"
-#include "run/team.hpp"
 #include "unit/io/temporary_directory.hpp"
 
 namespace gridlock {
@@ -42,7 +42,7 @@ struct Brittle {
     visitor.visit({.key = "count", .documentation = "Agents."}, count);
     visitor.visit({.key = "failure", .documentation = "How it fails."}, failure);
   }
-  double reach() const { return 0.1; }
+  double cutoff() const { return 0.1; }
   double time_step() const { return 1.0; }
   void start(World<Brittle>& world) const {
     if (failure == "memory") throw std::bad_alloc();
@@ -62,7 +62,7 @@ struct Brittle {
 class SweepDirectory : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    if (known_models().find("brittle") == nullptr) make_known<Brittle>();
+    if (known_models().find("brittle") == nullptr) register_model<Brittle>();
   }
   void SetUp() override {
     place_ = fs::temp_directory_path() / ("gridlock-sweep-" + std::to_string(getpid()));
@@ -143,8 +143,8 @@ TEST_F(SweepDirectory, TablesListEveryFinishedRunHoweverOftenTheSweepIsStopped) 
   EXPECT_GE(finished_later, finished);
   EXPECT_LT(finished_later, 5U);
   Table const rows = read_csv(place_ / "sweep.csv");
-  auto const& endings = std::get<std::vector<std::string>>(rows.column("ending"));
-  EXPECT_EQ(std::ranges::count(endings, "finished"), finished_later);
+  auto const& statuses = std::get<std::vector<std::string>>(rows.column("status"));
+  EXPECT_EQ(std::ranges::count(statuses, "finished"), finished_later);
   EXPECT_EQ(read_csv(place_ / "means.csv").numbers("runs"), std::vector<double>{static_cast<double>(finished_later)});
   EXPECT_EQ(sweep_until(5).interruptions, 0U);
 }
@@ -287,10 +287,10 @@ TEST_F(SweepDirectory, CollectedTakesTheRunThatWasFinishedWhereverItStands) {
   write_file(place_ / "part" / "plan.json", read_file(place_ / "whole" / "plan.json"));
   run_in(place_ / "part/runs/seed=1", set_up(one.runs.front().settings),
          {.on_progress = [](Progress const& progress) { return progress.steps < 20; }});
-  ASSERT_EQ(read_summary(place_ / "part/runs/seed=1")->ending, Ending::interrupted);
+  ASSERT_EQ(read_summary(place_ / "part/runs/seed=1")->status, RunStatus::interrupted);
   for (auto const& [first, second] : {std::pair{"whole", "part"}, {"part", "whole"}}) {
     EXPECT_EQ(collect_sweep({place_ / first, place_ / second}, place_ / "joined").interruptions, 0U) << first;
-    EXPECT_EQ(read_summary(place_ / "joined/runs/seed=1")->ending, Ending::finished) << first;
+    EXPECT_EQ(read_summary(place_ / "joined/runs/seed=1")->status, RunStatus::finished) << first;
     fs::remove_all(place_ / "joined");
   }
 }
@@ -301,7 +301,7 @@ Estimate mean_of(std::vector<Estimate> const& estimates) {
   std::vector<SweepOutcome> outcomes;
   for (std::size_t k = 0; k < estimates.size(); ++k) {
     plan.runs.push_back({.name = "", .values = {std::to_string(k)}, .settings = {}});
-    outcomes.push_back({.has_begun = true, .ending = Ending::finished, .message = "", .results = {}});
+    outcomes.push_back({.has_begun = true, .status = RunStatus::finished, .message = "", .results = {}});
     outcomes.back().results.push_back({.name = "z", .estimate = estimates[k], .unit = ""});
   }
   Table const means = means_of(plan, outcomes);

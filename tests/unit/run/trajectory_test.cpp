@@ -72,7 +72,7 @@ Setup setup_with_frames() {
 TEST(Trajectory, OfARunHasItsFramesItsHashesAndTheValuesOfItsSamples) {
   TemporaryDirectory const directory;
   RunRecord const record = run_in(directory.path(), setup_with_frames());
-  ASSERT_EQ(record.ending, Ending::finished) << record.failure;
+  ASSERT_EQ(record.status, RunStatus::finished) << record.failure;
   H5mdReader const reader(directory / "trajectory.h5");
   ASSERT_EQ(reader.frame_count(), 7U);
   EXPECT_EQ(reader.clocks()[3].step, 30U);
@@ -92,7 +92,7 @@ TEST(Trajectory, OfARunThatWasInterruptedIsTheSame) {
   for (auto const& entry : std::filesystem::directory_iterator(parts.path())) {
     if (entry.path().filename().string().find("checkpoint") != std::string::npos) std::filesystem::remove(entry.path());
   }
-  ASSERT_EQ(resume_in(parts.path()).ending, Ending::finished);
+  ASSERT_EQ(resume_in(parts.path()).status, RunStatus::finished);
   H5mdReader const a(whole / "trajectory.h5");
   H5mdReader const b(parts / "trajectory.h5");
   ASSERT_EQ(b.frame_count(), a.frame_count());
@@ -112,7 +112,7 @@ TEST(Trajectory, OfAnotherRunIsNotContinued) {
   for (auto const& entry : std::filesystem::directory_iterator(directory.path())) {
     if (entry.path().filename().string().find("checkpoint") != std::string::npos) std::filesystem::remove(entry.path());
   }
-  EXPECT_EQ(resume_in(directory.path()).ending, Ending::failed);
+  EXPECT_EQ(resume_in(directory.path()).status, RunStatus::failed);
 }
 
 /// A run that was interrupted after step 25, with frames of the steps 0, 10 and 20.
@@ -165,7 +165,7 @@ TEST(Trajectory, ThatLacksFramesOrWasCutOffIsRefusedBeforeTheRunIsResumed) {
   EXPECT_NE(cut.find("hint: put the whole file back"), std::string::npos) << cut;
   EXPECT_EQ(read_file(directory / "trajectory.h5"), read_file(directory / "cut.h5"));
   replace_by(directory / "whole.h5");
-  EXPECT_EQ(resume_in(directory.path()).ending, Ending::finished);
+  EXPECT_EQ(resume_in(directory.path()).status, RunStatus::finished);
 }
 
 TEST(Trajectory, OfAnotherRunIsRefusedBeforeTheRunIsResumed) {

@@ -61,9 +61,9 @@ TEST(ChecksOfOneLook, AreWhatTheSteppedEngineCountsForDisksAtRest) {
   State state = make_start(Box(), {.count = 300, .packing_fraction = 0.4, .start = StartKind::random}, 5);
   for (std::uint64_t const k : {1, 2, 7, 12}) {
     State copy = state;
-    Tally tally;
-    make_engine({.substeps = 5, .cells = k, .grid = GridKind::linked}, copy)->advance(copy, tally, {.step = 3});
-    EXPECT_EQ(tally.distance_checks, 3 * 5 * checks_of_one_look(state, k)) << k;
+    Counters counters;
+    make_engine({.substeps = 5, .cells = k, .grid = GridKind::linked}, copy)->advance(copy, counters, {.step = 3});
+    EXPECT_EQ(counters.distance_checks, 3 * 5 * checks_of_one_look(state, k)) << k;
   }
 }
 

@@ -73,7 +73,7 @@ TEST(Paper, MakesEveryFigureWithItsDataAndAReportThatStandsAlone) {
         last = p.fraction;
         return true;
       });
-  EXPECT_EQ(result.ending, Ending::finished);
+  EXPECT_EQ(result.status, RunStatus::finished);
   EXPECT_NEAR(last, 1.0, 1e-9);
 
   std::set<std::string> expected{"report.html",
@@ -147,14 +147,14 @@ TEST(Paper, CountsTheSameDistancesOnEveryMachine) {
   Table const table = read_csv(directory / "figure_5.csv");
   std::vector<double> const made = table.numbers("distance_checks");
   std::vector<double> const free = table.numbers("free_distance_checks");
-  std::vector<double> const blocked = table.numbers("blocked_share");
+  std::vector<double> const halted = table.numbers("halted_fraction");
   ASSERT_EQ(made.size(), 12U);
   for (std::size_t row = 0; row < made.size(); ++row) {
     // Whatever halts a disk only takes checks away; the counts without halting are of the disks at the start of each step.
     EXPECT_LT(made[row], 1.01 * free[row]);
     EXPECT_GT(made[row], 0.0);
-    EXPECT_GE(blocked[row], 0.0);
-    EXPECT_LE(blocked[row], 1.0);
+    EXPECT_GE(halted[row], 0.0);
+    EXPECT_LE(halted[row], 1.0);
   }
 }
 
@@ -236,13 +236,13 @@ TEST(Paper, StoppedInEveryPartAndCalledAgainMakesTheTablesOfAnUninterruptedStudy
       EXPECT_GE(*simulations, finished) << "a finished simulation is made again";
       return *simulations < *first + 40;
     });
-    if (result.ending == Ending::finished) break;
+    if (result.status == RunStatus::finished) break;
     EXPECT_FALSE(std::filesystem::exists(settings.output / "report.html"));
     EXPECT_GE(result.finished_simulations, finished);
     EXPECT_TRUE(result.claims.empty());
     finished = result.finished_simulations;
   } while (++calls < 100);
-  EXPECT_EQ(result.ending, Ending::finished);
+  EXPECT_EQ(result.status, RunStatus::finished);
   EXPECT_GE(calls, 4);
   EXPECT_EQ(stopped_in, (std::set<std::string>{"Figure 5:", "drawing", "drawing f", "drawing o", "drawing t"}));
   PaperSettings whole = settings;
@@ -305,7 +305,7 @@ TEST(Paper, MeasuresNoSizeOfFigure5AgainThatItHasMeasured) {
     return true;
   });
   EXPECT_GE(*first, done - 1e-12);
-  EXPECT_EQ(result.ending, Ending::finished);
+  EXPECT_EQ(result.status, RunStatus::finished);
 }
 
 TEST(Paper, RefusesWhatItCannotMake) {

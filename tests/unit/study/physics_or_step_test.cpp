@@ -33,7 +33,7 @@ StepEvidence evidence_of_agreement() {
          .time_step = 0.1,
          .always = {.runs = 5, .displacement = {.value = 0.01}, .collision_rate = 400.0},
          .approaching = {.runs = 5, .displacement = {.value = 0.01}, .collision_rate = 390.0},
-         .exact = ContactEnding{.runs = 5, .displacement = {.value = 0.01}, .collision_rate = 410.0}});
+         .exact = ContactResult{.runs = 5, .displacement = {.value = 0.01}, .collision_rate = 410.0}});
   }
   return evidence;
 }

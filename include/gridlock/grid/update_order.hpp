@@ -22,19 +22,19 @@ namespace gridlock {
 ///
 /// Agents that come into a tile from another have had their turns, and those that have not stay where they are, so the
 /// list made at the beginning stays right.
-class Waiting {
+class UpdateOrder {
  public:
   static constexpr std::size_t classes = 9;
 
-  /// Finds those of the tile. `ids` are the Ids of all rows, or numbers in the same order; waiting_slots(block) has bit s
+  /// Finds those of the tile. `ids` are the Ids of all rows, or numbers in the same order; pending_slots(block) has bit s
   /// set where the agent in slot s has not had its turn.
-  template <class Number, class WaitingSlots>
+  template <class Number, class PendingSlots>
   void find(PackedGrid const& grid, Tiling::Tile const& tile, std::vector<Number> const& ids,
-            WaitingSlots waiting_slots) {
+            PendingSlots pending_slots) {
     auto const third = [](int cells) { return static_cast<std::size_t>((cells + 2) / 3); };
     clear(third(tile.end_column - tile.first_column) * third(tile.end_row - tile.first_row));
     auto const in_chain = [&](PackedGrid::Block const& first) {
-      return rows_in_chain(grid, first, ids, waiting_slots);
+      return rows_in_chain(grid, first, ids, pending_slots);
     };
     for (int row = tile.first_row; row < tile.end_row; ++row) {
       auto const first_class = static_cast<std::size_t>(3 * ((row - tile.first_row) % 3));
@@ -42,7 +42,7 @@ class Waiting {
       for (int column = tile.first_column; column < tile.end_column; ++column) {
         PackedGrid::Block const& block = grid.block_at(column, row);
         if (block.next == PackedGrid::none) {
-          add_block(of_class, block, waiting_slots(block));
+          add_block(of_class, block, pending_slots(block));
         } else if (!in_chain(block).empty()) {
           add_chain(of_class, block);
         }
@@ -67,12 +67,12 @@ class Waiting {
 
  private:
   /// The agents of a cell of any size that wait, in the order of their Ids.
-  template <class Number, class WaitingSlots>
+  template <class Number, class PendingSlots>
   static std::vector<std::uint32_t> rows_in_chain(PackedGrid const& grid, PackedGrid::Block const& first,
-                                                  std::vector<Number> const& ids, WaitingSlots waiting_slots) {
+                                                  std::vector<Number> const& ids, PendingSlots pending_slots) {
     std::vector<std::uint32_t> rows;
     for (PackedGrid::Block const* block = &first;; block = &grid.next_of(*block)) {
-      for (unsigned left = waiting_slots(*block); left != 0; left &= left - 1) {
+      for (unsigned left = pending_slots(*block); left != 0; left &= left - 1) {
         rows.push_back(block->agent[first_of(left)]);
       }
       if (block->next == PackedGrid::none) break;

@@ -11,58 +11,58 @@
 
 #include "gridlock/core/random.hpp"
 #include "gridlock/model/cell_order.hpp"
-#include "model/near_rows_ways.hpp"
+#include "model/find_neighbours_kernels.hpp"
 
 namespace gridlock {
 namespace {
 
-using Way = std::size_t (*)(NearRowsSearch const&, std::span<Stretch const>, std::uint32_t*);
+using Kernel = std::size_t (*)(NeighbourSearch const&, std::span<RowRange const>, std::uint32_t*);
 
-std::vector<std::uint32_t> found_by(Way way, NearRowsSearch const& search, std::vector<Stretch> const& stretches,
+std::vector<std::uint32_t> found_by(Kernel kernel, NeighbourSearch const& search, std::vector<RowRange> const& ranges,
                                     std::size_t candidates) {
-  std::vector<std::uint32_t> found(candidates + near_rows_slack);
-  found.resize(way(search, stretches, found.data()));
+  std::vector<std::uint32_t> found(candidates + neighbour_slack);
+  found.resize(kernel(search, ranges, found.data()));
   return found;
 }
 
-RC_GTEST_PROP(NearRows, AreThoseOfTheDefinitionInTheOrderOfTheStretchesOneOrEightAtATime, ()) {
+RC_GTEST_PROP(Neighbours, AreThoseOfTheDefinitionInTheOrderOfTheRangesOneOrEightAtATime, ()) {
   auto const count = *rc::gen::inRange<std::size_t>(1, 80);
   RandomStream random(*rc::gen::arbitrary<std::uint64_t>(), 0, 0, Purpose::start_position);
   Box const box(2.0, 3.0, *rc::gen::element(Edge::wall, Edge::periodic));
   std::vector<double> x(count);
   std::vector<double> y(count);
   for (std::size_t row = 0; row < count; ++row) {
-    // Some at the very same place, some exactly at the reach.
+    // Some at the very same place, some exactly at the cutoff.
     x[row] = static_cast<double>(random.below(9)) / 4.0;
     y[row] = random.below(2) == 0 ? static_cast<double>(random.below(12)) / 4.0 : 3.0 * random.uniform();
   }
-  std::vector<Stretch> stretches;
+  std::vector<RowRange> ranges;
   std::size_t candidates = 0;
   for (std::size_t first = 0; first < count;) {
     std::size_t const end = std::min<std::size_t>(count, first + random.below(20));
-    stretches.push_back({first, end});
+    ranges.push_back({first, end});
     candidates += end - first;
     first = end + random.below(3);
   }
   std::size_t const self = random.below(count);
-  NearRowsSearch const search{.x = x.data(),
-                              .y = y.data(),
-                              .p = {x[self], y[self]},
-                              .squared_reach = 0.25,
-                              .left_out = self,
-                              .box = *rc::gen::arbitrary<bool>() ? &box : nullptr};
+  NeighbourSearch const search{.x = x.data(),
+                               .y = y.data(),
+                               .p = {x[self], y[self]},
+                               .squared_cutoff = 0.25,
+                               .left_out = self,
+                               .box = *rc::gen::arbitrary<bool>() ? &box : nullptr};
   std::vector<std::uint32_t> expected;
-  for (Stretch const& stretch : stretches) {
-    for (std::size_t row = stretch.first; row < stretch.end; ++row) {
+  for (RowRange const& range : ranges) {
+    for (std::size_t row = range.first; row < range.end; ++row) {
       Vector const q{x[row], y[row]};
       Vector const separation = search.box != nullptr ? box.displacement(search.p, q) : q - search.p;
       if (row != self && squared_length(separation) < 0.25) expected.push_back(static_cast<std::uint32_t>(row));
     }
   }
-  RC_ASSERT(found_by(find_near_rows_plainly, search, stretches, candidates) == expected);
-  RC_ASSERT(found_by(find_near_rows, search, stretches, candidates) == expected);
-  if (can_find_near_rows_with_avx512()) {
-    RC_ASSERT(found_by(find_near_rows_with_avx512, search, stretches, candidates) == expected);
+  RC_ASSERT(found_by(find_neighbours_scalar, search, ranges, candidates) == expected);
+  RC_ASSERT(found_by(find_neighbours, search, ranges, candidates) == expected);
+  if (can_find_neighbours_with_avx512()) {
+    RC_ASSERT(found_by(find_neighbours_avx512, search, ranges, candidates) == expected);
   }
 }
 
@@ -86,9 +86,9 @@ RC_GTEST_PROP(CellOrder, IsThatOfTheCellsAndInACellThatOfTheIdsHoweverManyShareO
   std::ranges::sort(expected, {}, [&](std::uint32_t row) {
     return std::tuple(layout.cell_of({x[row], y[row]}), ids[row]);
   });
-  ThreadTeam team(*rc::gen::element(1, 2, 3));
+  ThreadPool thread_pool(*rc::gen::element(1, 2, 3));
   CellOrder order;
-  order.sort(layout, x, y, ids, team);
+  order.sort(layout, x, y, ids, thread_pool);
   RC_ASSERT(std::vector<std::uint32_t>(order.rows().begin(), order.rows().end()) == expected);
 }
 

@@ -1,4 +1,4 @@
-#include "gridlock/core/thread_team.hpp"
+#include "gridlock/core/thread_pool.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -42,7 +42,7 @@ void pause() {
 ///     member        enter, is it open? ── own range, others' ── leave
 ///
 /// A member enters before it asks and the caller closes before it asks, so one of them always sees the other.
-class ThreadTeam::Crew {
+class ThreadPool::Crew {
  public:
   explicit Crew(std::size_t members) : ranges_(members + 1), stays_awake_(members < usable_cores()) {
     for (std::size_t k = 0; k < members; ++k) members_.emplace_back([this, k] { wait_for_work(k + 1); });
@@ -138,13 +138,13 @@ class ThreadTeam::Crew {
   std::vector<std::thread> members_;
 };
 
-ThreadTeam::ThreadTeam(std::uint64_t threads) : size_(number_of(threads)) {
+ThreadPool::ThreadPool(std::uint64_t threads) : size_(number_of(threads)) {
   if (size_ > 1) crew_ = std::make_unique<Crew>(size_ - 1);
 }
 
-ThreadTeam::~ThreadTeam() = default;
+ThreadPool::~ThreadPool() = default;
 
-void ThreadTeam::for_each(std::size_t parts, std::function<void(std::size_t)> const& carry_out) {
+void ThreadPool::for_each(std::size_t parts, std::function<void(std::size_t)> const& carry_out) {
   if (!crew_ || parts < 2) {
     for (std::size_t part = 0; part < parts; ++part) carry_out(part);
     return;

@@ -22,12 +22,12 @@ struct Count {
 /// What a run carries on: agents, the rule that moves them and what is measured of them, whatever kind they are.
 ///
 /// The loop of a run, its directory, trajectories, checkpoints, sweeps and the command line know nothing else.
-class Experiment {
+class Simulation {
  public:
-  Experiment() = default;
-  Experiment(Experiment const&) = delete;
-  Experiment& operator=(Experiment const&) = delete;
-  virtual ~Experiment() = default;
+  Simulation() = default;
+  Simulation(Simulation const&) = delete;
+  Simulation& operator=(Simulation const&) = delete;
+  virtual ~Simulation() = default;
 
   [[nodiscard]] virtual Clock clock() const = 0;
   /// The physical time one step stands for.
@@ -37,12 +37,12 @@ class Experiment {
   [[nodiscard]] virtual std::uint64_t state_hash() const = 0;
   [[nodiscard]] virtual std::vector<Count> counts() const = 0;
 
-  /// What Horizon::pair_collisions counts; 0 for agents that do not collide.
+  /// What StopCondition::pair_collisions counts; 0 for agents that do not collide.
   [[nodiscard]] virtual std::uint64_t pair_collisions() const { return 0; }
 
-  /// Moves on to the horizon; the bits do not depend on the number of threads.
+  /// Moves on until the stop condition holds; the bits do not depend on the number of threads.
   /// Errors: RunFailure where an invariant breaks.
-  virtual void advance(Horizon const& horizon) = 0;
+  virtual void advance(StopCondition const& stop_condition) = 0;
 
   /// The columns of the series besides step and time.
   [[nodiscard]] virtual std::vector<ColumnInfo> columns() const = 0;
@@ -55,8 +55,8 @@ class Experiment {
   [[nodiscard]] virtual Frame frame() const = 0;
 
   /// Everything that the rest of the run depends on: state, counts, and what the observables have gathered. Restored
-  /// into an experiment made from the same configuration, the run goes on with the same bits.
-  virtual void carry(Archive& archive) = 0;
+  /// into a simulation made from the same configuration, the run goes on with the same bits.
+  virtual void serialize(Archive& archive) = 0;
 };
 
 }  // namespace gridlock

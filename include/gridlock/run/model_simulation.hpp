@@ -9,19 +9,19 @@
 
 #include "gridlock/model/model.hpp"
 #include "gridlock/observe/block_average.hpp"
-#include "gridlock/run/experiment.hpp"
+#include "gridlock/run/simulation.hpp"
 
 namespace gridlock {
 
-/// A model's world, the engine that steps it and what is observed of it: an experiment like any other.
+/// A model's world, the engine that steps it and what is observed of it: a simulation like any other.
 ///
 /// Columns of the series: the number of agents, how often each event has happened since the start, and what
 /// Model::observe() says; averages of all but the events.
 template <class Model>
-class ModelExperiment final : public Experiment {
+class ModelSimulation final : public Simulation {
  public:
   /// Errors: those of ModelEngine and of Model::start().
-  ModelExperiment(Model model, Box const& box, std::uint64_t seed, ModelEngineSettings const& settings = {})
+  ModelSimulation(Model model, Box const& box, std::uint64_t seed, ModelEngineSettings const& settings = {})
       : engine_(std::move(model), box, settings), world_{.box = box, .seed = seed} {
     engine_.model().start(world_);
     averages_.resize(1 + observe().size());
@@ -41,7 +41,7 @@ class ModelExperiment final : public Experiment {
     return counts;
   }
 
-  void advance(Horizon const& horizon) override { engine_.advance(world_, horizon); }
+  void advance(StopCondition const& stop_condition) override { engine_.advance(world_, stop_condition); }
 
   [[nodiscard]] std::vector<ColumnInfo> columns() const override {
     std::vector<ColumnInfo> columns{{"agents", "", "Agents alive."}};
@@ -76,9 +76,9 @@ class ModelExperiment final : public Experiment {
 
   [[nodiscard]] Frame frame() const override { return frame_of(world_.box, world_.clock, world_.seed, world_.agents); }
 
-  void carry(Archive& archive) override {
-    carry_inside(archive, "world", [&] { gridlock::carry(archive, world_); });
-    gridlock::carry(archive, "averages", averages_);
+  void serialize(Archive& archive) override {
+    serialize_inside(archive, "world", [&] { gridlock::serialize(archive, world_); });
+    gridlock::serialize(archive, "averages", averages_);
   }
 
  private:

@@ -14,7 +14,7 @@ namespace gridlock {
 inline constexpr double usual_time_step = 0.1;
 
 /// Runs that differ in the seed alone.
-struct Ensemble {
+struct ReplicaSet {
   PaperEngine engine;
   StartKind start = StartKind::square;
   Edge edge = Edge::wall;
@@ -27,27 +27,28 @@ struct Ensemble {
   std::uint64_t seeds = 0;
 };
 
-/// The ensemble behind one point of Figure 7.
-Ensemble paper_ensemble(PaperExtent const& extent, PaperEngine const& engine, StartKind start, double packing_fraction);
+/// The replica set behind one point of Figure 7.
+ReplicaSet paper_replica_set(PaperExtent const& extent, PaperEngine const& engine, StartKind start,
+                             double packing_fraction);
 /// All of them, engine after engine, square before triangular, density rising.
-std::vector<Ensemble> paper_ensembles(PaperExtent const& extent);
+std::vector<ReplicaSet> paper_replica_sets(PaperExtent const& extent);
 
-/// The ensemble with `samples` samples in a physical length in diameters per v_max, each after a whole number of steps, so
+/// The replica set with `samples` samples in a physical length in diameters per v_max, each after a whole number of steps, so
 /// that samples stand at the same physical times whatever the time step.
-Ensemble sampled_evenly(Ensemble ensemble, double diameters, std::uint64_t samples);
+ReplicaSet sampled_evenly(ReplicaSet replica_set, double diameters, std::uint64_t samples);
 
 char const* name_of(StartKind start);
 char const* name_of(Edge edge);
 
-void plan(Study& study, Ensemble const& ensemble);
+void plan(Study& study, ReplicaSet const& replica_set);
 
 /// The mean of the last `share` of the samples of a run, at least one; the first is the start and never counts.
 double tail_mean(std::vector<double> const& values, double share);
 
-/// What an ensemble has measured, over those of its runs that are finished.
-class EnsembleResult {
+/// What a set of replicas has measured, over those of its runs that are finished.
+class ReplicaResult {
  public:
-  EnsembleResult(Study const& study, Ensemble const& ensemble);
+  ReplicaResult(Study const& study, ReplicaSet const& replica_set);
 
   [[nodiscard]] std::size_t seeds() const { return outcomes_.size(); }
   /// Samples every run has; the first is the start.
@@ -63,13 +64,13 @@ class EnsembleResult {
   [[nodiscard]] Estimate last_displacement() const { return displacement(samples() - 1); }
   /// The same, each run averaged over the last `share` of its samples first.
   [[nodiscard]] Estimate tail_displacement(double share) const;
-  [[nodiscard]] Estimate tail_blocked_share(double share) const;
+  [[nodiscard]] Estimate tail_halted_fraction(double share) const;
   [[nodiscard]] Estimate tail_collision_rate(double share) const;
 
   /// A number from each finished run, in the order of the seeds.
   [[nodiscard]] std::vector<double> of_each_seed(std::function<double(StudyOutcome const&)> const& value) const;
 
-  /// Runs in which, over the last fifth, more than 98 % of all turns were blocked: the system has come to a standstill.
+  /// Runs in which, over the last fifth, more than 98 % of all moves were halted: the system has come to a standstill.
   /// None where the engine halts no disks.
   [[nodiscard]] std::size_t arrested() const;
 

@@ -25,15 +25,15 @@ namespace gridlock {
 /// Cost of each: O(1); among a million agents at random places about 330 ns for a birth and a death, two waits for memory
 /// one after the other, or 90 ns where they are known beforehand.
 /// Errors: RunFailure, in every build, for an Id that is not alive, a birth or move to a point outside the box, a search
-/// beyond the model's reach, and an event that is not declared.
+/// beyond the model's cutoff, and an event that is not declared.
 template <class Model>
-class OpenWorld {
+class MutableWorld {
  public:
   using Agents = typename World<Model>::Agents;
   using Row = typename Agents::Values;  ///< one value per column
 
-  OpenWorld(World<Model>& world, PackedGrid& grid, double reach, bool is_verified)
-      : world_(world), grid_(grid), reach_(reach), is_verified_(is_verified) {}
+  MutableWorld(World<Model>& world, PackedGrid& grid, double cutoff, bool is_verified)
+      : world_(world), grid_(grid), cutoff_(cutoff), is_verified_(is_verified) {}
 
   [[nodiscard]] Box const& box() const { return world_.box; }
   [[nodiscard]] Clock const& clock() const { return world_.clock; }
@@ -104,11 +104,11 @@ class OpenWorld {
     grid_.move(row, p);
   }
 
-  /// The agent nearest to `p` among those nearer than `reach`, ties to the lower Id; `except` is none of them.
-  [[nodiscard]] std::optional<Id> nearest(Vector p, double reach, std::optional<Id> except = {}) const {
-    double nearest = reach * reach;
+  /// The agent nearest to `p` among those nearer than `cutoff`, ties to the lower Id; `except` is none of them.
+  [[nodiscard]] std::optional<Id> nearest(Vector p, double cutoff, std::optional<Id> except = {}) const {
+    double nearest = cutoff * cutoff;
     std::optional<Id> found;
-    for_each_row_within(p, reach, except, [&](std::size_t row, double squared_distance) {
+    for_each_row_within(p, cutoff, except, [&](std::size_t row, double squared_distance) {
       Id const id = world_.agents.ids()[row];
       if (squared_distance < nearest || (found && squared_distance == nearest && id < *found)) {
         nearest = squared_distance;
@@ -117,11 +117,11 @@ class OpenWorld {
     });
     return found;
   }
-  /// Calls visit(id) for every agent nearer to `p` than `reach`, in the order of the Ids.
+  /// Calls visit(id) for every agent nearer to `p` than `cutoff`, in the order of the Ids.
   template <class Visit>
-  void for_each_neighbour(Vector p, double reach, Visit visit) const {
+  void for_each_neighbour(Vector p, double cutoff, Visit visit) const {
     std::vector<Id> ids;
-    for_each_row_within(p, reach, {}, [&](std::size_t row, double) { ids.push_back(world_.agents.ids()[row]); });
+    for_each_row_within(p, cutoff, {}, [&](std::size_t row, double) { ids.push_back(world_.agents.ids()[row]); });
     std::ranges::sort(ids);
     for (Id const id : ids) visit(id);
   }
@@ -140,21 +140,21 @@ class OpenWorld {
   }
 
   template <class Visit>
-  void for_each_row_within(Vector p, double reach, std::optional<Id> except, Visit visit) const {
-    if (!(reach >= 0.0 && reach <= reach_ && is_finite(p))) {
+  void for_each_row_within(Vector p, double cutoff, std::optional<Id> except, Visit visit) const {
+    if (!(cutoff >= 0.0 && cutoff <= cutoff_ && is_finite(p))) {
       throw_far_search(
-          {.step = world_.clock.step, .agent = {}, .point = p, .position = p, .reach = reach, .declared = reach_});
+          {.step = world_.clock.step, .agent = {}, .point = p, .position = p, .cutoff = cutoff, .declared = cutoff_});
     }
     std::size_t const left_out = except ? world_.agents.index_of(*except) : Agents::not_found;
     std::vector<Id> found;
-    grid_.for_each_candidate(p, reach, [&](std::size_t row) {
+    grid_.for_each_candidate(p, cutoff, [&](std::size_t row) {
       double const squared_distance = squared_length(world_.box.displacement(p, position_of_row(row)));
-      if (row == left_out || !(squared_distance < reach * reach)) return;
+      if (row == left_out || !(squared_distance < cutoff * cutoff)) return;
       if (is_verified_) found.push_back(world_.agents.ids()[row]);
       visit(row, squared_distance);
     });
     if (is_verified_) {
-      verify_search(world_, p, reach, std::move(found), [&](std::size_t row) { return row != left_out; });
+      verify_search(world_, p, cutoff, std::move(found), [&](std::size_t row) { return row != left_out; });
     }
   }
 
@@ -172,7 +172,7 @@ class OpenWorld {
 
   World<Model>& world_;
   PackedGrid& grid_;
-  double reach_;
+  double cutoff_;
   mutable std::size_t last_row_ = 0;
   bool is_verified_;
 };

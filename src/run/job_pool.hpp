@@ -23,16 +23,16 @@ inline int jobs_for(unsigned threads) {
   return threads == 0 ? cores : std::min(static_cast<int>(threads), cores);
 }
 
-/// A team of threads that carry out many runs, each taking the next longest one as soon as it is free.
+/// A pool of threads that carry out many runs, each taking the next longest one as soon as it is free.
 ///
 /// What comes out does not depend on the number of threads, as long as carry_out(run) writes to places of its own.
-class Team {
+class JobPool {
  public:
   using OnProgress = std::function<bool(double fraction, std::size_t finished)>;
 
   /// `work` of each run in any unit, for the order and the progress. on_progress is called from any thread, one call at
   /// a time; returning false lets no further run begin and makes report() return false.
-  Team(std::vector<double> work, OnProgress on_progress)
+  JobPool(std::vector<double> work, OnProgress on_progress)
       : work_(std::move(work)), done_(work_.size(), 0.0), on_progress_(std::move(on_progress)) {
     order_.resize(work_.size());
     std::iota(order_.begin(), order_.end(), std::size_t{0});

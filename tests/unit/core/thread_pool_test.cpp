@@ -1,4 +1,4 @@
-#include "gridlock/core/thread_team.hpp"
+#include "gridlock/core/thread_pool.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,27 +9,27 @@
 namespace gridlock {
 namespace {
 
-TEST(ThreadTeam, CarriesOutEveryPartOnceWhateverItsSize) {
+TEST(ThreadPool, CarriesOutEveryPartOnceWhateverItsSize) {
   for (std::uint64_t const threads : {1, 2, 3, 8}) {
-    ThreadTeam team(threads);
-    EXPECT_EQ(team.size(), threads);
+    ThreadPool thread_pool(threads);
+    EXPECT_EQ(thread_pool.size(), threads);
     for (std::size_t const parts : {0, 1, 2, 7, 100}) {
       std::vector<int> times(parts);
-      team.for_each(parts, [&](std::size_t part) { ++times[part]; });
+      thread_pool.for_each(parts, [&](std::size_t part) { ++times[part]; });
       EXPECT_EQ(times, std::vector<int>(parts, 1));
     }
   }
 }
 
 /// Rounds so short that threads come late, help one another and are still leaving when the next round begins.
-TEST(ThreadTeam, KeepsShortRoundsOfUnequalPartsApart) {
+TEST(ThreadPool, KeepsShortRoundsOfUnequalPartsApart) {
   for (std::uint64_t const threads : {2, 3, 8}) {
-    ThreadTeam team(threads);
+    ThreadPool thread_pool(threads);
     std::vector<std::uint64_t> sums(9, 0);
     std::vector<std::uint64_t> expected(9, 0);
     for (std::uint64_t round = 0; round < 3000; ++round) {
       std::size_t const parts = 2 + round % 8;
-      team.for_each(parts, [&](std::size_t part) {
+      thread_pool.for_each(parts, [&](std::size_t part) {
         // Later parts take longer, so that their owners get help.
         for (std::uint64_t n = 0; n <= 20 * part; ++n) sums[part] = sums[part] * 3 + round + n;
       });
@@ -41,10 +41,10 @@ TEST(ThreadTeam, KeepsShortRoundsOfUnequalPartsApart) {
   }
 }
 
-TEST(ThreadTeam, ThrowsOnWhatTheLowestFailingPartThrewAndGoesOnWorking) {
-  ThreadTeam team(3);
+TEST(ThreadPool, ThrowsOnWhatTheLowestFailingPartThrewAndGoesOnWorking) {
+  ThreadPool thread_pool(3);
   try {
-    team.for_each(50, [](std::size_t part) {
+    thread_pool.for_each(50, [](std::size_t part) {
       if (part >= 20) throw std::runtime_error(std::to_string(part));
     });
     FAIL() << "nothing was thrown";
@@ -52,7 +52,7 @@ TEST(ThreadTeam, ThrowsOnWhatTheLowestFailingPartThrewAndGoesOnWorking) {
     EXPECT_EQ(std::string(error.what()), "20");
   }
   int done = 0;
-  team.for_each(1, [&](std::size_t) { ++done; });
+  thread_pool.for_each(1, [&](std::size_t) { ++done; });
   EXPECT_EQ(done, 1);
 }
 

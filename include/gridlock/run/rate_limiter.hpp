@@ -10,10 +10,10 @@ namespace gridlock {
 
 /// Says when it is time to look up from work whose pieces take nobody knows how long: is_due() is asked after every piece
 /// and is true about every `seconds`. Cost: a count, and a look at the clock a few times between two looks.
-class Pace {
+class RateLimiter {
  public:
   /// `now` tells seconds that never go back; for tests.
-  explicit Pace(double seconds, std::function<double()> now = seconds_of_steady_clock)
+  explicit RateLimiter(double seconds, std::function<double()> now = seconds_of_steady_clock)
       : seconds_(seconds), now_(std::move(now)), last_look_(now_()), last_reading_(last_look_) {}
 
   [[nodiscard]] bool is_due() {

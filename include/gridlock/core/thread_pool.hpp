@@ -11,13 +11,13 @@ namespace gridlock {
 ///
 /// Plain threads of the standard library, so that ThreadSanitizer sees all of what they do. More threads than cores are
 /// allowed: bits can be compared on any machine.
-class ThreadTeam {
+class ThreadPool {
  public:
   /// 0: one for each core. The calling thread is one of them.
-  explicit ThreadTeam(std::uint64_t threads);
-  ~ThreadTeam();
-  ThreadTeam(ThreadTeam const&) = delete;
-  ThreadTeam& operator=(ThreadTeam const&) = delete;
+  explicit ThreadPool(std::uint64_t threads);
+  ~ThreadPool();
+  ThreadPool(ThreadPool const&) = delete;
+  ThreadPool& operator=(ThreadPool const&) = delete;
 
   [[nodiscard]] std::size_t size() const { return size_; }
 
@@ -28,7 +28,7 @@ class ThreadTeam {
  private:
   class Crew;
   std::size_t size_;
-  std::unique_ptr<Crew> crew_;  ///< the other threads; none in a team of one
+  std::unique_ptr<Crew> crew_;  ///< the other threads; none in a pool of one
 };
 
 }  // namespace gridlock

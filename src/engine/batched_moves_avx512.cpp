@@ -16,7 +16,7 @@ namespace {
 using Block = PackedGrid::Block;
 
 constexpr std::size_t lanes = 8;
-constexpr std::size_t most = PackedTurns::most_together;
+constexpr std::size_t most = PackedTurns::largest_batch;
 static_assert(most == 2 * lanes, "a turn is looked up in two registers");
 
 /// Turns that take less time together than one after the other.
@@ -155,7 +155,7 @@ GRIDLOCK_AVX512 inline Turns is_inner(__m256i cells, unsigned inner) {
 /// Where eight disks are and how they move.
 struct Course {
   Vectors from;
-  Vectors way;  ///< of one sub-step
+  Vectors displacement;  ///< of one sub-step
   __m512d radius;
   Cells cells;
   Turns local;
@@ -218,12 +218,12 @@ std::size_t first_of(unsigned bits) { return static_cast<std::size_t>(std::count
 ///     turns         0 1 2 3 4 5 6 7         how far they come
 ///
 /// The same operations in the same order as in one turn after the other, so that they round alike.
-class TurnsTogether {
+class BatchedMoves {
  public:
-  TurnsTogether(PackedTurns& turns, std::span<std::uint32_t const> rows)
+  BatchedMoves(PackedTurns& turns, std::span<std::uint32_t const> rows)
       : turns_(turns), view_(turns.view_), grid_(turns.grid_), rows_(rows) {}
 
-  GRIDLOCK_AVX512 void take(Tally& tally, std::vector<std::uint32_t>& not_local) {
+  GRIDLOCK_AVX512 void take(Counters& counters, std::vector<std::uint32_t>& not_local) {
     bool const are_many = rows_.size() > lanes;
     Course const first = aim(0);
     Course const last = are_many ? aim(lanes) : first;
@@ -235,7 +235,7 @@ class TurnsTogether {
     look_around(together);
     __m512i const free_substeps = find_partners(first, last);
     auto const substeps = static_cast<std::uint32_t>(view_.substeps);
-    Turns const blocked =
+    Turns const halted =
         together & _mm512_cmplt_epu32_mask(free_substeps, _mm512_set1_epi32(static_cast<int>(substeps)));
     Turns staying = go(0, first, _mm512_castsi512_si256(free_substeps));
     if (are_many) staying |= go(lanes, last, _mm512_extracti32x8_epi32(free_substeps, 1)) << lanes;
@@ -244,15 +244,15 @@ class TurnsTogether {
       view_.disks[rows_[l]].position = turning_.position[l];
       PackedGrid::place_within_cell(*turning_.block[l], turning_.slot[l], {turning_.local_x[l], turning_.local_y[l]});
       std::uint32_t const trials = std::min(turning_.free_substeps[l] + 1, substeps);
-      tally.distance_checks += std::uint64_t{turning_.candidates[l]} * trials;
+      counters.distance_checks += std::uint64_t{turning_.candidates[l]} * trials;
     }
     // In the order of the turns, on which sums of floating point numbers depend.
-    for (Turns left = blocked | alone; left != 0; left &= left - 1) {
+    for (Turns left = halted | alone; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
-      if (blocked >> l & 1U) {
-        scatter(view_, rows_[l], turning_.partner[l], tally);
+      if (halted >> l & 1U) {
+        collide(view_, rows_[l], turning_.partner[l], counters);
       } else {
-        turns_.take(turns_.prepare(rows_[l]), tally);
+        turns_.take(turns_.prepare(rows_[l]), counters);
       }
     }
     for (Turns left = together & ~staying; left != 0; left &= left - 1) {
@@ -260,8 +260,8 @@ class TurnsTogether {
       grid_.move(i, view_.disks[i].position);
     }
     for (Turns left = all & ~local; left != 0; left &= left - 1) not_local.push_back(rows_[first_of(left)]);
-    tally.turns += count_of(together);
-    tally.blocked_turns += count_of(blocked);
+    counters.moves += count_of(together);
+    counters.halted_moves += count_of(halted);
   }
 
  private:
@@ -279,20 +279,20 @@ class TurnsTogether {
     Cells const cells = cells_of(&t.block[first]);
     __m512d const duration = _mm512_set1_pd(turns_.duration_);
     __m512d const squared_speed = squared_length(disk.velocity.x, disk.velocity.y);
-    __m512d const contact = _mm512_add_pd(radius, _mm512_set1_pd(turns_.reach_.contact(0.0)));
+    __m512d const contact = _mm512_add_pd(radius, _mm512_set1_pd(turns_.cutoff_.contact(0.0)));
 
     // is_local()
     __m512d const room =
-        _mm512_sub_pd(_mm512_sub_pd(_mm512_set1_pd(turns_.room_), contact), _mm512_set1_pd(turns_.reach_.rounding()));
-    __m512d const squared_way = _mm512_mul_pd(_mm512_mul_pd(squared_speed, duration), duration);
+        _mm512_sub_pd(_mm512_sub_pd(_mm512_set1_pd(turns_.room_), contact), _mm512_set1_pd(turns_.cutoff_.rounding()));
+    __m512d const squared_displacement = _mm512_mul_pd(_mm512_mul_pd(squared_speed, duration), duration);
     __mmask8 const has_room = _mm512_cmp_pd_mask(room, _mm512_setzero_pd(), _CMP_GT_OQ);
-    Turns const local = _mm512_mask_cmp_pd_mask(has_room, squared_way, _mm512_mul_pd(room, room), _CMP_LE_OQ);
+    Turns const local = _mm512_mask_cmp_pd_mask(has_room, squared_displacement, _mm512_mul_pd(room, room), _CMP_LE_OQ);
 
     // find_near()
-    __m512d const squared_reach =
+    __m512d const squared_cutoff =
         _mm512_add_pd(_mm512_mul_pd(contact, contact),
                       _mm512_mul_pd(_mm512_set1_pd(turns_.duration_ * turns_.duration_), squared_speed));
-    __m512d const limit = _mm512_mul_pd(squared_reach, _mm512_set1_pd(turns_.limit_per_area_));
+    __m512d const limit = _mm512_mul_pd(squared_cutoff, _mm512_set1_pd(turns_.limit_per_area_));
     _mm256_store_ps(&t.limit[first], _mm256_add_ps(_mm512_cvtpd_ps(limit), _mm256_set1_ps(turns_.limit_error_)));
     __m512d const end_x = _mm512_add_pd(disk.position.x, _mm512_mul_pd(duration, disk.velocity.x));
     __m512d const end_y = _mm512_add_pd(disk.position.y, _mm512_mul_pd(duration, disk.velocity.y));
@@ -302,7 +302,7 @@ class TurnsTogether {
 
     __m512d const substep = _mm512_set1_pd(view_.substep);
     return {.from = disk.position,
-            .way = {_mm512_mul_pd(substep, disk.velocity.x), _mm512_mul_pd(substep, disk.velocity.y)},
+            .displacement = {_mm512_mul_pd(substep, disk.velocity.x), _mm512_mul_pd(substep, disk.velocity.y)},
             .radius = radius,
             .cells = cells,
             .local = local,
@@ -376,8 +376,8 @@ class TurnsTogether {
       __m512i const turn = _mm512_cvtepu8_epi64(_mm_loadl_epi64(reinterpret_cast<__m128i const*>(turns)));
       __m512d x = look_up(first_eight.from.x, turn, last_eight.from.x);
       __m512d y = look_up(first_eight.from.y, turn, last_eight.from.y);
-      __m512d const way_x = look_up(first_eight.way.x, turn, last_eight.way.x);
-      __m512d const way_y = look_up(first_eight.way.y, turn, last_eight.way.y);
+      __m512d const displacement_x = look_up(first_eight.displacement.x, turn, last_eight.displacement.x);
+      __m512d const displacement_y = look_up(first_eight.displacement.y, turn, last_eight.displacement.y);
       __m512d const radius = look_up(first_eight.radius, turn, last_eight.radius);
       Vectors const other = positions_of(view_.disks.data(), disks);
       __m512d const contact = _mm512_add_pd(radius, radii_of(view_.disks.data(), disks));
@@ -388,8 +388,8 @@ class TurnsTogether {
       __m512i met_in = _mm512_setzero_si512();
       __m512d nearest = _mm512_setzero_pd();
       for (std::uint32_t m = 0; m < substeps; ++m) {
-        x = _mm512_add_pd(x, way_x);
-        y = _mm512_add_pd(y, way_y);
+        x = _mm512_add_pd(x, displacement_x);
+        y = _mm512_add_pd(y, displacement_y);
         __m512d const squared = squared_length(_mm512_sub_pd(other.x, x), _mm512_sub_pd(other.y, y));
         // As long as they are apart, this may be the sub-step in which they meet.
         nearest = _mm512_mask_mov_pd(nearest, apart, squared);
@@ -430,8 +430,8 @@ class TurnsTogether {
     auto const substeps = static_cast<int>(view_.substeps);
     for (int m = 0; m < substeps; ++m) {
       __mmask8 const is_free = _mm256_cmpgt_epu32_mask(free_substeps, _mm256_set1_epi32(m));
-      x = _mm512_mask_add_pd(x, is_free, x, course.way.x);
-      y = _mm512_mask_add_pd(y, is_free, y, course.way.y);
+      x = _mm512_mask_add_pd(x, is_free, x, course.displacement.x);
+      y = _mm512_mask_add_pd(y, is_free, y, course.displacement.y);
     }
     __m512i const low = _mm512_setr_epi64(0, 8, 1, 9, 2, 10, 3, 11);
     __m512i const high = _mm512_setr_epi64(4, 12, 5, 13, 6, 14, 7, 15);
@@ -452,14 +452,14 @@ class TurnsTogether {
   Candidates candidates_;
 };
 
-bool can_take_together_with_avx512() { return has_avx512(); }
+bool can_take_batch_with_avx512() { return has_avx512(); }
 
-GRIDLOCK_AVX512 void take_together_with_avx512(PackedTurns& turns, std::span<std::uint32_t const> rows, Tally& tally,
-                                               std::vector<std::uint32_t>& not_local) {
+GRIDLOCK_AVX512 void take_batch_avx512(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
+                                       std::vector<std::uint32_t>& not_local) {
   if (rows.size() < worth_it || turns.substeps() > most_substeps) {
-    take_together_plainly(turns, rows, tally, not_local);
+    take_batch_scalar(turns, rows, counters, not_local);
   } else {
-    TurnsTogether(turns, rows).take(tally, not_local);
+    BatchedMoves(turns, rows).take(counters, not_local);
   }
 }
 
@@ -469,10 +469,10 @@ GRIDLOCK_AVX512 void take_together_with_avx512(PackedTurns& turns, std::span<std
 
 namespace gridlock {
 
-bool can_take_together_with_avx512() { return false; }
-void take_together_with_avx512(PackedTurns& turns, std::span<std::uint32_t const> rows, Tally& tally,
-                               std::vector<std::uint32_t>& not_local) {
-  take_together_plainly(turns, rows, tally, not_local);
+bool can_take_batch_with_avx512() { return false; }
+void take_batch_avx512(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
+                       std::vector<std::uint32_t>& not_local) {
+  take_batch_scalar(turns, rows, counters, not_local);
 }
 
 }  // namespace gridlock

@@ -15,7 +15,7 @@ namespace gridlock {
 /// What the agents of one part of the world asked for in their turns: kept until the turns are over, so that nobody's
 /// row moves while neighbours are being visited.
 template <class Model>
-struct Requests {
+struct DeferredCommands {
   std::vector<typename World<Model>::Agents::Values> births;
   std::vector<Id> parents;  ///< of each birth
   std::vector<Id> deaths;   ///< an Id may stand there twice
@@ -35,9 +35,9 @@ struct Requests {
 /// order of their parents' Ids, those of one parent as it asked for them. The state alone decides that order, so that also
 /// the names of the newborn are the same on any number of threads. Contract: an agent asks in one part only.
 template <class Model>
-void settle(World<Model>& world, std::span<Requests<Model>> parts) {
-  Requests<Model> all;
-  for (Requests<Model>& part : parts) {
+void apply_commands(World<Model>& world, std::span<DeferredCommands<Model>> parts) {
+  DeferredCommands<Model> all;
+  for (DeferredCommands<Model>& part : parts) {
     all.deaths.insert(all.deaths.end(), part.deaths.begin(), part.deaths.end());
     all.births.insert(all.births.end(), part.births.begin(), part.births.end());
     all.parents.insert(all.parents.end(), part.parents.begin(), part.parents.end());

@@ -1,4 +1,4 @@
-#include "gridlock/observe/rows_by_id.hpp"
+#include "gridlock/observe/id_index.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -6,25 +6,25 @@
 
 namespace gridlock {
 
-RowsById::RowsById(std::span<Id const> ids) {
+IdIndex::IdIndex(std::span<Id const> ids) {
   std::vector<Id> sorted(ids.begin(), ids.end());
   std::ranges::sort(sorted);
   take(std::move(sorted));
 }
 
-void RowsById::take(std::vector<Id>&& sorted) {
+void IdIndex::take(std::vector<Id>&& sorted) {
   size_ = sorted.size();
   first_ = sorted.empty() ? 0 : sorted.front();
   bool const has_no_gap = sorted.empty() || sorted.back() - first_ == size_ - 1;
   sorted_ = has_no_gap ? std::vector<Id>() : std::move(sorted);
 }
 
-std::size_t RowsById::search(Id id) const {
+std::size_t IdIndex::search(Id id) const {
   auto const found = std::ranges::lower_bound(sorted_, id);
   return found != sorted_.end() && *found == id ? static_cast<std::size_t>(found - sorted_.begin()) : not_found;
 }
 
-void RowsById::carry(Archive& archive) {
+void IdIndex::serialize(Archive& archive) {
   std::vector<Id> ids = sorted_;
   if (ids.empty()) {
     ids.resize(size_);

@@ -13,12 +13,12 @@ namespace gridlock {
 /// with rows that have been reordered, born or removed since.
 /// Cost: one comparison where the Ids follow one another without a gap or a row still stands in its place, O(log N)
 /// otherwise. Memory: 8 bytes an agent, none where the Ids follow one another, as those of a start do.
-class RowsById {
+class IdIndex {
  public:
   static constexpr std::size_t not_found = static_cast<std::size_t>(-1);
 
-  RowsById() = default;
-  explicit RowsById(std::span<Id const> ids);
+  IdIndex() = default;
+  explicit IdIndex(std::span<Id const> ids);
 
   [[nodiscard]] std::size_t size() const { return size_; }
 
@@ -31,7 +31,7 @@ class RowsById {
   /// Which of `blocks` runs of neighbouring Ids, equal in size to one agent, a place belongs to.
   [[nodiscard]] std::size_t block_of(std::size_t place, std::size_t blocks) const { return place * blocks / size_; }
 
-  void carry(Archive& archive);
+  void serialize(Archive& archive);
 
  private:
   void take(std::vector<Id>&& sorted);

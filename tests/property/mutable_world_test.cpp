@@ -1,6 +1,6 @@
 // A world of events against a plain map: births, deaths and moves one at a time and many at once, and who is nearest.
 
-#include "gridlock/model/open_world.hpp"
+#include "gridlock/model/mutable_world.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -30,7 +30,7 @@ struct Agent {
 
 class Town {
  public:
-  Town(Box const& box, double reach) : grid_(layout_for_reach(box, reach, 20)), reach_(reach) { world_.box = box; }
+  Town(Box const& box, double cutoff) : grid_(layout_for_cutoff(box, cutoff, 20)), cutoff_(cutoff) { world_.box = box; }
 
   void add(double mass, Vector p) { alive_[open_.add(mass, p.y, p.x)] = {mass, p}; }
   void remove(std::size_t number) {
@@ -81,10 +81,10 @@ class Town {
       RC_ASSERT(open_.position(id) == agent.place);
       RC_ASSERT(open_.get<Mass>(id) == agent.mass);
       double const distance = squared_length(world_.box.displacement(p, agent.place));
-      if (!(distance < reach_ * reach_)) continue;
+      if (!(distance < cutoff_ * cutoff_)) continue;
       if (!nearest || distance < squared_length(world_.box.displacement(p, alive_.at(*nearest).place))) nearest = id;
     }
-    RC_ASSERT(open_.nearest(p, reach_) == nearest);
+    RC_ASSERT(open_.nearest(p, cutoff_) == nearest);
   }
 
  private:
@@ -94,12 +94,12 @@ class Town {
 
   World<Marked> world_;
   PackedGrid grid_;
-  double reach_;
-  OpenWorld<Marked> open_{world_, grid_, reach_, true};
+  double cutoff_;
+  MutableWorld<Marked> open_{world_, grid_, cutoff_, true};
   std::map<Id, Agent> alive_;
 };
 
-RC_GTEST_PROP(OpenWorldProperty, BehavesLikeAMapUnderAnySequenceOfBirthsDeathsAndMoves, ()) {
+RC_GTEST_PROP(MutableWorldProperty, BehavesLikeAMapUnderAnySequenceOfBirthsDeathsAndMoves, ()) {
   Box const box(1.0, 1.5, *rc::gen::element(Edge::wall, Edge::periodic));
   // Few cells, so that many agents share one, or many, so that most are empty.
   Town town(box, *rc::gen::element(0.05, 0.2, 0.49));

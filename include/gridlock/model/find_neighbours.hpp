@@ -9,31 +9,31 @@
 namespace gridlock {
 
 /// Rows first … end − 1.
-struct Stretch {
+struct RowRange {
   std::size_t first;
   std::size_t end;
 };
 
-/// Who among agents in stretches of rows is nearer to a point than some reach.
-struct NearRowsSearch {
+/// Who among agents in ranges of rows is nearer to a point than some cutoff.
+struct NeighbourSearch {
   double const* x;  ///< the columns
   double const* y;
   Vector p;
-  double squared_reach;
+  double squared_cutoff;
   std::size_t left_out;  ///< the row that is not to be found, that of the agent itself
   Box const* box =
       nullptr;  ///< where images matter: none away from the edges, where the nearest one is the agent itself
 };
 
 /// Room that a search needs behind the rows it may find.
-constexpr std::size_t near_rows_slack = 8;
+constexpr std::size_t neighbour_slack = 8;
 
-/// Writes the rows that are near to `found`, in the order of the stretches, and returns how many there are.
+/// Writes the rows that are near to `found`, in the order of the ranges, and returns how many there are.
 ///
 /// Which candidate is near is as good as random, so that no branch depends on it: eight are looked at at a time where the
 /// processor has AVX-512, chosen at run time, one after the other elsewhere; the same rows on both.
-/// Cost: about 10 ns for six neighbours among seventeen candidates in three stretches.
-/// Contract: room for all candidates and near_rows_slack more; rows are below 2³².
-std::size_t find_near_rows(NearRowsSearch const& search, std::span<Stretch const> stretches, std::uint32_t* found);
+/// Cost: about 10 ns for six neighbours among seventeen candidates in three ranges.
+/// Contract: room for all candidates and neighbour_slack more; rows are below 2³².
+std::size_t find_neighbours(NeighbourSearch const& search, std::span<RowRange const> ranges, std::uint32_t* found);
 
 }  // namespace gridlock

@@ -1,4 +1,4 @@
-#include "gridlock/run/pace.hpp"
+#include "gridlock/run/rate_limiter.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,32 +12,32 @@ namespace {
 struct HandClock {
   double now = 1000.0;
   std::uint64_t readings = 0;
-  Pace pace(double seconds) {
-    return Pace(seconds, [this] {
+  RateLimiter rate_limiter(double seconds) {
+    return RateLimiter(seconds, [this] {
       ++readings;
       return now;
     });
   }
 };
 
-TEST(Pace, OfNoTimeIsDueAfterEveryPiece) {
+TEST(RateLimiter, OfNoTimeIsDueAfterEveryPiece) {
   HandClock clock;
-  Pace pace = clock.pace(0.0);
+  RateLimiter rate_limiter = clock.rate_limiter(0.0);
   for (int k = 0; k < 100; ++k) {
-    EXPECT_TRUE(pace.is_due());
+    EXPECT_TRUE(rate_limiter.is_due());
     clock.now += k % 3;
   }
 }
 
-TEST(Pace, IsDueOnceInItsTimeHoweverShortThePieces) {
+TEST(RateLimiter, IsDueOnceInItsTimeHoweverShortThePieces) {
   for (double const piece : {1e-7, 1e-4, 0.03, 0.5, 7.0}) {
     SCOPED_TRACE(piece);
     HandClock clock;
-    Pace pace = clock.pace(0.1);
+    RateLimiter rate_limiter = clock.rate_limiter(0.1);
     double last = clock.now;
     for (int looks = 0; looks < 20;) {
       clock.now += piece;
-      if (!pace.is_due()) continue;
+      if (!rate_limiter.is_due()) continue;
       ++looks;
       EXPECT_GE(clock.now - last, 0.1 - 1e-9);
       EXPECT_LE(clock.now - last, 0.1 + 2.0 * piece);
@@ -46,24 +46,24 @@ TEST(Pace, IsDueOnceInItsTimeHoweverShortThePieces) {
   }
 }
 
-TEST(Pace, ReadsTheClockRarely) {
+TEST(RateLimiter, ReadsTheClockRarely) {
   HandClock clock;
-  Pace pace = clock.pace(0.1);
+  RateLimiter rate_limiter = clock.rate_limiter(0.1);
   for (int k = 0; k < 10'000'000; ++k) {
     clock.now += 1e-7;
-    static_cast<void>(pace.is_due());
+    static_cast<void>(rate_limiter.is_due());
   }
   EXPECT_LE(clock.readings, 100U);
 }
 
-TEST(Pace, FollowsPiecesThatComeToTakeLonger) {
+TEST(RateLimiter, FollowsPiecesThatComeToTakeLonger) {
   HandClock clock;
-  Pace pace = clock.pace(0.1);
+  RateLimiter rate_limiter = clock.rate_limiter(0.1);
   double piece = 1e-6;
   double last = clock.now;
   for (int looks = 0; looks < 50;) {
     clock.now += piece;
-    if (!pace.is_due()) continue;
+    if (!rate_limiter.is_due()) continue;
     ++looks;
     // Those counted off beforehand take twice as long at most.
     EXPECT_LE(clock.now - last, 0.25 + 2.0 * piece);

@@ -1,0 +1,41 @@
+#include "gridlock/model/find_neighbours.hpp"
+
+#include "model/find_neighbours_kernels.hpp"
+
+namespace gridlock {
+
+namespace {
+
+template <class Displacement>
+std::size_t find(NeighbourSearch const& search, std::span<RowRange const> ranges, std::uint32_t* found,
+                 Displacement displacement) {
+  std::size_t count = 0;
+  for (RowRange const& range : ranges) {
+    for (std::size_t row = range.first; row < range.end; ++row) {
+      // Every candidate is written, and only the count depends on the answer.
+      found[count] = static_cast<std::uint32_t>(row);
+      bool const is_near =
+          squared_length(displacement(search.p, Vector{search.x[row], search.y[row]})) < search.squared_cutoff;
+      count += static_cast<std::size_t>(is_near & (row != search.left_out));
+    }
+  }
+  return count;
+}
+
+}  // namespace
+
+std::size_t find_neighbours_scalar(NeighbourSearch const& search, std::span<RowRange const> ranges,
+                                   std::uint32_t* found) {
+  if (search.box == nullptr) {
+    return find(search, ranges, found, [](Vector p, Vector q) { return q - p; });
+  }
+  Box const box = *search.box;
+  return find(search, ranges, found, [&](Vector p, Vector q) { return box.displacement_inside(p, q); });
+}
+
+std::size_t find_neighbours(NeighbourSearch const& search, std::span<RowRange const> ranges, std::uint32_t* found) {
+  static auto const kernel = can_find_neighbours_with_avx512() ? find_neighbours_avx512 : find_neighbours_scalar;
+  return kernel(search, ranges, found);
+}
+
+}  // namespace gridlock

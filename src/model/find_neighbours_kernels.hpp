@@ -1,0 +1,17 @@
+#pragma once
+
+#include "gridlock/model/find_neighbours.hpp"
+
+namespace gridlock {
+
+// The kernels of find_neighbours(), which a test compares.
+
+std::size_t find_neighbours_scalar(NeighbourSearch const& search, std::span<RowRange const> ranges,
+                                   std::uint32_t* found);
+
+bool can_find_neighbours_with_avx512();
+/// Contract: can_find_neighbours_with_avx512().
+std::size_t find_neighbours_avx512(NeighbourSearch const& search, std::span<RowRange const> ranges,
+                                   std::uint32_t* found);
+
+}  // namespace gridlock
