@@ -5,6 +5,7 @@
 #include <array>
 #include <cctype>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -80,10 +81,23 @@ std::string hint_on_columns(std::string_view key) {
   return names.empty() ? ", gridlock explain observables all columns" : fmt::format("; did you mean {}?", names);
 }
 
+/// Errors: Error for a setting or a column of another name in earlier versions, with its present one.
+void refuse_former_name(std::string const& key) {
+  Configuration configuration;
+  std::optional<std::string> present = renamed_setting(describing(configuration), key);
+  for (ColumnInfo const& column : measured_columns()) {
+    if (!column.former_name.empty() && column.former_name == key) present = column.name;
+  }
+  if (!present) return;
+  throw Error({.what = fmt::format("{} was renamed to {}", key, *present),
+               .hint = fmt::format("gridlock explain {} says what it is", *present)});
+}
+
 /// A setting, a table or a column. Errors: Error for a key that is none of them.
 std::string explained(std::string const& key) {
   std::string observables = explained_observables(key);
   if (!observables.empty()) return observables;
+  refuse_former_name(key);
   Configuration configuration;
   try {
     return explain(describing(configuration), key);

@@ -108,6 +108,13 @@ TomlValue const* SettingsReader::take(std::string_view key) {
   return value;
 }
 
+TomlValue const* SettingsReader::take(SettingInfo const& info) {
+  if (!info.former_key.empty()) {
+    renamed_[dotted(frames_.back().kind, info.former_key)] = dotted(frames_.back().kind, info.key);
+  }
+  return take(info.key);
+}
+
 void SettingsReader::report(TomlValue const& value, std::string const& path, std::string what, std::string hint) {
   problems_.push_back(
       problem_at(value.location, path, std::move(what), hint.empty() ? explanation_of(path) : std::move(hint)));
@@ -185,27 +192,27 @@ bool SettingsReader::read_count(TomlValue const& value, std::string const& path,
 }
 
 void SettingsReader::visit(SettingInfo const& info, double& value) {
-  if (TomlValue const* given = take(info.key)) read_number(*given, path_of(info.key), info, value);
+  if (TomlValue const* given = take(info)) read_number(*given, path_of(info.key), info, value);
 }
 
 void SettingsReader::visit(SettingInfo const& info, std::optional<double>& value) {
   double number = 0.0;
-  TomlValue const* given = take(info.key);
+  TomlValue const* given = take(info);
   if (given != nullptr && read_number(*given, path_of(info.key), info, number)) value = number;
 }
 
 void SettingsReader::visit(SettingInfo const& info, std::uint64_t& value) {
-  if (TomlValue const* given = take(info.key)) read_count(*given, path_of(info.key), info, value);
+  if (TomlValue const* given = take(info)) read_count(*given, path_of(info.key), info, value);
 }
 
 void SettingsReader::visit(SettingInfo const& info, std::optional<std::uint64_t>& value) {
   std::uint64_t count = 0;
-  TomlValue const* given = take(info.key);
+  TomlValue const* given = take(info);
   if (given != nullptr && read_count(*given, path_of(info.key), info, count)) value = count;
 }
 
 void SettingsReader::visit(SettingInfo const& info, bool& value) {
-  TomlValue const* given = take(info.key);
+  TomlValue const* given = take(info);
   if (given == nullptr) return;
   if (given->kind == Kind::boolean) {
     value = given->boolean;
@@ -215,7 +222,7 @@ void SettingsReader::visit(SettingInfo const& info, bool& value) {
 }
 
 void SettingsReader::visit(SettingInfo const& info, std::string& value) {
-  TomlValue const* given = take(info.key);
+  TomlValue const* given = take(info);
   if (given == nullptr) return;
   if (auto text = as_text(*given)) {
     value = std::move(*text);
@@ -225,7 +232,7 @@ void SettingsReader::visit(SettingInfo const& info, std::string& value) {
 }
 
 void SettingsReader::visit(SettingInfo const& info, std::vector<double>& value) {
-  TomlValue const* given = take(info.key);
+  TomlValue const* given = take(info);
   if (given == nullptr) return;
   std::string const path = path_of(info.key);
   if (given->kind != Kind::array) {
@@ -244,7 +251,7 @@ void SettingsReader::visit(SettingInfo const& info, std::vector<double>& value) 
 
 void SettingsReader::visit_choice(SettingInfo const& info, std::span<std::string_view const> choices,
                                   std::size_t& value) {
-  TomlValue const* given = take(info.key);
+  TomlValue const* given = take(info);
   if (given == nullptr) return;
   std::string const path = path_of(info.key);
   std::vector<std::string> words;
@@ -268,7 +275,7 @@ void SettingsReader::visit_tables(SettingInfo const& info, std::size_t, std::fun
   std::string const path = path_of(info.key);
   std::string const kind = dotted(frames_.back().kind, info.key) + "[]";
   tables_.insert(kind);
-  TomlValue const* given = take(info.key);
+  TomlValue const* given = take(info);
   if (given == nullptr) return;
   std::string const hint = fmt::format("write [[{}]] above the settings of each one", path);
   if (given->kind != Kind::array) return report_type(*given, path, "a list of tables", hint);
@@ -316,6 +323,11 @@ void SettingsReader::report_unknown(TomlValue const& table, Frame const& frame, 
 
 Problem SettingsReader::unknown(TomlValue const& member, std::string const& name, Frame const& frame) const {
   std::string const path = dotted(frame.path, name);
+  auto const renamed = renamed_.find(dotted(frame.kind, name));
+  if (renamed != renamed_.end()) {
+    return problem_at(member.key_location, path, fmt::format("{} was renamed to {}", path, renamed->second),
+                      fmt::format("write {}", renamed->second));
+  }
   auto const found = names_.find(frame.kind);
   std::vector<std::string> const names = found == names_.end() ? std::vector<std::string>{} : found->second;
   bool const is_table = member.is_table() && frame.path.empty();

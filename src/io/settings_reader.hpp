@@ -41,6 +41,7 @@ class SettingsReader final : public SettingVisitor {
   };
 
   TomlValue const* take(std::string_view key);
+  TomlValue const* take(SettingInfo const& info);
   [[nodiscard]] std::string path_of(std::string_view key) const;
   void report(TomlValue const& value, std::string const& path, std::string what, std::string hint);
   void report_type(TomlValue const& value, std::string const& path, std::string const& expected, std::string hint = "");
@@ -53,6 +54,7 @@ class SettingsReader final : public SettingVisitor {
   std::vector<Frame> frames_;
   std::set<TomlValue const*> taken_;
   std::map<std::string, std::vector<std::string>> names_;  ///< of what was visited, by the kind of its table
+  std::map<std::string, std::string> renamed_;             ///< from a former name to the present one, both dotted
   std::set<std::string> tables_;                           ///< the kinds of tables entered
   std::vector<Problem> problems_;
 };

@@ -149,6 +149,7 @@ struct Entry {
   std::string path;
   std::string table;  ///< path of the table it stands in
   std::string name;
+  std::string former_path = {};  ///< in earlier versions; empty where it had the same
   bool is_table = false;
   bool is_list_of_tables = false;
   std::string documentation;
@@ -203,15 +204,17 @@ class Catalogue final : public ValueVisitor {
 
  private:
   Entry& add(SettingInfo const& info, std::string_view type, std::string const& value) {
-    return entries_.emplace_back(Entry{.path = dotted(table_.back(), info.key),
-                                       .table = table_.back(),
-                                       .name = std::string(info.key),
-                                       .documentation = std::string(info.documentation),
-                                       .type = std::string(type),
-                                       .unit = std::string(info.unit),
-                                       .bounds = bounds_in_words(info),
-                                       .value = value,
-                                       .default_note = std::string(info.default_note)});
+    return entries_.emplace_back(
+        Entry{.path = dotted(table_.back(), info.key),
+              .table = table_.back(),
+              .name = std::string(info.key),
+              .former_path = info.former_key.empty() ? "" : dotted(table_.back(), info.former_key),
+              .documentation = std::string(info.documentation),
+              .type = std::string(type),
+              .unit = std::string(info.unit),
+              .bounds = bounds_in_words(info),
+              .value = value,
+              .default_note = std::string(info.default_note)});
   }
   void take(SettingInfo const& info, std::string_view type, std::string const& value) override {
     add(info, type, value);
@@ -298,6 +301,14 @@ std::string explain(Describe const& describe, std::string_view key) {
   if (text.empty()) text = explain_all([&](Entry const& e) { return e.name == key; });
   if (text.empty()) refuse_unknown(key, entries);
   return text;
+}
+
+std::optional<std::string> renamed_setting(Describe const& describe, std::string_view key) {
+  Catalogue const catalogue(describe);
+  for (Entry const& entry : catalogue.entries()) {
+    if (!entry.former_path.empty() && entry.former_path == key) return entry.path;
+  }
+  return std::nullopt;
 }
 
 std::vector<std::string> setting_keys(Describe const& describe) {

@@ -20,7 +20,8 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor) {
                  .documentation = "Share of the run at its start that averages leave out.",
                  .least = 0.0,
                  .most = 1.0,
-                 .most_is_allowed = false},
+                 .most_is_allowed = false,
+                 .former_key = "discard"},
                 settings.equilibration);
   visitor.visit({.key = "structure_every",
                  .unit = "samples",

@@ -20,7 +20,10 @@ void Rates::begin(Snapshot const& start) {
   std::vector<ColumnInfo> columns{
       {"collision_rate", "1 / time", "Pair collisions per disk and time, each counted for both partners."},
       {"mean_free_time", "time", "Mean time between two pair collisions of a disk."},
-      {"halted_fraction", "", "Fraction of the moves that ended at a wall or at another disk."}};
+      {.name = "halted_fraction",
+       .unit = "",
+       .documentation = "Fraction of the moves that ended at a wall or at another disk.",
+       .former_name = "blocked_share"}};
   if (has_walls_) columns.push_back({"wall_hit_rate", "1 / time", "Wall hits per disk and time."});
   reset(std::move(columns));
   last_ = start.counters;

@@ -472,6 +472,13 @@ std::optional<RunSummary> read_summary(std::filesystem::path const& directory) {
   std::string const text = read_file(path);
   try {
     Json const json = Json::parse(text);
+    if (json.contains("ending") && !json.contains("status")) {
+      throw Error(
+          {.what = fmt::format("{} was written by an earlier version of gridlock: it has \"ending\" for \"status\"",
+                               path.string()),
+           .hint = "use that version, or run again in another directory",
+           .file = path.string()});
+    }
     RunSummary summary{.status = status_in(json),
                        .failure = json.value("failure", ""),
                        .start_hash = hash_in(json, "start_hash"),
@@ -485,6 +492,8 @@ std::optional<RunSummary> read_summary(std::filesystem::path const& directory) {
       summary.results.push_back({name, estimate, entry.value("unit", "")});
     }
     return summary;
+  } catch (Error const&) {
+    throw;
   } catch (std::exception const& error) {
     throw Error({.what = fmt::format("{} is damaged: {}", path.string(), error.what()),
                  .hint = "remove it, and gridlock resume writes it again",

@@ -23,6 +23,7 @@ struct SettingInfo {
   bool least_is_allowed = true;  ///< whether `least` itself is a value
   bool most_is_allowed = true;
   std::string_view default_note = {};  ///< what leaving it out means, where that is no fixed value
+  std::string_view former_key = {};    ///< its name in earlier versions, which is refused with the new one
 };
 
 /// Receives every setting of an aggregate, one call each, in the order they are documented.

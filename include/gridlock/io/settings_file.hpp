@@ -96,6 +96,9 @@ std::string to_toml(Describe const& describe);
 /// Errors: Error for an unknown key, with the nearest one.
 std::string explain(Describe const& describe, std::string_view key);
 
+/// The dotted key that a setting has now, where `key` is its dotted key of earlier versions.
+std::optional<std::string> renamed_setting(Describe const& describe, std::string_view key);
+
 /// The dotted key of every setting, in the order they are described.
 std::vector<std::string> setting_keys(Describe const& describe);
 

@@ -26,6 +26,7 @@ struct ColumnInfo {
   std::string name;  ///< full and unique: the key in summary.json and the head of the column in series.csv
   std::string unit;  ///< in the units of the box, the masses and the velocities; empty for pure numbers
   std::string documentation;
+  std::string former_name = {};  ///< its name in earlier versions
 };
 
 struct NamedEstimate {

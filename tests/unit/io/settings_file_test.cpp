@@ -67,7 +67,8 @@ void describe(Configuration& c, SettingVisitor& visitor) {
                  .least = 0,
                  .most = 1,
                  .least_is_allowed = false,
-                 .most_is_allowed = false},
+                 .most_is_allowed = false,
+                 .former_key = "density"},
                 c.packing_fraction);
   visitor.visit({.key = "file", .documentation = "Where to read them."}, c.file);
   visitor.visit_tables(
@@ -251,6 +252,9 @@ INSTANTIATE_TEST_SUITE_P(
         {"UnknownKeyNear", "[disks]\ncuont = 3", 1, "no setting \"cuont\" in [disks] | did you mean count?"},
         {"UnknownKeyBeginning", "[disks]\npacking = 3", 1, "did you mean packing_fraction?"},
         {"UnknownKeyOfAnotherTable", "[disks]\nseed = 3", 1, "seed belongs in [run]"},
+        {"FormerKey", "[disks]\ndensity = 0.3", 1,
+         "disks.density was renamed to disks.packing_fraction | write disks.packing_fraction"},
+        {"FormerKeyOfAnotherTable", "[run]\ndensity = 0.3", 1, "no setting \"density\" in [run]"},
         {"UnknownKeyFar", "[disks]\ntemperature = 3", 1,
          "the settings of [disks] are count, packing_fraction, file, species"},
         {"UnknownKeyOutsideTables", "count = 3", 1, "no setting \"count\" | count belongs in [disks]"},
@@ -574,6 +578,13 @@ TEST(SettingsText, ListsTheKeyOfEverySetting) {
             (std::vector<std::string>{"box.edge", "box.side", "box.width", "disks.count", "disks.packing_fraction",
                                       "disks.file", "disks.species.fraction", "disks.species.size_ratio", "run.seed",
                                       "run.pictures", "run.times"}));
+}
+
+TEST(SettingsText, KnowsTheSettingBehindAFormerKey) {
+  Configuration c;
+  EXPECT_EQ(renamed_setting(describe_of(c), "disks.density"), "disks.packing_fraction");
+  EXPECT_EQ(renamed_setting(describe_of(c), "disks.packing_fraction"), std::nullopt);
+  EXPECT_EQ(renamed_setting(describe_of(c), "disks"), std::nullopt);
 }
 
 TEST(SettingsText, AnUnknownKeyIsRefusedWithTheNearest) {

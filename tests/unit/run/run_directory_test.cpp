@@ -439,6 +439,9 @@ TEST(RunSummary, ReadsBackWhatTheRunWrote) {
     EXPECT_EQ(summary->results[k].estimate.error, record.results[k].estimate.error);
   }
   EXPECT_FALSE(read_summary(directory / "none"));
+  write_file(directory / "a" / "summary.json", "{\"ending\": \"finished\"}");
+  EXPECT_NE(refusal([&] { static_cast<void>(read_summary(directory / "a")); }).find("by an earlier version"),
+            std::string::npos);
   write_file(directory / "a" / "summary.json", "{\"status\": 3");
   EXPECT_NE(refusal([&] { static_cast<void>(read_summary(directory / "a")); }).find("damaged"), std::string::npos);
 }
