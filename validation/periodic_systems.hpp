@@ -34,7 +34,8 @@ inline State rows_of_disks(std::uint64_t columns, std::uint64_t rows, double pac
   return state;
 }
 
-/// P* = βPσ² of equal disks at `packing_fraction` while the engine runs until the stop condition holds, by the virial of the collisions.
+/// P* = βPσ² of equal disks at `packing_fraction` while the engine runs until the stop condition holds, by the virial
+/// of the collisions.
 inline double pressure_up_to(StopCondition const& stop_condition, Engine& engine, State& state, Counters& counters,
                              double packing_fraction) {
   double const n = static_cast<double>(state.disks.size());

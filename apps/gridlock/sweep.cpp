@@ -93,10 +93,11 @@ ExitCode sweep(SweepOptions const& options) {
   }
   if (good == plan.runs.size()) return ExitCode::good;
   if (result.failures > 0) {
-    fmt::print(stderr,
-               "{} of {} runs failed; the same command keeps what is finished and tries them again, to the same end "
-               "unless the reason is gone\n",
-               result.failures, plan.runs.size());
+    fmt::print(
+        stderr,
+        "{} of {} runs failed; fix the cause and run the same command again: finished runs are kept, failed ones "
+        "are retried\n",
+        result.failures, plan.runs.size());
   }
   if (result.interruptions > 0) {
     fmt::print(stderr, "{} of {} runs were stopped early; the same command{} goes on with them in {}\n",

@@ -4,10 +4,10 @@ namespace gridlock {
 
 /// The command line of Gridlock: run, resume, sweep, check, plot, movie and every other verb.
 ///
-/// A program with models of its own calls register_model<Model>() for each of them and then this function; its models are then
-/// run like those that are shipped. Link with `gridlock::command_line`.
-/// Prints results to standard output, and errors, notes and progress to standard error. Throws nothing.
-/// Returns the exit code for main(): 0 for success, 1 for a run that failed or was stopped, 2 for input that cannot be used.
+/// A program with models of its own calls register_model<Model>() for each of them and then this function; its models
+/// are then run like those that are shipped. Link with `gridlock::command_line`. Prints results to standard output,
+/// and errors, notes and progress to standard error. Throws nothing. Returns the exit code for main(): 0 for success,
+/// 1 for a run that failed or was stopped, 2 for input that cannot be used.
 int command_line(int argc, char** argv);
 
 }  // namespace gridlock

@@ -37,8 +37,8 @@ class SteppedEngine final : public Engine {
  private:
   void advance_on_lists(State& state, Counters& counters, StopCondition const& stop_condition) const;
   void advance_packed(State& state, Counters& counters, StopCondition const& stop_condition) const;
-  /// Calls take(i, squared_speed) for each disk in the order of its row, step after step until the stop condition holds, and writes all
-  /// of them back.
+  /// Calls take(i, squared_speed) for each disk in the order of its row, step after step until the stop condition
+  /// holds, and writes all of them back.
   /// Errors: RunFailure for a disk that has become so fast that a sub-step could jump over another.
   template <class TakeTurn>
   void take_turns(State& state, HotDisks& disks, Counters& counters, StopCondition const& stop_condition,

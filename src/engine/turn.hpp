@@ -11,7 +11,7 @@
 
 namespace gridlock {
 
-/// One disk as its turn wants it: all of it in one cache line.
+/// Hot copy of one disk for the move loop: exactly one cache line.
 struct alignas(64) DiskInTurn {
   Vector position;
   Vector velocity;

@@ -33,8 +33,8 @@ ReplicaSet paper_replica_set(PaperExtent const& extent, PaperEngine const& engin
 /// All of them, engine after engine, square before triangular, density rising.
 std::vector<ReplicaSet> paper_replica_sets(PaperExtent const& extent);
 
-/// The replica set with `samples` samples in a physical length in diameters per v_max, each after a whole number of steps, so
-/// that samples stand at the same physical times whatever the time step.
+/// The replica set with `samples` samples in a physical length in diameters per v_max, each after a whole number of
+/// steps, so that samples stand at the same physical times whatever the time step.
 ReplicaSet sampled_evenly(ReplicaSet replica_set, double diameters, std::uint64_t samples);
 
 char const* name_of(StartKind start);

@@ -113,8 +113,7 @@ TEST(Sweep, SaysWhatTheSameCommandWillDoAboutRunsThatFailed) {
   Outcome const outcome = in(workplace.path(), {"sweep", "s.toml", "-o", "out", "--quiet"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.err.find("2 of 4 runs failed"), std::string::npos) << outcome.err;
-  EXPECT_NE(outcome.err.find("tries them again, to the same end unless the reason is gone"), std::string::npos)
-      << outcome.err;
+  EXPECT_NE(outcome.err.find("fix the cause and run the same command again"), std::string::npos) << outcome.err;
   EXPECT_EQ(outcome.err.find("stopped early"), std::string::npos) << "none was: " << outcome.err;
 }
 

@@ -11,11 +11,10 @@ namespace gridlock {
 
 /// Serializes by name everything that must outlive the process, out of an object or back into it.
 ///
-/// An object names its members once, in `void serialize(Archive&)` or `void serialize(Archive&, Thing&)`, and that one function
-/// serves both directions, so that what is saved and what is restored cannot drift apart.
-/// Errors while restoring: Error for a name that is missing or of another type; a serialize() that restores checks what
-/// its members must satisfy together (lengths that agree, numbers in range) and throws Error too, since a file can hold
-/// anything.
+/// An object names its members once, in `void serialize(Archive&)` or `void serialize(Archive&, Thing&)`, and that one
+/// function serves both directions, so that what is saved and what is restored cannot drift apart. Errors while
+/// restoring: Error for a name that is missing or of another type; a serialize() that restores checks what its members
+/// must satisfy together (lengths that agree, numbers in range) and throws Error too, since a file can hold anything.
 class Archive {
  public:
   Archive() = default;

@@ -16,7 +16,7 @@
 
 namespace gridlock {
 
-/// Where an engine stops: at whichever comes first.
+/// When an engine stops: at whichever comes first.
 struct StopCondition {
   std::uint64_t step = std::numeric_limits<std::uint64_t>::max();             ///< state.clock.step to reach
   double time = std::numeric_limits<double>::infinity();                      ///< state.clock.time to reach
@@ -29,7 +29,7 @@ struct StopCondition {
   [[nodiscard]] bool stops_here() const { return should_continue && !should_continue(); }
 };
 
-/// What happened, counted from the start of the run; the caller keeps it and every advance() adds to it, so the sums
+/// What happened, counted from the start of the run; the caller keeps them and every advance() adds to them, so the sums
 /// do not depend on how a run is cut into chunks.
 struct Counters {
   enum Wall : std::size_t { left, right, bottom, top };
@@ -82,8 +82,8 @@ class Engine {
   Engine& operator=(Engine const&) = delete;
   virtual ~Engine() = default;
 
-  /// Moves the state on until the stop condition holds and adds what happened to the counters. Between calls the state is plain and up
-  /// to date, and the caller may change it.
+  /// Moves the state on until the stop condition holds and adds what happened to the counters. Between calls the state is
+  /// plain and up to date, and the caller may change it.
   /// Errors: RunFailure where the physics breaks an invariant, naming step, ids and gap.
   virtual void advance(State& state, Counters& counters, StopCondition const& stop_condition) = 0;
 

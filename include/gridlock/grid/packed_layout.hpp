@@ -13,8 +13,9 @@ inline double widest_for_four(double smallest_radius) {
   return 2.0 * std::numbers::sqrt2 * smallest_radius * (1.0 - 1e-6);
 }
 
-/// The cells of a packed grid for turns: a 3×3 block is enough for disks whose displacement in a step is at most `displacement`, and where that
-/// leaves a choice a cell is no wider than widest_for_four(), so that equal disks never need a second block.
+/// The cells of a packed grid for turns: a 3×3 block is enough for disks whose displacement in a step is at most
+/// `displacement`, and where that leaves a choice a cell is no wider than widest_for_four(), so that equal disks never
+/// need a second block.
 CellLayout packed_layout(Box const& box, Disks const& disks, double displacement);
 
 }  // namespace gridlock

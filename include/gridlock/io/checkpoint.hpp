@@ -23,7 +23,7 @@ using SerializeAll = std::function<void(Archive&)>;
 std::string to_checkpoint(SerializeAll const& serialize);
 
 /// Restores what to_checkpoint() made. `name` stands for the file in errors.
-/// Errors: Error for bytes that are none of a checkpoint, of another format, damaged, or of other members.
+/// Errors: Error if the bytes are not a checkpoint, have another format version, are corrupted, or lack a member.
 void from_checkpoint(std::string_view bytes, std::string const& name, SerializeAll const& serialize);
 
 /// Writes the checkpoint of a directory. The file appears under its name only when it is complete and on the disk, and

@@ -31,7 +31,7 @@ struct ModelEngineSettings {
 /// Throws Error where agents cannot search that far in the box.
 void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 
-/// Carries a world on, step by step, with a grid whose cells fit the model's cutoff.
+/// Advances a world step by step, with a grid whose cells fit the model's cutoff.
 ///
 /// A model is a struct with
 ///
@@ -50,8 +50,8 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 ///     double attempts_at_start(Box const&, std::uint64_t seed) const;   random places that start() will try
 ///     std::vector<std::string> notes(World<Model> const&) const;   where its results mislead, of a start
 ///
-/// of which the last five may be left out, and, if it likes, `static constexpr std::array<std::string_view, n> events`, the names of what it counts. cutoff() and
-/// time_step() may take the World they are asked for.
+/// of which the last five may be left out, and, if it likes, `static constexpr std::array<std::string_view, n>
+/// events`, the names of what it counts. cutoff() and time_step() may take the World they are asked for.
 ///
 /// In a tiled model nobody looks or goes farther than the cutoff from where its turn began. A model in which a few do says
 /// so in `bool is_local(Turn<Model> const&, double room) const`, with room the shorter side of a cell: those that are not

@@ -20,7 +20,7 @@
 
 namespace gridlock {
 
-/// The world in the hands of a model of events: every birth, death and move takes effect at once.
+/// The mutable world of a model of events: every birth, death and move takes effect at once.
 ///
 /// Cost of each: O(1); among a million agents at random places about 330 ns for a birth and a death, two waits for memory
 /// one after the other, or 90 ns where they are known beforehand.

@@ -15,7 +15,7 @@
 
 namespace gridlock {
 
-/// A kind of model with its settings, whatever it is: what `model.kind` names.
+/// Type-erased factory for one model and its settings, selected by `model.kind`.
 class ModelKind {
  public:
   ModelKind() = default;

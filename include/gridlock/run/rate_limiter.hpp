@@ -8,8 +8,8 @@
 
 namespace gridlock {
 
-/// Says when it is time to look up from work whose pieces take nobody knows how long: is_due() is asked after every piece
-/// and is true about every `seconds`. Cost: a count, and a look at the clock a few times between two looks.
+/// Rate limiter for loops whose iterations take an unpredictable time: is_due(), called once an iteration, returns true about
+/// once every `seconds`. Cost: a count, and a few readings of the clock between two such times.
 class RateLimiter {
  public:
   /// `now` tells seconds that never go back; for tests.

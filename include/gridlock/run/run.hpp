@@ -32,7 +32,7 @@ struct Progress {
 /// Called between two steps, and within a long one of exact; returning false ends the run there.
 using OnProgress = std::function<bool(Progress const&)>;
 
-/// Work between two steps, or within a long one of exact, that needs the whole simulation, such as saving it.
+/// Called between two steps, or within a long one of exact, with the whole simulation up to date, for example to save it.
 struct Callback {
   std::function<bool(std::uint64_t steps)> is_due;  ///< asked as often as progress is reported
   std::function<void(std::uint64_t steps)> call;
@@ -53,7 +53,7 @@ void serialize(Archive& archive, Extent& extent);
 enum class RunStatus { finished, interrupted, failed };
 char const* to_text(RunStatus status);
 
-/// Someone who looks at a run at steps of its own choice, such as the writer of a trajectory.
+/// Writes from a run at steps of its own choice, for example the frames of a trajectory.
 class Writer {
  public:
   Writer() = default;
@@ -61,18 +61,18 @@ class Writer {
   Writer& operator=(Writer const&) = delete;
   virtual ~Writer() = default;
 
-  /// Whether it wants to look now, `steps` after the start of the run; asked once for each step the run stops at.
+  /// Whether write() is due now, `steps` after the start of the run; asked once for each step the run stops at.
   [[nodiscard]] virtual bool is_due(std::uint64_t steps) const = 0;
-  /// The next step after `steps` it wants to look at, `never_reached` where there is none; the run stops there.
+  /// The next step after `steps` at which write() is due, `never_reached` where there is none; the run stops there.
   [[nodiscard]] virtual std::uint64_t next_after(std::uint64_t steps) const = 0;
   /// `sample` is the row of the series taken at this very step, without step and time; empty where sample_every asks for
-  /// none, also at the end of the run, so that what is seen does not depend on how long the run is.
+  /// none, also at the end of the run, so that what is written does not depend on how long the run is.
   virtual void write(Simulation const& simulation, std::span<double const> sample) = 0;
-  /// Brings what it has seen to the disk and carries how much that is: a run that is restored goes back to it.
+  /// Flushes what it has written to the disk and serializes how much that is: a run that is restored goes back to it.
   virtual void serialize(Archive& archive) = 0;
 };
 
-/// How far a simulation is carried on, and what is looked at on the way.
+/// How far a simulation runs, and how often it is sampled and reported.
 struct RunPlan {
   StopCondition stop_condition;
   std::uint64_t sample_every = 100;  ///< steps between samples
@@ -115,8 +115,8 @@ class Run {
  public:
   Run(Simulation& simulation, RunPlan const& plan);
 
-  /// Carries the simulation on to the stop condition, or until on_progress wants to stop or an invariant breaks. May be called
-  /// again after an interruption.
+  /// Advances the simulation until the stop condition holds, on_progress asks to stop or an invariant breaks. May be
+  /// called again after an interruption.
   RunStatus go_on(OnProgress const& on_progress = {}, Callback const& callback = {});
 
   /// Lets someone look on from now on; it must outlive the run.

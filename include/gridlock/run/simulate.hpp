@@ -42,7 +42,8 @@ class DiskSimulation final : public Simulation {
 
   /// How long the run waits for the next collision; for ever where it ends without.
   double patience_;
-  /// When a collision was last seen. Not serialized: a run that is resumed waits anew, and only one that fails depends on it.
+  /// When a collision was last seen. Not serialized: a run that is resumed waits anew, and only one that fails depends
+  /// on it.
   std::optional<double> last_collision_;
   std::uint64_t collisions_seen_ = 0;
 };

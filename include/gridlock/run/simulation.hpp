@@ -19,7 +19,7 @@ struct Count {
   std::uint64_t value = 0;
 };
 
-/// What a run carries on: agents, the rule that moves them and what is measured of them, whatever kind they are.
+/// What a run advances: agents of any kind, the rule that moves them and what is measured of them.
 ///
 /// The loop of a run, its directory, trajectories, checkpoints, sweeps and the command line know nothing else.
 class Simulation {

@@ -30,7 +30,7 @@ struct SweepPlan {
 };
 
 /// Expands the table `[sweep]` of a file.
-/// Errors: Error without such a table, where a list cannot be used, and for every value that is none of its setting's
+/// Errors: Error without such a table, where a list cannot be used, and for every value that its setting does not accept
 /// (unknown key, wrong type, out of bounds); whether the set-ups can exist is seen when they are made.
 SweepPlan plan_sweep(SettingsFile file);
 

@@ -9,14 +9,15 @@
 
 namespace gridlock::exact {
 
-/// Who is due when.
+/// An event of a disk in the calendar.
 struct ScheduledEvent {
   double time;
   Index disk;
   std::uint32_t next;  ///< place of the next event of the same bucket
 };
 
-/// The events of one epoch [0, length), handed out in the order of (time, rank of the disk).
+/// Calendar queue (R. Brown, Commun. ACM 31, 1220, 1988): the events of one epoch [0, length), handed out in the order of
+/// (time, rank of the disk).
 ///
 ///     epoch   ├────────────┼────────────┼────────────┤   groups: unsorted, in chunks of memory
 ///     group                ├─┼─┼─┼─┼─┼─┼─┤               buckets of the open group: short lists

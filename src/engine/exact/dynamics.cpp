@@ -216,7 +216,8 @@ ScheduledEvent const* Dynamics::next_event() {
   }
 }
 
-/// Keeps the pipeline fed with the disks of a bucket to come, and moving: about two events are scheduled for each one handled.
+/// Keeps the pipeline fed with the disks of a bucket to come, and moving: about two events are scheduled for each one
+/// handled.
 void Dynamics::fetch_ahead() {
   constexpr std::uint32_t buckets_ahead = 8;
   constexpr std::uint64_t most_waiting = 16;

@@ -28,8 +28,8 @@ class Dynamics {
  public:
   explicit Dynamics(State const& state);
 
-  /// Handles every event up to `elapsed`, or until the counters reach `pair_collisions`, or until `should_continue`, asked every
-  /// `events_per_look` events and after each audit, says no; says whether it got to `elapsed`.
+  /// Handles every event up to `elapsed`, or until the counters reach `pair_collisions`, or until `should_continue`,
+  /// asked every `events_per_look` events and after each audit, says no; says whether it got to `elapsed`.
   /// Errors: RunFailure where an audit, due every `audit_every` pair collisions, finds what must not be, and where
   /// collisions without end keep the time from passing.
   bool run(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Counters& counters,

@@ -20,8 +20,8 @@ inline constexpr Index no_disk = std::numeric_limits<Index>::max();
 /// The centre at time t of the present epoch is (x + velocity_x·t, y + velocity_y·t): all disks share one clock, so no
 /// disk is ever brought up to date, and a prediction reads this one cache line of each neighbour and nothing else.
 ///
-///     byte  0        8        16           24           32          40       44             48     52      56   60
-///           x        y        velocity_x   velocity_y   event_time  partner  (counts)       column  row  rank
+///     byte  0   8   16          24          32          40       44                       48               52      56   60
+///           x   y   velocity_x  velocity_y  event_time  partner  partner_collision_count  collision_count  column  row  rank
 struct alignas(64) MovingDisk {
   double x;
   double y;
@@ -29,8 +29,8 @@ struct alignas(64) MovingDisk {
   double velocity_y;
   double event_time;  ///< when the disk's event is due, in time of the epoch; never earlier than now
   Index partner;      ///< the disk it is to meet, or a border
-  std::uint32_t
-      partner_collision_count;  ///< the partner's collision count when the event was predicted; another one means it was hit since
+  /// The partner's collision count when the event was predicted; another one means that it was hit since.
+  std::uint32_t partner_collision_count;
   std::uint32_t collision_count;  ///< how often this disk's velocity has changed
   std::int32_t column;
   std::int32_t row;

@@ -20,10 +20,9 @@ constexpr double digits_per_flight = 64.0;
 
 }  // namespace
 
-/// Disks wedged between walls or in closed rows collide without end in no time, but for rounding. The time is said to
-/// stand still where some disk was hit so often that from hit to hit it moved by no more than the last digits of its
-/// coordinates: flights that short cannot be computed, so no other run comes close. The hits of each disk are counted
-/// only once all events together came that fast.
+/// Disks wedged between walls or in closed rows can collide infinitely often in finite time (Zeno behaviour). A stall is
+/// reported where a disk was hit so often that between hits it moved by no more than the last digits of its coordinates:
+/// shorter flights cannot be computed. The hits of each disk are counted only once all events together come that fast.
 void Dynamics::require_time_to_pass() {
   if (++watch_.looks * events_per_look < std::max<std::uint64_t>(least_events, events_per_disk * size_)) return;
   double const passed = static_cast<double>(epoch_ - watch_.epoch) * epoch_length_ + (now_ - watch_.now);
