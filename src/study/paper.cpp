@@ -291,12 +291,12 @@ class PaperStudy {
 
 PaperExtent quick_paper() {
   return {.name = "quick",
-          .steps = 100'000,
-          .sample_every = 100,
-          .seeds = 1,
+          .steps = 10'000,
+          .sample_every = 20,
+          .seeds = 3,
           .square_densities = {0.1, 0.3, 0.5, 0.6, 0.66, 0.69, 0.72, 0.75, 0.78},
-          .triangular_densities = {0.1, 0.3, 0.5, 0.6, 0.66, 0.69, 0.72, 0.76, 0.8},
-          .fan_densities = {0.1, 0.3, 0.5, 0.6, 0.66, 0.69, 0.72, 0.75, 0.8},
+          .triangular_densities = {0.1, 0.3, 0.5, 0.6, 0.66, 0.69, 0.72, 0.76, 0.8, 0.84},
+          .fan_densities = {0.1, 0.3, 0.5, 0.6, 0.66, 0.69, 0.72, 0.75, 0.8, 0.84},
           .timing_counts = {225, 400, 625, 900, 1000, 1225, 1600, 2000, 2209, 2304, 2401, 2500},
           .timing_repeats = 3,
           .plateau_densities = {0.1},
