@@ -188,12 +188,7 @@ class ModelEngine {
   }
 
   void take_turns_of_rows(World<Model>& world, DeferredCommands<Model>& commands, int first_row, int end_row) {
-    Neighbourhood<Model> around{.world = world,
-                                .commands = commands,
-                                .next = &values_,
-                                .cutoff = cutoff_,
-                                .time_step = time_step_,
-                                .is_verified = is_verified(world)};
+    Neighbourhood<Model> around = neighbourhood(world, commands);
     // The present values stay readable through the population; what comes after the step is written to values_.
     auto cell = static_cast<std::size_t>(first_row) * static_cast<std::size_t>(layout_.columns());
     for (int cell_row = first_row; cell_row < end_row; ++cell_row) {
@@ -246,14 +241,21 @@ class ModelEngine {
     }
   }
 
+  /// What the turns of one thread share.
+  Neighbourhood<Model> neighbourhood(World<Model>& world, DeferredCommands<Model>& commands) {
+    constexpr bool is_synchronous = Model::schedule == Schedule::synchronous;
+    return {.world = world,
+            .commands = commands,
+            .next = is_synchronous ? &values_ : nullptr,
+            .grid = is_synchronous ? nullptr : &grid_,
+            .cutoff = cutoff_,
+            .time_step = time_step_,
+            .is_verified = is_verified(world)};
+  }
+
   void step_in_turns(World<Model>& world) {
     commands_.resize(1);
-    Neighbourhood<Model> around{.world = world,
-                                .commands = commands_.front(),
-                                .grid = &grid_,
-                                .cutoff = cutoff_,
-                                .time_step = time_step_,
-                                .is_verified = is_verified(world)};
+    Neighbourhood<Model> around = neighbourhood(world, commands_.front());
     for (std::size_t const row : rows_in_order(world.agents.ids())) {
       Turn<Model> turn(around, row);
       model_.turn(turn);
@@ -282,13 +284,8 @@ class ModelEngine {
   }
 
   void take_turns_of_tile(World<Model>& world, std::uint32_t tile, DeferredCommands<Model>& commands) {
-    Neighbourhood<Model> around{.world = world,
-                                .commands = commands,
-                                .grid = &grid_,
-                                .cutoff = cutoff_,
-                                .time_step = time_step_,
-                                .is_verified = is_verified(world),
-                                .is_confined = true};
+    Neighbourhood<Model> around = neighbourhood(world, commands);
+    around.is_confined = true;
     static thread_local UpdateOrder update_order;
     update_order.find(grid_, tiling_.tiles()[tile], ids_, [&](PackedGrid::Block const& block) {
       unsigned slots = 0;
@@ -320,12 +317,7 @@ class ModelEngine {
 
   /// In the order of the tiles, however many threads have found them.
   void take_late_turns(World<Model>& world) {
-    Neighbourhood<Model> around{.world = world,
-                                .commands = commands_.front(),
-                                .grid = &grid_,
-                                .cutoff = cutoff_,
-                                .time_step = time_step_,
-                                .is_verified = is_verified(world)};
+    Neighbourhood<Model> around = neighbourhood(world, commands_.front());
     for (std::vector<std::uint32_t>& rows : late_) {
       for (std::uint32_t const row : rows) {
         Turn<Model> turn(around, row);
