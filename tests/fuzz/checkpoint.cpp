@@ -3,18 +3,18 @@
 
 #include "gridlock/io/checkpoint.hpp"
 
-#include <xxhash.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <string>
 
+#include "checkpoint_header.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/run/simulate.hpp"
 
 namespace {
 
 using namespace gridlock;
+using gridlock::test::with_header;
 
 void restore(std::string const& bytes, char const* engine) {
   Configuration configuration;
@@ -32,15 +32,6 @@ void restore(std::string const& bytes, char const* engine) {
     static_cast<void>(run.record());
   } catch (Error const&) {
   }
-}
-
-/// The bytes as the content of a checkpoint file.
-std::string with_header(std::string const& content) {
-  std::string bytes = to_checkpoint([](Archive&) {}).substr(0, 16);
-  XXH128_canonical_t checksum;
-  XXH128_canonicalFromHash(&checksum, XXH3_128bits(content.data(), content.size()));
-  bytes.append(reinterpret_cast<char const*>(checksum.digest), sizeof checksum.digest);
-  return bytes + content;
 }
 
 }  // namespace

@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 #include <unistd.h>
-#include <xxhash.h>
 
 #include <bit>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 
+#include "checkpoint_header.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/state.hpp"
 #include "gridlock/io/file.hpp"
@@ -16,6 +16,7 @@
 namespace {
 
 using namespace gridlock;
+using gridlock::test::with_header;
 namespace fs = std::filesystem;
 
 struct Everything {
@@ -138,15 +139,6 @@ TEST(Checkpoint, WithoutAMemberIsRefusedNamingIt) {
     });
   });
   EXPECT_NE(kind.find("another kind"), std::string::npos) << kind;
-}
-
-/// The bytes as the content of a checkpoint whose checksum is right.
-std::string with_header(std::string const& content) {
-  std::string bytes = to_checkpoint([](Archive&) {}).substr(0, 16);
-  XXH128_canonical_t checksum;
-  XXH128_canonicalFromHash(&checksum, XXH3_128bits(content.data(), content.size()));
-  bytes.append(reinterpret_cast<char const*>(checksum.digest), sizeof checksum.digest);
-  return bytes + content;
 }
 
 TEST(Checkpoint, ThatHoldsAMemberTwiceIsRefused) {
