@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 #include <new>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -17,27 +18,28 @@ namespace gridlock::cli {
 
 namespace {
 
+std::string in_words(gridlock::Box const& box) {
+  return fmt::format("{} box {} × {}", box.is_periodic() ? "periodic" : "walled", box.width(), box.height());
+}
+
 void print_setup(gridlock::Setup const& setup) {
   gridlock::State const& state = setup.state;
   bool const has_start = std::ranges::none_of(
       setup.notes, [](gridlock::SetupNote const& note) { return note.kind == gridlock::NoteKind::start_not_tried; });
   if (setup.configuration.is_of_model() && !has_start) {
-    fmt::print("model {}, {} box {} × {}\n", setup.configuration.model.kind,
-               state.box.is_periodic() ? "periodic" : "walled", state.box.width(), state.box.height());
+    fmt::print("model {}, {}\n", setup.configuration.model.kind, in_words(state.box));
     return;
   }
   if (setup.configuration.is_of_model()) {
     auto const simulation = gridlock::make_simulation(gridlock::Setup(setup));
-    fmt::print("model {}: {} agents, {} box {} × {}, step {:.6g} of time\n", setup.configuration.model.kind,
-               simulation->agents(), state.box.is_periodic() ? "periodic" : "walled", state.box.width(),
-               state.box.height(), simulation->time_step());
+    fmt::print("model {}: {} agents, {}, step {:.6g} of time\n", setup.configuration.model.kind, simulation->agents(),
+               in_words(state.box), simulation->time_step());
     return;
   }
   auto const [smallest, largest] = gridlock::radius_range(state.disks);
-  fmt::print("{} disks, packing fraction {:.6g}, radius {:.6g}{}, {} box {} × {}, engine {}, step {:.6g} of time\n",
+  fmt::print("{} disks, packing fraction {:.6g}, radius {:.6g}{}, {}, engine {}, step {:.6g} of time\n",
              state.disks.size(), gridlock::covered_area(state.disks) / state.box.area(), smallest,
-             largest > smallest ? fmt::format(" to {:.6g}", largest) : "",
-             state.box.is_periodic() ? "periodic" : "walled", state.box.width(), state.box.height(),
+             largest > smallest ? fmt::format(" to {:.6g}", largest) : "", in_words(state.box),
              setup.configuration.engine.kind, gridlock::step_duration(setup.configuration.engine, state));
 }
 
