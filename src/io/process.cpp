@@ -50,7 +50,7 @@ Ends pipe_of(std::string const& program) {
 }
 
 /// What a process needs to become the program.
-struct Birth {
+struct ProgramStart {
   char const* directory;
   int input;  ///< negative: nothing to read
   int errors;
@@ -77,35 +77,35 @@ void reset_signals() {
   sigprocmask(SIG_SETMASK, &none, nullptr);
 }
 
-/// What the child does between being born and becoming the program. Returns only where it cannot. Other threads may have
-/// held locks when it was born, that of malloc too: nothing is called here that takes one.
-void become_program(Birth const& birth) {
+/// Runs in the child between fork and exec; returns only where exec fails. Other threads may have held locks at the fork,
+/// that of malloc too: nothing is called here that takes one.
+void become_program(ProgramStart const& start) {
   // Without this the program would outlive a parent that is killed, and finish its file with half of its input.
   if (prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) return;
-  if (getppid() != birth.parent) _exit(1);  // killed before that
-  bool const is_ready = setpgid(0, 0) == 0 && chdir(birth.directory) == 0 &&
-                        (birth.input < 0 ? open_nothing(O_RDONLY, STDIN_FILENO) : move_to(birth.input, STDIN_FILENO)) &&
-                        open_nothing(O_WRONLY, STDOUT_FILENO) && move_to(birth.errors, STDERR_FILENO);
+  if (getppid() != start.parent) _exit(1);  // killed before that
+  bool const is_ready = setpgid(0, 0) == 0 && chdir(start.directory) == 0 &&
+                        (start.input < 0 ? open_nothing(O_RDONLY, STDIN_FILENO) : move_to(start.input, STDIN_FILENO)) &&
+                        open_nothing(O_WRONLY, STDOUT_FILENO) && move_to(start.errors, STDERR_FILENO);
   if (!is_ready) return;
   reset_signals();
-  execvp(birth.words[0], birth.words);
+  execvp(start.words[0], start.words);
 }
 
 /// Begins the program; returns the error number where that fails, 0 otherwise.
-int begin(Birth const& birth, pid_t& child, std::string const& program) {
+int begin(ProgramStart const& start, pid_t& child, std::string const& program) {
   // The end that the child holds closes when it becomes the program: then nothing comes out of the other one.
-  Ends told = pipe_of(program);
+  Ends failures = pipe_of(program);
   child = fork();
   if (child < 0) return errno;
   if (child == 0) {
-    become_program(birth);
+    become_program(start);
     int const failure = errno;
-    _exit(write(told.theirs.number(), &failure, sizeof failure) == sizeof failure ? 1 : 2);
+    _exit(write(failures.theirs.number(), &failure, sizeof failure) == sizeof failure ? 1 : 2);
   }
-  told.theirs.close();
+  failures.theirs.close();
   int failure = 0;
   ssize_t length = 0;
-  while ((length = read(told.ours.number(), &failure, sizeof failure)) < 0 && errno == EINTR) {
+  while ((length = read(failures.ours.number(), &failure, sizeof failure)) < 0 && errno == EINTR) {
   }
   if (length != sizeof failure) return 0;
   while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
@@ -150,12 +150,12 @@ ChildProcess::ChildProcess(std::vector<std::string> const& arguments, std::files
   for (std::string const& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
 
-  Birth const birth{.directory = directory.c_str(),
-                    .input = in.theirs.number(),
-                    .errors = errors.theirs.number(),
-                    .words = words.data(),
-                    .parent = getpid()};
-  int const failure = begin(birth, id_, program);
+  ProgramStart const start{.directory = directory.c_str(),
+                           .input = in.theirs.number(),
+                           .errors = errors.theirs.number(),
+                           .words = words.data(),
+                           .parent = getpid()};
+  int const failure = begin(start, id_, program);
   // An unreadable directory in PATH makes a missing program look like a forbidden one.
   result_.was_found = failure != ENOENT && failure != EACCES;
   if (failure != 0) id_ = -1;
