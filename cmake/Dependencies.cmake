@@ -7,6 +7,6 @@ find_package(TBB REQUIRED)            # sweeps on all cores
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)      # pictures of disks, SVG and PNG
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash) # the state hash
-pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5-serial)      # trajectories in H5MD
+include(cmake/Hdf5.cmake)                                    # trajectories in H5MD
 pkg_check_modules(LIBDEFLATE REQUIRED IMPORTED_TARGET libdeflate) # their chunks, compressed on all cores
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED) # counter-based random numbers, headers only
