@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gridlock/engine/engine.hpp"
-#include "gridlock/run/simulate.hpp"
+#include "gridlock/simulation/simulate.hpp"
 #include "measure.hpp"
 
 namespace gridlock::benchmark {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/run/run_directory.hpp"
-#include "gridlock/run/sweep.hpp"
+#include "gridlock/workspace/run_directory.hpp"
+#include "gridlock/workspace/sweep.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "gridlock/run/pictures.hpp"
-#include "gridlock/run/sweep.hpp"
+#include "drawing/pictures.hpp"
+#include "gridlock/workspace/sweep.hpp"
 #include "verbs.hpp"
 
 namespace gridlock::cli {

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/run/run_directory.hpp"
+#include "gridlock/workspace/run_directory.hpp"
 #include "usage_error.hpp"
 #include "verbs.hpp"
 

@@ -13,8 +13,8 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/nearest_name.hpp"
-#include "gridlock/run/configuration.hpp"
-#include "gridlock/run/simulate.hpp"
+#include "gridlock/simulation/configuration.hpp"
+#include "gridlock/simulation/simulate.hpp"
 #include "verbs.hpp"
 
 namespace gridlock::cli {

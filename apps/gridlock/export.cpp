@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "gridlock/io/file.hpp"
-#include "gridlock/run/result_files.hpp"
+#include "gridlock/workspace/result_files.hpp"
 #include "verbs.hpp"
 
 namespace gridlock::cli {

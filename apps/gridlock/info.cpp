@@ -11,7 +11,7 @@
 #include "gridlock/io/h5md.hpp"
 #include "gridlock/io/table.hpp"
 #include "gridlock/io/xyz.hpp"
-#include "gridlock/run/run_directory.hpp"
+#include "gridlock/workspace/run_directory.hpp"
 #include "verbs.hpp"
 
 namespace gridlock::cli {

@@ -1,4 +1,4 @@
-#include "gridlock/run/movie.hpp"
+#include "drawing/movie.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "gridlock/study/paper.hpp"
+#include "study/paper.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "gridlock/run/run_directory.hpp"
+#include "gridlock/workspace/run_directory.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "gridlock/run/pictures.hpp"
+#include "drawing/pictures.hpp"
 #include "verbs.hpp"
 
 namespace gridlock::cli {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "gridlock/run/run_directory.hpp"
+#include "gridlock/workspace/run_directory.hpp"
 #include "run_output.hpp"
 #include "verbs.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "gridlock/run/run_directory.hpp"
+#include "gridlock/workspace/run_directory.hpp"
 #include "run_output.hpp"
 #include "verbs.hpp"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "gridlock/run/pictures.hpp"
+#include "drawing/pictures.hpp"
 
 namespace gridlock::cli {
 

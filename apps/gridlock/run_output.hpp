@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "gridlock/run/run_directory.hpp"
+#include "gridlock/workspace/run_directory.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 

@@ -1,4 +1,4 @@
-#include "gridlock/run/sweep.hpp"
+#include "gridlock/workspace/sweep.hpp"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,9 @@
 #include <optional>
 #include <string_view>
 
+#include "drawing/pictures.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/run/pictures.hpp"
-#include "gridlock/run/run_directory.hpp"
+#include "gridlock/workspace/run_directory.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 

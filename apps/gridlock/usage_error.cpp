@@ -9,7 +9,7 @@
 
 #include "gridlock/io/nearest_name.hpp"
 #include "gridlock/io/settings_file.hpp"
-#include "gridlock/run/configuration.hpp"
+#include "gridlock/simulation/configuration.hpp"
 #include "verbs.hpp"
 
 namespace gridlock::cli {

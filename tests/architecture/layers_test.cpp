@@ -1,7 +1,7 @@
 // Who may include whom, as ARCHITECTURE.md says:
 //
-//     core ← grid ← { lattice, engine, observe, model } ← run ← study ← apps
-//     core ← io ← run
+//     core ← grid ← { lattice, engine, observe, model } ← simulation ← workspace ← drawing ← study ← apps
+//     core ← io ← simulation
 //
 // The siblings in braces do not include one another, save for engine/engine.hpp.
 
@@ -28,10 +28,13 @@ std::map<std::string, std::set<std::string>> const allowed{
     {"observe", {"core", "grid", "observe"}},
     {"model", {"core", "grid", "model"}},
     {"models", {"core", "grid", "lattice", "model", "models"}},
-    {"protocol", {"core", "grid", "lattice", "engine", "observe", "model", "protocol"}},
-    {"run", {"core", "grid", "io", "lattice", "engine", "observe", "model", "models", "protocol", "run"}},
-    {"study", {"core", "grid", "io", "lattice", "engine", "observe", "model", "protocol", "run", "study"}},
-    {"apps", {"core", "grid", "io", "lattice", "engine", "observe", "model", "protocol", "run", "study", "apps"}},
+    {"simulation", {"core", "grid", "io", "lattice", "engine", "observe", "model", "models", "simulation"}},
+    {"workspace", {"core", "grid", "io", "lattice", "engine", "observe", "model", "simulation", "workspace"}},
+    {"drawing", {"core", "io", "observe", "simulation", "workspace", "drawing"}},
+    {"study", {"core", "grid", "io", "lattice", "engine", "observe", "simulation", "workspace", "drawing", "study"}},
+    {"apps",
+     {"core", "grid", "io", "lattice", "engine", "observe", "model", "simulation", "workspace", "drawing", "study",
+      "apps"}},
 };
 
 struct Include {
@@ -55,7 +58,7 @@ std::vector<Include> includes_of(fs::path const& path) {
 struct Source {
   fs::path path;      ///< as it can be opened
   std::string name;   ///< from the root of the repository, for messages
-  std::string layer;  ///< its folder in include/gridlock or src, or "apps"
+  std::string layer;  ///< its folder in include/gridlock or src, "drawing", "study" or "apps"
 };
 
 bool is_source(fs::path const& path) { return path.extension() == ".hpp" || path.extension() == ".cpp"; }
@@ -77,7 +80,13 @@ std::vector<Source> sources_under(std::string const& folder, bool is_layered) {
 std::vector<Source> all_sources() {
   std::vector<Source> all = sources_under("include/gridlock", true);
   for (Source const& source : sources_under("src", true)) all.push_back(source);
-  for (Source const& source : sources_under("apps", false)) all.push_back(source);
+  for (std::string const layer : {"drawing", "study"}) {
+    for (Source source : sources_under("apps/" + layer, false)) {
+      source.layer = layer;
+      all.push_back(source);
+    }
+  }
+  for (Source const& source : sources_under("apps/gridlock", false)) all.push_back(source);
   return all;
 }
 
@@ -129,12 +138,14 @@ TEST(Layers, TheRuleItselfTellsGoodFromBad) {
   EXPECT_FALSE(is_allowed("lattice", "gridlock/observe/speed.hpp"));
   EXPECT_TRUE(is_allowed("engine", "turn.hpp"));
   EXPECT_TRUE(is_allowed("engine", "engine/exact/calendar.hpp"));
-  EXPECT_TRUE(is_allowed("run", "gridlock/io/table.hpp"));
-  EXPECT_FALSE(is_allowed("run", "gridlock/study/paper.hpp"));
-  EXPECT_TRUE(is_allowed("apps", "gridlock/study/paper.hpp"));
+  EXPECT_TRUE(is_allowed("simulation", "gridlock/io/table.hpp"));
+  EXPECT_FALSE(is_allowed("io", "gridlock/simulation/run.hpp"));
+  EXPECT_FALSE(is_allowed("simulation", "gridlock/workspace/sweep.hpp"));
+  EXPECT_FALSE(is_allowed("workspace", "study/paper.hpp"));
+  EXPECT_TRUE(is_allowed("apps", "study/paper.hpp"));
   EXPECT_FALSE(is_allowed("engine", "../grid/pairs.hpp"));
   EXPECT_TRUE(is_allowed("apps", "gridlock/command_line.hpp"));
-  EXPECT_FALSE(is_allowed("run", "gridlock/command_line.hpp"));
+  EXPECT_FALSE(is_allowed("simulation", "gridlock/command_line.hpp"));
 }
 
 TEST(PublicHeaders, IncludeNothingButThePublicHeadersAndTheStandardLibrary) {

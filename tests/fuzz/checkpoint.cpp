@@ -9,7 +9,7 @@
 
 #include "checkpoint_header.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/run/simulate.hpp"
+#include "gridlock/simulation/simulate.hpp"
 
 namespace {
 

@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/run/configuration.hpp"
-#include "gridlock/run/sweep.hpp"
+#include "gridlock/simulation/configuration.hpp"
+#include "gridlock/workspace/sweep.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size) {
   using namespace gridlock;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "gridlock/run/simulate.hpp"
+#include "gridlock/simulation/simulate.hpp"
 
 namespace gridlock {
 namespace {

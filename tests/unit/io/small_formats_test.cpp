@@ -10,17 +10,17 @@
 #include <string>
 #include <vector>
 
+#include "drawing/colour.hpp"
+#include "drawing/neighbourhood_colour.hpp"
+#include "drawing/picture.hpp"
+#include "drawing/plot.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/checkpoint.hpp"
 #include "gridlock/io/file.hpp"
 #include "gridlock/io/nearest_name.hpp"
-#include "gridlock/io/picture.hpp"
-#include "gridlock/io/plot.hpp"
 #include "gridlock/io/settings_file.hpp"
-#include "io/colour.hpp"
 #include "io/deflated_chunk.hpp"
 #include "io/h5md_layout.hpp"
-#include "io/neighbourhood_colour.hpp"
 #include "io/text.hpp"
 #include "unit/io/temporary_directory.hpp"
 

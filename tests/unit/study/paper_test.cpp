@@ -1,4 +1,4 @@
-#include "gridlock/study/paper.hpp"
+#include "study/paper.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,10 +10,10 @@
 #include <set>
 #include <string>
 
+#include "drawing/plot.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/io/file.hpp"
-#include "gridlock/io/plot.hpp"
 #include "gridlock/io/table.hpp"
 #include "unit/io/markup_document.hpp"
 #include "unit/io/temporary_directory.hpp"

@@ -1,0 +1,219 @@
+#include "drawing/movie.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <cctype>
+#include <chrono>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "drawing/frame_picture.hpp"
+#include "drawing/process.hpp"
+#include "gridlock/core/error.hpp"
+#include "gridlock/io/file.hpp"
+#include "gridlock/workspace/result_files.hpp"
+#include "simulation/kind_names.hpp"
+
+namespace gridlock {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// As the list of results names who makes movies.
+constexpr char const* maker = "movie";
+/// Longer than any encoder takes for a frame.
+constexpr std::chrono::minutes ffmpeg_timeout{10};
+
+/// What ffmpeg is told for a file of some extension.
+struct Format {
+  std::string_view extension;
+  std::string_view muxer;
+  std::vector<std::string> encoding;
+  std::uint64_t most_rate = 240;
+};
+
+std::vector<Format> const& formats() {
+  // Most players know H.264 with halved colours only, and that needs even sides.
+  static std::string const even = "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white";
+  static std::vector<std::string> const h264{"-vf", even, "-c:v", "libx264", "-crf", "18", "-pix_fmt", "yuv420p"};
+  static std::vector<Format> const known{
+      {".mp4", "mp4", h264},
+      {".gif", "gif", {"-filter_complex", "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1"}, 50},
+      {".webm",
+       "webm",
+       {"-vf", even, "-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0", "-cpu-used", "4", "-row-mt", "1", "-pix_fmt",
+        "yuv420p"}},
+      {".mov", "mov", h264},
+      {".mkv", "matroska", h264}};
+  return known;
+}
+
+/// Errors: Error for an extension that is none of a movie, or a rate that such a file cannot have.
+Format const& format_of(MovieSettings const& settings) {
+  std::string extension = settings.file.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  auto const found = std::ranges::find(formats(), extension, &Format::extension);
+  if (found == formats().end()) {
+    throw Error(Problem{
+        .what = extension.empty() ? fmt::format("the name {} does not say which kind of movie", settings.file.string())
+                                  : fmt::format("a movie cannot be a {} file", extension),
+        .hint = "end the name in .mp4, .gif, .webm, .mov or .mkv",
+        .key = "--output"});
+  }
+  if (settings.rate > found->most_rate) {
+    throw Error(Problem{.what = fmt::format("{} frames a second are too many for a {} file", settings.rate, extension),
+                        .hint = fmt::format("use --rate {} or less, or another kind of file", found->most_rate),
+                        .key = "--rate"});
+  }
+  return *found;
+}
+
+void require_place(fs::path const& file) {
+  std::error_code ignored;
+  if (!file.has_filename() || fs::is_directory(file, ignored)) {
+    throw Error(Problem{.what = fmt::format("{} is the name of a directory", file.string()),
+                        .hint = fmt::format("name a file in it: {}", (file / "movie.mp4").string()),
+                        .key = "--output"});
+  }
+  fs::path const directory = file.parent_path();
+  if (directory.empty() || fs::is_directory(directory)) return;
+  throw Error(Problem{
+      .what = fmt::format("there is no directory {} to write {} into", directory.string(), file.filename().string()),
+      .hint = fmt::format("make it first: mkdir -p {}", directory.string()),
+      .key = "--output"});
+}
+
+/// What ffmpeg complained about last, without the address of the part of it that speaks and without its "failed!".
+std::string last_words(std::string_view errors) {
+  std::string words = "it says no more";
+  while (!errors.empty()) {
+    std::string_view line = errors.substr(0, errors.find('\n'));
+    errors.remove_prefix(std::min(line.size() + 1, errors.size()));
+    if (line.starts_with('[') && line.find("] ") != std::string_view::npos) line.remove_prefix(line.find("] ") + 2);
+    if (!line.empty() && !line.starts_with("Conversion failed")) words = line;
+  }
+  return words;
+}
+
+/// ffmpeg at work: it is given the frames, all of one size, and writes them into a file.
+class Encoder {
+ public:
+  Encoder(PicturePixels const& first, MovieSettings const& settings, fs::path const& file)
+      : process_(arguments(first, settings, fs::absolute(file)), fs::current_path(), ProcessInput::pipe) {}
+
+  /// Errors: as of finish().
+  void add(PicturePixels const& frame) {
+    if (!process_.write(frame.bytes, ffmpeg_timeout)) finish();
+  }
+
+  /// Errors: Error where there is no ffmpeg, RunFailure where it fails.
+  void finish() {
+    ProcessResult const result = process_.wait(ffmpeg_timeout);
+    if (!result.was_found) {
+      throw Error(Problem{.what = "ffmpeg, which joins the pictures to a movie, is not installed",
+                          .hint = "apt-get install ffmpeg"});
+    }
+    if (result.timed_out) throw RunFailure("ffmpeg did not end in time; there is no movie");
+    if (!result.succeeded) throw RunFailure(fmt::format("ffmpeg made no movie: {}", last_words(result.errors)));
+  }
+
+ private:
+  static std::vector<std::string> arguments(PicturePixels const& first, MovieSettings const& settings,
+                                            fs::path const& file) {
+    Format const& format = format_of(settings);
+    std::vector<std::string> words{"ffmpeg",
+                                   "-y",
+                                   "-loglevel",
+                                   "error",
+                                   "-f",
+                                   "rawvideo",
+                                   "-pixel_format",
+                                   std::endian::native == std::endian::little ? "bgr0" : "0rgb",
+                                   "-video_size",
+                                   fmt::format("{}x{}", first.width, first.height),
+                                   "-framerate",
+                                   std::to_string(settings.rate),
+                                   "-i",
+                                   "pipe:0"};
+    words.insert(words.end(), format.encoding.begin(), format.encoding.end());
+    words.insert(words.end(), {"-f", std::string(format.muxer), "file:" + file.string()});
+    return words;
+  }
+
+  ChildProcess process_;
+};
+
+/// A movie in the making.
+class Movie {
+ public:
+  Movie(H5mdReader const& trajectory, MovieSettings const& settings, OnMovieProgress const& on_progress)
+      : trajectory_(trajectory),
+        settings_(settings),
+        on_progress_(on_progress),
+        all_((trajectory.frame_count() + settings.every - 1) / settings.every),
+        painter_(trajectory.frame(0).frame, settings.colour) {
+    painter_.name_kinds(
+        kind_names(SettingsFile::from_text(trajectory.settings().configuration, "trajectory"), painter_.colour()));
+  }
+
+  RunStatus make() {
+    // The same bar in all frames.
+    for (std::size_t n = 0; painter_.has_bar() && n < all_; ++n) {
+      if (!should_continue(0)) return RunStatus::interrupted;
+      painter_.widen_bar(frame(n));
+    }
+    record_further_result(settings_.file, maker);
+    AtomicFile file(settings_.file);
+    if (!should_continue(0)) return RunStatus::interrupted;
+    PicturePixels const first = picture(0);
+    Encoder encoder(first, settings_, file.location());
+    encoder.add(first);
+    for (std::size_t n = 1; n < all_; ++n) {
+      if (!should_continue(n)) return RunStatus::interrupted;
+      encoder.add(picture(n));
+    }
+    encoder.finish();
+    file.commit();
+    return RunStatus::finished;
+  }
+
+ private:
+  [[nodiscard]] bool should_continue(std::size_t drawn) const {
+    if (!on_progress_) return true;
+    std::chrono::duration<double> const passed = std::chrono::steady_clock::now() - start_;
+    return on_progress_({.drawn = drawn, .all = all_, .seconds = passed.count()});
+  }
+  [[nodiscard]] Frame frame(std::size_t n) const { return trajectory_.frame(n * settings_.every).frame; }
+  [[nodiscard]] PicturePixels picture(std::size_t n) const {
+    Frame const shown = frame(n);
+    return painter_.pixels(shown, settings_.width,
+                           fmt::format("step {}, t = {:.4g}", shown.clock.step, shown.clock.time));
+  }
+
+  H5mdReader const& trajectory_;
+  MovieSettings const& settings_;
+  OnMovieProgress const& on_progress_;
+  std::size_t all_;
+  FramePainter painter_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+RunStatus make_movie(H5mdReader const& trajectory, MovieSettings const& settings, OnMovieProgress const& on_progress) {
+  assert(settings.every > 0);
+  require_place(settings.file);
+  format_of(settings);
+  require_no_other_result(settings.file, maker);
+  if (trajectory.frame_count() == 0) throw Error(Problem{.what = "the trajectory has no frames"});
+  return Movie(trajectory, settings, on_progress).make();
+}
+
+}  // namespace gridlock

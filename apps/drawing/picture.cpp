@@ -1,0 +1,503 @@
+#include "drawing/picture.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "drawing/canvas.hpp"
+#include "drawing/colour.hpp"
+#include "drawing/neighbourhood_colour.hpp"
+#include "gridlock/core/error.hpp"
+#include "gridlock/io/file.hpp"
+
+namespace gridlock {
+
+namespace {
+
+constexpr double reference_width = 720.0;  // the picture width the sizes below are meant for
+constexpr std::uint32_t least_pixels = 16;
+constexpr std::uint32_t most_pixels = 16'384;
+constexpr double narrowest_cell = 4.0;  // pixels; the lines of a finer grid would hide the disks
+constexpr std::size_t most_arrows = 2'000;
+constexpr std::size_t most_species_colours = 6;
+constexpr double tallest_picture = 2.0;  // height over width, where the box asks for more
+constexpr double raster_magnification = 2.0;
+
+constexpr Colour white{1.0, 1.0, 1.0};
+constexpr Colour ink{0.13, 0.14, 0.16};
+constexpr Colour unknown_value{0.75, 0.75, 0.75};
+
+/// The range of numbers a colour bar stands for.
+struct Scale {
+  double least = 0.0;
+  double most = 1.0;
+
+  /// 0 at the least, 1 at the most; in halves, so that no difference overflows.
+  [[nodiscard]] double place_of(double value) const { return (0.5 * value - 0.5 * least) / (0.5 * most - 0.5 * least); }
+};
+
+/// Where everything stands, in pixels.
+struct Arrangement {
+  double unit = 1.0;    ///< one pixel of a picture of reference_width
+  double pixels = 1.0;  ///< per unit of length of the box
+  double width = 0.0;
+  double height = 0.0;
+  PixelRectangle box;
+  PixelRectangle bar;
+};
+
+bool has_bar(Colouring colouring) {
+  return colouring == Colouring::speed || colouring == Colouring::values || colouring == Colouring::directions;
+}
+
+bool has_values(Colouring colouring) {
+  return colouring == Colouring::values || colouring == Colouring::directions || colouring == Colouring::kinds;
+}
+
+/// What a list beside the picture says of a colour.
+struct ColourName {
+  Colour colour;
+  std::string name;
+};
+
+constexpr double list_line = 22.0;  // units from one name of a list to the next
+
+/// Units a list of names takes at the right of the picture.
+double list_width(std::vector<ColourName> const& names, std::string const& title) {
+  constexpr double letter = 7.6;
+  auto const letters = [](std::string const& text) {
+    return static_cast<double>(std::ranges::count_if(text, [](char c) { return (c & 0xC0) != 0x80; }));
+  };
+  double most = letters(title) - 3.0;  // the title has no square before it
+  for (ColourName const& name : names) most = std::max(most, letters(name.name));
+  return std::min(52.0 + letter * most, 0.4 * reference_width);
+}
+
+void check(State const& state, PictureSettings const& settings) {
+  for (auto const& [key, pixels] : {std::pair{"width", settings.width}, std::pair{"height", settings.height}}) {
+    bool const follows = pixels == 0 && std::string_view(key) == "height";
+    if (follows || (pixels >= least_pixels && pixels <= most_pixels)) continue;
+    throw Error({.what = fmt::format("a picture {} of {} pixels cannot be drawn", key, pixels),
+                 .hint = fmt::format("use {} to {} pixels", least_pixels, most_pixels),
+                 .key = key});
+  }
+  if (has_values(settings.colouring) && settings.values.size() != state.disks.size()) {
+    throw Error({.what = fmt::format("{} values to colour {} disks by", settings.values.size(), state.disks.size()),
+                 .hint = "give one value for each disk"});
+  }
+}
+
+Arrangement arrange(Box const& box, PictureSettings const& settings, std::vector<ColourName> const& names) {
+  Arrangement a;
+  a.width = settings.width;
+  a.unit = a.width / reference_width;
+  double const margin = 14.0 * a.unit;
+  double const top = settings.title.empty() ? margin : 46.0 * a.unit;
+  double const beside = names.empty() ? 100.0 : list_width(names, settings.bar_label);
+  bool const has_side = has_bar(settings.colouring) || !names.empty();
+  double const right = has_side ? beside * a.unit : margin;
+  double const room = a.width - margin - right;
+  double const most_height = (settings.height > 0 ? settings.height : tallest_picture * a.width) - top - margin;
+  a.pixels = std::min(room / box.width(), std::max(1.0, most_height) / box.height());
+  a.box = {.width = a.pixels * box.width(), .height = a.pixels * box.height()};
+  double const least_height = has_side ? 160.0 * a.unit : 0.0;
+  double const content = std::max(a.box.height, least_height);
+  a.height = settings.height > 0 ? settings.height : std::max(1.0, std::round(top + content + margin));
+  a.box.x = margin + 0.5 * (room - a.box.width);
+  a.box.y = top + 0.5 * (a.height - top - margin - a.box.height);
+  a.bar = {.x = a.box.x + a.box.width + 18.0 * a.unit,
+           .y = top + 4.0 * a.unit,
+           .width = 16.0 * a.unit,
+           .height = std::max(1.0, a.height - top - margin - 8.0 * a.unit)};
+  return a;
+}
+
+/// Which colour each disk has.
+class DiskColours {
+ public:
+  DiskColours(State const& state, PictureSettings const& settings) : state_(state), settings_(settings) {
+    if (settings.colouring == Colouring::speed) {
+      for (std::size_t i = 0; i < state.disks.size(); ++i) {
+        values_.push_back(std::sqrt(squared_length(velocity(state.disks, i))));
+      }
+    } else if (has_values(settings.colouring)) {
+      values_.assign(settings.values.begin(), settings.values.end());
+    } else if (settings.colouring == Colouring::radius) {
+      find_radii();
+    }
+    if (has_bar(settings.colouring)) find_scale();
+  }
+
+  [[nodiscard]] Scale const& scale() const { return scale_; }
+  /// The colour at a place of the bar, from 0 to 1.
+  [[nodiscard]] Colour on_bar(double place) const {
+    return settings_.colouring == Colouring::directions ? colour_circle(place) : viridis(place);
+  }
+
+  /// What the colours are called, where they stand for single things.
+  [[nodiscard]] std::vector<ColourName> names() const {
+    std::vector<ColourName> names;
+    if (settings_.colouring == Colouring::radius && radii_.size() > 1 && radii_.size() <= most_species_colours) {
+      for (double const radius : radii_) names.push_back({of_radius(radius), fmt::format("R = {:.4g}", radius)});
+    }
+    if (settings_.colouring != Colouring::kinds) return names;
+    double last = settings_.most.value_or(0.0);
+    for (double const value : values_) last = std::max(last, value);
+    std::size_t const count = std::max(settings_.kind_names.size(), static_cast<std::size_t>(last) + 1);
+    for (std::size_t kind = 0; kind < std::min(count, most_kinds); ++kind) {
+      bool const is_named = kind < settings_.kind_names.size();
+      names.push_back(
+          {of_kind(static_cast<double>(kind)), is_named ? settings_.kind_names[kind] : std::to_string(kind)});
+    }
+    return names;
+  }
+
+  [[nodiscard]] Colour of(std::size_t i) const {
+    switch (settings_.colouring) {
+      case Colouring::radius:
+        return of_radius(state_.disks.column<Radius>()[i]);
+      case Colouring::neighbourhood:
+        return of_cell(position(state_.disks, i));
+      case Colouring::kinds:
+        return of_kind(values_[i]);
+      case Colouring::speed:
+      case Colouring::values:
+      case Colouring::directions:
+        break;
+    }
+    return std::isfinite(values_[i]) ? on_bar(scale_.place_of(values_[i])) : unknown_value;
+  }
+
+ private:
+  void find_radii() {
+    auto const radii = state_.disks.column<Radius>();
+    radii_.assign(radii.begin(), radii.end());
+    std::erase_if(radii_, [](double r) { return !std::isfinite(r); });
+    std::ranges::sort(radii_);
+    radii_.erase(std::unique(radii_.begin(), radii_.end()), radii_.end());
+    if (!radii_.empty()) scale_ = widened({radii_.front(), radii_.back()});
+  }
+
+  void find_scale() {
+    Scale range{.least = 0.0, .most = -HUGE_VAL};
+    for (double const value : values_) {
+      if (!std::isfinite(value)) continue;
+      range.least = std::min(range.least, value);
+      range.most = std::max(range.most, value);
+    }
+    if (!(range.most >= range.least)) range = {};
+    if (settings_.colouring == Colouring::directions) range = {.least = -std::numbers::pi, .most = std::numbers::pi};
+    scale_ = widened({settings_.least.value_or(range.least), settings_.most.value_or(range.most)});
+  }
+
+  /// A range wide enough to be told apart from a single number.
+  static Scale widened(Scale scale) {
+    double const size = std::max(std::abs(scale.least), std::abs(scale.most));
+    if (!(scale.most - scale.least > 1e-6 * size)) scale.most = scale.least + std::max(1.0, std::abs(scale.least));
+    return scale;
+  }
+
+  [[nodiscard]] Colour of_radius(double radius) const {
+    if (!std::isfinite(radius)) return unknown_value;
+    if (radii_.size() > most_species_colours) return viridis(scale_.place_of(radius));
+    auto const kind = std::ranges::lower_bound(radii_, radius) - radii_.begin();
+    return mixed(categorical_colours()[static_cast<std::size_t>(kind)], white, 0.35);
+  }
+
+  [[nodiscard]] static Colour of_kind(double kind) {
+    if (!(kind >= 0.0) || kind >= static_cast<double>(most_kinds)) return unknown_value;
+    return mixed(categorical_colours()[static_cast<std::size_t>(kind)], white, 0.15);
+  }
+
+  [[nodiscard]] Colour of_cell(Vector p) const {
+    static std::array<Colour, neighbourhood_colours> const colours = neighbourhood_palette();
+    auto const count = [](std::uint64_t cells) {
+      return static_cast<int>(std::clamp<std::uint64_t>(cells, 1, std::numeric_limits<int>::max()));
+    };
+    int const columns = count(settings_.columns);
+    int const rows = count(settings_.rows);
+    auto const index = [](double x, double side, int cells) {
+      return static_cast<int>(std::clamp(x * (cells / side), 0.0, cells - 1.0));
+    };
+    Box const& box = state_.box;
+    int const colour = neighbourhood_colour(index(p.x, box.width(), columns), index(p.y, box.height(), rows), columns,
+                                            rows, box.is_periodic());
+    return colours[static_cast<std::size_t>(colour)];
+  }
+
+  /// The four colours of an even grid are those easiest to tell apart; the five others appear on odd periodic rings.
+  static std::array<Colour, neighbourhood_colours> neighbourhood_palette() {
+    auto const c = categorical_colours();
+    Colour const blue = mixed(c[0], white, 0.25), orange = mixed(c[4], white, 0.15), green = mixed(c[2], white, 0.2);
+    Colour const purple = mixed(c[3], white, 0.1), vermilion = mixed(c[1], white, 0.1), sky = mixed(c[5], white, 0.2);
+    Colour const grey{0.55, 0.55, 0.55}, yellow = c[7], brown{0.45, 0.26, 0.18};
+    return {blue, orange, vermilion, green, purple, sky, yellow, grey, brown};
+  }
+
+  State const& state_;
+  PictureSettings const& settings_;
+  std::vector<double> values_;
+  std::vector<double> radii_;
+  Scale scale_;
+};
+
+class Picture {
+ public:
+  Picture(State const& state, PictureSettings const& settings)
+      : state_(state),
+        settings_(settings),
+        colours_(state, settings),
+        names_(colours_.names()),
+        at_(arrange(state.box, settings, names_)) {}
+
+  [[nodiscard]] Arrangement const& arrangement() const { return at_; }
+
+  void draw_background(Canvas& canvas) const {
+    canvas.fill({.width = at_.width, .height = at_.height}, white);
+    if (settings_.title.empty()) return;
+    canvas.text({at_.box.x + 0.5 * at_.box.width, 30.0 * at_.unit}, settings_.title,
+                {.size = 18.0 * at_.unit, .anchor = TextAnchor::middle, .colour = ink});
+  }
+
+  void draw_disks(Canvas& canvas) const {
+    double const outline = outline_width();
+    canvas.begin_circles({.colour = ink, .width = outline});
+    for (std::size_t i = 0; i < state_.disks.size(); ++i) {
+      // The outline lies inside the disk, so that two disks in contact touch and do not overlap.
+      double const radius = state_.disks.column<Radius>()[i] * at_.pixels - 0.5 * outline;
+      for_each_image(i, [&](Vector centre) { canvas.circle(to_pixels(centre), radius, colours_.of(i)); });
+    }
+    canvas.end_circles();
+    if (settings_.shows_velocities && state_.disks.size() <= most_arrows) draw_arrows(canvas);
+  }
+
+  void draw_frame(Canvas& canvas) const {
+    draw_grid(canvas);
+    // The line stands outside the box, so that a disk at the wall is seen to touch and not to overlap it.
+    double const thickness = (state_.box.is_periodic() ? 1.2 : 4.0) * at_.unit;
+    PixelRectangle const around{at_.box.x - 0.5 * thickness, at_.box.y - 0.5 * thickness, at_.box.width + thickness,
+                                at_.box.height + thickness};
+    canvas.outline(around, {.colour = ink, .width = thickness, .is_dashed = state_.box.is_periodic()});
+    if (has_bar(settings_.colouring)) draw_bar(canvas);
+    draw_names(canvas);
+  }
+
+ private:
+  [[nodiscard]] Vector to_pixels(Vector p) const {
+    return {at_.box.x + p.x * at_.pixels, at_.box.y + at_.box.height - p.y * at_.pixels};
+  }
+
+  /// Thin against the disk, and none where it would be all there is to see.
+  [[nodiscard]] double outline_width() const {
+    double const smallest = radius_range(state_.disks).smallest * at_.pixels;
+    return smallest < 2.5 ? 0.0 : std::min(0.8 * at_.unit, 0.12 * smallest);
+  }
+
+  /// Calls visit(centre) for every periodic image of disk i that reaches into the box.
+  template <class Visit>
+  void for_each_image(std::size_t i, Visit visit) const {
+    Vector const p = position(state_.disks, i);
+    double const r = state_.disks.column<Radius>()[i];
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !(r > 0.0) || !std::isfinite(r)) return;
+    if (!state_.box.is_periodic()) return visit(p);
+    auto const reaches = [r](double x, double side) { return x + r > 0.0 && x - r < side; };
+    for (int const row : {-1, 0, 1}) {
+      for (int const column : {-1, 0, 1}) {
+        Vector const image{p.x + column * state_.box.width(), p.y + row * state_.box.height()};
+        if (reaches(image.x, state_.box.width()) && reaches(image.y, state_.box.height())) visit(image);
+      }
+    }
+  }
+
+  void draw_arrows(Canvas& canvas) const {
+    double squares = 0.0;
+    for (std::size_t i = 0; i < state_.disks.size(); ++i) squares += squared_length(velocity(state_.disks, i));
+    if (!(squares > 0.0) || !std::isfinite(squares)) return;
+    double const speed = std::sqrt(squares / static_cast<double>(state_.disks.size()));
+    double const pixels_per_speed = 2.0 * radius_range(state_.disks).smallest * at_.pixels / speed;
+    for (std::size_t i = 0; i < state_.disks.size(); ++i) {
+      Vector const v = velocity(state_.disks, i);
+      Vector const along{v.x * pixels_per_speed, -v.y * pixels_per_speed};
+      if (squared_length(along) > 1.0) draw_arrow(canvas, to_pixels(position(state_.disks, i)), along);
+    }
+  }
+
+  void draw_arrow(Canvas& canvas, Vector from, Vector along) const {
+    double const length = std::sqrt(squared_length(along));
+    double const head = std::min(7.0 * at_.unit, 0.5 * length);
+    Vector const to = from + along;
+    Vector const neck = to - (head / length) * along;
+    Vector const across = (0.45 * head / length) * Vector{-along.y, along.x};
+    canvas.line(from, neck, {.colour = ink, .width = std::min(1.5 * at_.unit, 0.3 * head)});
+    canvas.triangle(to, neck + across, neck - across, ink);
+  }
+
+  void draw_grid(Canvas& canvas) const {
+    auto const columns = static_cast<double>(settings_.columns);
+    auto const rows = static_cast<double>(settings_.rows);
+    if (columns == 0.0 || rows == 0.0) return;
+    if (at_.box.width / columns < narrowest_cell || at_.box.height / rows < narrowest_cell) return;
+    Stroke const stroke{.colour = ink, .width = 1.1 * at_.unit, .opacity = 0.7};
+    PixelRectangle const& b = at_.box;
+    for (std::uint64_t c = 1; c < settings_.columns; ++c) {
+      double const x = b.x + b.width * static_cast<double>(c) / columns;
+      canvas.line({x, b.y}, {x, b.y + b.height}, stroke);
+    }
+    for (std::uint64_t r = 1; r < settings_.rows; ++r) {
+      double const y = b.y + b.height * static_cast<double>(r) / rows;
+      canvas.line({b.x, y}, {b.x + b.width, y}, stroke);
+    }
+  }
+
+  void draw_bar(Canvas& canvas) const {
+    constexpr int bands = 128;
+    PixelRectangle const& bar = at_.bar;
+    for (int i = 0; i < bands; ++i) {
+      // Each band reaches under the ones above it, or the seams would show between them.
+      double const below = bar.height * i / bands;
+      canvas.fill({bar.x, bar.y, bar.width, bar.height - below}, colours_.on_bar((i + 0.5) / bands));
+    }
+    Stroke const thin{.colour = ink, .width = 1.0 * at_.unit};
+    canvas.outline(bar, thin);
+    Scale const& scale = colours_.scale();
+    auto const draw_tick = [&](double place, std::string const& text) {
+      double const y = bar.y + bar.height * (1.0 - place);
+      canvas.line({bar.x + bar.width, y}, {bar.x + bar.width + 4.0 * at_.unit, y}, thin);
+      canvas.text({bar.x + bar.width + 7.0 * at_.unit, y + 4.5 * at_.unit}, text,
+                  {.size = 13.0 * at_.unit, .colour = ink});
+    };
+    if (settings_.colouring == Colouring::directions) {
+      double place = 0.0;
+      for (char const* const angle : {"−π", "−π/2", "0", "π/2", "π"})
+        draw_tick(std::exchange(place, place + 0.25), angle);
+    } else {
+      double const step = tick_step(scale);
+      double const first = std::ceil(scale.least / step - 1e-9);
+      for (double n = first; n * step <= scale.most + 1e-9 * step; ++n) {
+        draw_tick(scale.place_of(n * step), fmt::format("{:.6g}", n * step + 0.0));  // the sum turns −0 into 0
+      }
+    }
+    std::string const label =
+        settings_.bar_label.empty() && settings_.colouring == Colouring::speed ? "speed" : settings_.bar_label;
+    canvas.text({bar.x + 74.0 * at_.unit, bar.y + 0.5 * bar.height}, label,
+                {.size = 15.0 * at_.unit, .anchor = TextAnchor::middle, .is_upright = true, .colour = ink});
+  }
+
+  /// The list of colours that stand for single things.
+  void draw_names(Canvas& canvas) const {
+    double const square = 13.0 * at_.unit;
+    double const x = at_.box.x + at_.box.width + 16.0 * at_.unit;
+    double y = at_.bar.y + 6.0 * at_.unit;
+    Lettering const letters{.size = 13.0 * at_.unit, .colour = ink};
+    if (!names_.empty() && !settings_.bar_label.empty()) {
+      canvas.text({x, y + 0.85 * square}, settings_.bar_label, letters);
+      y += list_line * at_.unit;
+    }
+    for (ColourName const& name : names_) {
+      canvas.fill({x, y, square, square}, name.colour);
+      canvas.text({x + square + 7.0 * at_.unit, y + 0.85 * square}, name.name, letters);
+      y += list_line * at_.unit;
+    }
+  }
+
+  /// 1, 2 or 5 times a power of ten, for about five ticks.
+  static double tick_step(Scale const& scale) {
+    double const rough = scale.most / 5.0 - scale.least / 5.0;
+    double const power = std::pow(10.0, std::floor(std::log10(rough)));
+    double const share = rough / power;
+    return power * (share < 1.5 ? 1.0 : share < 3.5 ? 2.0 : share < 7.5 ? 5.0 : 10.0);
+  }
+
+  State const& state_;
+  PictureSettings const& settings_;
+  DiskColours colours_;
+  std::vector<ColourName> names_;
+  Arrangement at_;
+};
+
+bool is_raster(State const& state, PictureSettings const& settings) {
+  return state.disks.size() > settings.most_vector_disks;
+}
+
+PixelCanvas painted(State const& state, PictureSettings const& settings) {
+  check(state, settings);
+  Picture const picture(state, settings);
+  Arrangement const& at = picture.arrangement();
+  PixelCanvas canvas({.width = at.width, .height = at.height}, 1.0);
+  picture.draw_background(canvas);
+  canvas.begin_clip(at.box);
+  picture.draw_disks(canvas);
+  canvas.end_clip();
+  picture.draw_frame(canvas);
+  return canvas;
+}
+
+}  // namespace
+
+std::string picture_svg(State const& state, PictureSettings const& settings) {
+  check(state, settings);
+  Picture const picture(state, settings);
+  Arrangement const& at = picture.arrangement();
+  SvgCanvas canvas(at.width, at.height);
+  picture.draw_background(canvas);
+  canvas.begin_clip(at.box);
+  if (is_raster(state, settings)) {
+    PixelCanvas layer(at.box, raster_magnification);
+    layer.fill(at.box, white);
+    picture.draw_disks(layer);
+    canvas.image(at.box, layer.png());
+  } else {
+    picture.draw_disks(canvas);
+  }
+  canvas.end_clip();
+  picture.draw_frame(canvas);
+  return canvas.document();
+}
+
+std::string picture_pdf(State const& state, PictureSettings const& settings) {
+  check(state, settings);
+  Picture const picture(state, settings);
+  Arrangement const& at = picture.arrangement();
+  PdfCanvas canvas(at.width, at.height);
+  picture.draw_background(canvas);
+  canvas.begin_clip(at.box);
+  if (is_raster(state, settings)) {
+    PixelCanvas layer(at.box, raster_magnification);
+    layer.fill(at.box, white);
+    picture.draw_disks(layer);
+    canvas.image(at.box, layer);
+  } else {
+    picture.draw_disks(canvas);
+  }
+  canvas.end_clip();
+  picture.draw_frame(canvas);
+  return canvas.document();
+}
+
+std::string picture_png(State const& state, PictureSettings const& settings) { return painted(state, settings).png(); }
+
+PicturePixels picture_pixels(State const& state, PictureSettings const& settings) {
+  PixelCanvas const canvas = painted(state, settings);
+  return {.width = canvas.width(), .height = canvas.height(), .bytes = canvas.pixels()};
+}
+
+PictureKind draw_disks(State const& state, PictureSettings const& settings, std::filesystem::path const& file) {
+  if (file.extension() == ".svg" || file.extension() == ".pdf") {
+    write_file(file, file.extension() == ".svg" ? picture_svg(state, settings) : picture_pdf(state, settings));
+    return is_raster(state, settings) ? PictureKind::raster : PictureKind::vector;
+  }
+  if (file.extension() != ".png") {
+    throw Error({.what = fmt::format("{}: a picture is written as .svg, .png or .pdf", file.string())});
+  }
+  write_file(file, picture_png(state, settings));
+  return PictureKind::raster;
+}
+
+}  // namespace gridlock

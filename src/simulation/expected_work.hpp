@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+
+#include "gridlock/simulation/configuration.hpp"
+
+namespace gridlock {
+
+/// What a run is expected to take, as far as its set-up tells: for the order of many runs, their progress, and which of
+/// them fit into memory beside one another.
+struct Expectation {
+  double work = 0.0;  ///< in turns of an agent among neighbours of the usual number
+  double bytes = 0.0;
+};
+Expectation expectation_of(Setup const& setup);
+
+/// Whether more threads than one are of any use to a run.
+bool uses_threads(Configuration const& configuration);
+
+/// The threads a run is carried out by.
+std::uint64_t threads_of(Configuration const& configuration);
+
+}  // namespace gridlock

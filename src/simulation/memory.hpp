@@ -1,0 +1,57 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <mutex>
+#include <string>
+
+#include "gridlock/simulation/configuration.hpp"
+
+namespace gridlock {
+
+/// Refuses a run that needs more memory than the machine has free, before any of it is asked for: a system short of
+/// memory kills the program, which leaves no message and no results.
+///
+/// Counts what can become large: the disks, the cells of the grid, the rows of the series. An estimate, on the low side.
+void require_memory(Configuration const& configuration);
+
+/// The same for the agents of a model, blaming a setting of it.
+void require_memory_for_agents(double agents, double bytes_per_agent, std::string const& key);
+
+/// The bytes a run needs by the same estimate; of a model the agents are told, since its settings do not say how many.
+double expected_memory(Configuration const& configuration, double agents = 0.0);
+
+/// What the program can still get, in bytes: of the machine, under the limit of the process (ulimit -v), and under those
+/// of its control groups, such as a container's.
+double free_memory();
+
+/// Memory that several runs share: those that do not fit beside one another wait for one another.
+class MemoryBudget {
+ public:
+  explicit MemoryBudget(double bytes) : bytes_(bytes) {}
+
+  /// A part of the budget for as long as it lives.
+  class Part {
+   public:
+    Part(MemoryBudget& budget, double bytes) : budget_(budget), bytes_(bytes) { budget_.take(bytes_); }
+    ~Part() { budget_.give_back(bytes_); }
+    Part(Part const&) = delete;
+    Part& operator=(Part const&) = delete;
+
+   private:
+    MemoryBudget& budget_;
+    double bytes_;
+  };
+
+ private:
+  void take(double bytes);
+  void give_back(double bytes);
+
+  double bytes_;
+  double taken_ = 0.0;
+  std::size_t parts_ = 0;
+  std::mutex mutex_;
+  std::condition_variable is_given_back_;
+};
+
+}  // namespace gridlock

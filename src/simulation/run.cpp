@@ -1,0 +1,251 @@
+#include "gridlock/simulation/run.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <iterator>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/core/saturating.hpp"
+#include "simulation/countable_time.hpp"
+
+namespace gridlock {
+
+char const* to_text(RunStatus status) {
+  switch (status) {
+    case RunStatus::finished:
+      return "finished";
+    case RunStatus::interrupted:
+      return "interrupted";
+    case RunStatus::failed:
+      break;
+  }
+  return "failed";
+}
+
+void serialize(Archive& archive, Extent& extent) {
+  archive.visit("steps", extent.steps);
+  archive.visit("time", extent.time);
+  archive.visit("pair_collisions", extent.pair_collisions);
+}
+
+Run::Run(Simulation& simulation, RunPlan const& plan)
+    : simulation_(simulation),
+      plan_(plan),
+      rate_limiter_(plan.seconds_per_look),
+      first_(simulation.clock()),
+      columns_{{"step", "", "Whole time steps since the clock was started."}, {"time", "time", "Physical time."}} {
+  if (std::isfinite(plan_.stop_condition.time))
+    require_countable_end(plan_.stop_condition.time, simulation_.time_step());
+  std::ranges::move(simulation_.columns(), std::back_inserter(columns_));
+  series_.add_column(columns_.front().name, std::vector<std::uint64_t>{});
+  for (std::size_t k = 1; k < columns_.size(); ++k) series_.add_column(columns_[k].name, std::vector<double>{});
+}
+
+RunStatus Run::go_on(OnProgress const& on_progress, Callback const& callback) {
+  seconds_before_ = seconds_;
+  went_on_ = std::chrono::steady_clock::now();
+  status_ = RunStatus::interrupted;
+  try {
+    while (true) {
+      if (has_reached_end() && callback.call_at_end) {
+        note_time();
+        callback.call_at_end(steps_done());
+      }
+      stop_here();
+      if (has_reached_end()) {
+        status_ = RunStatus::finished;
+        break;
+      }
+      // A wish to stop that comes with the last step comes too late to interrupt anything.
+      if (!advance_one_chunk(on_progress, callback) && !has_reached_end()) break;
+    }
+  } catch (RunFailure const& failure) {
+    status_ = RunStatus::failed;
+    failure_ = failure.what();
+  }
+  note_time();
+  return status_;
+}
+
+/// Returns whether to go on.
+bool Run::advance_one_chunk(OnProgress const& on_progress, Callback const& callback) {
+  auto const is_callback_due = [&] { return callback.is_due && callback.is_due(steps_done()); };
+  bool is_stopped = false;
+  std::exception_ptr failure_of_listener;
+  std::uint64_t last_look = steps_done();
+  StopCondition stop = next_stop();
+  // Engines need not get through the exceptions of others.
+  stop.should_continue = [&]() noexcept {
+    if (!rate_limiter_.is_due()) return true;
+    last_look = steps_done();
+    try {
+      is_stopped = !report(on_progress);
+      return !is_stopped && !is_callback_due();
+    } catch (...) {
+      failure_of_listener = std::current_exception();
+      return false;
+    }
+  };
+  simulation_.advance(stop);
+  if (failure_of_listener) std::rethrow_exception(failure_of_listener);
+  if (is_callback_due()) callback.call(steps_done());
+  if (!is_stopped && last_look != steps_done()) is_stopped = !report(on_progress);
+  return !is_stopped;
+}
+
+void Run::note_time() {
+  seconds_ = seconds_before_ + std::chrono::duration<double>(std::chrono::steady_clock::now() - went_on_).count();
+}
+
+bool Run::has_reached_end() const {
+  Clock const clock = simulation_.clock();
+  return clock.step >= plan_.stop_condition.step || clock.time >= plan_.stop_condition.time ||
+         simulation_.pair_collisions() >= plan_.stop_condition.pair_collisions;
+}
+
+std::optional<std::uint64_t> Run::last_stop() const {
+  return last_stop_ ? std::optional(last_stop_->step - first_.step) : std::nullopt;
+}
+
+Extent Run::extent() const {
+  return {.steps = steps_done(),
+          .time = simulation_.clock().time - first_.time,
+          .pair_collisions = simulation_.pair_collisions()};
+}
+
+/// The share of the run that is done: the largest of the shares of its lengths.
+double Run::fraction_of(Extent const& extent) const {
+  StopCondition const& end = plan_.stop_condition;
+  auto const share = [](double done, double all) { return all > 0.0 ? done / all : 1.0; };
+  double const steps = share(static_cast<double>(extent.steps), static_cast<double>(end.step - first_.step));
+  double const time = share(extent.time, end.time - first_.time);
+  double const collisions =
+      share(static_cast<double>(extent.pair_collisions), static_cast<double>(end.pair_collisions));
+  return std::min(std::max({steps, time, collisions}), 1.0);
+}
+
+double Run::fit_equilibration() {
+  bool const is_left_out = fraction_of(last_left_out_) <= plan_.equilibration;
+  bool const is_averaged = !first_averaged_ || fraction_of(*first_averaged_) > plan_.equilibration;
+  if (!is_left_out || !is_averaged) plan_.equilibration = fraction_of(last_left_out_);
+  return plan_.equilibration;
+}
+
+/// What is due at this moment, once: multiples of sample_every are counted from the start, so that the times of the
+/// samples do not depend on interruptions.
+void Run::stop_here() {
+  if (last_stop_ == simulation_.clock()) return;
+  // Some engines can be stopped between two steps, after which the step they are in is not due again.
+  bool const is_new_step = !last_stop_ || last_stop_->step != simulation_.clock().step;
+  bool const is_first = !last_stop_;
+  last_stop_ = simulation_.clock();
+  bool const is_sample_due = is_first || (is_new_step && steps_done() % plan_.sample_every == 0);
+  if (is_sample_due || has_reached_end()) sample();
+  if (!is_new_step) return;
+  std::span<double const> row = last_row_;
+  row = is_sample_due ? row.subspan(2) : row.first(0);
+  for (Writer* writer : writers_) {
+    if (writer->is_due(steps_done())) writer->write(simulation_, row);
+  }
+}
+
+void Run::sample() {
+  // The first sample is the start itself, which is no average of anything.
+  bool const counts = steps_done() > 0 && fraction_done() > plan_.equilibration;
+  if (!counts) last_left_out_ = extent();
+  if (counts && !first_averaged_) first_averaged_ = extent();
+  Clock const clock = simulation_.clock();
+  std::vector<double> values(columns_.size() - 2, no_value);
+  simulation_.sample(values, counts);
+  std::vector<Cell> row{clock.step, clock.time};
+  std::ranges::copy(values, std::back_inserter(row));
+  series_.add_row(row);
+  last_row_ = {static_cast<double>(clock.step), clock.time};
+  std::ranges::copy(values, std::back_inserter(last_row_));
+}
+
+/// Where the next chunk ends.
+StopCondition Run::next_stop() const {
+  std::uint64_t const step = simulation_.clock().step;
+  std::uint64_t next = next_multiple(plan_.sample_every, steps_done());
+  for (Writer const* writer : writers_) next = std::min(next, writer->next_after(steps_done()));
+  StopCondition stop = plan_.stop_condition;
+  stop.step = std::min({stop.step, saturating_sum(first_.step, next), saturating_sum(step, plan_.steps_per_chunk)});
+  return stop;
+}
+
+bool Run::report(OnProgress const& on_progress) {
+  note_time();
+  if (!on_progress) return true;
+  double const turns = static_cast<double>(steps_done()) * static_cast<double>(simulation_.agents());
+  bool const is_sampled = !last_row_.empty() && last_row_.front() > static_cast<double>(first_.step);
+  return on_progress({.clock = simulation_.clock(),
+                      .fraction = fraction_done(),
+                      .steps = steps_done(),
+                      .seconds = seconds_,
+                      .agent_steps_per_second = seconds_ > 0.0 ? turns / seconds_ : 0.0,
+                      .columns = columns_,
+                      .last_sample = is_sampled ? std::span<double const>(last_row_) : std::span<double const>{}});
+}
+
+void Run::serialize(Archive& archive) {
+  serialize_inside(archive, "first", [&] { gridlock::serialize(archive, first_); });
+  bool has_stopped = last_stop_.has_value();
+  Clock last = last_stop_.value_or(Clock{});
+  archive.visit("has_stopped", has_stopped);
+  serialize_inside(archive, "last_stop", [&] { gridlock::serialize(archive, last); });
+  last_stop_ = has_stopped ? std::optional(last) : std::nullopt;
+  archive.visit("last_row", last_row_);
+  archive.visit("seconds", seconds_);
+  serialize_inside(archive, "series", [&] { serialize_series(archive); });
+  serialize_inside(archive, "simulation", [&] { simulation_.serialize(archive); });
+  for (std::size_t k = 0; k < writers_.size(); ++k) {
+    serialize_inside(archive, "writer_" + std::to_string(k), [&] { writers_[k]->serialize(archive); });
+  }
+  serialize_inside(archive, "last_left_out", [&] { gridlock::serialize(archive, last_left_out_); });
+  bool has_averaged = first_averaged_.has_value();
+  Extent first_averaged = first_averaged_.value_or(Extent{});
+  archive.visit("has_averaged", has_averaged);
+  serialize_inside(archive, "first_averaged", [&] { gridlock::serialize(archive, first_averaged); });
+  first_averaged_ = has_averaged ? std::optional(first_averaged) : std::nullopt;
+}
+
+void Run::serialize_series(Archive& archive) {
+  Table series;
+  for (std::size_t k = 0; k < columns_.size(); ++k) {
+    std::visit(
+        [&](auto values) {
+          if constexpr (!std::is_same_v<decltype(values), std::vector<std::string>>) {
+            archive.visit(columns_[k].name, values);
+            archive.require(k == 0 || values.size() == series.row_count(),
+                            "the columns of the series differ in length");
+            series.add_column(columns_[k].name, std::move(values));
+          }
+        },
+        series_.column(k));
+  }
+  series_ = std::move(series);
+}
+
+RunRecord Run::record() const {
+  return {.status = status_,
+          .failure = failure_,
+          .clock = simulation_.clock(),
+          .steps = steps_done(),
+          .time_step = simulation_.time_step(),
+          .seconds = seconds_,
+          .agents = simulation_.agents(),
+          .state_hash = simulation_.state_hash(),
+          .counts = simulation_.counts(),
+          .series = series_,
+          .series_columns = columns_,
+          .results = simulation_.results(),
+          .distributions = simulation_.distributions()};
+}
+
+}  // namespace gridlock

@@ -1,0 +1,184 @@
+#include "gridlock/simulation/trajectory.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/core/saturating.hpp"
+#include "simulation/settings_difference.hpp"
+
+namespace gridlock {
+
+namespace {
+
+/// Beyond it not every whole number is a double.
+constexpr double most_steps = 9007199254740992.0;
+
+std::uint64_t whole_steps(double steps) {
+  if (steps >= 0.0 && steps <= most_steps && steps == std::floor(steps)) return static_cast<std::uint64_t>(steps);
+  throw Error({.what = fmt::format("{} is no number of steps", steps),
+               .hint = "use whole numbers, 0 or above",
+               .key = "trajectory.steps"});
+}
+
+std::uint64_t steps_until(double time, double time_step) {
+  // A time meant as a multiple of the step must not miss it for a rounding.
+  double const steps = std::ceil(time / time_step * (1.0 - 1e-12));
+  if (time >= 0.0 && steps <= most_steps) return static_cast<std::uint64_t>(steps);
+  throw Error({.what = fmt::format("{} is no time a run of steps of {} reaches", time, time_step),
+               .hint = "use times after the start of the run, 0 or above",
+               .key = "trajectory.times"});
+}
+
+}  // namespace
+
+void describe(TrajectorySettings& settings, SettingVisitor& visitor) {
+  visitor.visit({.key = "every",
+                 .unit = "steps",
+                 .documentation = "Steps between frames of trajectory.h5; 0 for none, and no file where no frame is "
+                                  "asked for."},
+                settings.every);
+  visitor.visit(
+      {.key = "per_decade",
+       .documentation = "Frames for each factor of ten in the number of steps, evenly in its logarithm; 0 for "
+                        "none.",
+       .most = 1000},
+      settings.per_decade);
+  visitor.visit({.key = "steps", .documentation = "Further frames, at these steps after the start of the run."},
+                settings.steps);
+  visitor.visit({.key = "times",
+                 .unit = "time",
+                 .documentation = "Further frames, at the first steps that reach these times after the start of the "
+                                  "run."},
+                settings.times);
+  visitor.visit({.key = "columns",
+                 .documentation = "What a frame holds besides the ids: names of columns between spaces, such as \"x y "
+                                  "radius\", or \"all\"."},
+                settings.columns);
+  visitor.visit(
+      {.key = "compression", .documentation = "From 0, none, over 1, the fastest, to 9, the smallest file.", .most = 9},
+      settings.compression);
+  visitor.visit({.key = "author", .documentation = "Whose trajectory it is, as the file says."}, settings.author);
+}
+
+Frame with_columns(Frame frame, std::string const& columns) {
+  if (columns == "all") return frame;
+  std::vector<std::string> wanted;
+  std::istringstream words(columns);
+  for (std::string word; words >> word;) wanted.push_back(word);
+  for (std::string const& name : wanted) {
+    if (frame.find(name) != nullptr) continue;
+    std::vector<std::string> names;
+    for (FrameColumn const& column : frame.columns) names.push_back(column.name);
+    throw Error({.what = fmt::format("there is no column \"{}\"", name),
+                 .hint = fmt::format("the columns are {}", fmt::join(names, ", ")),
+                 .key = "trajectory.columns"});
+  }
+  std::erase_if(frame.columns, [&](FrameColumn const& column) { return !std::ranges::count(wanted, column.name); });
+  return frame;
+}
+
+FrameSchedule::FrameSchedule(TrajectorySettings const& settings, double time_step) : every_(settings.every) {
+  steps_.push_back(0);
+  for (double const steps : settings.steps) steps_.push_back(whole_steps(steps));
+  for (double const time : settings.times) steps_.push_back(steps_until(time, time_step));
+  if (settings.per_decade > 0) {
+    double const share = 1.0 / static_cast<double>(settings.per_decade);
+    for (double k = 0.0;; ++k) {
+      double const steps = std::floor(std::pow(10.0, k * share) + 0.5);
+      if (!(steps < most_steps)) break;
+      steps_.push_back(static_cast<std::uint64_t>(steps));
+    }
+  }
+  std::ranges::sort(steps_);
+  steps_.erase(std::unique(steps_.begin(), steps_.end()), steps_.end());
+}
+
+bool FrameSchedule::is_due(std::uint64_t steps) const {
+  return (every_ > 0 && steps % every_ == 0) || std::ranges::binary_search(steps_, steps);
+}
+
+std::uint64_t FrameSchedule::next_after(std::uint64_t steps) const {
+  auto const named = std::ranges::upper_bound(steps_, steps);
+  std::uint64_t const next = named == steps_.end() ? never_reached : *named;
+  return every_ == 0 ? next : std::min(next, next_multiple(every_, steps));
+}
+
+TrajectoryWriter::TrajectoryWriter(TrajectorySettings const& settings, double time_step, Origin origin)
+    : settings_(settings), schedule_(settings, time_step), origin_(std::move(origin)) {}
+
+void TrajectoryWriter::open(Simulation const& simulation, Frame const& frame) {
+  std::error_code ignored;
+  if (std::filesystem::exists(origin_.file, ignored)) {
+    try {
+      writer_ = H5mdWriter::append(origin_.file, frame);
+    } catch (Error const& error) {
+      throw RunFailure(error.what());
+    }
+    return;
+  }
+  H5mdSettings header{.configuration = origin_.configuration,
+                      .version = origin_.version,
+                      .author = settings_.author,
+                      .compression = settings_.compression};
+  for (ColumnInfo const& column : simulation.columns()) header.observables.push_back({column.name, column.unit});
+  writer_ = H5mdWriter::create(origin_.file, header, frame);
+}
+
+void TrajectoryWriter::restore(Simulation const& simulation, std::uint64_t first_step, std::uint64_t written_until) {
+  auto const refuse = [&](std::string const& what) {
+    throw Error({.what = what,
+                 .hint = "put the whole file back, or run config.resolved.toml again in another directory",
+                 .file = origin_.file.string()});
+  };
+  std::error_code ignored;
+  if (!std::filesystem::exists(origin_.file, ignored)) {
+    refuse(
+        fmt::format("{} is missing: the frames of the first {} steps are lost", origin_.file.string(), written_until));
+  }
+  try {
+    // Before the file is opened for writing.
+    auto const difference =
+        find_difference(setting_texts(H5mdReader(origin_.file).settings().configuration, "trajectory.h5"),
+                        setting_texts(origin_.configuration, "config.resolved.toml"), settings_of_length());
+    if (difference) {
+      throw Error({.what = fmt::format("{} is of another run: {}", origin_.file.string(),
+                                       to_text(*difference, "the trajectory", "config.resolved.toml"))});
+    }
+    writer_ = H5mdWriter::append(origin_.file, with_columns(simulation.frame(), settings_.columns));
+  } catch (Error const& error) {
+    refuse(error.problems().front().what);
+  }
+  auto const last = writer_->last_step();
+  if (!last || *last < first_step) refuse(fmt::format("{} lacks the frames of this run", origin_.file.string()));
+  std::uint64_t const next = schedule_.next_after(*last - first_step);
+  if (next > written_until) return;
+  refuse(fmt::format("{} lacks frames: the last is of step {}, and the run has written one of step {}",
+                     origin_.file.string(), *last, first_step + next));
+}
+
+void TrajectoryWriter::write(Simulation const& simulation, std::span<double const> sample) {
+  Clock const clock = simulation.clock();
+  std::uint64_t const state_hash = simulation.state_hash();
+  Frame frame;
+  if (!writer_) {
+    frame = with_columns(simulation.frame(), settings_.columns);
+    open(simulation, frame);
+  }
+  if (auto const last = writer_->last_step(); last && *last >= clock.step) {
+    if (writer_->state_hash_at(clock.step) == state_hash) return;
+    throw RunFailure(fmt::format("{} holds another run: its frames do not have the state of step {}",
+                                 origin_.file.string(), clock.step));
+  }
+  if (frame.columns.empty()) frame = with_columns(simulation.frame(), settings_.columns);
+  std::vector<double> observables(sample.begin(), sample.end());
+  if (observables.empty()) observables.assign(simulation.columns().size(), no_value);
+  writer_->write({.frame = std::move(frame), .observables = std::move(observables), .state_hash = state_hash});
+}
+
+}  // namespace gridlock

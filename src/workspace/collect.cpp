@@ -1,0 +1,178 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/io/checkpoint.hpp"
+#include "gridlock/io/file.hpp"
+#include "gridlock/workspace/result_files.hpp"
+#include "gridlock/workspace/run_directory.hpp"
+#include "gridlock/workspace/sweep.hpp"
+#include "simulation/settings_difference.hpp"
+#include "workspace/sweep_plan.hpp"
+#include "workspace/sweep_tables.hpp"
+
+namespace gridlock {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Error different_sweeps(std::string what) {
+  return Error({.what = std::move(what), .hint = "collect them one by one, into directories of their own with -o"});
+}
+
+/// All runs of several plans, each once.
+SweepPlan merged_plan(std::vector<fs::path> const& directories) {
+  SweepPlan merged = read_plan(directories.front());
+  std::set<std::string> known;
+  for (fs::path const& directory : directories) {
+    SweepPlan const plan = read_plan(directory);
+    if (plan.keys != merged.keys) {
+      throw different_sweeps(fmt::format("the sweeps in {} and {} vary different settings",
+                                         directories.front().string(), directory.string()));
+    }
+    if (auto const difference = find_difference(merged.base, plan.base)) {
+      throw different_sweeps("the sweeps have different settings in common: " +
+                             to_text(*difference, directories.front().string(), directory.string()));
+    }
+    for (SweepRun const& run : plan.runs) {
+      if (known.insert(run.name).second && &directory != &directories.front()) merged.runs.push_back(run);
+    }
+  }
+  return merged;
+}
+
+/// One run as it is in one of the directories.
+struct RecordedRun {
+  fs::path directory;
+  std::optional<RunSummary> summary;
+};
+
+/// The run in every directory that has begun it. Errors: Error where two of them are of different settings.
+std::vector<RecordedRun> recorded_runs(std::vector<fs::path> const& directories, SweepRun const& run) {
+  std::vector<RecordedRun> runs;
+  std::optional<SettingTexts> settings;
+  for (fs::path const& sweep : directories) {
+    RecordedRun recorded{.directory = directory_of(sweep, run), .summary = {}};
+    fs::path const configuration = recorded.directory / "config.resolved.toml";
+    std::error_code ignored;
+    if (!fs::exists(configuration, ignored)) continue;
+    recorded.summary = read_summary(recorded.directory);
+    SettingTexts texts = setting_texts(read_file(configuration), configuration.string());
+    if (!settings) settings = texts;
+    if (auto const difference = find_difference(*settings, texts)) {
+      throw different_sweeps(
+          fmt::format("run {} has different settings: {}", run.name,
+                      to_text(*difference, runs.front().directory.string(), recorded.directory.string())));
+    }
+    for (RecordedRun const& other : runs) {
+      if (other.summary && recorded.summary && other.summary->start_hash != recorded.summary->start_hash) {
+        throw different_sweeps(fmt::format("run {} began from another state in {} than in {}", run.name,
+                                           recorded.directory.string(), other.directory.string()));
+      }
+    }
+    runs.push_back(std::move(recorded));
+  }
+  return runs;
+}
+
+/// The run that came farthest: to its end, or at all.
+RecordedRun const* best_of(std::vector<RecordedRun> const& runs) {
+  RecordedRun const* best = nullptr;
+  for (RecordedRun const& run : runs) {
+    if (!run.summary) continue;
+    if (run.summary->status == RunStatus::finished) return &run;
+    best = &run;
+  }
+  return best;
+}
+
+/// Refuses a path that a symbolic link leads out of the output directory. What is collected may come from a stranger.
+void require_inside(fs::path const& into, fs::path const& path) {
+  std::error_code error;
+  fs::path const base = fs::canonical(into, error);
+  fs::path const real = error ? fs::path() : fs::weakly_canonical(path, error);
+  auto const [base_end, real_end] = std::mismatch(base.begin(), base.end(), real.begin(), real.end());
+  std::error_code ignored;
+  // Where a link without a target leads is where a file would appear.
+  bool const is_dangling = fs::is_symlink(path, ignored) && !fs::exists(path, ignored);
+  if (!error && !is_dangling && base_end == base.end()) return;
+  throw Error({.what = fmt::format("a link leads {} out of the output directory {}", path.string(), into.string()),
+               .hint = "name another output directory with -o, or remove the link",
+               .key = "-o"});
+}
+
+/// Refuses an output directory with a link among its files that leads out: tables and pictures are written through links.
+void require_no_links_out(fs::path const& into) {
+  std::error_code ignored;
+  for (auto const& entry : fs::directory_iterator(into, ignored)) {
+    // Nothing is written into runs/ but copies of runs, which are checked one by one.
+    if (entry.is_symlink(ignored) && entry.path().filename() != "runs") require_inside(into, entry.path());
+  }
+}
+
+/// Copies the content of a file under its name or not at all. A link that has the name is replaced, not followed.
+void copy_whole(fs::path const& from, fs::path const& to) {
+  AtomicFile file(to, AtName::replaced);
+  try {
+    fs::copy_file(from, file.location(), fs::copy_options::overwrite_existing);
+  } catch (fs::filesystem_error const& error) {
+    throw RunFailure(fmt::format("cannot copy {} to {}: {}", from.string(), to.string(), error.code().message()));
+  }
+  file.commit();
+}
+
+/// Copies the files of a run, the summary last and gone first: a directory with a summary is a complete one.
+void copy_run(RecordedRun const& run, fs::path const& into, fs::path const& target) {
+  constexpr char const* summary_name = "summary.json";
+  require_inside(into, target);
+  make_output_directory(target);
+  std::error_code ignored;
+  fs::remove(target / summary_name, ignored);
+  remove_checkpoints(target);
+  for (auto const& entry : fs::directory_iterator(run.directory)) {
+    std::string const name = entry.path().filename().string();
+    // Hidden files are locks, and what a killed process has left.
+    bool const is_of_run = entry.is_regular_file(ignored) && !name.starts_with('.') && name != summary_name;
+    if (!is_of_run) continue;
+    record_result(target / name);
+    copy_whole(entry.path(), target / name);
+  }
+  record_result(target / summary_name);
+  copy_whole(run.directory / summary_name, target / summary_name);
+}
+
+}  // namespace
+
+SweepResult collect_sweep(std::vector<fs::path> const& directories, fs::path const& into) {
+  SweepPlan const plan = merged_plan(directories);
+  std::vector<std::optional<RecordedRun>> best(plan.runs.size());
+  for (std::size_t run = 0; run < plan.runs.size(); ++run) {
+    std::vector<RecordedRun> const recorded = recorded_runs(directories, plan.runs[run]);
+    if (RecordedRun const* const found = best_of(recorded)) best[run] = *found;
+  }
+  make_output_directory(into);
+  require_no_links_out(into);
+  DirectoryLock const lock(into, Sharing::alone);
+  std::vector<SweepOutcome> outcomes(plan.runs.size());
+  for (std::size_t run = 0; run < plan.runs.size(); ++run) {
+    if (!best[run]) continue;
+    outcomes[run] = outcome_of(*best[run]->summary);
+    fs::path const target = directory_of(into, plan.runs[run]);
+    std::error_code ignored;
+    if (!fs::equivalent(best[run]->directory, target, ignored)) copy_run(*best[run], into, target);
+  }
+  write_plan(plan, into);
+  SweepResult result = result_of(plan, outcomes);
+  write_tables(result, into);
+  return result;
+}
+
+}  // namespace gridlock

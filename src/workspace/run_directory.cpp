@@ -1,0 +1,504 @@
+#include "gridlock/workspace/run_directory.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <new>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/io/checkpoint.hpp"
+#include "gridlock/io/file.hpp"
+#include "gridlock/io/settings_file.hpp"
+#include "gridlock/io/xyz.hpp"
+#include "gridlock/workspace/result_files.hpp"
+#include "simulation/expected_work.hpp"
+#include "simulation/settings_difference.hpp"
+#include "workspace/run_log.hpp"
+
+namespace gridlock {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr char const* configuration_name = "config.resolved.toml";
+constexpr char const* trajectory_name = "trajectory.h5";
+constexpr char const* begun_trajectory_name = "trajectory.h5.part";
+constexpr char const* summary_name = "summary.json";
+
+Json to_json(std::vector<Count> const& counts) {
+  Json json = Json::object();
+  for (auto const& [name, value] : counts) json[name] = value;
+  return json;
+}
+
+/// What was audited, for run.log; nothing where no audit was asked for.
+std::optional<std::string> audits_text(std::vector<Count> const& counts) {
+  auto const count = [&](char const* name) -> std::optional<std::uint64_t> {
+    auto const found = std::ranges::find(counts, name, &Count::name);
+    return found == counts.end() ? std::nullopt : std::optional(found->value);
+  };
+  auto const audits = count("audits");
+  if (!audits) return std::nullopt;
+  if (*audits == 0) return "no audit was due: there were fewer pair collisions than engine.audit_every";
+  bool const looks_for_missed_events = count("audits_for_missed_events") == audits;
+  return fmt::format("{} audits found no overlap{}", *audits,
+                     looks_for_missed_events ? " and no missed event"
+                                             : "; for missed events they look among few disks only, not here");
+}
+
+Table to_table(Distribution const& distribution) {
+  Table table;
+  for (std::size_t k = 0; k < distribution.columns.size(); ++k) {
+    table.add_column(distribution.columns[k].name, distribution.columns_of_values[k]);
+  }
+  return table;
+}
+
+/// The share of the box that agents with a radius cover; nothing for agents without.
+std::optional<double> packing_fraction_of(Frame const& frame) {
+  FrameColumn const* const column = frame.find(Radius::name);
+  if (column == nullptr) return std::nullopt;
+  double area = 0.0;
+  for (double const r : std::get<std::vector<double>>(column->values)) area += std::numbers::pi * r * r;
+  return area / frame.box.area();
+}
+
+std::string summary_json(Configuration const& configuration, std::uint64_t start_hash, RunRecord const& record,
+                         Frame const& frame) {
+  Json json;
+  json["gridlock"] = version();
+  json["status"] = to_text(record.status);
+  if (!record.failure.empty()) json["failure"] = record.failure;
+  json["start_hash"] = fmt::format("{:016x}", start_hash);
+  json["state_hash"] = fmt::format("{:016x}", record.state_hash);
+  json["seed"] = frame.seed;
+  json[configuration.is_of_model() ? "model" : "engine"] =
+      configuration.is_of_model() ? configuration.model.kind : configuration.engine.kind;
+  json[configuration.is_of_model() ? "agents_at_end" : "disks"] = record.agents;
+  if (auto const packing_fraction = packing_fraction_of(frame)) json["packing_fraction"] = *packing_fraction;
+  json["steps"] = record.steps;
+  json["step"] = record.clock.step;
+  json["time"] = record.clock.time;
+  json["time_step"] = record.time_step;
+  json["timing"] = {{"seconds", record.seconds}, {"agent_steps_per_second", record.agent_steps_per_second()}};
+  json["counters"] = to_json(record.counts);
+  for (auto const& [name, estimate, unit] : record.results) {
+    // A model may call what it observes "time" or "seed".
+    Json& entry = json[json.contains(name) ? "mean_" + name : name];
+    entry["value"] = estimate.value;
+    entry["error"] = estimate.error ? Json(*estimate.error) : Json();
+    if (!unit.empty()) entry["unit"] = unit;
+  }
+  return json.dump(2) + '\n';
+}
+
+void write_results(std::filesystem::path const& directory, Configuration const& configuration, std::uint64_t start_hash,
+                   RunRecord const& record, Frame const& frame) {
+  // Last to come and first to go, so that a directory with a summary is a complete one.
+  std::error_code ignored;
+  std::filesystem::remove(directory / summary_name, ignored);
+  for (char const* name : {"series.csv", summary_name}) record_result(directory / name);
+  write_csv(record.series, directory / "series.csv");
+  for (Distribution const& distribution : record.distributions) {
+    record_result(directory / (distribution.name + ".csv"));
+    write_csv(to_table(distribution), directory / (distribution.name + ".csv"));
+  }
+  if (configuration.run.final_state) {
+    record_result(directory / "final.xyz");
+    write_xyz(frame, directory / "final.xyz");
+  }
+  write_file(directory / summary_name, summary_json(configuration, start_hash, record, frame));
+}
+
+/// When the next checkpoint is due.
+class CheckpointClock {
+ public:
+  explicit CheckpointClock(CheckpointSettings const& settings) : settings_(settings) {}
+
+  [[nodiscard]] bool is_due(std::uint64_t steps) const {
+    double const waited = std::chrono::duration<double>(Time::now() - last_).count();
+    return (settings_.every_seconds > 0.0 && waited >= settings_.every_seconds) ||
+           (settings_.every_steps > 0 && steps - last_steps_ >= settings_.every_steps);
+  }
+  void note(std::uint64_t steps) {
+    last_ = Time::now();
+    last_steps_ = steps;
+  }
+
+ private:
+  using Time = std::chrono::steady_clock;
+  CheckpointSettings settings_;
+  Time::time_point last_ = Time::now();
+  std::uint64_t last_steps_ = 0;
+};
+
+/// A run at home in its directory.
+class RunInDirectory {
+ public:
+  RunInDirectory(std::filesystem::path directory, Setup setup, std::string configuration, RunHooks const& hooks)
+      : directory_(std::move(directory)),
+        setup_(std::move(setup)),
+        start_hash_(hash(setup_.state)),
+        hooks_(hooks),
+        log_(directory_, hooks.on_note),
+        configuration_(std::move(configuration)),
+        plan_(plan_of(setup_)),
+        simulation_(make_simulation(std::move(setup_))),
+        run_(*simulation_, plan_) {
+    TrajectorySettings const& settings = setup_.configuration.trajectory;
+    if (!settings.has_frames()) return;
+    trajectory_.emplace(settings, simulation_->time_step(),
+                        TrajectoryWriter::Origin{directory_ / trajectory_name, configuration_, version()});
+    run_.add(*trajectory_);
+  }
+
+  void begin() {
+    remove_results(directory_);
+    // Of versions that kept no list of their results.
+    std::error_code ignored;
+    std::filesystem::remove(directory_ / summary_name, ignored);
+    remove_checkpoints(directory_);
+    for (char const* name : {trajectory_name, begun_trajectory_name}) {
+      std::filesystem::remove(directory_ / name, ignored);
+    }
+    for (char const* name : {"run.log", configuration_name, "start.xyz", "checkpoint.gridlock",
+                             "checkpoint.previous.gridlock", trajectory_name, begun_trajectory_name}) {
+      record_result(directory_ / name);
+    }
+    if (!setup_.start_file.empty()) write_xyz(simulation_->frame(), directory_ / "start.xyz");
+    write_file(directory_ / configuration_name, configuration_);
+    for (std::string const& note : notes_on({setup_.notes})) log_.note(note);
+    Configuration const& configuration = setup_.configuration;
+    std::string const what = configuration.is_of_model()
+                                 ? fmt::format("model {}, {} agents", configuration.model.kind, simulation_->agents())
+                                 : fmt::format("engine {}, {} disks", configuration.engine.kind, simulation_->agents());
+    log_.info(fmt::format("gridlock {} begins: {}, seed {}, start hash {:016x}", version(), what,
+                          configuration.run.seed, simulation_->state_hash()));
+  }
+
+  /// Nothing but run.log and trajectory.h5 changes, and those only after `require`, which may refuse what was restored.
+  void restore(std::function<void()> const& require) {
+    std::uint64_t const first_step = simulation_->clock().step;
+    auto const restored = restore_checkpoint(directory_, [&](Archive& archive) { serialize(archive); });
+    require();
+    std::error_code ignored;
+    std::filesystem::remove(directory_ / begun_trajectory_name, ignored);
+    if (!restored) {
+      log_.info("there is no checkpoint: the run begins again from its start");
+      return;
+    }
+    auto const last_stop = run_.last_stop();
+    if (trajectory_ && last_stop) trajectory_->restore(*simulation_, first_step, *last_stop);
+    if (restored->note.empty()) saved_at_ = simulation_->clock();
+    if (!restored->note.empty()) log_.warn(fmt::format("{}; going back to the previous one", restored->note));
+    log_.info(fmt::format("gridlock {} goes on from step {} of {}", version(), simulation_->clock().step,
+                          restored->file.filename().string()));
+  }
+
+  void require_below_length() const {
+    if (!run_.has_reached_end()) return;
+    Clock const clock = simulation_->clock();
+    throw Error({.what = fmt::format("the run in {} has come to step {}, time {:.6g} already", directory_.string(),
+                                     clock.step, clock.time),
+                 .hint = "the new length counts from the start of the run and has to be above what it has",
+                 .file = directory_.string()});
+  }
+
+  /// Returns the share to leave out of averages, see Run::fit_equilibration().
+  double take_length() {
+    double const equilibration = run_.fit_equilibration();
+    if (equilibration != setup_.configuration.observe.equilibration) {
+      log_.note(fmt::format(
+          "observe.equilibration is {:.4g} of the new length, so that averages leave out the samples that they "
+          "have left out so far",
+          equilibration));
+    }
+    return equilibration;
+  }
+
+  /// From here on the directory holds a run of another length that is not finished.
+  void record_length(std::string configuration, std::string const& length) {
+    configuration_ = std::move(configuration);
+    std::error_code ignored;
+    // Without a summary the run is one that was interrupted, whichever of the two lengths a kill leaves it.
+    std::filesystem::remove(directory_ / summary_name, ignored);
+    write_file(directory_ / configuration_name, configuration_);
+    log_.info(fmt::format("lengthened to {}", length));
+  }
+
+  RunRecord carry_out() {
+    std::uint64_t const threads = threads_of(setup_.configuration);
+    log_.info(fmt::format("on {} thread{}", threads, threads == 1 ? "" : "s"));
+    CheckpointClock checkpoints(setup_.configuration.checkpoint);
+    RunStatus const status =
+        run_.go_on(hooks_.on_progress, {.is_due = [&](std::uint64_t steps) { return checkpoints.is_due(steps); },
+                                        .call =
+                                            [&](std::uint64_t steps) {
+                                              save();
+                                              checkpoints.note(steps);
+                                            },
+                                        .call_at_end =
+                                            [&](std::uint64_t) {
+                                              if (setup_.configuration.checkpoint.keep_last) save();
+                                            }});
+    if (status == RunStatus::interrupted) save();
+    RunRecord record = run_.record();
+    try {
+      write_results(directory_, setup_.configuration, start_hash_, record, simulation_->frame());
+    } catch (RunFailure const& failure) {
+      // A full disk ends the run first and keeps its results out next: the first reason is the one to tell.
+      if (record.failure.empty()) throw;
+      throw RunFailure(fmt::format("{}; then {}", record.failure, failure.what()));
+    }
+    if (status == RunStatus::finished) {
+      setup_.configuration.checkpoint.keep_last ? remove_previous_checkpoint(directory_)
+                                                : remove_checkpoints(directory_);
+    }
+    remove_leftovers(directory_);
+    if (auto const audits = audits_text(record.counts)) log_.info(*audits);
+    log_.info(fmt::format("{} at step {} after {:.1f} s, state hash {:016x}{}{}", to_text(status), record.clock.step,
+                          record.seconds, record.state_hash, record.failure.empty() ? "" : ": ", record.failure));
+    return record;
+  }
+
+ private:
+  void serialize(Archive& archive) {
+    std::string configuration = configuration_;
+    archive.visit("configuration", configuration);
+    if (archive.is_restoring()) require_same_configuration(configuration);
+    serialize_inside(archive, "run", [&] { run_.serialize(archive); });
+  }
+
+  /// A run that was killed while it was lengthened has a checkpoint of the shorter run. What a length changes in what has
+  /// been measured so far is Run::fit_equilibration()'s.
+  void require_same_configuration(std::string const& configuration) const {
+    auto const difference = find_difference(setting_texts(configuration, "checkpoint"),
+                                            setting_texts(configuration_, configuration_name), settings_of_length());
+    if (!difference) return;
+    throw Error({.what = fmt::format("its configuration is not the one of this directory: {}",
+                                     to_text(*difference, "the checkpoint", configuration_name))});
+  }
+
+  void save() {
+    Clock const clock = simulation_->clock();
+    if (saved_at_ == clock) return;
+    auto const warn = [&](std::string const& why) {
+      log_.warn(fmt::format("no checkpoint at step {}: {}", clock.step, why));
+    };
+    try {
+      write_checkpoint(directory_, [&](Archive& archive) { serialize(archive); });
+      saved_at_ = clock;
+      log_.info(fmt::format("checkpoint at step {}", clock.step));
+    } catch (RunFailure const& failure) {
+      warn(failure.what());
+    } catch (std::bad_alloc const&) {
+      warn("not enough memory");
+    }
+  }
+
+  std::filesystem::path directory_;
+  Setup setup_;  ///< without its state, which is the simulation's
+  std::uint64_t start_hash_;
+  RunHooks const& hooks_;
+  RunLog log_;
+  std::string configuration_;
+  RunPlan plan_;
+  std::unique_ptr<Simulation> simulation_;
+  Run run_;
+  std::optional<TrajectoryWriter> trajectory_;
+  std::optional<Clock> saved_at_;  ///< where the newest checkpoint is of
+};
+
+std::uint64_t hash_in(Json const& json, char const* key) {
+  return std::stoull(json.at(key).get<std::string>(), nullptr, 16);
+}
+
+RunStatus status_in(Json const& json) {
+  for (RunStatus const status : {RunStatus::finished, RunStatus::interrupted, RunStatus::failed}) {
+    if (json.at("status") == to_text(status)) return status;
+  }
+  return RunStatus::failed;
+}
+
+std::string resolved(Configuration configuration, bool starts_from_file) {
+  if (starts_from_file) configuration.disks.file = "start.xyz";
+  return to_toml(describing(configuration));
+}
+
+std::string length_text(RunLength const& length) {
+  std::vector<std::string> parts;
+  if (length.steps) parts.push_back(fmt::format("{} steps", *length.steps));
+  if (length.time) parts.push_back(fmt::format("time {}", *length.time));
+  if (length.collisions_per_disk) parts.push_back(fmt::format("{} collisions per disk", *length.collisions_per_disk));
+  return fmt::format("{}", fmt::join(parts, " or "));
+}
+
+/// Refuses a length below one of the same kind that the run has: its frames and samples may lie beyond already.
+void require_longer(RunSettings const& old, RunLength const& length, std::filesystem::path const& directory) {
+  RunLength const had{.steps = old.steps, .time = old.time, .collisions_per_disk = old.collisions_per_disk};
+  bool const is_shorter =
+      (length.steps && had.steps && *length.steps < *had.steps) ||
+      (length.time && had.time && *length.time < *had.time) ||
+      (length.collisions_per_disk && had.collisions_per_disk && *length.collisions_per_disk < *had.collisions_per_disk);
+  if (!is_shorter) return;
+  throw Error({.what = fmt::format("the run in {} has a length of {} already, which {} is below", directory.string(),
+                                   length_text(had), length_text(length)),
+               .hint = "give the whole length, counted from the start of the run",
+               .file = directory.string()});
+}
+
+void set_length(SettingsFile& file, RunLength const& length) {
+  auto const set = [&](char const* key, char const* option, auto const& value) {
+    file.leave_out(key);
+    if (!value) return;
+    std::string const text = fmt::format("{}", *value);
+    file.set(key, text, {.file = option, .source_line = text});
+  };
+  set("run.steps", "--steps", length.steps);
+  set("run.time", "--time", length.time);
+  set("run.collisions_per_disk", "--collisions-per-disk", length.collisions_per_disk);
+}
+
+[[noreturn]] void refuse_finished(std::filesystem::path const& directory) {
+  if (has_checkpoint(directory)) {
+    throw Error({.what = fmt::format("the run in {} is finished", directory.string()),
+                 .hint = fmt::format("gridlock resume {} --steps N lengthens it to N steps from its start",
+                                     directory.string())});
+  }
+  throw Error(
+      {.what = fmt::format("the run in {} is finished and kept no checkpoint to go on from", directory.string()),
+       .hint = fmt::format("run {} in another directory with a longer run.steps",
+                           (directory / configuration_name).string())});
+}
+
+bool are_same(RunSettings const& old, RunLength const& length) {
+  return old.steps == length.steps && old.time == length.time && old.collisions_per_disk == length.collisions_per_disk;
+}
+
+RunRecord go_on_in(std::filesystem::path const& directory, std::optional<RunLength> length, RunHooks const& hooks) {
+  std::filesystem::path const path = directory / configuration_name;
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) {
+    throw Error({.what = fmt::format("{} holds no run: there is no {}", directory.string(), configuration_name),
+                 .hint = "name the directory of a run, or start one with gridlock run"});
+  }
+  require_regular_file(path);
+  DirectoryLock const lock(directory);
+  remove_leftovers(directory);
+  auto const summary = read_summary(directory);
+  bool const is_finished = summary && summary->status == RunStatus::finished;
+  if (is_finished && (!length || !has_checkpoint(directory))) refuse_finished(directory);
+  SettingsFile file = SettingsFile::from_path(path);
+  if (length) {
+    Configuration old;
+    file.read_into(describing(old));
+    require_longer(old.run, *length, directory);
+    // As after a kill in the middle of lengthening to it.
+    if (!is_finished && are_same(old.run, *length)) length.reset();
+  }
+  if (length) set_length(file, *length);
+  Setup setup = set_up(file);
+  Configuration configuration = setup.configuration;
+  if (hooks.threads) setup.configuration.engine.threads = *hooks.threads;
+  bool const starts_from_file = !setup.start_file.empty();
+  RunInDirectory run(directory, std::move(setup), resolved(configuration, starts_from_file), hooks);
+  run.restore([&] {
+    if (length) run.require_below_length();
+  });
+  if (length) {
+    configuration.observe.equilibration = run.take_length();
+    run.record_length(resolved(configuration, starts_from_file), length_text(*length));
+  }
+  return run.carry_out();
+}
+
+}  // namespace
+
+char const* version() { return GRIDLOCK_VERSION; }
+
+void open_run_directory(std::filesystem::path const& directory, bool overwrites) {
+  constexpr std::array results{summary_name, configuration_name, "sweep.csv", "plan.json", "report.html"};
+  std::error_code ignored;
+  bool const is_used = std::ranges::any_of(
+      results, [&](char const* name) { return std::filesystem::exists(directory / name, ignored); });
+  if (is_used && !overwrites) {
+    bool const is_unfinished = !std::filesystem::exists(directory / summary_name, ignored) &&
+                               std::filesystem::exists(directory / configuration_name, ignored);
+    throw Error({.what = fmt::format("{} holds {} already", directory.string(), is_unfinished ? "a run" : "results"),
+                 .hint = is_unfinished
+                             ? "go on with it by gridlock resume, name another directory with -o, or add --overwrite"
+                             : "name another directory with -o, or add --overwrite",
+                 .key = "-o"});
+  }
+  make_output_directory(directory);
+}
+
+std::string resolved_configuration(Setup const& setup) {
+  return resolved(setup.configuration, !setup.start_file.empty());
+}
+
+RunRecord run_in(std::filesystem::path const& directory, Setup setup, RunHooks const& hooks) {
+  make_output_directory(directory);
+  DirectoryLock const lock(directory);
+  std::string configuration = resolved_configuration(setup);
+  RunInDirectory run(directory, std::move(setup), std::move(configuration), hooks);
+  run.begin();
+  return run.carry_out();
+}
+
+RunRecord resume_in(std::filesystem::path const& directory, RunHooks const& hooks) {
+  return go_on_in(directory, std::nullopt, hooks);
+}
+
+RunRecord lengthen_in(std::filesystem::path const& directory, RunLength const& length, RunHooks const& hooks) {
+  return go_on_in(directory, length, hooks);
+}
+
+std::optional<RunSummary> read_summary(std::filesystem::path const& directory) {
+  std::filesystem::path const path = directory / summary_name;
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return std::nullopt;
+  require_regular_file(path);
+  std::string const text = read_file(path);
+  try {
+    Json const json = Json::parse(text);
+    if (json.contains("ending") && !json.contains("status")) {
+      throw Error(
+          {.what = fmt::format("{} was written by an earlier version of gridlock: it has \"ending\" for \"status\"",
+                               path.string()),
+           .hint = "use that version, or run again in another directory",
+           .file = path.string()});
+    }
+    RunSummary summary{.status = status_in(json),
+                       .failure = json.value("failure", ""),
+                       .start_hash = hash_in(json, "start_hash"),
+                       .state_hash = hash_in(json, "state_hash"),
+                       .seconds = json.at("timing").at("seconds").get<double>(),
+                       .results = {}};
+    for (auto const& [name, entry] : json.items()) {
+      if (!entry.is_object() || !entry.contains("value")) continue;
+      Estimate estimate{.value = entry.at("value").get<double>(), .error = std::nullopt};
+      if (!entry.at("error").is_null()) estimate.error = entry.at("error").get<double>();
+      summary.results.push_back({name, estimate, entry.value("unit", "")});
+    }
+    return summary;
+  } catch (Error const&) {
+    throw;
+  } catch (std::exception const& error) {
+    throw Error({.what = fmt::format("{} is damaged: {}", path.string(), error.what()),
+                 .hint = "remove it, and gridlock resume writes it again",
+                 .file = path.string()});
+  }
+}
+
+}  // namespace gridlock

@@ -1,0 +1,28 @@
+#include "workspace/run_log.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <ctime>
+#include <system_error>
+#include <utility>
+
+#include "gridlock/io/file.hpp"
+
+namespace gridlock {
+
+RunLog::RunLog(std::filesystem::path const& directory, std::function<void(LogLine const&)> on_note)
+    : path_(directory / "run.log"), on_note_(std::move(on_note)) {}
+
+void RunLog::write(LogLevel level, std::string const& text) {
+  if (!file_.is_open()) {
+    // A pipe would wait for its reader.
+    std::error_code ignored;
+    if (std::filesystem::exists(path_, ignored)) require_regular_file(path_);
+    file_.open(path_, std::ios::app);
+  }
+  file_ << fmt::format("{:%Y-%m-%dT%H:%M:%SZ}  {}\n", fmt::gmtime(std::time(nullptr)), text) << std::flush;
+  if (on_note_) on_note_({level, text});
+}
+
+}  // namespace gridlock

@@ -1,0 +1,181 @@
+#include "drawing/frame_picture.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "gridlock/core/disks.hpp"
+#include "gridlock/core/error.hpp"
+#include "gridlock/io/file.hpp"
+#include "simulation/kind_names.hpp"
+#include "unit/io/markup_document.hpp"
+#include "unit/io/temporary_directory.hpp"
+
+namespace gridlock {
+namespace {
+
+struct Health {
+  using type = std::uint32_t;
+  static constexpr char const* name = "health";
+};
+struct HeadingX {
+  using type = double;
+  static constexpr char const* name = "heading_x";
+};
+struct HeadingY {
+  using type = double;
+  static constexpr char const* name = "heading_y";
+};
+
+Box const box(1.0, 1.0, Edge::wall);
+
+Frame walkers() {
+  Population<X, Y, HeadingX, HeadingY> agents;
+  for (int n = 1; n <= 7; ++n) agents.add(0.1 * n, 0.5, 1.0, 0.0);
+  return frame_of(box, {}, 1, agents);
+}
+
+std::size_t circles_in(std::filesystem::path const& file) {
+  std::string const text = read_file(file);
+  std::size_t circles = 0;
+  for (std::size_t at = text.find("<circle"); at != std::string::npos; at = text.find("<circle", at + 1)) ++circles;
+  return circles;
+}
+
+TEST(FramePainter, AgentsWithoutARadiusGetAMarkEach) {
+  TemporaryDirectory const directory;
+  Frame const frame = walkers();
+  for (char const* colour : {"", "heading_y", "direction", "displacement", "radius", "neighbourhood", "psi6"}) {
+    FramePainter painter(frame, colour);
+    painter.widen_bar(frame);
+    painter.draw(frame, 300, "title", directory / "marks.svg");
+    EXPECT_EQ(circles_in(directory / "marks.svg"), 7U) << colour;
+  }
+}
+
+/// The colours of the agents of a picture, one after the other.
+std::vector<std::string> colours_in(std::filesystem::path const& file) {
+  std::vector<std::string> colours;
+  for (auto const& circle : MarkupDocument(read_file(file)).named("circle")) {
+    colours.push_back(circle.attributes.at("fill"));
+  }
+  return colours;
+}
+
+TEST(FramePainter, ADisplacementGoesOnAcrossEitherEdgeOfABoxThatIsNoSquare) {
+  Box const tall(1.0, 3.0, Edge::periodic);
+  using Travellers = Population<X, Y, ImageX, ImageY>;
+  Travellers start, end;
+  // Two tenths along either axis, inside the box and across its edge, and no way at all.
+  start.add(0.3, 1.0, 0, 0), end.add(0.5, 1.0, 0, 0);
+  start.add(0.9, 1.5, 0, 0), end.add(0.1, 1.5, 1, 0);
+  start.add(0.5, 2.9, 0, 0), end.add(0.5, 0.1, 0, 1);
+  start.add(0.2, 0.1, 0, 0), end.add(0.2, 2.9, 0, -1);
+  start.add(0.7, 2.0, 0, 0), end.add(0.7, 2.0, 0, 0);
+  Frame const first = frame_of(tall, {}, 1, start);
+  Frame const last = frame_of(tall, {}, 1, end);
+  TemporaryDirectory const directory;
+  FramePainter painter(first, "displacement");
+  painter.widen_bar(last);
+  painter.draw(last, 300, "", directory / "way.svg");
+  auto const colours = colours_in(directory / "way.svg");
+  ASSERT_EQ(colours.size(), 5U);
+  for (std::size_t i = 1; i < 4; ++i) EXPECT_EQ(colours[i], colours[0]) << i;
+  EXPECT_NE(colours[4], colours[0]);
+}
+
+TEST(FramePainter, ADirectionIsTheAngleFromTheXAxis) {
+  Population<X, Y, HeadingX, HeadingY> agents;
+  State state{.box = box};
+  std::vector<double> angles;
+  for (double const angle : {0.0, 0.4, 2.0, 3.0, -0.4, -1.5, -3.0}) {
+    double const x = 0.5 + 0.1 * angle;
+    agents.add(x, 0.5, 2.0 * std::cos(angle), 2.0 * std::sin(angle));
+    state.disks.add(x, 0.5, 0.0, 0.0, 0.02, 1.0, 0, 0);
+    angles.push_back(angle);
+  }
+  TemporaryDirectory const directory;
+  FramePainter const painter(frame_of(box, {}, 1, agents), "direction");
+  painter.draw(frame_of(box, {}, 1, agents), 300, "", directory / "painted.svg");
+  draw_disks(state, {.width = 300, .colouring = Colouring::directions, .values = angles}, directory / "expected.svg");
+  EXPECT_EQ(colours_in(directory / "painted.svg"), colours_in(directory / "expected.svg"));
+}
+
+TEST(FramePainter, AColumnThatIsNotThereIsAnErrorThatNamesItAndThoseThereAre) {
+  try {
+    FramePainter const painter(walkers(), "health");
+    FAIL() << "accepted";
+  } catch (Error const& error) {
+    EXPECT_NE(std::string(error.what()).find("\"health\""), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("direction, x, y, heading_x, heading_y"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(FramePainter, AgentsWithoutPositionsAreRefused) {
+  EXPECT_THROW(FramePainter(frame_of(box, {}, 1, Population<Radius>{}), ""), Error);
+}
+
+TEST(FramePainter, PixelsAreThoseOfThePngFile) {
+  FramePainter const painter(walkers(), "radius");
+  PicturePixels const pixels = painter.pixels(walkers(), 101, "");
+  EXPECT_EQ(pixels.width, 101U);
+  ASSERT_EQ(pixels.bytes.size(), std::size_t{4} * pixels.width * pixels.height);
+  auto const pixel = [&](std::uint32_t column, std::uint32_t row) {
+    std::uint32_t number = 0;
+    std::memcpy(&number, pixels.bytes.data() + 4 * (std::size_t{row} * pixels.width + column), 4);
+    return number & 0xFFFFFFU;
+  };
+  EXPECT_EQ(pixel(0, 0), 0xFFFFFFU) << "the margin is white";
+  // The middle of the fourth agent, at (0.4, 0.5).
+  auto const in_disk = pixel(static_cast<std::uint32_t>(0.4 * 101), pixels.height / 2);
+  EXPECT_NE(in_disk, 0xFFFFFFU);
+  EXPECT_GT(in_disk & 0xFFU, in_disk >> 16) << "blue, as the first of the colours";
+}
+
+TEST(FramePainter, KindsAreListedByTheirNamesAndManyNumbersStandOnABar) {
+  Population<X, Y, Health> agents;
+  for (std::uint32_t n = 0; n < 3; ++n) agents.add(0.2 + 0.2 * n, 0.5, n);
+  auto const text_of = [](Frame const& frame) {
+    TemporaryDirectory const directory;
+    FramePainter painter(frame, "health");
+    painter.name_kinds({"well", "ill"});
+    painter.widen_bar(frame);
+    painter.draw(frame, 300, "title", directory / "kinds.svg");
+    return read_file(directory / "kinds.svg");
+  };
+  std::string const few = text_of(frame_of(box, {}, 1, agents));
+  for (char const* name : {">health<", ">well<", ">ill<", ">2<"}) EXPECT_NE(few.find(name), std::string::npos) << name;
+  agents.add(0.8, 0.5, 40U);
+  std::string const many = text_of(frame_of(box, {}, 1, agents));
+  EXPECT_EQ(many.find(">well<"), std::string::npos);
+  EXPECT_NE(many.find(">40<"), std::string::npos) << "the bar";
+}
+
+TEST(KindNames, AreThoseOfTheModel) {
+  auto const names = [](std::string const& settings, char const* column) {
+    return kind_names(SettingsFile::from_text(settings, "test"), column);
+  };
+  EXPECT_EQ(names("model.kind = \"epidemic\"", "health"),
+            (std::vector<std::string>{"susceptible", "infected", "recovered"}));
+  EXPECT_TRUE(names("model.kind = \"epidemic\"", "x").empty());
+  EXPECT_TRUE(names("disks.count = 10", "health").empty());
+  EXPECT_TRUE(names("model.kind = \"no_such_model\"", "health").empty());
+}
+
+TEST(FramePainter, TheUsualColourIsWhatTellsMostOfTheAgents) {
+  EXPECT_EQ(usual_colour(walkers()), "direction");
+  EXPECT_EQ(usual_colour(frame_of(State{.box = box})), "displacement");
+  EXPECT_EQ(usual_colour(frame_of(box, {}, 1, Population<X, Y, VelocityX, VelocityY, Health>{})), "health");
+  EXPECT_EQ(usual_colour(frame_of(box, {}, 1, Population<X, Y, Radius, Health>{})), "health");
+  EXPECT_EQ(usual_colour(frame_of(box, {}, 1, Population<X, Y, Radius>{})), "radius");
+  EXPECT_EQ(usual_colour(frame_of(box, {}, 1, Population<X, Y>{})), "radius");
+}
+
+}  // namespace
+}  // namespace gridlock

@@ -1,0 +1,169 @@
+// What the loop of a run promises about samples, averages, progress and time, with a simulation that only counts.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gridlock/io/checkpoint.hpp"
+#include "gridlock/simulation/model_simulation.hpp"
+#include "gridlock/simulation/run.hpp"
+
+namespace gridlock {
+namespace {
+
+/// Steps of half a unit of time that do nothing.
+class Ticking final : public Simulation {
+ public:
+  explicit Ticking(Clock const& start = {}) : clock_(start) {}
+  [[nodiscard]] Clock clock() const override { return clock_; }
+  [[nodiscard]] double time_step() const override { return 0.5; }
+  [[nodiscard]] std::size_t agents() const override { return 1; }
+  [[nodiscard]] std::uint64_t state_hash() const override { return clock_.step; }
+  [[nodiscard]] std::vector<Count> counts() const override { return {}; }
+  void advance(StopCondition const& stop_condition) override {
+    while (clock_.step < stop_condition.step && clock_.time < stop_condition.time) {
+      ++clock_.step;
+      clock_.time += time_step();
+    }
+  }
+  [[nodiscard]] std::vector<ColumnInfo> columns() const override { return {{"ticks", "", ""}}; }
+  void sample(std::span<double> row, bool counts_for_average) override {
+    row[0] = static_cast<double>(clock_.step);
+    if (counts_for_average) averaged.push_back(clock_.step);
+  }
+  [[nodiscard]] std::vector<NamedEstimate> results() const override { return {}; }
+  [[nodiscard]] std::vector<Distribution> distributions() const override { return {}; }
+  [[nodiscard]] Frame frame() const override { return {}; }
+  void serialize(Archive& archive) override {
+    archive.visit("step", clock_.step);
+    archive.visit("time", clock_.time);
+  }
+
+  std::vector<std::uint64_t> averaged;  ///< the steps of the samples that count for averages
+
+ private:
+  Clock clock_;
+};
+
+/// Three agents that walk to the right and count their steps.
+struct Walkers {
+  static constexpr std::string_view name = "walkers";
+  static constexpr Schedule schedule = Schedule::synchronous;
+  static constexpr std::array<std::string_view, 2> events{"steps", "rests"};
+  using Agents = Population<X, Y>;
+  [[nodiscard]] double cutoff() const { return 0.1; }
+  [[nodiscard]] double time_step() const { return 1.0; }
+  void start(World<Walkers>& world) const {
+    for (int n = 0; n < 3; ++n) world.agents.add(1.0 + n, 0.5);
+  }
+  void turn(Turn<Walkers>& self) const {
+    self.count(0);
+    self.move_by({0.5, 0.0});
+  }
+  void observe(World<Walkers> const& world, Observations& seen) const {
+    auto const x = world.agents.column<X>();
+    seen.add("least_x", *std::ranges::min_element(x));
+    seen.add("most_x", *std::ranges::max_element(x));
+  }
+};
+
+/// The results by name and the counts, as text.
+std::string told_of(Simulation const& simulation) {
+  std::string text;
+  for (NamedEstimate const& named : simulation.results()) {
+    text += named.name + " " + std::to_string(named.estimate.value) + ", ";
+  }
+  for (Count const& count : simulation.counts()) text += count.name + " " + std::to_string(count.value) + ", ";
+  return text;
+}
+
+TEST(ModelSimulation, AveragesEveryObservationUnderItsNameAlsoWhereItResumes) {
+  Box const box(20.0, 1.0, Edge::wall);
+  RunPlan const plan{.stop_condition = {.step = 4}, .sample_every = 1};
+  ModelSimulation<Walkers> whole({}, box, 1);
+  gridlock::Run run(whole, plan);
+  run.go_on();
+  // At steps 1 to 4 the last one is at 1.5, 2, 2.5 and 3, the first one is 2 ahead of it.
+  EXPECT_EQ(told_of(whole), "agents 3.000000, least_x 2.250000, most_x 4.250000, steps 12, rests 0, ");
+  ModelSimulation<Walkers> begun({}, box, 1);
+  gridlock::Run interrupted(begun, {.stop_condition = {.step = 2}, .sample_every = 1});
+  interrupted.go_on();
+  ModelSimulation<Walkers> resumed({}, box, 1);
+  from_checkpoint(to_checkpoint([&](Archive& archive) { begun.serialize(archive); }), "saved",
+                  [&](Archive& archive) { resumed.serialize(archive); });
+  EXPECT_EQ(told_of(resumed), told_of(begun));
+}
+
+using Steps = std::vector<std::uint64_t>;
+
+Steps sampled(gridlock::Run const& run) { return std::get<Steps>(run.record().series.column("step")); }
+
+TEST(RunLoop, ARunGivenInTimeEndsWithTheStepThatReachesItAndIsSampledThere) {
+  Ticking simulation;
+  gridlock::Run run(simulation, {.stop_condition = {.time = 3.5}, .sample_every = 5});
+  EXPECT_EQ(run.go_on(), RunStatus::finished);
+  EXPECT_EQ(simulation.clock().step, 7U);
+  EXPECT_EQ(sampled(run), (Steps{0, 5, 7}));
+}
+
+TEST(RunLoop, SamplesOfARunThatStartsLaterAreMultiplesFromItsStart) {
+  Ticking simulation({.step = 1003, .time = 20.0});
+  gridlock::Run run(simulation, {.stop_condition = {.step = 1026}, .sample_every = 10});
+  run.go_on();
+  EXPECT_EQ(sampled(run), (Steps{1003, 1013, 1023, 1026}));
+}
+
+TEST(RunLoop, AveragesLeaveOutTheStartAndTheEquilibration) {
+  Ticking whole;
+  gridlock::Run(whole, {.stop_condition = {.step = 100}, .sample_every = 10}).go_on();
+  EXPECT_EQ(whole.averaged, (Steps{10, 20, 30, 40, 50, 60, 70, 80, 90, 100}));
+  Ticking half;
+  gridlock::Run(half, {.stop_condition = {.step = 100}, .sample_every = 10, .equilibration = 0.5}).go_on();
+  EXPECT_EQ(half.averaged, (Steps{60, 70, 80, 90, 100}));
+  Ticking none;
+  gridlock::Run run(none, {.stop_condition = {.step = 0}, .sample_every = 10});
+  run.go_on();
+  EXPECT_EQ(sampled(run), (Steps{0}));
+  EXPECT_EQ(none.averaged, Steps{}) << "the start of a run without a step is no average of anything";
+}
+
+TEST(RunLoop, TheShareThatIsDoneCountsFromTheStartOfTheRun) {
+  auto const shares = [](StopCondition const& stop_condition) {
+    Ticking simulation({.step = 1000, .time = 80.0});
+    gridlock::Run run(simulation, {.stop_condition = stop_condition, .sample_every = 10, .seconds_per_look = 3600.0});
+    std::vector<double> seen;
+    run.go_on([&](Progress const& progress) {
+      seen.push_back(progress.fraction);
+      return true;
+    });
+    return seen;
+  };
+  std::vector<double> const quarters{0.25, 0.5, 0.75, 1.0};
+  EXPECT_EQ(shares({.step = 1040}), quarters);
+  EXPECT_EQ(shares({.time = 100.0}), quarters);
+}
+
+TEST(RunLoop, TheRealTimeOfAResumedRunIncludesThatBefore) {
+  Ticking first;
+  RunPlan const plan{.stop_condition = {.step = 1'000'000'000}, .sample_every = 1000, .seconds_per_look = 0.0};
+  gridlock::Run begun(first, plan);
+  begun.go_on([](Progress const& progress) { return progress.seconds < 0.02; });
+  double const before = begun.record().seconds;
+  ASSERT_GT(before, 0.0);
+  std::string const saved = to_checkpoint([&](Archive& archive) { begun.serialize(archive); });
+  Ticking second;
+  gridlock::Run resumed(second, plan);
+  from_checkpoint(saved, "saved", [&](Archive& archive) { resumed.serialize(archive); });
+  EXPECT_EQ(resumed.record().seconds, before);
+  resumed.go_on([](Progress const&) { return false; });
+  EXPECT_GE(resumed.record().seconds, before);
+}
+
+}  // namespace
+}  // namespace gridlock

@@ -1,0 +1,147 @@
+#include "gridlock/simulation/simulate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/core/saturating.hpp"
+#include "gridlock/io/settings_file.hpp"
+#include "gridlock/io/xyz.hpp"
+#include "gridlock/workspace/sweep.hpp"
+#include "unit/io/temporary_directory.hpp"
+
+namespace {
+
+using namespace gridlock;
+
+Configuration small() {
+  Configuration configuration;
+  configuration.disks = {.count = 64, .packing_fraction = 0.5};
+  configuration.run.steps = 95;
+  configuration.observe.every = 10;
+  return configuration;
+}
+
+TEST(SetUp, FillsInWhatWasLeftOutSoThatItRunsAgainToTheBit) {
+  gridlock::Setup const setup = set_up(Configuration{});
+  EXPECT_EQ(setup.configuration.disks.count, 841U);
+  EXPECT_EQ(setup.configuration.disks.packing_fraction, 0.5);
+  EXPECT_EQ(setup.configuration.run.steps, 10'000U);
+  EXPECT_EQ(setup.configuration.engine.speed, 1.0);
+  EXPECT_EQ(hash(set_up(setup.configuration).state), hash(setup.state));
+}
+
+/// What set_up() says to a start file with this clock; empty where it takes it.
+std::string refusal_of_start_at(Clock const& clock, std::string const& engine) {
+  TemporaryDirectory const directory;
+  gridlock::Setup setup = set_up(small());
+  setup.state.clock = clock;
+  write_xyz(setup.state, directory / "late.xyz");
+  Configuration configuration;
+  configuration.disks.file = (directory / "late.xyz").string();
+  configuration.engine.kind = engine;
+  try {
+    static_cast<void>(set_up(configuration));
+  } catch (Error const& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SetUp, RefusesAStartWhoseClockCannotCountOnWithTheNumbers) {
+  for (std::string const& engine : engine_kinds()) {
+    EXPECT_EQ(refusal_of_start_at({.step = 1'000'000, .time = 1e6}, engine), "");
+    std::string const late_step = refusal_of_start_at({.step = never_reached - 5}, engine);
+    EXPECT_NE(late_step.find("step 18446744073709551610 is too late"), std::string::npos) << late_step;
+    EXPECT_NE(late_step.find("hint: set step"), std::string::npos) << late_step;
+    std::string const late_time = refusal_of_start_at({.step = 3, .time = 1e17}, engine);
+    EXPECT_NE(late_time.find("at time 1e+17 a clock cannot count steps of 0.0"), std::string::npos) << late_time;
+    EXPECT_NE(late_time.find("late.xyz"), std::string::npos) << late_time;
+    EXPECT_NE(refusal_of_start_at({.step = 3, .time = -1e17}, engine), "");
+  }
+}
+
+TEST(Simulate, SamplesTheStartEveryIntervalAndTheEnd) {
+  RunResult const result = simulate(set_up(small()));
+  std::vector<std::uint64_t> expected{0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 95};
+  EXPECT_EQ(std::get<std::vector<std::uint64_t>>(result.series.column("step")), expected);
+  EXPECT_EQ(result.status, RunStatus::finished);
+  EXPECT_EQ(result.counters.moves, 64U * 95U);
+}
+
+TEST(Simulate, EndsAtWhicheverLengthComesFirst) {
+  Configuration configuration = small();
+  configuration.run.collisions_per_disk = 0.5;
+  RunResult const by_collisions = simulate(set_up(configuration));
+  EXPECT_LT(by_collisions.steps, 95U);
+  EXPECT_GE(by_collisions.counters.pair_collisions, 16U);
+  configuration = small();
+  gridlock::Setup setup = set_up(configuration);
+  configuration.run.time = 20.5 * step_duration(setup.configuration.engine, setup.state);
+  EXPECT_EQ(simulate(set_up(configuration)).steps, 21U);
+}
+
+/// Ten disks to and fro in rows of their own, one of them with some velocity across, in a run that only collisions end.
+gridlock::Setup rows_waiting_for_collisions(double velocity_across) {
+  Configuration configuration;
+  configuration.disks = {.count = 10, .packing_fraction = 0.05};
+  configuration.engine = {.kind = "exact", .time_step = 50.0};
+  configuration.run.collisions_per_disk = 10.0;
+  configuration.observe = {.every = 1'000'000, .structure_every = 0};
+  gridlock::Setup setup = set_up(configuration);
+  setup.state.disks = {};
+  for (int n = 0; n < 10; ++n) {
+    setup.state.disks.add(0.3 + 0.04 * n, 0.05 + 0.1 * n, n % 2 == 0 ? 1.0 : -0.7, n == 4 ? velocity_across : 0.0, 0.04,
+                          1.0, 0, 0);
+  }
+  return setup;
+}
+
+TEST(Simulate, GivesUpWaitingForCollisionsThatNeverCome) {
+  RunResult const result = simulate(rows_waiting_for_collisions(0.0));
+  EXPECT_EQ(result.status, RunStatus::failed);
+  EXPECT_NE(result.failure.find("no two disks have met"), std::string::npos) << result.failure;
+  EXPECT_EQ(result.counters.pair_collisions, 0U);
+  EXPECT_EQ(simulate(rows_waiting_for_collisions(0.01)).status, RunStatus::finished);
+}
+
+TEST(Simulate, WaitsForCollisionsThatNeverComeUntilTheTimeThatEndsTheRunToo) {
+  // Its patience would end before.
+  double const time = 9e4;
+  gridlock::Setup setup = rows_waiting_for_collisions(0.0);
+  setup.configuration.run.time = time;
+  RunResult const result = simulate(std::move(setup));
+  EXPECT_EQ(result.status, RunStatus::finished) << result.failure;
+  EXPECT_DOUBLE_EQ(result.clock.time, time);
+}
+
+TEST(Simulate, StoppedByTheCallerKeepsWhatThereIs) {
+  RunResult const result = simulate(set_up(small()), [](Progress const&) { return false; });
+  EXPECT_EQ(result.status, RunStatus::interrupted);
+  EXPECT_LT(result.steps, 95U);
+  EXPECT_EQ(result.state.clock.step, result.steps);
+}
+
+TEST(Simulate, ReportsProgressFromNothingToAll) {
+  std::vector<double> fractions;
+  simulate(set_up(small()), [&](Progress const& progress) {
+    fractions.push_back(progress.fraction);
+    return true;
+  });
+  ASSERT_FALSE(fractions.empty());
+  EXPECT_TRUE(std::ranges::is_sorted(fractions));
+  EXPECT_EQ(fractions.back(), 1.0);
+}
+
+TEST(SweepPlan, HasEveryCombinationWithTheLastListVaryingFastest) {
+  SweepPlan const plan = plan_sweep(
+      SettingsFile::from_text("[sweep]\ndisks.start = [\"square\", \"triangular\"]\nrun.seed = [1, 2, 3]\n", "s.toml"));
+  EXPECT_EQ(plan.keys, (std::vector<std::string>{"disks.start", "run.seed"}));
+  ASSERT_EQ(plan.runs.size(), 6U);
+  EXPECT_EQ(plan.runs[0].name, "start=square_seed=1");
+  EXPECT_EQ(plan.runs[1].name, "start=square_seed=2");
+  EXPECT_EQ(plan.runs[5].name, "start=triangular_seed=3");
+}
+
+}  // namespace
