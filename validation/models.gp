@@ -1,4 +1,4 @@
-# gnuplot validation/models.gp, from the root of the repository: the figures of docs/models.md from the committed results.
+# gnuplot validation/models.gp, from the root of the repository: the figures of docs/explanation/models.md from the committed results.
 set datafile separator ','
 set terminal svg noenhanced size 800,520 font 'DejaVu Sans,14' background '#ffffff'
 set grid lc rgb '#dddddd'

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The figures of docs/models.md: order of the Vicsek model against noise and density, an epidemic against the SIR
+# The figures of docs/explanation/models.md: order of the Vicsek model against noise and density, an epidemic against the SIR
 # equations. From the root of the repository; some minutes. Leaves validation/results/*.csv and docs/images/*.svg.
 set -euo pipefail
 gridlock=build/apps/gridlock/gridlock

@@ -13,7 +13,7 @@ class Dynamics;
 
 /// Hard disks without a time step: from collision to collision, the dynamics every stepped result is judged against.
 ///
-/// The disks fly freely between events; docs/exact.md explains how the events are found. Between two calls of advance()
+/// The disks fly freely between events; docs/explanation/exact.md explains how the events are found. Between two calls of advance()
 /// the engine keeps its own state as long as the caller leaves the disks alone, so that the same run has the same bits
 /// however it is cut into calls; positions handed out are those at state.clock.time, or after a collision asked for those
 /// at its very moment, which the clock names with fewer digits.

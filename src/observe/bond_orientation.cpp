@@ -61,7 +61,7 @@ std::optional<BondOrientationOrder> bond_orientation_order(State const& state) {
     local += std::abs(order);
   }
   auto const count = static_cast<double>(state.disks.size());
-  return BondOrientationOrder{.global = std::abs(global) / count, .local = local / count};
+  return BondOrientationOrder{.global_order = std::abs(global) / count, .local_order = local / count};
 }
 
 std::vector<double> local_bond_orientation_orders(State const& state) {
@@ -82,11 +82,11 @@ void BondOrientation::sample(Snapshot const& now, std::span<double> row, bool co
   if (!schedule_.is_due(counts_for_average)) return;
   auto const order = bond_orientation_order(now.state);
   if (!order) return;
-  row[0] = order->global;
-  row[1] = order->local;
+  row[0] = order->global_order;
+  row[1] = order->local_order;
   if (!counts_for_average) return;
-  average(0, order->global);
-  average(1, order->local);
+  average(0, order->global_order);
+  average(1, order->local_order);
 }
 
 void BondOrientation::serialize(Archive& archive) {

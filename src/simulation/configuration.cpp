@@ -275,7 +275,7 @@ std::optional<Problem> unknown_model(Configuration const& configuration) {
   if (!configuration.is_of_model() || configuration.models.find(kind) != nullptr) return std::nullopt;
   return Problem{.what = fmt::format("there is no model \"{}\" in this program", kind),
                  .hint = fmt::format("its models are {}; a model of one's own runs in one's own program, see "
-                                     "docs/tutorial_model.md",
+                                     "docs/getting_started/own_model.md",
                                      names_of(configuration.models)),
                  .key = "model.kind"};
 }

@@ -18,7 +18,7 @@ namespace gridlock {
 namespace {
 
 /// The most that a run holds for each disk, and what a checkpoint adds to that: measured as the peak of `gridlock run` with
-/// 10⁶ disks, docs/performance.md, without the 15 MB of the program.
+/// 10⁶ disks, docs/reference/performance.md, without the 15 MB of the program.
 struct BytesPerDisk {
   double of_run;
   double of_checkpoint;

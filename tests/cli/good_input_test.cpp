@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <regex>
 #include <set>
 #include <thread>
 
@@ -223,45 +221,6 @@ TEST(Explain, KnowsEverySettingOfAResolvedConfiguration) {
   }
 }
 
-TEST(Explain, TheReferencePageIsWhatTheProgramSays) {
-  Workplace const workplace;
-  Outcome const outcome = gridlock::test::gridlock({"explain", "--markdown"}, workplace.path());
-  expect_good(outcome);
-  EXPECT_EQ(outcome.out, text_of(fs::path(GRIDLOCK_SOURCE_DIR) / "docs/settings.md"))
-      << "run: gridlock explain --markdown > docs/settings.md";
-}
-
-TEST(Explain, ThePageOfObservablesSaysWhatTheProgramSays) {
-  Workplace const workplace;
-  write(workplace / "a.toml", small_run);
-  expect_good(gridlock::test::gridlock({"run", "a.toml", "-o", "out", "--no-pictures"}, workplace.path()));
-  std::string const series = text_of(workplace / "out/series.csv");
-  std::string const page = text_of(fs::path(GRIDLOCK_SOURCE_DIR) / "docs/observables.md");
-  Outcome const all = gridlock::test::gridlock({"explain", "observables"}, workplace.path());
-  expect_good(all);
-
-  std::string names;
-  std::istringstream lines(all.out);
-  for (std::string name, documentation, unit, blank; std::getline(lines, name); std::getline(lines, blank)) {
-    std::getline(lines, documentation);
-    std::getline(lines, unit);
-    names += (names.empty() ? "" : ",") + name;
-    EXPECT_EQ(gridlock::test::gridlock({"explain", name}, workplace.path()).out,
-              name + "\n" + documentation + "\n" + unit + "\n");
-    std::string const in = "    column of series.csv, in ";
-    std::string const shown_unit = unit.starts_with(in) ? unit.substr(in.size()) : "";
-    static std::regex const bar(R"(\|)");
-    std::string const cell = std::regex_replace(documentation.substr(4), bar, R"(\|)");
-    std::string const row = "| `" + name + "` | " + shown_unit + " | " + cell + " |\n";
-    EXPECT_NE(page.find(row), std::string::npos) << "missing in docs/observables.md: " << row;
-  }
-  EXPECT_EQ(names, series.substr(0, series.find('\n')));
-  auto const summary = summary_of(workplace / "out");
-  for (auto const& [key, entry] : summary.items()) {
-    EXPECT_NE(page.find("`" + key + "`"), std::string::npos) << "missing in docs/observables.md: " << key;
-  }
-}
-
 TEST(Help, IsThereForEveryVerb) {
   Workplace const workplace;
   expect_good(gridlock::test::gridlock({"--help"}, workplace.path()));
@@ -295,61 +254,6 @@ TEST(Plot, DrawsAgainFromTheDataAlone) {
   expect_good(gridlock::test::gridlock({"plot", "out"}, workplace.path()));
   EXPECT_EQ(text_of(workplace / "out/final.svg"), before);
   EXPECT_TRUE(fs::exists(workplace / "out/displacement.png"));
-}
-
-/// Every command line in a ```sh block of the documentation that starts the program, as it stands there; examples that
-/// need an interruption, other machines or minutes stand in ```text.
-std::vector<std::string> documented_commands() {
-  std::vector<std::string> commands;
-  std::vector<fs::path> pages{fs::path(GRIDLOCK_SOURCE_DIR) / "README.md"};
-  for (auto const& entry : fs::directory_iterator(fs::path(GRIDLOCK_SOURCE_DIR) / "docs")) {
-    if (entry.path().extension() == ".md") pages.push_back(entry.path());
-  }
-  for (fs::path const& page : pages) {
-    std::istringstream lines(text_of(page));
-    bool is_in_block = false;
-    for (std::string line; std::getline(lines, line);) {
-      if (line.starts_with("```")) is_in_block = line == "```sh";
-      // The paper's study takes minutes; its own tests run it in small.
-      if (!is_in_block || line.find(" paper") != std::string::npos) continue;
-      for (std::string const program : {"./build/apps/gridlock/gridlock ", "gridlock "}) {
-        if (line.starts_with(program)) commands.push_back(line.substr(program.size()));
-      }
-    }
-  }
-  return commands;
-}
-
-TEST(Documentation, EveryCommandRuns) {
-  Workplace const workplace;
-  fs::create_directory_symlink(fs::path(GRIDLOCK_SOURCE_DIR) / "scenes", workplace / "scenes");
-  auto const commands = documented_commands();
-  EXPECT_GE(commands.size(), 20U);
-  for (std::string const& command : commands) {
-    std::istringstream words(command.substr(0, command.find(" #")));
-    Arguments arguments;
-    for (std::string word; words >> word;) arguments.push_back(word);
-    Outcome const outcome = gridlock::test::gridlock(arguments, workplace.path());
-    EXPECT_EQ(outcome.exit_code, 0) << command << "\n" << outcome.err;
-  }
-}
-
-TEST(Documentation, EveryRelativeLinkLeadsSomewhere) {
-  fs::path const root = GRIDLOCK_SOURCE_DIR;
-  std::vector<fs::path> pages{root / "README.md", root / "ARCHITECTURE.md", root / "CHANGELOG.md",
-                              root / "CONTRIBUTING.md"};
-  for (auto const& entry : fs::directory_iterator(root / "docs")) {
-    if (entry.path().extension() == ".md") pages.push_back(entry.path());
-  }
-  std::regex const link(R"(\]\(([^)#:]+)\))");
-  for (fs::path const& page : pages) {
-    // What looks like a link in a listing is a lambda.
-    static std::regex const listing("```[^`]*```");
-    std::string const text = std::regex_replace(text_of(page), listing, "");
-    for (std::sregex_iterator match(text.begin(), text.end(), link), end; match != end; ++match) {
-      EXPECT_TRUE(fs::exists(page.parent_path() / (*match)[1].str())) << page << ": " << (*match)[1];
-    }
-  }
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // `tiled` takes the turns of `stepped` in another order. It is the same rule: what is measured of the two differs as far as
-// the time step is finite, and the differences go away with it (docs/paper.md, "The order of the turns").
+// the time step is finite, and the differences go away with it (docs/explanation/paper.md, "The order of the turns").
 
 #include <gtest/gtest.h>
 

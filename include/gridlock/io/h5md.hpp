@@ -55,7 +55,7 @@ struct H5mdFrame {
 /// written in the single-writer-multiple-reader mode of HDF5, whose order keeps the file readable in that mode even where
 /// the process is killed in the middle of it; append() then goes on after the last whole frame. What the operating system
 /// had not brought to the disk when the power failed is not covered.
-/// Errors: RunFailure where the file cannot be written. Cost: docs/trajectories.md.
+/// Errors: RunFailure where the file cannot be written. Cost: docs/reference/trajectories.md.
 class H5mdWriter {
  public:
   /// Begins a trajectory with the columns of `first`, which is not written yet. The file appears under its name whole;

@@ -26,10 +26,10 @@ void write_xyz(Frame const& frame, std::filesystem::path const& path);
 /// Writes a state as extended XYZ with every bit that hash() covers.
 ///
 ///     841
-///     Lattice="1.0 0 0 0 1.0 0 0 0 1" pbc="F F F" Properties=<columns> Time=0.5 step=100 seed=1
+///     Lattice="1.0 0 0 0 1.0 0 0 0 1" pbc="F F F" Properties=columns Time=0.5 step=100 seed=1
 ///     A 0.017 0.017 0 0 0.31 -0.2 0 0.017 1 0 0
 ///
-/// where <columns> is type:S:1:pos:R:3:id:I:1:velo:R:3:radius:R:1:masses:R:1:image:I:2.
+/// where `columns` is type:S:1:pos:R:3:id:I:1:velo:R:3:radius:R:1:masses:R:1:image:I:2.
 /// The disks lie at z = 0 in a box of height 1, so that its volume is the area of the box. pbc is "T T F" for a periodic
 /// box. Positions are inside the box; `image` counts the periodic edges that the disk crossed. Numbers are the shortest
 /// that read back the same.

@@ -10,8 +10,8 @@ namespace gridlock {
 
 /// The sixfold order of a state at one moment.
 struct BondOrientationOrder {
-  double global = 0.0;
-  double local = 0.0;
+  double global_order = 0.0;
+  double local_order = 0.0;
 };
 
 /// How far the directions to nearest neighbours agree on the same triangular lattice.

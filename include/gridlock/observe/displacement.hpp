@@ -23,7 +23,7 @@ namespace gridlock {
 ///
 /// The drift of the centre is not taken out of the first two. In a periodic box it is large under a rule that halts disks
 /// (`stepped`, `tiled`): halting keeps the momentum, but not the motion of the centre, and which disks halt depends on the
-/// order of the turns. It is no physics, and goes away with the time step: docs/paper.md, "In a periodic box". What is left
+/// order of the turns. It is no physics, and goes away with the time step: docs/explanation/paper.md, "In a periodic box". What is left
 /// without it is about the centre: √(mean_squared_displacement/A − centre_displacement²), of the side, is the root mean
 /// square. The centre is that of the places, every disk alike; of mass where all masses are equal.
 ///

@@ -35,7 +35,7 @@ struct NamedEstimate {
   std::string unit;
 };
 
-/// A measured curve; becomes <name>.csv.
+/// A measured curve; becomes `name`.csv.
 struct Distribution {
   std::string name;
   std::vector<ColumnInfo> columns;

@@ -41,16 +41,16 @@ BondOrientationOrder from_definition(State const& state) {
 TEST(BondOrientation, OfThePerfectTriangularLatticeIsOne) {
   for (auto const& [columns, rows] : {std::pair{4, 4}, {12, 14}, {31, 36}}) {
     auto const order = bond_orientation_order(triangular_lattice(columns, rows));
-    EXPECT_NEAR(order->global, 1.0, 1e-12) << columns;
-    EXPECT_NEAR(order->local, 1.0, 1e-12) << columns;
+    EXPECT_NEAR(order->global_order, 1.0, 1e-12) << columns;
+    EXPECT_NEAR(order->local_order, 1.0, 1e-12) << columns;
   }
 }
 
 TEST(BondOrientation, OfTheSquareLatticeIsZero) {
   for (int const side : {4, 5, 29}) {
     auto const order = bond_orientation_order(square_lattice(side));
-    EXPECT_NEAR(order->global, 0.0, 1e-12) << side;
-    EXPECT_NEAR(order->local, 0.0, 1e-12) << side;
+    EXPECT_NEAR(order->global_order, 0.0, 1e-12) << side;
+    EXPECT_NEAR(order->local_order, 0.0, 1e-12) << side;
   }
 }
 
@@ -63,8 +63,8 @@ TEST(BondOrientation, AgreesWithTheDefinitionForRandomPointsInBoxesOfAnyShape) {
     State const state = ideal_gas(box, count, 0.01, seed);
     auto const order = bond_orientation_order(state);
     auto const expected = from_definition(state);
-    EXPECT_NEAR(order->global, expected.global, 1e-11) << "seed " << seed;
-    EXPECT_NEAR(order->local, expected.local, 1e-11) << "seed " << seed;
+    EXPECT_NEAR(order->global_order, expected.global_order, 1e-11) << "seed " << seed;
+    EXPECT_NEAR(order->local_order, expected.local_order, 1e-11) << "seed " << seed;
   }
 }
 
@@ -81,8 +81,8 @@ TEST(BondOrientation, TwoCrystalsTurnedByHalfTheSymmetryCancelGloballyButNotLoca
     }
   }
   auto const order = bond_orientation_order(state);
-  EXPECT_NEAR(order->global, 0.0, 1e-12);
-  EXPECT_NEAR(order->local, 1.0, 1e-12);
+  EXPECT_NEAR(order->global_order, 0.0, 1e-12);
+  EXPECT_NEAR(order->local_order, 1.0, 1e-12);
 }
 
 TEST(BondOrientation, IsAbsentForNoDisksAndZeroForALonelyOne) {
@@ -90,8 +90,8 @@ TEST(BondOrientation, IsAbsentForNoDisksAndZeroForALonelyOne) {
   for (Edge const edge : {Edge::wall, Edge::periodic}) {
     State one = empty_state(Box(1, 1, edge));
     add_disk(one, {0.5, 0.5});
-    EXPECT_EQ(bond_orientation_order(one)->global, 0.0);
-    EXPECT_EQ(bond_orientation_order(one)->local, 0.0);
+    EXPECT_EQ(bond_orientation_order(one)->global_order, 0.0);
+    EXPECT_EQ(bond_orientation_order(one)->local_order, 0.0);
   }
 }
 

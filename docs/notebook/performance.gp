@@ -1,4 +1,4 @@
-# gnuplot docs/performance.gp, from the root of the repository: the plots of docs/performance.md from the committed results.
+# gnuplot docs/notebook/performance.gp, from the root of the repository: the plots of docs/reference/performance.md from the committed results.
 set datafile separator ','
 set terminal svg size 800,560 font 'DejaVu Sans,14' background '#ffffff'
 set grid lc rgb '#dddddd'

@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# The reference page of the command line from the program's own help; a test compares the two.
+#
+#     docs/command_line.sh build/apps/gridlock/gridlock > docs/reference/command_line.md
+set -euo pipefail
+program=${1:?usage: docs/command_line.sh PROGRAM}
+
+cat <<'PAGE'
+# Command line
+
+`gridlock VERB` does one thing. This page is what `gridlock VERB --help` prints, for every verb.
+
+| exit code | meaning |
+|---|---|
+| 0 | The command did what it was asked to do. |
+| 1 | A run failed or was stopped. Results up to that moment are written. |
+| 2 | The input cannot be used. Nothing was written. |
+
+Messages go to the standard error stream, results to the standard output. Ctrl-C and SIGTERM stop a run, a sweep or the study
+after a checkpoint; `gridlock resume`, or the same command again, continues it
+([stop and continue](../explanation/reliability.md)).
+PAGE
+
+section() { printf '\n## `%s`\n\n```text\n%s\n```\n' "gridlock${1:+ $1}" "$("$program" $1 --help)"; }
+section ""
+for verb in $("$program" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do section "$verb"; done

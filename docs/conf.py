@@ -1,0 +1,95 @@
+"""The site: Markdown pages by MyST, the C++ interface by Doxygen and Breathe. ./dev docs builds it.
+
+Pages link to files of the repository as GitHub wants them (../../examples/…). On the site such a file is a download, and a
+page of the repository's root is the chapter that includes it.
+"""
+import pathlib
+import re
+
+from breathe.renderer import sphinxrenderer
+
+docs = pathlib.Path(__file__).resolve().parent
+repository = docs.parent
+
+project = "Gridlock"
+author = "The Gridlock developers"
+copyright = author
+release = re.search(r"project\(gridlock VERSION ([\d.]+)", (repository / "CMakeLists.txt").read_text()).group(1)
+version = release
+
+extensions = ["myst_parser", "breathe"]
+root_doc = "index"
+myst_enable_extensions = ["colon_fence"]
+myst_heading_anchors = 4
+html_theme = "furo"
+html_title = f"Gridlock {release}"
+html_show_sphinx = False
+highlight_language = "none"
+
+breathe_projects = {"gridlock": str(repository / "build-docs" / "doxygen" / "xml")}
+breathe_default_project = "gridlock"
+breathe_default_members = ("members",)
+cpp_index_common_prefix = ["gridlock::"]
+
+# Some servers refuse programs that look at links.
+linkcheck_ignore = [r"https://doi\.org/.*"]
+
+# Pages of the repository's root, and the chapters of the site that include them.
+root_pages = {
+    "README.md": "index.md",
+    "ARCHITECTURE.md": "contributing/architecture.md",
+    "CONTRIBUTING.md": "contributing/contributing.md",
+    "CHANGELOG.md": "contributing/changelog.md",
+}
+
+
+def link_chapters(app, docname, source):
+    """Turns links to pages of the repository's root into links to the chapters that include them."""
+    depth = docname.count("/")
+    for page, chapter in root_pages.items():
+        source[0] = source[0].replace(f"]({'../' * (depth + 1)}{page}", f"]({'../' * depth}{chapter}")
+
+
+def write_api_pages(app):
+    """Writes a page for each folder of include/gridlock, with every header of the folder. Git ignores these pages."""
+    headers = sorted(path.relative_to(repository / "include") for path in repository.glob("include/gridlock/**/*.hpp"))
+    pages = docs / "reference" / "api"
+    pages.mkdir(exist_ok=True)
+    wanted = {}
+    for header in headers:
+        room = header.parts[1] if len(header.parts) > 2 else "gridlock"
+        wanted.setdefault(room, f"# `{room}`\n")
+        wanted[room] += f"\n## `{header}`\n\n```{{doxygenfile}} {header}\n```\n"
+    for page in pages.glob("*.md"):
+        if page.stem not in wanted:
+            page.unlink()
+    for room, text in wanted.items():
+        page = pages / f"{room}.md"
+        if not page.exists() or page.read_text() != text:  # what has not changed is not built again
+            page.write_text(text)
+
+
+def render_content_of_namespace(self, node):
+    """Breathe declares the namespace of a header anew on each page; the full names of its members are enough."""
+    file_data = self.compound_parser.parse(node.refid)
+    context = self.context.create_child_context(file_data)
+    with sphinxrenderer.WithContext(self, context.create_child_context(file_data.compounddef)):
+        return self.render(file_data, context)
+
+
+make_initializer = sphinxrenderer.SphinxRenderer.make_initializer
+
+
+def make_short_initializer(self, node):
+    """Sphinx cannot read the body of a lambda as the value of a variable."""
+    text = make_initializer(self, node)
+    return "" if "[" in text else text
+
+
+sphinxrenderer.SphinxRenderer.visit_namespace = render_content_of_namespace
+sphinxrenderer.SphinxRenderer.make_initializer = make_short_initializer
+
+
+def setup(app):
+    app.connect("builder-inited", write_api_pages)
+    app.connect("source-read", link_chapters)

@@ -1,0 +1,141 @@
+// The pages of docs/ beside the program: what they quote is what it prints, and every command on them works.
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <regex>
+
+#include "cli/program.hpp"
+
+namespace {
+
+using namespace gridlock::test;
+
+fs::path const root = GRIDLOCK_SOURCE_DIR;
+
+void expect_good(Outcome const& outcome) { EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err; }
+
+char const* const small_run =
+    "[disks]\ncount = 100\npacking_fraction = 0.6\n[engine]\ncells = 5\n[run]\nsteps = 400\n[observe]\nevery = 20\n";
+
+TEST(Explain, TheReferencePageIsWhatTheProgramSays) {
+  Workplace const workplace;
+  Outcome const outcome = gridlock::test::gridlock({"explain", "--markdown"}, workplace.path());
+  expect_good(outcome);
+  EXPECT_EQ(outcome.out, text_of(root / "docs/reference/settings.md"))
+      << "run: gridlock explain --markdown > docs/reference/settings.md";
+}
+
+TEST(Explain, ThePageOfObservablesSaysWhatTheProgramSays) {
+  Workplace const workplace;
+  write(workplace / "a.toml", small_run);
+  expect_good(gridlock::test::gridlock({"run", "a.toml", "-o", "out", "--no-pictures"}, workplace.path()));
+  std::string const series = text_of(workplace / "out/series.csv");
+  std::string const page = text_of(root / "docs/reference/observables.md");
+  Outcome const all = gridlock::test::gridlock({"explain", "observables"}, workplace.path());
+  expect_good(all);
+
+  std::string names;
+  std::istringstream lines(all.out);
+  for (std::string name, documentation, unit, blank; std::getline(lines, name); std::getline(lines, blank)) {
+    std::getline(lines, documentation);
+    std::getline(lines, unit);
+    names += (names.empty() ? "" : ",") + name;
+    EXPECT_EQ(gridlock::test::gridlock({"explain", name}, workplace.path()).out,
+              name + "\n" + documentation + "\n" + unit + "\n");
+    std::string const in = "    column of series.csv, in ";
+    std::string const shown_unit = unit.starts_with(in) ? unit.substr(in.size()) : "";
+    static std::regex const bar(R"(\|)");
+    std::string const cell = std::regex_replace(documentation.substr(4), bar, R"(\|)");
+    std::string const row = "| `" + name + "` | " + shown_unit + " | " + cell + " |\n";
+    EXPECT_NE(page.find(row), std::string::npos) << "missing in docs/reference/observables.md: " << row;
+  }
+  EXPECT_EQ(names, series.substr(0, series.find('\n')));
+  auto const summary = nlohmann::json::parse(text_of(workplace / "out/summary.json"));
+  for (auto const& [key, entry] : summary.items()) {
+    EXPECT_NE(page.find("`" + key + "`"), std::string::npos) << "missing in docs/reference/observables.md: " << key;
+  }
+}
+
+TEST(Help, ThePageOfTheCommandLineSaysWhatTheProgramSays) {
+  Workplace const workplace;
+  Outcome const outcome =
+      Process("/bin/bash", {(root / "docs/command_line.sh").string(), GRIDLOCK_PROGRAM}, workplace.path()).wait();
+  expect_good(outcome);
+  EXPECT_EQ(outcome.out, text_of(root / "docs/reference/command_line.md"))
+      << "run: docs/command_line.sh build/apps/gridlock/gridlock > docs/reference/command_line.md";
+}
+
+struct Page {
+  std::string commands;                                    ///< all ```sh blocks
+  std::vector<std::pair<std::string, std::string>> files;  ///< blocks whose first line is a comment with a file's name
+};
+
+/// Examples that need an interruption, other machines, minutes or further packages are ```text.
+Page page_of(fs::path const& file) {
+  static std::regex const file_name(R"((?:#|//) (\w+\.(?:toml|py)))");
+  Page page;
+  std::istringstream lines(text_of(file));
+  bool is_in_block = false;
+  bool is_command = false;
+  bool is_first = false;
+  std::string* block = nullptr;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("```")) {
+      is_in_block = !is_in_block;
+      is_command = is_in_block && line == "```sh";
+      is_first = is_in_block;
+      block = is_command ? &page.commands : nullptr;
+      continue;
+    }
+    std::smatch match;
+    if (is_first && !is_command && std::regex_match(line, match, file_name)) {
+      block = &page.files.emplace_back(match[1].str(), "").second;
+    }
+    is_first = false;
+    if (block != nullptr) *block += line + "\n";
+  }
+  return page;
+}
+
+/// Runs what a page shows, from top to bottom, in a directory of its own beside the scenes and examples.
+void run_commands_of(fs::path const& file) {
+  Page const page = page_of(file);
+  if (page.commands.empty()) return;
+  Workplace const workplace;
+  for (char const* name : {"scenes", "examples"}) fs::create_directory_symlink(root / name, workplace / name);
+  for (auto const& [name, text] : page.files) write(workplace / name, text);
+  std::string const path = fs::path(GRIDLOCK_PROGRAM).parent_path().string();
+  Outcome const outcome =
+      Process("/bin/bash", {"-exc", "PATH=" + path + ":/usr/bin:$PATH\n" + page.commands}, workplace.path()).wait();
+  EXPECT_EQ(outcome.exit_code, 0) << file << "\n" << outcome.err;
+}
+
+std::vector<fs::path> pages_in(std::string const& folder) {
+  std::vector<fs::path> pages;
+  for (auto const& entry : fs::directory_iterator(root / folder)) {
+    if (entry.path().extension() == ".md") pages.push_back(entry.path());
+  }
+  EXPECT_FALSE(pages.empty()) << folder;
+  return pages;
+}
+
+class Documentation : public testing::TestWithParam<char const*> {};
+
+TEST_P(Documentation, EveryCommandRuns) {
+  for (fs::path const& page : pages_in(GetParam())) run_commands_of(page);
+}
+
+INSTANTIATE_TEST_SUITE_P(Pages, Documentation,
+                         testing::Values("", "docs", "docs/getting_started", "docs/how_to", "docs/explanation",
+                                         "docs/reference"),
+                         [](auto const& info) {
+                           std::string const folder = info.param;
+                           return folder.empty() ? "README" : fs::path(folder).filename().string();
+                         });
+
+TEST(Links, BetweenPagesLeadSomewhere) {
+  Workplace const workplace;
+  expect_good(Process("/usr/bin/python3", {(root / "docs/check_links.py").string()}, workplace.path()).wait());
+}
+
+}  // namespace
