@@ -128,8 +128,8 @@ TEST_P(Documentation, EveryCommandRuns) {
 INSTANTIATE_TEST_SUITE_P(Pages, Documentation,
                          testing::Values("", "docs", "docs/getting_started", "docs/how_to", "docs/explanation",
                                          "docs/reference"),
-                         [](auto const& info) {
-                           std::string const folder = info.param;
+                         [](auto const& page) {
+                           std::string const folder = page.param;
                            return folder.empty() ? "README" : fs::path(folder).filename().string();
                          });
 
