@@ -109,7 +109,7 @@ Table points_table(Study const& study, Predictions const& predictions) {
     table.add_column(name, std::vector<double>{});
   }
   for (char const* name : {"steps", "seeds", "arrested"}) table.add_column(name, std::vector<std::uint64_t>{});
-  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent())) {
+  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent(), study.extent().figure_7)) {
     ReplicaResult const result(study, replica_set);
     if (result.seeds() == 0) continue;
     Prediction const& prediction = predictions.of(replica_set.start);
@@ -142,7 +142,7 @@ Table theory_table(PaperExtent const& extent, Predictions const& predictions) {
   auto const diffusion = [&](Prediction const& prediction) {
     return of_densities([&](double density) {
       bool const is_fluid = density <= diffusive_up_to;
-      return is_fluid ? prediction.diffused(density, time_of(extent.steps, density, extent)) : std::nan("");
+      return is_fluid ? prediction.diffused(density, time_of(extent.figure_7.steps, density, extent)) : std::nan("");
     });
   };
   Table table;
@@ -180,7 +180,7 @@ Table plateau_table(Study const& study, Predictions const& predictions) {
 void draw_points(Study& study) {
   PaperExtent const& extent = study.extent();
   Plot plot{.name = "figure_7",
-            .title = fmt::format("Figure 7: mean displacement after {} steps", extent.steps),
+            .title = fmt::format("Figure 7: mean displacement after {} steps", extent.figure_7.steps),
             .x = {.label = "packing fraction φ", .least = 0.0, .most = 0.9},
             .y = {.label = "mean displacement / side of the box", .least = 0.0},
             .references = {{.at = jamming_level, .label = "10 %"}},
@@ -236,36 +236,55 @@ void draw_points(Study& study) {
   study.draw(plot);
 }
 
-/// Where the curve of one engine and start falls through 10 % after a number of samples.
-Crossing crossing_at(Study const& study, PaperEngine const& engine, StartKind start, double share_of_run) {
+/// A moment in runs of one length.
+struct Moment {
+  PaperLength length;
+  double share_of_run = 1.0;
+
+  [[nodiscard]] double step() const { return share_of_run * static_cast<double>(length.steps); }
+};
+
+/// Early and late in the runs that have errors.
+Moment early(PaperExtent const& extent) { return {extent.figure_6, 0.1}; }
+Moment late(PaperExtent const& extent) { return {extent.figure_6}; }
+
+std::string seeds_text(PaperLength const& length) {
+  return length.seeds == 1 ? "1 seed" : fmt::format("{} seeds", length.seeds);
+}
+
+/// Where the curve of one engine and start falls through 10 % at a moment.
+Crossing crossing_at(Study const& study, PaperEngine const& engine, StartKind start, Moment const& moment) {
   std::vector<CurvePoint> points;
-  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent())) {
+  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent(), moment.length)) {
     if (replica_set.engine.kind != engine.kind || replica_set.start != start) continue;
     ReplicaResult const result(study, replica_set);
     if (result.seeds() == 0) continue;
-    auto const sample = static_cast<std::size_t>(std::lround(share_of_run * static_cast<double>(result.samples() - 1)));
+    auto const sample =
+        static_cast<std::size_t>(std::lround(moment.share_of_run * static_cast<double>(result.samples() - 1)));
     Estimate const displacement = result.displacement(std::max<std::size_t>(1, sample));
     if (displacement.value > 0.0) points.push_back({.x = replica_set.packing_fraction, .y = displacement});
   }
   return find_crossing(points, jamming_level);
 }
 
-constexpr std::array shares_of_run{0.1, 0.3, 1.0};
-
 PageTable crossing_table(Study const& study) {
   PageTable table{
       .header = {"start", "engine"},
       .caption =
-          "Packing fraction at which the mean displacement falls through 10 % of the side, after part of the run and "
-          "at its end. Errors: standard error over seeds and uncertainty of the interpolation."};
-  for (double const share : shares_of_run) {
-    table.header.push_back(fmt::format("after {:.0f} steps", share * static_cast<double>(study.extent().steps)));
+          "Packing fraction at which the mean displacement falls through 10 % of the side. Errors: standard error over "
+          "seeds, where there are several, and uncertainty of the interpolation."};
+  PaperExtent const& extent = study.extent();
+  std::vector<Moment> moments{early(extent), {extent.figure_6, 0.3}, late(extent)};
+  if (extent.figure_7.steps > extent.figure_6.steps) moments.push_back({extent.figure_7});
+  for (Moment const& moment : moments) {
+    table.header.push_back(fmt::format("after {:.0f} steps, {}", moment.step(), seeds_text(moment.length)));
   }
   for (PaperEngine const& engine : study.extent().engines) {
     for (StartKind const start : both_starts) {
       std::vector<PageCell> row{name_of(start), engine.label};
-      for (double const share : shares_of_run)
-        row.emplace_back(crossing_text(crossing_at(study, engine, start, share)));
+      for (Moment const& moment : moments) {
+        row.emplace_back(crossing_text(crossing_at(study, engine, start, moment)));
+      }
       table.rows.push_back(std::move(row));
     }
   }
@@ -274,14 +293,17 @@ PageTable crossing_table(Study const& study) {
 
 PaperClaim crossing_claim(Study const& study) {
   PaperEngine const& engine = study.extent().engines.front();
-  Crossing const square = crossing_at(study, engine, StartKind::square, 1.0);
-  Crossing const triangular = crossing_at(study, engine, StartKind::triangular, 1.0);
+  Moment const end{study.extent().figure_7};
+  Crossing const square = crossing_at(study, engine, StartKind::square, end);
+  Crossing const triangular = crossing_at(study, engine, StartKind::triangular, end);
   PaperClaim claim{.where = "Figure 7",
                    .statement =
                        "With rising packing fraction the mean displacement falls through 10 % of the side of the box: "
                        "the system jams."};
-  claim.measured = fmt::format("After {} steps the square start crosses at φ = {}, the triangular start at φ = {}.",
-                               study.extent().steps, crossing_text(square), crossing_text(triangular));
+  claim.measured =
+      fmt::format("After {} steps ({}) the square start crosses at φ = {}, the triangular start at φ = {}.",
+                  end.length.steps, seeds_text(end.length), crossing_text(square), crossing_text(triangular));
+  if (end.length.seeds == 1) claim.measured += " The errors are those of the interpolation alone.";
   if (square.kind == CrossingKind::no_points || triangular.kind == CrossingKind::no_points) return claim;
   bool const is_crossed = square.kind == CrossingKind::crossed && triangular.kind == CrossingKind::crossed;
   claim.verdict = is_crossed && !square.comes_back && !triangular.comes_back ? Verdict::agrees : Verdict::differs;
@@ -293,21 +315,22 @@ PaperClaim duration_claim(Study const& study) {
   PaperClaim claim{
       .where = "Figure 7",
       .statement = "The density at which the curve falls below 10 % of the side marks the jamming transition."};
+  PaperExtent const& extent = study.extent();
   std::string text;
   bool is_moving = false;
   for (StartKind const start : both_starts) {
-    PaperEngine const& engine = study.extent().engines.front();
-    Crossing const early = crossing_at(study, engine, start, shares_of_run.front());
-    Crossing const late = crossing_at(study, engine, start, shares_of_run.back());
-    if (early.kind != CrossingKind::crossed || late.kind != CrossingKind::crossed) continue;
-    double const shift = late.x - early.x;
-    double const error = std::hypot(late.error(), early.error());
+    Crossing const first = early_crossing(study, extent.engines.front(), start);
+    Crossing const last = late_crossing(study, extent.engines.front(), start);
+    if (first.kind != CrossingKind::crossed || last.kind != CrossingKind::crossed) continue;
+    double const shift = last.x - first.x;
+    double const error = std::hypot(last.error(), first.error());
     is_moving = is_moving || shift > 3.0 * error;
-    text += fmt::format("{} start: the crossing moves by {} from a tenth of the run to its end. ",
-                        start == StartKind::square ? "Square" : "Triangular", to_text(Estimate{shift, error}));
+    text += fmt::format("{} start: the crossing moves by {} from {:.0f} to {:.0f} steps. ",
+                        start == StartKind::square ? "Square" : "Triangular", to_text(Estimate{shift, error}),
+                        early(extent).step(), late(extent).step());
   }
   if (text.empty()) {
-    claim.measured = "Not crossed both after a tenth of the run and at its end.";
+    claim.measured = "Not crossed both after a tenth of the runs and at their end.";
     return claim;
   }
   claim.measured =
@@ -351,8 +374,8 @@ PageTable approach_comparison(Study const& study, Predictions const& predictions
                  "from the plateau / standard error"},
       .caption = fmt::format("The points of Figure 7 at low density, after {} steps: how near to the plateau they can "
                              "be after that time, by Enskog's diffusion between walls.",
-                             study.extent().steps)};
-  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent())) {
+                             study.extent().figure_7.steps)};
+  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent(), study.extent().figure_7)) {
     if (replica_set.packing_fraction > diffusive_up_to) continue;
     ReplicaResult const result(study, replica_set);
     if (result.seeds() == 0) continue;
@@ -399,7 +422,7 @@ PaperClaim plateau_claim(Study const& study, Predictions const& predictions) {
 /// Replica sets that have come to a standstill, in words.
 std::string standstill_text(Study const& study) {
   std::vector<std::string> parts;
-  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent())) {
+  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent(), study.extent().figure_7)) {
     ReplicaResult const result(study, replica_set);
     if (result.seeds() == 0 || result.arrested() == 0) continue;
     parts.push_back(fmt::format("φ = {} {} ({} of {} runs, {:.1f} % of the moves halted)", replica_set.packing_fraction,
@@ -414,10 +437,23 @@ std::string standstill_text(Study const& study) {
       fmt::join(parts, "; "));
 }
 
+/// Where the points of the figure have their errors from.
+std::string errors_text(PaperExtent const& extent) {
+  if (extent.figure_7.seeds > 1) {
+    return fmt::format("error bars are standard errors over {} seeds", extent.figure_7.seeds);
+  }
+  return fmt::format(
+      "each point is one run, which has no error over seeds: what compares points rests on {} seeds and {} steps",
+      extent.figure_6.seeds, extent.figure_6.steps);
+}
+
 }  // namespace
 
 void plan_figure_7(Study& study) {
-  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent())) plan(study, replica_set);
+  PaperExtent const& extent = study.extent();
+  for (PaperLength const& length : {extent.figure_6, extent.figure_7}) {
+    for (ReplicaSet const& replica_set : paper_replica_sets(extent, length)) plan(study, replica_set);
+  }
   for (ReplicaSet const& replica_set : plateau_replica_sets(study.extent())) plan(study, replica_set);
 }
 
@@ -431,16 +467,21 @@ Chapter figure_7(Study& study) {
 
   Chapter chapter{.title = "Figure 7: displacement against packing fraction"};
   chapter.introduction.push_back(
-      fmt::format("The mean displacement of {} disks after {} steps, for square and triangular starts; error bars are "
-                  "standard errors over {} seeds. Insets: the two starts at φ = 0.7.",
-                  extent.disks, extent.steps, extent.seeds));
-  chapter.drawings.push_back(
-      {{"figure_7.svg"},
-       "Mean displacement at the end of the run; lines and filled symbols: the paper's rule. The plateau is no fit: it "
-       "is the mean distance from a site of the "
-       "start to a random point, exactly. The triangular start has a few sites too many, which stay empty. Points "
-       "below the plateau at low density have had too little time: Enskog's diffusion between walls for the same time "
-       "gives the dashed curve."});
+      fmt::format("The mean displacement of {} disks after {} steps, for square and triangular starts; {}. Insets: the "
+                  "two starts at φ = 0.7.",
+                  extent.disks, extent.figure_7.steps, errors_text(extent)));
+  std::string caption =
+      "Mean displacement at the end of the run; lines and filled symbols: the paper's rule. The plateau is no fit: it "
+      "is the mean distance from a site of the "
+      "start to a random point, exactly. The triangular start has a few sites too many, which stay empty. Points "
+      "below the plateau at low density have had too little time: Enskog's diffusion between walls for the same time "
+      "gives the dashed curve.";
+  if (double const densest = extent.figure_7.densest_of_others; densest < 1.0) {
+    caption += fmt::format(
+        " Above φ = {} the paper's rule alone was run: other dynamics collide too often there for a quick study.",
+        densest);
+  }
+  chapter.drawings.push_back({{"figure_7.svg"}, caption});
   chapter.claims.push_back(plateau_claim(study, predictions));
   chapter.claims.push_back(crossing_claim(study));
   chapter.claims.push_back(duration_claim(study));
@@ -457,11 +498,11 @@ Chapter figure_7(Study& study) {
 }
 
 Crossing early_crossing(Study const& study, PaperEngine const& engine, StartKind start) {
-  return crossing_at(study, engine, start, shares_of_run.front());
+  return crossing_at(study, engine, start, early(study.extent()));
 }
 
 Crossing late_crossing(Study const& study, PaperEngine const& engine, StartKind start) {
-  return crossing_at(study, engine, start, shares_of_run.back());
+  return crossing_at(study, engine, start, late(study.extent()));
 }
 
 std::string crossing_text(Crossing const& crossing) {

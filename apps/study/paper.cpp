@@ -36,8 +36,11 @@ void require_possible(PaperSettings const& settings) {
   if (settings.figure && (*settings.figure < first_figure || *settings.figure > last_figure)) {
     throw impossible(fmt::format("the study has no Figure {}", *settings.figure), "use 4, 5, 6 or 7");
   }
-  bool const has_counts = extent.steps > 0 && extent.sample_every > 0 && extent.seeds > 0 &&
-                          extent.timing_repeats > 0 && extent.plateau_seeds > 0 && extent.choice_seeds > 0;
+  auto const is_length = [](PaperLength const& length) {
+    return length.steps > 0 && length.sample_every > 0 && length.seeds > 0;
+  };
+  bool const has_counts = is_length(extent.figure_6) && is_length(extent.figure_7) && extent.timing_repeats > 0 &&
+                          extent.plateau_seeds > 0 && extent.choice_seeds > 0;
   bool const has_values = !extent.engines.empty() && !extent.square_densities.empty() &&
                           !extent.triangular_densities.empty() && !extent.fan_densities.empty() &&
                           !extent.timing_counts.empty() && !extent.choice_time_steps.empty();
@@ -291,9 +294,8 @@ class PaperStudy {
 
 PaperExtent quick_paper() {
   return {.name = "quick",
-          .steps = 10'000,
-          .sample_every = 20,
-          .seeds = 3,
+          .figure_6 = {.steps = 10'000, .sample_every = 20, .seeds = 3},
+          .figure_7 = {.steps = 100'000, .sample_every = 200, .seeds = 1, .densest_of_others = 0.76},
           .square_densities = {0.1, 0.3, 0.5, 0.6, 0.66, 0.69, 0.72, 0.75, 0.78},
           .triangular_densities = {0.1, 0.3, 0.5, 0.6, 0.66, 0.69, 0.72, 0.76, 0.8, 0.84},
           .fan_densities = {0.1, 0.3, 0.5, 0.6, 0.66, 0.69, 0.72, 0.75, 0.8, 0.84},
@@ -316,9 +318,8 @@ PaperExtent quick_paper() {
 
 PaperExtent full_paper() {
   return {.name = "full",
-          .steps = 100'000,
-          .sample_every = 100,
-          .seeds = 4,
+          .figure_6 = {.steps = 100'000, .sample_every = 100, .seeds = 4},
+          .figure_7 = {.steps = 100'000, .sample_every = 100, .seeds = 4},
           .square_densities = {0.05, 0.1,  0.2, 0.3,  0.4,  0.5,  0.55, 0.6,  0.62, 0.64, 0.66,
                                0.68, 0.69, 0.7, 0.71, 0.72, 0.73, 0.74, 0.75, 0.76, 0.77, 0.78},
           .triangular_densities = {0.05, 0.1, 0.2,  0.3,  0.4,  0.5,  0.55, 0.6,  0.62, 0.64, 0.66, 0.68,

@@ -37,11 +37,12 @@ std::optional<PaperEngine> exact_engine(PaperExtent const& extent) {
 
 std::vector<RuleBesideExact> points_of(Study const& study, PaperEngine const& exact) {
   std::vector<RuleBesideExact> points;
-  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent())) {
+  PaperLength const& length = study.extent().figure_6;
+  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent(), length)) {
     if (replica_set.engine.kind != study.extent().engines.front().kind) continue;
     ReplicaResult const rule(study, replica_set);
-    ReplicaResult const without_step(
-        study, paper_replica_set(study.extent(), exact, replica_set.start, replica_set.packing_fraction));
+    ReplicaResult const without_step(study,
+                                     paper_replica_set(length, exact, replica_set.start, replica_set.packing_fraction));
     if (rule.seeds() < 2 || without_step.seeds() < 2) continue;
     points.push_back({.start = replica_set.start,
                       .packing_fraction = replica_set.packing_fraction,
@@ -54,8 +55,9 @@ std::vector<RuleBesideExact> points_of(Study const& study, PaperEngine const& ex
 
 StepEvidence evidence_of(Study const& study, PaperEngine const& exact) {
   PaperEngine const& rule = study.extent().engines.front();
-  StepEvidence evidence{
-      .steps = study.extent().steps, .points = points_of(study, exact), .contacts = contacts_beside_exact(study)};
+  StepEvidence evidence{.steps = study.extent().figure_6.steps,
+                        .points = points_of(study, exact),
+                        .contacts = contacts_beside_exact(study)};
   for (StartKind const start : {StartKind::square, StartKind::triangular}) {
     evidence.lines.push_back({.start = start,
                               .rule_early = early_crossing(study, rule, start),

@@ -19,7 +19,7 @@ struct RuleBesideExact {
   std::size_t seeds = 0;
 };
 
-/// Where the curve of Figure 7 falls through its line, after a tenth of the run and at its end.
+/// Where displacement against density falls through the line of Figure 7, after a tenth of the runs and at their end.
 struct LineBesideExact {
   StartKind start = StartKind::square;
   Crossing rule_early;
@@ -48,7 +48,7 @@ struct ContactsBesideExact {
 
 /// What the chapter is written from, and nothing else.
 struct StepEvidence {
-  std::uint64_t steps = 0;  ///< of the runs of Figure 7
+  std::uint64_t steps = 0;  ///< of the runs that are compared
   std::vector<RuleBesideExact> points;
   std::vector<LineBesideExact> lines;
   std::vector<ContactsBesideExact> contacts;
@@ -61,7 +61,7 @@ Chapter chapter_from(StepEvidence const& evidence);
 /// The runs of open_choices() with a time step, for each start, density and step with both contact rules.
 std::vector<ContactsBesideExact> contacts_beside_exact(Study const& study);
 
-/// Where the curve of Figure 7 of an engine falls through 10 % after a tenth of the run, and at its end.
+/// Where displacement against density falls through 10 % after a tenth of the runs of Figure 6's length, and at their end.
 Crossing early_crossing(Study const& study, PaperEngine const& engine, StartKind start);
 Crossing late_crossing(Study const& study, PaperEngine const& engine, StartKind start);
 /// In words.

@@ -41,25 +41,28 @@ double tail_mean(std::vector<double> const& values, double share) {
 
 char const* name_of(StartKind start) { return start == StartKind::square ? "square" : "triangular"; }
 
-ReplicaSet paper_replica_set(PaperExtent const& extent, PaperEngine const& engine, StartKind start,
+ReplicaSet paper_replica_set(PaperLength const& length, PaperEngine const& engine, StartKind start,
                              double packing_fraction) {
   return {.engine = engine,
           .start = start,
           .packing_fraction = packing_fraction,
-          .steps = extent.steps,
-          .sample_every = extent.sample_every,
-          .seeds = extent.seeds};
+          .steps = length.steps,
+          .sample_every = length.sample_every,
+          .seeds = length.seeds};
 }
 
-std::vector<ReplicaSet> paper_replica_sets(PaperExtent const& extent) {
+std::vector<ReplicaSet> paper_replica_sets(PaperExtent const& extent, PaperLength const& length) {
   std::vector<ReplicaSet> replica_sets;
   for (PaperEngine const& engine : extent.engines) {
-    for (double const density : extent.square_densities) {
-      replica_sets.push_back(paper_replica_set(extent, engine, StartKind::square, density));
-    }
-    for (double const density : extent.triangular_densities) {
-      replica_sets.push_back(paper_replica_set(extent, engine, StartKind::triangular, density));
-    }
+    bool const is_first = &engine == &extent.engines.front();
+    auto const add = [&](StartKind start, std::vector<double> const& densities) {
+      for (double const density : densities) {
+        if (!is_first && density > length.densest_of_others) continue;
+        replica_sets.push_back(paper_replica_set(length, engine, start, density));
+      }
+    };
+    add(StartKind::square, extent.square_densities);
+    add(StartKind::triangular, extent.triangular_densities);
   }
   return replica_sets;
 }

@@ -27,11 +27,11 @@ struct ReplicaSet {
   std::uint64_t seeds = 0;
 };
 
-/// The replica set behind one point of Figure 7.
-ReplicaSet paper_replica_set(PaperExtent const& extent, PaperEngine const& engine, StartKind start,
+/// The replica set behind one point of Figures 6 and 7, of the length given.
+ReplicaSet paper_replica_set(PaperLength const& length, PaperEngine const& engine, StartKind start,
                              double packing_fraction);
-/// All of them, engine after engine, square before triangular, density rising.
-std::vector<ReplicaSet> paper_replica_sets(PaperExtent const& extent);
+/// All points of Figure 7 in runs of one length: engine after engine, square before triangular, density rising.
+std::vector<ReplicaSet> paper_replica_sets(PaperExtent const& extent, PaperLength const& length);
 
 /// The replica set with `samples` samples in a physical length in diameters per v_max, each after a whole number of
 /// steps, so that samples stand at the same physical times whatever the time step.

@@ -37,9 +37,19 @@ char const* to_text(Sites sites) {
 
 char const* to_text(StartKind start) { return start == StartKind::square ? "square" : "triangular"; }
 
-/// Disk-steps; only for the order and the progress.
+/// What a step of an engine costs beside one of the paper's rule. Exact disks cost by the collision, of which there are
+/// φ g(σ) times as many, g at contact by Enskog's theory; the two numbers are measured, to a third of the cost.
+double relative_cost(Configuration const& configuration) {
+  if (configuration.engine.kind != "exact") return 1.0;
+  double const density = configuration.disks.packing_fraction.value_or(0.0);
+  double const empty = 1.0 - density;
+  double const collisions = density * (1.0 - 7.0 / 16.0 * density) / (empty * empty);
+  return 0.17 + 0.36 * collisions;
+}
+
+/// In disk-steps of the paper's rule; only for the order and the progress.
 double work_of(Configuration const& configuration) {
-  return static_cast<double>(configuration.disks.count.value_or(841)) *
+  return relative_cost(configuration) * static_cast<double>(configuration.disks.count.value_or(841)) *
          static_cast<double>(configuration.run.steps.value_or(0));
 }
 

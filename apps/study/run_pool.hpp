@@ -78,7 +78,7 @@ class RunPool {
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
   /// Runs that are finished.
   [[nodiscard]] std::size_t finished() const;
-  /// Disk-steps of all runs that are not finished.
+  /// Work of all runs that are not finished, in disk-steps of the paper's rule.
   [[nodiscard]] double work() const;
 
   /// The outcome of a run that was added (asserted).

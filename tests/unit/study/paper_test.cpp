@@ -25,9 +25,8 @@ namespace {
 PaperExtent tiny_paper() {
   PaperExtent extent = quick_paper();
   extent.disks = 49;
-  extent.steps = 40;
-  extent.sample_every = 4;
-  extent.seeds = 2;
+  extent.figure_6 = {.steps = 40, .sample_every = 4, .seeds = 2};
+  extent.figure_7 = {.steps = 60, .sample_every = 6, .seeds = 1};
   extent.square_densities = {0.2, 0.6, 0.7};
   extent.triangular_densities = {0.2, 0.6, 0.75};
   extent.fan_densities = {0.2, 0.7};
@@ -139,6 +138,28 @@ TEST(Paper, MakesOneFigureAlone) {
     EXPECT_TRUE(name.starts_with("figure_5") || name == "report.html") << name;
   }
   for (PaperClaim const& claim : result.claims) EXPECT_EQ(claim.where, "Figure 5");
+}
+
+TEST(Paper, SaysOfFigure7HowLongItsRunsAreAndHowManyThereAre) {
+  TemporaryDirectory const directory;
+  PaperExtent extent = tiny_paper();
+  extent.figure_7.densest_of_others = 0.65;
+  run_paper({.extent = extent, .figure = 7, .output = directory.path()});
+  std::string const report = read_file(directory / "report.html");
+  for (std::string const part : {"after 4 steps, 2 seeds", "after 40 steps, 2 seeds", "after 60 steps, 1 seed<",
+                                 "each point is one run, which has no error over seeds", "Above φ = 0.65",
+                                 "The errors are those of the interpolation alone"}) {
+    EXPECT_NE(report.find(part), std::string::npos) << part;
+  }
+  Table const points = read_csv(directory / "figure_7.csv");
+  auto const& engine = std::get<std::vector<std::string>>(points.column("engine"));
+  std::vector<double> const steps = points.numbers("steps");
+  std::vector<double> const density = points.numbers("packing_fraction");
+  ASSERT_EQ(steps.size(), 6 + 4 * (engine_kinds().size() - 1));
+  for (std::size_t row = 0; row < steps.size(); ++row) {
+    EXPECT_EQ(steps[row], 60.0);
+    EXPECT_TRUE(engine[row] == extent.engines.front().kind || density[row] <= 0.65) << engine[row];
+  }
 }
 
 TEST(Paper, CountsTheSameDistancesOnEveryMachine) {
@@ -327,11 +348,20 @@ TEST(Paper, RefusesWhatItCannotMake) {
 TEST(PaperExtent, OfTheFullStudyIsThePapersLength) {
   PaperExtent const full = full_paper();
   EXPECT_EQ(full.disks, 841U);
-  EXPECT_EQ(full.steps, 100'000U);
-  EXPECT_GE(full.seeds, 4U);
+  EXPECT_EQ(full.figure_6.steps, 100'000U);
+  EXPECT_GE(full.figure_6.seeds, 4U);
+  EXPECT_EQ(full.figure_7.steps, 100'000U);
+  EXPECT_GE(full.figure_7.seeds, 4U);
   EXPECT_GE(full.square_densities.size(), 20U);
   EXPECT_GE(full.triangular_densities.size(), 20U);
-  EXPECT_EQ(quick_paper().steps, 10'000U);
+}
+
+TEST(PaperExtent, OfTheQuickStudyIsThePapersLengthInFigure7AndHasErrorsWherePointsAreCompared) {
+  PaperExtent const quick = quick_paper();
+  EXPECT_EQ(quick.disks, 841U);
+  EXPECT_EQ(quick.figure_7.steps, 100'000U);
+  EXPECT_EQ(quick.figure_6.steps, 10'000U);
+  EXPECT_GE(quick.figure_6.seeds, 3U);
 }
 
 TEST(PaperExtent, SharesTheRunsOfTheFanWithFigure7) {
