@@ -15,8 +15,8 @@
 #endif
 
 #include "grid/candidate_pairs.hpp"
+#include "grid/pairs.hpp"
 #include "gridlock/core/random.hpp"
-#include "gridlock/grid/pairs.hpp"
 #include "measure.hpp"
 
 namespace gridlock::benchmark {

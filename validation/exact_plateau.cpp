@@ -19,7 +19,7 @@
 #include <string_view>
 
 #include "gridlock/engine/engine.hpp"
-#include "gridlock/grid/pairs.hpp"
+#include "gridlock/grid/neighbour_search.hpp"
 #include "gridlock/observe/block_average.hpp"
 #include "periodic_systems.hpp"
 
@@ -50,10 +50,10 @@ double diameter_at(State const& state, double packing_fraction) {
 }
 
 double closest_pair(State const& state, double cutoff) {
-  double const squared = fold_pairs(state, grid_for_cutoff(state, cutoff), cutoff, cutoff * cutoff,
-                                    [](double& least, std::size_t, std::size_t, Vector separation) {
-                                      least = std::min(least, squared_length(separation));
-                                    });
+  NeighbourSearch const search(state.box, cutoff, state.disks.column<X>(), state.disks.column<Y>());
+  double squared = cutoff * cutoff;
+  search.for_each_pair(
+      [&](std::size_t, std::size_t, Vector separation) { squared = std::min(squared, squared_length(separation)); });
   return std::sqrt(squared);
 }
 

@@ -1,9 +1,9 @@
 #include "gridlock/core/box.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
+#include <string>
 
+#include "core/number_text.hpp"
 #include "gridlock/core/error.hpp"
 
 namespace gridlock {
@@ -12,9 +12,9 @@ namespace {
 
 void require_side(double side, char const* name) {
   if (std::isfinite(side) && side > 0.0) return;
-  throw Error({.what = fmt::format("the {} of the box is {}, not a positive number", name, side),
+  throw Error({.what = std::string("the ") + name + " of the box is " + number_text(side) + ", not a positive number",
                .hint = "give box.side, or box.width and box.height, above 0",
-               .key = fmt::format("box.{}", name)});
+               .key = std::string("box.") + name});
 }
 
 }  // namespace

@@ -1,7 +1,5 @@
 #include "gridlock/core/error.hpp"
 
-#include <fmt/format.h>
-
 #include <utility>
 
 namespace gridlock {
@@ -23,8 +21,8 @@ std::string to_text(Problem const& problem) {
   std::string text = problem.what;
   if (!problem.file.empty()) {
     text += "\n  --> " + problem.file;
-    if (problem.line > 0) text += fmt::format(":{}", problem.line);
-    if (problem.line > 0 && problem.column > 0) text += fmt::format(":{}", problem.column);
+    if (problem.line > 0) text += ":" + std::to_string(problem.line);
+    if (problem.line > 0 && problem.column > 0) text += ":" + std::to_string(problem.column);
     if (!problem.source_line.empty()) text += "   " + problem.source_line;
   }
   if (!problem.hint.empty()) text += "\n  hint: " + problem.hint;

@@ -1,8 +1,9 @@
 #include "core/magnitude.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <string>
+
+#include "core/number_text.hpp"
 
 namespace gridlock {
 
@@ -16,17 +17,16 @@ constexpr double most_elongated = 1e10;
 std::optional<Problem> find_extreme_sides(Box const& box) {
   double const shorter = std::min(box.width(), box.height());
   double const longer = std::max(box.width(), box.height());
+  auto const sides = [&] { return number_text(box.width()) + " × " + number_text(box.height()); };
   if (!has_bounded_magnitude(shorter) || !has_bounded_magnitude(longer)) {
-    return Problem{
-        .what = fmt::format("the box of {} × {} is too large or too small to compute with", box.width(), box.height()),
-        .hint = magnitude_hint,
-        .key = "box"};
+    return Problem{.what = "the box of " + sides() + " is too large or too small to compute with",
+                   .hint = magnitude_hint,
+                   .key = "box"};
   }
   if (longer / shorter > most_elongated) {
-    return Problem{
-        .what = fmt::format("the box of {} × {} is too elongated to compute with", box.width(), box.height()),
-        .hint = fmt::format("make the longer side at most {:g} times the shorter one", most_elongated),
-        .key = "box"};
+    return Problem{.what = "the box of " + sides() + " is too elongated to compute with",
+                   .hint = "make the longer side at most 1e10 times the shorter one",
+                   .key = "box"};
   }
   return std::nullopt;
 }

@@ -1,8 +1,7 @@
 #include "gridlock/grid/cell_layout.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
+#include <string>
 
 #include "grid/require.hpp"
 #include "gridlock/core/error.hpp"
@@ -32,9 +31,10 @@ CellLayout::CellLayout(Box const& box, std::uint64_t columns, std::uint64_t rows
       rows_per_length_(static_cast<double>(rows) / box.height()),
       is_periodic_(box.is_periodic()) {
   if (columns == 0 || rows == 0 || columns >= most_cells / rows) {
-    throw Error({.what = fmt::format("a grid of {} × {} cells cannot be made", columns, rows),
-                 .hint = fmt::format("use at least 1 and at most {} cells a side", 46340),
-                 .key = "engine.cells"});
+    throw Error(
+        {.what = "a grid of " + std::to_string(columns) + " × " + std::to_string(rows) + " cells cannot be made",
+         .hint = "use at least 1 and at most 46340 cells a side",
+         .key = "engine.cells"});
   }
 }
 

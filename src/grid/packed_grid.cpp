@@ -1,8 +1,7 @@
 #include "gridlock/grid/packed_grid.hpp"
 
-#include <fmt/format.h>
-
 #include <mutex>
+#include <string>
 
 #include "grid/require.hpp"
 #include "gridlock/core/error.hpp"
@@ -23,8 +22,9 @@ PackedGrid::PackedGrid(CellLayout const& layout, std::size_t agents)
     : layout_(layout), stride_(static_cast<std::size_t>(layout.columns()) + 1) {
   std::size_t const blocks = stride_ * (static_cast<std::size_t>(layout.rows()) + 1);
   if (blocks > most_blocks) {
-    throw Error({.what = fmt::format("a packed grid of {} × {} cells cannot be made", layout.columns(), layout.rows()),
-                 .hint = fmt::format("use at most {} cells", most_blocks),
+    throw Error({.what = "a packed grid of " + std::to_string(layout.columns()) + " × " +
+                         std::to_string(layout.rows()) + " cells cannot be made",
+                 .hint = "use at most " + std::to_string(most_blocks) + " cells",
                  .key = "engine.cells"});
   }
   int const columns = layout.columns();

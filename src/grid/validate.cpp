@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/magnitude.hpp"
+#include "grid/pairs.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/grid/pairs.hpp"
 
 namespace gridlock {
 

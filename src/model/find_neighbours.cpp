@@ -7,7 +7,7 @@ namespace gridlock {
 namespace {
 
 template <class Displacement>
-std::size_t find(NeighbourSearch const& search, std::span<RowRange const> ranges, std::uint32_t* found,
+std::size_t find(RowSearch const& search, std::span<RowRange const> ranges, std::uint32_t* found,
                  Displacement displacement) {
   std::size_t count = 0;
   for (RowRange const& range : ranges) {
@@ -24,8 +24,7 @@ std::size_t find(NeighbourSearch const& search, std::span<RowRange const> ranges
 
 }  // namespace
 
-std::size_t find_neighbours_scalar(NeighbourSearch const& search, std::span<RowRange const> ranges,
-                                   std::uint32_t* found) {
+std::size_t find_neighbours_scalar(RowSearch const& search, std::span<RowRange const> ranges, std::uint32_t* found) {
   if (search.box == nullptr) {
     return find(search, ranges, found, [](Vector p, Vector q) { return q - p; });
   }
@@ -33,7 +32,7 @@ std::size_t find_neighbours_scalar(NeighbourSearch const& search, std::span<RowR
   return find(search, ranges, found, [&](Vector p, Vector q) { return box.displacement_inside(p, q); });
 }
 
-std::size_t find_neighbours(NeighbourSearch const& search, std::span<RowRange const> ranges, std::uint32_t* found) {
+std::size_t find_neighbours(RowSearch const& search, std::span<RowRange const> ranges, std::uint32_t* found) {
   static auto const kernel = can_find_neighbours_with_avx512() ? find_neighbours_avx512 : find_neighbours_scalar;
   return kernel(search, ranges, found);
 }

@@ -14,7 +14,7 @@ constexpr std::size_t lanes = 8;
 static_assert(neighbour_slack >= lanes);
 
 template <bool has_images>
-GRIDLOCK_AVX512 inline std::size_t find(NeighbourSearch const& search, std::span<RowRange const> ranges,
+GRIDLOCK_AVX512 inline std::size_t find(RowSearch const& search, std::span<RowRange const> ranges,
                                         std::uint32_t* found) {
   __m512d const x = _mm512_set1_pd(search.p.x);
   __m512d const y = _mm512_set1_pd(search.p.y);
@@ -48,7 +48,7 @@ GRIDLOCK_AVX512 inline std::size_t find(NeighbourSearch const& search, std::span
 
 bool can_find_neighbours_with_avx512() { return has_avx512(); }
 
-GRIDLOCK_AVX512 std::size_t find_neighbours_avx512(NeighbourSearch const& search, std::span<RowRange const> ranges,
+GRIDLOCK_AVX512 std::size_t find_neighbours_avx512(RowSearch const& search, std::span<RowRange const> ranges,
                                                    std::uint32_t* found) {
   if (search.box == nullptr || !search.box->is_periodic()) return find<false>(search, ranges, found);
   return find<true>(search, ranges, found);
@@ -61,8 +61,7 @@ GRIDLOCK_AVX512 std::size_t find_neighbours_avx512(NeighbourSearch const& search
 namespace gridlock {
 
 bool can_find_neighbours_with_avx512() { return false; }
-std::size_t find_neighbours_avx512(NeighbourSearch const& search, std::span<RowRange const> ranges,
-                                   std::uint32_t* found) {
+std::size_t find_neighbours_avx512(RowSearch const& search, std::span<RowRange const> ranges, std::uint32_t* found) {
   return find_neighbours_scalar(search, ranges, found);
 }
 

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "gridlock/grid/pairs.hpp"
+#include "grid/pairs.hpp"
 
 namespace gridlock {
 

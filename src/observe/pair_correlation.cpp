@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "gridlock/grid/pairs.hpp"
+#include "grid/pairs.hpp"
 
 namespace gridlock {
 

@@ -128,10 +128,10 @@ TEST(Layers, TheRuleItselfTellsGoodFromBad) {
     return complaint({"", "", layer}, {1, include, true}).empty();
   };
   EXPECT_TRUE(is_allowed("grid", "gridlock/core/box.hpp"));
-  EXPECT_FALSE(is_allowed("core", "gridlock/grid/pairs.hpp"));
+  EXPECT_FALSE(is_allowed("core", "grid/pairs.hpp"));
   EXPECT_FALSE(is_allowed("core", "gridlock/engine/engine.hpp"));
   EXPECT_FALSE(is_allowed("io", "gridlock/engine/engine.hpp"));
-  EXPECT_FALSE(is_allowed("io", "gridlock/grid/pairs.hpp"));
+  EXPECT_FALSE(is_allowed("io", "grid/pairs.hpp"));
   EXPECT_TRUE(is_allowed("observe", "gridlock/engine/engine.hpp"));
   EXPECT_FALSE(is_allowed("observe", "engine/turn.hpp"));
   EXPECT_FALSE(is_allowed("engine", "gridlock/lattice/start.hpp"));

@@ -105,6 +105,26 @@ foreach(program ${programs})
 endforeach()
 run_step(${WORK_DIRECTORY}/prefix/bin/gridlock --version)
 
+# The README's program without CMake, and the neighbour search alone out of the same prefix.
+find_program(pkg_config pkg-config REQUIRED)
+file(GLOB_RECURSE description ${WORK_DIRECTORY}/prefix/*/gridlock.pc)
+get_filename_component(directory ${description} DIRECTORY)
+set(ENV{PKG_CONFIG_PATH} ${directory})
+execute_process(COMMAND ${pkg_config} --static --cflags --libs gridlock OUTPUT_VARIABLE flags
+                OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+separate_arguments(flags UNIX_COMMAND "${flags}")
+run_step(${COMPILER} -std=c++20 ${LINKER_FLAGS} ${WORK_DIRECTORY}/consumer/README_1.cpp ${flags}
+         -o ${WORK_DIRECTORY}/without_cmake)
+run_step(${WORK_DIRECTORY}/without_cmake)
+set(grid ${WORK_DIRECTORY}/grid)
+file(COPY ${SOURCE_DIRECTORY}/tests/package/grid/compare.cpp ${SOURCE_DIRECTORY}/examples/neighbour_search.cpp
+     DESTINATION ${grid})
+configure_file(${SOURCE_DIRECTORY}/tests/package/grid/find.cmake ${grid}/CMakeLists.txt COPYONLY)
+run_step(${CMAKE_COMMAND} -G ${GENERATOR} -S ${grid} -B ${grid}/build -DCMAKE_PREFIX_PATH=${WORK_DIRECTORY}/prefix
+         -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_EXE_LINKER_FLAGS=${LINKER_FLAGS})
+run_step(${CMAKE_COMMAND} --build ${grid}/build)
+run_step(${grid}/build/compare)
+
 # The tutorial's last program: its own CMakeLists.txt, and then the commands of the page.
 run_step(${CMAKE_COMMAND} -G ${GENERATOR} -S ${meadow} -B ${meadow}/build -DCMAKE_PREFIX_PATH=${WORK_DIRECTORY}/prefix
          -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_EXE_LINKER_FLAGS=${LINKER_FLAGS})

@@ -16,9 +16,9 @@
 namespace gridlock {
 namespace {
 
-using Kernel = std::size_t (*)(NeighbourSearch const&, std::span<RowRange const>, std::uint32_t*);
+using Kernel = std::size_t (*)(RowSearch const&, std::span<RowRange const>, std::uint32_t*);
 
-std::vector<std::uint32_t> found_by(Kernel kernel, NeighbourSearch const& search, std::vector<RowRange> const& ranges,
+std::vector<std::uint32_t> found_by(Kernel kernel, RowSearch const& search, std::vector<RowRange> const& ranges,
                                     std::size_t candidates) {
   std::vector<std::uint32_t> found(candidates + neighbour_slack);
   found.resize(kernel(search, ranges, found.data()));
@@ -45,12 +45,12 @@ RC_GTEST_PROP(Neighbours, AreThoseOfTheDefinitionInTheOrderOfTheRangesOneOrEight
     first = end + random.below(3);
   }
   std::size_t const self = random.below(count);
-  NeighbourSearch const search{.x = x.data(),
-                               .y = y.data(),
-                               .p = {x[self], y[self]},
-                               .squared_cutoff = 0.25,
-                               .left_out = self,
-                               .box = *rc::gen::arbitrary<bool>() ? &box : nullptr};
+  RowSearch const search{.x = x.data(),
+                         .y = y.data(),
+                         .p = {x[self], y[self]},
+                         .squared_cutoff = 0.25,
+                         .left_out = self,
+                         .box = *rc::gen::arbitrary<bool>() ? &box : nullptr};
   std::vector<std::uint32_t> expected;
   for (RowRange const& range : ranges) {
     for (std::size_t row = range.first; row < range.end; ++row) {

@@ -1,7 +1,7 @@
 // Every grid finds what brute force finds: pairs and neighbours, in any box, for any points, at any time of a life of
 // inserts, moves and erases.
 
-#include "gridlock/grid/pairs.hpp"
+#include "grid/pairs.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,6 +16,7 @@
 #include "grid/candidate_pairs.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/grid/linked_grid.hpp"
+#include "gridlock/grid/neighbour_search.hpp"
 #include "gridlock/grid/packed_grid.hpp"
 
 namespace gridlock {
@@ -194,28 +195,6 @@ TYPED_TEST(PairsOnGrid, StayThoseOfBruteForceThroughBirthsMovesAndDeaths) {
   }
 }
 
-TYPED_TEST(PairsOnGrid, FoldIntoAnySum) {
-  struct Moments {
-    std::size_t pairs = 0;
-    double farthest = 0.0;
-  };
-  for (std::uint64_t seed = 0; seed < 100; ++seed) {
-    Scene scene(seed);
-    double const cutoff = scene.any_cutoff();
-    TypeParam const grid = grid_for_cutoff<TypeParam>(scene.state(), cutoff);
-    Moments const sum = fold_pairs(scene.state(), grid, cutoff, Moments{},
-                                   [](Moments& moments, std::size_t, std::size_t, Vector separation) {
-                                     ++moments.pairs;
-                                     moments.farthest = std::max(moments.farthest, squared_length(separation));
-                                   });
-    double farthest = 0.0;
-    Pairs const expected = pairs_by_brute_force(scene.state(), cutoff);
-    for (auto const& [pair, d] : expected) farthest = std::max(farthest, squared_length({d.first, d.second}));
-    ASSERT_EQ(sum.pairs, expected.size()) << "seed " << seed;
-    ASSERT_EQ(sum.farthest, farthest) << "seed " << seed;
-  }
-}
-
 TYPED_TEST(PairsOnGrid, NeighboursOfAPointAreTheDisksWithinTheCutoff) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     Scene scene(seed);
@@ -294,6 +273,37 @@ TEST(CandidatePairs, AreTheSameWhereEveryCellIsFullAndEveryAgentIsNear) {
     EXPECT_EQ(wide, candidate_pairs(*one, cutoff, add_pairs_of_row_scalar));
     EXPECT_EQ(pairs_by_grid(state, *one, cutoff), pairs_by_brute_force(state, cutoff));
     EXPECT_GT(wide.size(), 1600U * 8U);
+  }
+}
+
+TEST(NeighbourSearch, FindsWhatBruteForceFindsBeforeAndAfterPointsMove) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    Scene scene(seed);
+    State& state = scene.state();
+    double const cutoff = scene.any_cutoff();
+    NeighbourSearch search(state.box, cutoff, state.disks.column<X>(), state.disks.column<Y>());
+    for (int round = 0; round < 3; ++round) {
+      Pairs by_pairs, by_neighbours;
+      search.for_each_pair([&](std::size_t i, std::size_t j, Vector d) {
+        ASSERT_GT(i, j);
+        ASSERT_TRUE(by_pairs.emplace(std::pair{i, j}, std::pair{d.x, d.y}).second) << "the pair came twice";
+      });
+      for (std::size_t i = 0; i < search.size(); ++i) {
+        search.for_each_neighbour(i, [&](std::size_t j, Vector d) {
+          ASSERT_NE(j, i);
+          if (j < i) by_neighbours[{i, j}] = {d.x, d.y};
+        });
+      }
+      Pairs const expected = pairs_by_brute_force(state, cutoff);
+      ASSERT_EQ(by_pairs, expected) << "seed " << seed;
+      ASSERT_EQ(by_neighbours, expected) << "seed " << seed;
+      for (std::size_t i = 0; i < search.size(); ++i) {
+        Vector const p = scene.any_point();
+        state.disks.column<X>()[i] = p.x;
+        state.disks.column<Y>()[i] = p.y;
+      }
+      search.update(state.disks.column<X>(), state.disks.column<Y>());
+    }
   }
 }
 

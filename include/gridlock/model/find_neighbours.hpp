@@ -15,7 +15,7 @@ struct RowRange {
 };
 
 /// Who among agents in ranges of rows is nearer to a point than some cutoff.
-struct NeighbourSearch {
+struct RowSearch {
   double const* x;  ///< the columns
   double const* y;
   Vector p;
@@ -34,6 +34,6 @@ constexpr std::size_t neighbour_slack = 8;
 /// processor has AVX-512, chosen at run time, one after the other elsewhere; the same rows on both.
 /// Cost: about 10 ns for six neighbours among seventeen candidates in three ranges.
 /// Contract: room for all candidates and neighbour_slack more; rows are below 2³².
-std::size_t find_neighbours(NeighbourSearch const& search, std::span<RowRange const> ranges, std::uint32_t* found);
+std::size_t find_neighbours(RowSearch const& search, std::span<RowRange const> ranges, std::uint32_t* found);
 
 }  // namespace gridlock

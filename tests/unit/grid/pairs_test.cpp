@@ -1,4 +1,4 @@
-#include "gridlock/grid/pairs.hpp"
+#include "grid/pairs.hpp"
 
 #include <gtest/gtest.h>
 

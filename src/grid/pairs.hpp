@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <utility>
+
+#include "gridlock/core/state.hpp"
+#include "gridlock/grid/detail/point_pairs.hpp"
+#include "gridlock/grid/linked_grid.hpp"
+#include "gridlock/grid/packed_grid.hpp"
+
+namespace gridlock {
+
+// Pairs and neighbours of disks, on a grid of choice.
+
+inline PointsInBox centres(State const& state) { return {state.box, state.disks.column<X>(), state.disks.column<Y>()}; }
+
+/// A grid of all disks of a state, cut so that a 3×3 block holds every neighbour nearer than `cutoff`.
+template <NeighbourGrid Grid = PackedGrid>
+Grid grid_for_cutoff(State const& state, double cutoff) {
+  return {layout_for_cutoff(state.box, cutoff, state.disks.size()), state.disks.column<X>(), state.disks.column<Y>()};
+}
+
+/// As for_each_pair(PointsInBox, …): i > j are rows of the population.
+template <NeighbourGrid Grid, class Visit>
+void for_each_pair(State const& state, Grid const& grid, double cutoff, Visit visit) {
+  for_each_pair(centres(state), grid, cutoff, std::move(visit));
+}
+
+/// As for_each_neighbour(PointsInBox, …).
+template <NeighbourGrid Grid, class Visit>
+void for_each_neighbour(State const& state, Grid const& grid, double cutoff, Vector p, Visit visit) {
+  for_each_neighbour(centres(state), grid, cutoff, p, std::move(visit));
+}
+
+/// The same for the neighbours of disk i, which is none of them.
+template <NeighbourGrid Grid, class Visit>
+void for_each_neighbour(State const& state, Grid const& grid, double cutoff, std::size_t i, Visit visit) {
+  for_each_neighbour(state, grid, cutoff, position(state.disks, i), [&](std::size_t j, Vector separation) {
+    if (j != i) visit(j, separation);
+  });
+}
+
+}  // namespace gridlock
