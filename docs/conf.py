@@ -44,8 +44,12 @@ root_pages = {
 
 
 def link_chapters(app, docname, source):
-    """Turns links to pages of the repository's root into links to the chapters that include them."""
+    """Puts a page of the root into its chapter, and turns links to such pages into links to the chapters."""
     depth = docname.count("/")
+    for page, chapter in root_pages.items():
+        if source[0].startswith(f"```{{include}} ../../{page}\n"):
+            text = (repository / page).read_text()
+            source[0] = re.sub(r"\]\((?!https?:|#)", "](../../", text).replace("](../../docs/", "](../")
     for page, chapter in root_pages.items():
         source[0] = source[0].replace(f"]({'../' * (depth + 1)}{page}", f"]({'../' * depth}{chapter}")
 

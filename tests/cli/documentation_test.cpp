@@ -66,33 +66,40 @@ TEST(Help, ThePageOfTheCommandLineSaysWhatTheProgramSays) {
 }
 
 struct Page {
-  std::string commands;                                    ///< all ```sh blocks
+  std::string script;                                      ///< all ```sh and ```console blocks
   std::vector<std::pair<std::string, std::string>> files;  ///< blocks whose first line is a comment with a file's name
 };
 
+/// Text from the next line up to the end of the block.
+std::string rest_of_block(std::istream& lines) {
+  std::string text;
+  for (std::string line; std::getline(lines, line) && !line.starts_with("```");) text += line + "\n";
+  return text;
+}
+
+/// A block of "$ command" and beneath it all that the command prints: a script that compares the two.
+std::string comparison(std::string const& block) {
+  std::size_t const end = block.find('\n');
+  std::string const command = block.substr(2, end - 2);
+  return "diff -u - <((" + command + ") 2>&1) <<'PRINTED'\n" + block.substr(end + 1) + "PRINTED\n";
+}
+
 /// Examples that need an interruption, other machines, minutes or further packages are ```text.
 Page page_of(fs::path const& file) {
-  static std::regex const file_name(R"((?:#|//) (\w+\.(?:toml|py)))");
+  static std::regex const file_name(R"((?:#|//) (\w+\.(?:toml|py))\n[^]*)");
   Page page;
   std::istringstream lines(text_of(file));
-  bool is_in_block = false;
-  bool is_command = false;
-  bool is_first = false;
-  std::string* block = nullptr;
   for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with("```")) {
-      is_in_block = !is_in_block;
-      is_command = is_in_block && line == "```sh";
-      is_first = is_in_block;
-      block = is_command ? &page.commands : nullptr;
-      continue;
-    }
+    if (!line.starts_with("```")) continue;
+    std::string const block = rest_of_block(lines);
     std::smatch match;
-    if (is_first && !is_command && std::regex_match(line, match, file_name)) {
-      block = &page.files.emplace_back(match[1].str(), "").second;
+    if (line == "```sh") {
+      page.script += block;
+    } else if (line == "```console") {
+      page.script += comparison(block);
+    } else if (std::regex_match(block, match, file_name)) {
+      page.files.emplace_back(match[1].str(), block);
     }
-    is_first = false;
-    if (block != nullptr) *block += line + "\n";
   }
   return page;
 }
@@ -100,14 +107,14 @@ Page page_of(fs::path const& file) {
 /// Runs what a page shows, from top to bottom, in a directory of its own beside the scenes and examples.
 void run_commands_of(fs::path const& file) {
   Page const page = page_of(file);
-  if (page.commands.empty()) return;
+  if (page.script.empty()) return;
   Workplace const workplace;
   for (char const* name : {"scenes", "examples"}) fs::create_directory_symlink(root / name, workplace / name);
   for (auto const& [name, text] : page.files) write(workplace / name, text);
-  std::string const path = fs::path(GRIDLOCK_PROGRAM).parent_path().string();
-  Outcome const outcome =
-      Process("/bin/bash", {"-exc", "PATH=" + path + ":/usr/bin:$PATH\n" + page.commands}, workplace.path()).wait();
-  EXPECT_EQ(outcome.exit_code, 0) << file << "\n" << outcome.err;
+  std::string const preamble = "PATH=" + fs::path(GRIDLOCK_PROGRAM).parent_path().string() + ":/usr/bin:$PATH\n" +
+                               "trap 'echo \"failed: $BASH_COMMAND\" >&2' ERR\n";
+  Outcome const outcome = Process("/bin/bash", {"-ec", preamble + page.script}, workplace.path()).wait();
+  EXPECT_EQ(outcome.exit_code, 0) << file << "\n" << outcome.out << outcome.err;
 }
 
 std::vector<fs::path> pages_in(std::string const& folder) {

@@ -48,7 +48,7 @@ endfunction()
 
 # The programs are all those that the documentation shows; where it shows beneath one what it prints, that is compared.
 set(programs "")
-foreach(document README.md docs/explanation/models.md docs/getting_started/own_model.md)
+foreach(document README.md docs/getting_started/own_model.md)
   file(READ ${SOURCE_DIRECTORY}/${document} text)
   get_filename_component(name ${document} NAME_WE)
   set(number 0)
