@@ -31,7 +31,10 @@ std::optional<Estimate> estimate_from(std::span<Block const> blocks) {
 
 void serialize(Archive& archive, std::string_view name, std::span<Block> blocks) {
   std::vector<double> numbers;
-  for (Block const& block : blocks) numbers.insert(numbers.end(), {block.sum, block.weight});
+  for (Block const& block : blocks) {
+    numbers.push_back(block.sum);
+    numbers.push_back(block.weight);
+  }
   archive.visit(name, numbers);
   archive.require(numbers.size() == 2 * blocks.size(), "the blocks differ in number");
   for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b] = {.sum = numbers[2 * b], .weight = numbers[2 * b + 1]};

@@ -35,7 +35,7 @@ std::vector<EngineSetting> settings_of(EngineSettings const& engine) {
           {"threads", engine.threads == usual.threads}};
 }
 
-bool is_one_of(std::string_view name, std::vector<std::string_view> const& names) {
+bool is_one_of(std::string_view name, std::initializer_list<std::string_view> names) {
   return std::ranges::find(names, name) != names.end();
 }
 

@@ -12,11 +12,6 @@ using namespace gridlock::test;
 
 fs::path const root = GRIDLOCK_SOURCE_DIR;
 
-void expect_good(Outcome const& outcome) { EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err; }
-
-char const* const small_run =
-    "[disks]\ncount = 100\npacking_fraction = 0.6\n[engine]\ncells = 5\n[run]\nsteps = 400\n[observe]\nevery = 20\n";
-
 TEST(Explain, TheReferencePageIsWhatTheProgramSays) {
   Workplace const workplace;
   Outcome const outcome = gridlock::test::gridlock({"explain", "--markdown"}, workplace.path());

@@ -21,11 +21,6 @@ nlohmann::json summary_of(fs::path const& directory) {
   return nlohmann::json::parse(text_of(directory / "summary.json"));
 }
 
-void expect_good(Outcome const& outcome) { EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err; }
-
-char const* const small_run =
-    "[disks]\ncount = 100\npacking_fraction = 0.6\n[engine]\ncells = 5\n[run]\nsteps = 400\n[observe]\nevery = 20\n";
-
 TEST(Run, LeavesEverythingItPromises) {
   Workplace const workplace;
   write(workplace / "a.toml", small_run);

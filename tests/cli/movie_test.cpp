@@ -15,10 +15,6 @@ using namespace gridlock::test;
 
 bool has_ffmpeg() { return std::system("ffmpeg -version >/dev/null 2>&1") == 0; }
 
-Outcome in(Workplace const& workplace, std::vector<std::string> const& arguments) {
-  return Process(GRIDLOCK_PROGRAM, arguments, workplace.path()).wait();
-}
-
 /// Sixteen disks, `steps` steps, a frame of every one and of the start.
 void run_with_frames(Workplace const& workplace, std::string const& steps) {
   write(workplace / "run.toml",

@@ -22,8 +22,6 @@ Outcome own(fs::path const& directory, std::vector<std::string> arguments) {
   return Process(GRIDLOCK_OWN_PROGRAM, std::move(arguments), directory).wait();
 }
 
-void expect_good(Outcome const& outcome) { EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err; }
-
 void expect_says(Outcome const& outcome, std::string const& text) {
   expect_good(outcome);
   EXPECT_NE(outcome.out.find(text), std::string::npos) << outcome.out;
@@ -33,13 +31,6 @@ std::string state_hash_of(Outcome const& outcome) {
   std::size_t const name = outcome.out.find("state_hash");
   std::size_t const digits = outcome.out.find_first_of("0123456789abcdef", name + std::string("state_hash").size());
   return name == std::string::npos ? "no hash: " + outcome.out + outcome.err : outcome.out.substr(digits, 16);
-}
-
-void wait_for(fs::path const& file) {
-  auto const end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (!fs::exists(file) && std::chrono::steady_clock::now() < end) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
 }
 
 TEST(OwnProgram, ChecksRunsShowsAndExportsItsModel) {

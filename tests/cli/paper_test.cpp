@@ -11,12 +11,6 @@ namespace {
 
 using namespace gridlock::test;
 
-/// Waits for a file that a process makes while it works.
-void wait_for(fs::path const& file) {
-  for (int n = 0; n < 6000 && !fs::exists(file); ++n) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  ASSERT_TRUE(fs::exists(file)) << file;
-}
-
 TEST(Paper, StoppedByASignalInFigure5KeepsWhatIsDoneAndSaysHowToGoOn) {
   for (int const signal : {SIGINT, SIGTERM}) {
     Workplace const workplace;

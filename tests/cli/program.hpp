@@ -1,17 +1,20 @@
 #pragma once
 
 #include <fcntl.h>
+#include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -98,6 +101,25 @@ class Process {
 
 inline Outcome gridlock(std::vector<std::string> arguments, fs::path const& directory) {
   return Process(GRIDLOCK_PROGRAM, std::move(arguments), directory).wait();
+}
+
+inline Outcome in(Workplace const& workplace, std::vector<std::string> arguments) {
+  return gridlock(std::move(arguments), workplace.path());
+}
+
+inline void expect_good(Outcome const& outcome) { EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err; }
+
+/// A settings file that takes a moment.
+inline constexpr char const* small_run =
+    "[disks]\ncount = 100\npacking_fraction = 0.6\n[engine]\ncells = 5\n[run]\nsteps = 400\n[observe]\nevery = 20\n";
+
+/// Waits for a file that a process makes while it works.
+inline void wait_for(fs::path const& file) {
+  auto const end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!fs::exists(file) && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ASSERT_TRUE(fs::exists(file)) << file;
 }
 
 /// What stands in a directory, without the output the tests redirect.

@@ -13,11 +13,7 @@ namespace {
 using namespace gridlock::test;
 using Arguments = std::vector<std::string>;
 
-Outcome in(Workplace const& workplace, Arguments const& arguments) {
-  return gridlock::test::gridlock(arguments, workplace.path());
-}
-
-char const* const small_run =
+char const* const settings_with_frames =
     "[disks]\ncount = 64\npacking_fraction = 0.5\n[run]\nsteps = 130\n[observe]\nevery = 20\n[trajectory]\nevery = "
     "40\n";
 
@@ -27,7 +23,7 @@ std::string state_hash_of(fs::path const& directory) {
 
 TEST(Resume, MakesAFinishedRunLongerWithTheBytesOfARunThatLong) {
   Workplace const workplace;
-  write(workplace / "a.toml", small_run);
+  write(workplace / "a.toml", settings_with_frames);
   ASSERT_EQ(in(workplace, {"run", "a.toml", "-o", "parts", "--no-pictures", "-q"}).exit_code, 0);
   Outcome const longer = in(workplace, {"resume", "parts", "--steps", "400", "--no-pictures"});
   EXPECT_EQ(longer.exit_code, 0) << longer.err;
@@ -54,7 +50,7 @@ TEST(Resume, OfAFinishedRunOfAModelSaysHowToMakeItLonger) {
 
 TEST(Resume, OfARunWhoseTrajectoryIsCutOffIsRefusedAtOnceWithPlaceAndHintAndChangesNothing) {
   Workplace const workplace;
-  write(workplace / "a.toml", std::string(small_run) + "per_decade = 40\n");
+  write(workplace / "a.toml", std::string(settings_with_frames) + "per_decade = 40\n");
   ASSERT_EQ(in(workplace, {"run", "a.toml", "-o", "out", "--no-pictures", "-q"}).exit_code, 0);
   fs::path const file = workplace / "out/trajectory.h5";
   std::string const whole = text_of(file);
@@ -80,7 +76,7 @@ TEST(Resume, OfARunWhoseTrajectoryIsCutOffIsRefusedAtOnceWithPlaceAndHintAndChan
 TEST(Resume, DoesNotWaitForAPipeInThePlaceOfItsLogOrItsList) {
   for (char const* name : {"run.log", ".gridlock.files"}) {
     Workplace const workplace;
-    write(workplace / "a.toml", std::string(small_run) + "per_decade = 40\n");
+    write(workplace / "a.toml", std::string(settings_with_frames) + "per_decade = 40\n");
     ASSERT_EQ(in(workplace, {"run", "a.toml", "-o", "out", "--no-pictures", "-q"}).exit_code, 0);
     fs::remove(workplace / "out" / name);
     ASSERT_EQ(mkfifo((workplace / "out" / name).c_str(), 0600), 0);
@@ -92,7 +88,7 @@ TEST(Resume, DoesNotWaitForAPipeInThePlaceOfItsLogOrItsList) {
 
 TEST(Overwrite, LeavesNothingOfARunOfAnotherKindAndEverythingOfTheUser) {
   Workplace const workplace;
-  write(workplace / "disks.toml", small_run);
+  write(workplace / "disks.toml", settings_with_frames);
   write(workplace / "model.toml",
         "model.kind = \"epidemic\"\nepidemic.count = 50\nepidemic.turnover_rate = 0.1\nrun.steps = 20\n");
   ASSERT_EQ(in(workplace, {"run", "model.toml", "-o", "only_model"}).exit_code, 0);
@@ -136,7 +132,7 @@ TEST(Overwrite, OfARunByASweepLeavesNoneOfItsResults) {
 
 TEST(Leftovers, OfKilledProcessesGoWithResumeOverwriteAndExport) {
   Workplace const workplace;
-  write(workplace / "a.toml", small_run);
+  write(workplace / "a.toml", settings_with_frames);
   auto const leave = [&] {
     for (char const* name : {".checkpoint.gridlock.99999999-0.part", ".trajectory.csv.99999999-3.part"}) {
       write(workplace / "out" / name, "half");
@@ -162,7 +158,7 @@ TEST(Leftovers, OfKilledProcessesGoWithResumeOverwriteAndExport) {
 
 TEST(Run, OnANumberOfThreadsKeepsItInItsConfiguration) {
   Workplace const workplace;
-  write(workplace / "a.toml", std::string(small_run) + "[engine]\nkind = \"tiled\"\nthreads = 3\n");
+  write(workplace / "a.toml", std::string(settings_with_frames) + "[engine]\nkind = \"tiled\"\nthreads = 3\n");
   ASSERT_EQ(in(workplace, {"run", "a.toml", "-o", "one", "--no-pictures", "-q", "-j", "1"}).exit_code, 0);
   ASSERT_EQ(in(workplace, {"run", "a.toml", "-o", "three", "--no-pictures", "-q"}).exit_code, 0);
   EXPECT_NE(text_of(workplace / "one/config.resolved.toml").find("threads = 1\n"), std::string::npos);

@@ -24,8 +24,6 @@ Outcome in(fs::path const& directory, std::vector<std::string> arguments) {
   return gridlock::test::gridlock(std::move(arguments), directory);
 }
 
-void expect_good(Outcome const& outcome) { EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err; }
-
 /// sweep.csv without the times runs took.
 std::string rows_of(fs::path const& directory) {
   gridlock::Table const table = gridlock::read_csv(directory / "sweep.csv");

@@ -19,19 +19,19 @@ namespace {
 using reference::random_scene;
 using reference::SceneSettings;
 
-struct Case {
+struct ColloidCase {
   std::string name;
   SceneSettings scene;
   double step_length = 0.1;
   std::uint64_t substeps = 5;
   double fastest = 1.0;  ///< how much faster every seventh disk is
 
-  friend std::ostream& operator<<(std::ostream& out, Case const& c) {
+  friend std::ostream& operator<<(std::ostream& out, ColloidCase const& c) {
     return out << c.scene << ", step length " << c.step_length << ", sub-steps " << c.substeps;
   }
 };
 
-std::vector<Case> cases() {
+std::vector<ColloidCase> colloid_cases() {
   SceneSettings const dense{.count = 400, .packing_fraction = 0.7};
   SceneSettings const mixture{.edge = Edge::periodic,
                               .width = 1.7,
@@ -41,7 +41,7 @@ std::vector<Case> cases() {
                               .smallest_ratio = 0.3,
                               .heaviest_mass = 5.0};
   SceneSettings const many{.edge = Edge::periodic, .width = 2.0, .count = 1500, .packing_fraction = 0.6};
-  std::vector<Case> all{
+  std::vector<ColloidCase> all{
       {.name = "dense", .scene = dense},
       {.name = "mixture", .scene = mixture, .step_length = 0.3, .substeps = 3},
       {.name = "many", .scene = many},
@@ -61,7 +61,7 @@ std::vector<Case> cases() {
   return all;
 }
 
-class ColloidOn : public testing::TestWithParam<Case> {
+class ColloidOn : public testing::TestWithParam<ColloidCase> {
  protected:
   static constexpr std::uint64_t steps = 40;
 
@@ -122,7 +122,8 @@ TEST_P(ColloidOn, TileByTileOnAnyNumberOfThreadsHasTheBitsOfTheEngineTiled) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, ColloidOn, testing::ValuesIn(cases()), [](auto const& one) { return one.param.name; });
+INSTANTIATE_TEST_SUITE_P(Scenes, ColloidOn, testing::ValuesIn(colloid_cases()),
+                         [](auto const& one) { return one.param.name; });
 
 TEST(Colloid, ADiskThatCouldJumpOverAnotherEndsTheRun) {
   Colloid model;

@@ -21,18 +21,18 @@ namespace {
 using reference::random_scene;
 using reference::SceneSettings;
 
-struct Case {
+struct ExactCase {
   std::string name;
   SceneSettings scene;
   /// Rounding grows with each collision by about twice the mean free path in radii: a few tenfold in a fluid, a
   /// hundredfold in a dilute gas. This many collisions a disk leave the digits that the tests compare.
   std::uint64_t collisions_per_disk = 10;
 
-  friend std::ostream& operator<<(std::ostream& out, Case const& c) { return out << c.name << ": " << c.scene; }
+  friend std::ostream& operator<<(std::ostream& out, ExactCase const& c) { return out << c.name << ": " << c.scene; }
 };
 
-std::vector<Case> cases() {
-  std::vector<Case> cases{
+std::vector<ExactCase> exact_cases() {
+  std::vector<ExactCase> cases{
       {"two_disks", {.count = 2, .packing_fraction = 0.3}, 4},
       {"dilute", {.count = 30, .packing_fraction = 0.02}, 1},
       {"fluid", {.count = 40, .packing_fraction = 0.5}, 6},
@@ -45,7 +45,7 @@ std::vector<Case> cases() {
   };
   std::size_t const walled = cases.size();
   for (std::size_t k = 0; k < walled; ++k) {
-    Case periodic = cases[k];
+    ExactCase periodic = cases[k];
     periodic.name += "_periodic";
     periodic.scene.edge = Edge::periodic;
     cases.push_back(periodic);
@@ -57,7 +57,7 @@ constexpr std::uint64_t seeds[]{1, 2, 3, 4};
 
 EngineSettings exact_settings() { return {.kind = "exact", .audit_every = 7}; }
 
-class ExactProperty : public testing::TestWithParam<Case> {
+class ExactProperty : public testing::TestWithParam<ExactCase> {
  protected:
   static State start(std::uint64_t seed) {
     SceneSettings scene = GetParam().scene;
@@ -68,7 +68,7 @@ class ExactProperty : public testing::TestWithParam<Case> {
   static std::uint64_t comparable_collisions() { return GetParam().collisions_per_disk * disks() / 2; }
 };
 
-INSTANTIATE_TEST_SUITE_P(Scenes, ExactProperty, testing::ValuesIn(cases()),
+INSTANTIATE_TEST_SUITE_P(Scenes, ExactProperty, testing::ValuesIn(exact_cases()),
                          [](auto const& scene) { return scene.param.name; });
 
 double difference(State const& a, State const& b) {

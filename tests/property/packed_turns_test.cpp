@@ -22,16 +22,16 @@ namespace {
 using reference::random_scene;
 using reference::SceneSettings;
 
-struct System {
+struct PackedSystem {
   SceneSettings scene;
   EngineSettings engine;
   /// Some disks much faster than the rest, so that cells are not made for them.
   double fastest = 1.0;
 };
 
-System any_system(std::uint64_t seed) {
+PackedSystem any_packed_system(std::uint64_t seed) {
   RandomStream random(seed, 0, 0, Purpose::start_position);
-  System s;
+  PackedSystem s;
   s.scene = {.edge = random.below(2) == 0 ? Edge::wall : Edge::periodic,
              .width = 0.3 + 3.0 * random.uniform(),
              .height = 0.3 + 3.0 * random.uniform(),
@@ -52,7 +52,7 @@ TEST(PackedTurns, GiveTheBitsOfTheListsForFiveHundredRandomSystems) {
   int with_collisions = 0;
   int failed = 0;
   for (std::uint64_t seed = 0; seed < 500; ++seed) {
-    System const s = any_system(seed);
+    PackedSystem const s = any_packed_system(seed);
     State linked = random_scene(s.scene);
     for (std::size_t i = 0; i < linked.disks.size(); i += 7) linked.disks.column<VelocityX>()[i] *= s.fastest;
     State packed = linked;
@@ -154,7 +154,7 @@ TEST(PackedTurns, TakenTogetherAreTheSameEightAtATimeAndOneByOne) {
   std::uint64_t left_out = 0;
   std::size_t with_further_blocks = 0;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
-    System s = any_system(seed);
+    PackedSystem s = any_packed_system(seed);
     s.scene.count += 100;
     State state = random_scene(s.scene);
     for (std::size_t i = 0; i < state.disks.size(); i += 7) state.disks.column<VelocityX>()[i] *= s.fastest;

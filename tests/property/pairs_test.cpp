@@ -22,10 +22,10 @@
 namespace gridlock {
 namespace {
 
-using Pairs = std::map<std::pair<std::size_t, std::size_t>, std::pair<double, double>>;
+using Separations = std::map<std::pair<std::size_t, std::size_t>, std::pair<double, double>>;
 
-Pairs pairs_by_brute_force(State const& state, double cutoff) {
-  Pairs pairs;
+Separations separations_by_brute_force(State const& state, double cutoff) {
+  Separations pairs;
   for (std::size_t i = 0; i < state.disks.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       Vector const d = state.box.displacement(position(state.disks, i), position(state.disks, j));
@@ -36,8 +36,8 @@ Pairs pairs_by_brute_force(State const& state, double cutoff) {
 }
 
 template <class Grid>
-Pairs pairs_by_grid(State const& state, Grid const& grid, double cutoff) {
-  Pairs pairs;
+Separations separations_by_grid(State const& state, Grid const& grid, double cutoff) {
+  Separations pairs;
   for_each_pair(state, grid, cutoff, [&](std::size_t i, std::size_t j, Vector d) {
     EXPECT_GT(i, j);
     EXPECT_TRUE(pairs.emplace(std::pair{i, j}, std::pair{d.x, d.y}).second) << "the pair came twice";
@@ -46,8 +46,8 @@ Pairs pairs_by_grid(State const& state, Grid const& grid, double cutoff) {
 }
 
 template <class Grid>
-Pairs pairs_by_neighbours(State const& state, Grid const& grid, double cutoff) {
-  Pairs pairs;
+Separations pairs_by_neighbours(State const& state, Grid const& grid, double cutoff) {
+  Separations pairs;
   for (std::size_t i = 0; i < state.disks.size(); ++i) {
     for_each_neighbour(state, grid, cutoff, i, [&](std::size_t j, Vector d) {
       EXPECT_NE(i, j);
@@ -149,9 +149,9 @@ TYPED_TEST(PairsOnGrid, AreThoseOfBruteForce) {
     State const& state = scene.state();
     double const cutoff = scene.any_cutoff();
     TypeParam const grid(scene.any_layout(cutoff), state.disks.column<X>(), state.disks.column<Y>());
-    Pairs const expected = pairs_by_brute_force(state, cutoff);
+    Separations const expected = separations_by_brute_force(state, cutoff);
     ASSERT_TRUE(grid.is_consistent()) << "seed " << seed;
-    ASSERT_EQ(pairs_by_grid(state, grid, cutoff), expected) << "seed " << seed;
+    ASSERT_EQ(separations_by_grid(state, grid, cutoff), expected) << "seed " << seed;
     ASSERT_EQ(pairs_by_neighbours(state, grid, cutoff), expected) << "seed " << seed;
   }
 }
@@ -191,7 +191,7 @@ TYPED_TEST(PairsOnGrid, StayThoseOfBruteForceThroughBirthsMovesAndDeaths) {
         ASSERT_EQ(grid.cell_of(i), grid.layout().cell_of(position(state.disks, i))) << "seed " << seed;
       }
     }
-    ASSERT_EQ(pairs_by_grid(state, grid, cutoff), pairs_by_brute_force(state, cutoff)) << "seed " << seed;
+    ASSERT_EQ(separations_by_grid(state, grid, cutoff), separations_by_brute_force(state, cutoff)) << "seed " << seed;
   }
 }
 
@@ -271,7 +271,7 @@ TEST(CandidatePairs, AreTheSameWhereEveryCellIsFullAndEveryAgentIsNear) {
     double const cutoff = one->layout().cell_width();
     CandidatePairs const wide = candidate_pairs(*one, cutoff, add_pairs_of_row_with_avx512);
     EXPECT_EQ(wide, candidate_pairs(*one, cutoff, add_pairs_of_row_scalar));
-    EXPECT_EQ(pairs_by_grid(state, *one, cutoff), pairs_by_brute_force(state, cutoff));
+    EXPECT_EQ(separations_by_grid(state, *one, cutoff), separations_by_brute_force(state, cutoff));
     EXPECT_GT(wide.size(), 1600U * 8U);
   }
 }
@@ -283,7 +283,7 @@ TEST(NeighbourSearch, FindsWhatBruteForceFindsBeforeAndAfterPointsMove) {
     double const cutoff = scene.any_cutoff();
     NeighbourSearch search(state.box, cutoff, state.disks.column<X>(), state.disks.column<Y>());
     for (int round = 0; round < 3; ++round) {
-      Pairs by_pairs, by_neighbours;
+      Separations by_pairs, by_neighbours;
       search.for_each_pair([&](std::size_t i, std::size_t j, Vector d) {
         ASSERT_GT(i, j);
         ASSERT_TRUE(by_pairs.emplace(std::pair{i, j}, std::pair{d.x, d.y}).second) << "the pair came twice";
@@ -294,7 +294,7 @@ TEST(NeighbourSearch, FindsWhatBruteForceFindsBeforeAndAfterPointsMove) {
           if (j < i) by_neighbours[{i, j}] = {d.x, d.y};
         });
       }
-      Pairs const expected = pairs_by_brute_force(state, cutoff);
+      Separations const expected = separations_by_brute_force(state, cutoff);
       ASSERT_EQ(by_pairs, expected) << "seed " << seed;
       ASSERT_EQ(by_neighbours, expected) << "seed " << seed;
       for (std::size_t i = 0; i < search.size(); ++i) {
@@ -313,8 +313,8 @@ TEST(PairsBetweenGrids, AreTheSameForThousandsOfAgents) {
     RandomStream random(7, 0, 0, Purpose::start_position);
     for (int n = 0; n < 20000; ++n) state.disks.add(3.0 * random.uniform(), 2.0 * random.uniform(), 0, 0, 1, 1, 0, 0);
     for (double const cutoff : {0.003, 0.02, 0.05}) {
-      Pairs const linked = pairs_by_grid(state, grid_for_cutoff<LinkedGrid>(state, cutoff), cutoff);
-      EXPECT_EQ(pairs_by_grid(state, grid_for_cutoff<PackedGrid>(state, cutoff), cutoff), linked);
+      Separations const linked = separations_by_grid(state, grid_for_cutoff<LinkedGrid>(state, cutoff), cutoff);
+      EXPECT_EQ(separations_by_grid(state, grid_for_cutoff<PackedGrid>(state, cutoff), cutoff), linked);
       EXPECT_GT(linked.size(), 500U);
     }
   }

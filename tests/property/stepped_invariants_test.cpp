@@ -34,24 +34,24 @@ struct System {
   }
 };
 
-double between(double low, double high) { return low + (high - low) * (*rc::gen::inRange(0, 1001) / 1000.0); }
+double number_between(double low, double high) { return low + (high - low) * (*rc::gen::inRange(0, 1001) / 1000.0); }
 
 /// Drawn from the whole range at once: RapidCheck would start with nearly empty boxes, where nothing happens.
 rc::Gen<System> any_system() {
   return rc::gen::resize(rc::kNominalSize, rc::gen::exec([] {
                            System s;
                            s.scene.edge = *rc::gen::element(Edge::wall, Edge::periodic);
-                           s.scene.width = between(0.5, 3.0);
-                           s.scene.height = between(0.5, 3.0);
+                           s.scene.width = number_between(0.5, 3.0);
+                           s.scene.height = number_between(0.5, 3.0);
                            s.scene.count = static_cast<std::uint64_t>(*rc::gen::inRange(1, 41));
-                           s.scene.packing_fraction = between(0.01, 0.78);
+                           s.scene.packing_fraction = number_between(0.01, 0.78);
                            s.scene.smallest_ratio = *rc::gen::element(1.0, 1.0 / 1.4, 0.3);
                            s.scene.heaviest_mass = *rc::gen::element(1.0, 10.0);
                            s.scene.seed = *rc::gen::arbitrary<std::uint64_t>();
                            s.engine.substeps = static_cast<std::uint64_t>(*rc::gen::inRange(1, 9));
                            // Room for disks to gain four times the speed of the start before a sub-step is too long.
                            s.engine.time_step =
-                               std::min(between(0.02, 1.0), 0.25 * static_cast<double>(s.engine.substeps));
+                               std::min(number_between(0.02, 1.0), 0.25 * static_cast<double>(s.engine.substeps));
                            s.engine.contact = *rc::gen::element(Contact::always, Contact::approaching);
                            auto const cells = static_cast<std::uint64_t>(*rc::gen::inRange(0, 16));
                            if (cells > 0) s.engine.cells = cells;

@@ -21,7 +21,7 @@ namespace {
 using reference::random_scene;
 using reference::SceneSettings;
 
-struct System {
+struct TiledSystem {
   SceneSettings scene;
   EngineSettings engine;
   double fastest = 1.0;  ///< some disks are so much faster that they wait for the end of the step
@@ -34,9 +34,9 @@ struct System {
 };
 
 /// Boxes from a single cell to many tiles, walls and periodic, equal disks and mixtures that overfill cells.
-System any_system(std::uint64_t seed) {
+TiledSystem any_tiled_system(std::uint64_t seed) {
   RandomStream random(seed, 0, 0, Purpose::start_position);
-  System s;
+  TiledSystem s;
   s.scene = {.edge = random.below(2) == 0 ? Edge::wall : Edge::periodic,
              .width = 0.5 + 2.0 * random.uniform(),
              .height = 0.5 + 2.0 * random.uniform(),
@@ -74,7 +74,7 @@ Ended advance(EngineSettings settings, std::uint64_t threads, State& state, std:
 TEST(Tiled, GivesTheSameBitsForOneTwoThreeAndEightThreads) {
   int with_collisions = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
-    System const s = any_system(seed);
+    TiledSystem const s = any_tiled_system(seed);
     State const start = s.start();
     State state = start;
     Ended const one = advance(s.engine, 1, state, 40);
@@ -112,7 +112,7 @@ State with_rows_shuffled(State const& state, std::uint64_t seed) {
 
 TEST(Tiled, VisitsInAnOrderThatIsAFunctionOfTheStateAlone) {
   for (std::uint64_t seed = 100; seed < 140; ++seed) {
-    System const s = any_system(seed);
+    TiledSystem const s = any_tiled_system(seed);
     State whole = s.start();
     State cut = whole;
     State shuffled = with_rows_shuffled(whole, seed);
@@ -127,7 +127,7 @@ TEST(Tiled, VisitsInAnOrderThatIsAFunctionOfTheStateAlone) {
 
 TEST(Tiled, KeepsEveryPromiseOfTheRule) {
   for (std::uint64_t seed = 200; seed < 260; ++seed) {
-    System const s = any_system(seed);
+    TiledSystem const s = any_tiled_system(seed);
     State state = s.start();
     double const energy = kinetic_energy(state.disks);
     Ended const ended = advance(s.engine, 2, state, 80);

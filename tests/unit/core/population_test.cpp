@@ -11,10 +11,10 @@ namespace {
 struct Weight {
   using type = double;
 };
-struct Colour {
+struct Dye {
   using type = int;
 };
-using Marbles = Population<Weight, Colour>;
+using Marbles = Population<Weight, Dye>;
 
 constexpr Id generation(std::uint64_t n) { return n << 32; }
 
@@ -37,8 +37,8 @@ TEST(Population, RemovingMovesTheLastRowIntoTheGapWithAllItsColumns) {
   EXPECT_EQ(marbles.index_of(b), 1U);
   EXPECT_EQ(marbles.ids()[0], c);
   EXPECT_EQ(marbles.column<Weight>()[0], 2.5);
-  EXPECT_EQ(marbles.column<Colour>()[0], 12);
-  EXPECT_EQ(marbles.column<Colour>()[1], 11);
+  EXPECT_EQ(marbles.column<Dye>()[0], 12);
+  EXPECT_EQ(marbles.column<Dye>()[1], 11);
 }
 
 TEST(Population, TheLastRowCanBeRemoved) {
@@ -69,7 +69,7 @@ TEST(Population, ReusesTheSlotOfTheDeadUnderANewName) {
   Id const born = marbles.add(2.5, 12);
   EXPECT_EQ(born, generation(1) | dead);
   EXPECT_FALSE(marbles.contains(dead)) << "a stale name must not find the agent that took the slot";
-  EXPECT_EQ(marbles.column<Colour>()[marbles.index_of(born)], 12);
+  EXPECT_EQ(marbles.column<Dye>()[marbles.index_of(born)], 12);
 }
 
 TEST(Population, NeverGivesANameTwiceInManyBirthsAndDeathsOnFewSlots) {
@@ -102,7 +102,7 @@ TEST(Population, RefusesANameWhoseSlotIsTaken) {
   EXPECT_FALSE(marbles.add_as(7, 1.5, 11));
   EXPECT_FALSE(marbles.add_as(generation(1) | 7, 1.5, 11));
   ASSERT_EQ(marbles.size(), 1U);
-  EXPECT_EQ(marbles.column<Colour>()[0], 10);
+  EXPECT_EQ(marbles.column<Dye>()[0], 10);
 }
 
 TEST(Population, RefusesTheNameOfADeadAgent) {

@@ -18,6 +18,7 @@
 #include "gridlock/core/random.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/io/file.hpp"
+#include "unit/drawing/number_in_png.hpp"
 #include "unit/io/markup_document.hpp"
 #include "unit/io/temporary_directory.hpp"
 
@@ -59,12 +60,6 @@ std::vector<std::string> colours_of_disks(State const& state, PictureSettings co
   std::vector<std::string> colours;
   for (auto const& circle : drawn(state, settings).named("circle")) colours.push_back(circle.attributes.at("fill"));
   return colours;
-}
-
-std::uint32_t number_at(std::string const& bytes, std::size_t place) {
-  std::uint32_t number = 0;
-  for (std::size_t i = place; i < place + 4; ++i) number = (number << 8) | static_cast<unsigned char>(bytes.at(i));
-  return number;
 }
 
 TEST(Picture, OfAWalledBoxHoldsOneCircleForEachDisk) {

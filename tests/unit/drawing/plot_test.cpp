@@ -13,6 +13,7 @@
 #include "drawing/picture.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/file.hpp"
+#include "unit/drawing/number_in_png.hpp"
 #include "unit/io/markup_document.hpp"
 #include "unit/io/temporary_directory.hpp"
 
@@ -82,12 +83,6 @@ GnuplotSettings stand_in(TemporaryDirectory const& directory, std::string const&
   write_file(program, "#!/bin/sh\n" + script);
   fs::permissions(program, fs::perms::owner_all);
   return {.program = program.string(), .time_limit = std::chrono::seconds(20)};
-}
-
-std::uint32_t number_at(std::string const& bytes, std::size_t place) {
-  std::uint32_t number = 0;
-  for (std::size_t i = place; i < place + 4; ++i) number = (number << 8) | static_cast<unsigned char>(bytes.at(i));
-  return number;
 }
 
 TEST(Plot, LeavesAScriptAndTwoPicturesOfTheSizeAskedFor) {

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double forever = 1e6;
 
-EngineSettings exact_settings() { return {.kind = "exact", .audit_every = 1}; }
+EngineSettings audited_settings() { return {.kind = "exact", .audit_every = 1}; }
 
 /// Disks of radius 0.1 and mass 1 in a box.
 class Scene {
@@ -26,7 +26,7 @@ class Scene {
     return *this;
   }
   Scene& run(StopCondition const& stop_condition) {
-    if (!engine) engine = make_engine(exact_settings(), state);
+    if (!engine) engine = make_engine(audited_settings(), state);
     engine->advance(state, counters, stop_condition);
     return *this;
   }
@@ -40,7 +40,7 @@ class Scene {
 
 std::string error_of(State const& state) {
   try {
-    make_engine(exact_settings(), state);
+    make_engine(audited_settings(), state);
   } catch (Error const& error) {
     return error.what();
   }
@@ -193,7 +193,7 @@ TEST(ExactEngine, StepsLineUpWithTheSteppedEngine) {
 TEST(ExactEngine, StopsAtATimeBetweenTwoSteps) {
   Scene scene(Edge::wall);
   scene.add(0.3, 0.5, 0.1, 0.2).add(0.7, 0.5, -0.1, 0.3);
-  double const step = make_engine(exact_settings(), scene.state)->time_step();
+  double const step = make_engine(audited_settings(), scene.state)->time_step();
   scene.run({.time = 2.5 * step});
   EXPECT_EQ(scene.state.clock.time, 2.5 * step);
   EXPECT_EQ(scene.state.clock.step, 2U);
@@ -203,7 +203,7 @@ TEST(ExactEngine, StopsAtATimeBetweenTwoSteps) {
 
 TEST(ExactEngine, StopsAtTheCollisionAskedFor) {
   State state = reference::random_scene({.count = 50, .packing_fraction = 0.5});
-  auto const engine = make_engine(exact_settings(), state);
+  auto const engine = make_engine(audited_settings(), state);
   Counters counters;
   for (std::uint64_t n = 1; n < 100; ++n) {
     engine->advance(state, counters, {.pair_collisions = n});
@@ -356,7 +356,7 @@ TEST(ExactEngine, IsStoppedWithinAStepAndGoesOnToTheSameBits) {
 TEST(ExactEngine, HandsOutDisksInContactWithoutOverlapHoweverLateItIs) {
   State state = reference::random_scene({.edge = Edge::periodic, .count = 16, .packing_fraction = 0.1});
   state.clock.time = 1e9;
-  auto const engine = make_engine(exact_settings(), state);
+  auto const engine = make_engine(audited_settings(), state);
   Counters counters;
   for (std::uint64_t n = 1; n <= 200; ++n) {
     engine->advance(state, counters, {.pair_collisions = n});

@@ -25,10 +25,10 @@ std::vector<std::size_t> in_cell(PackedGrid const& grid, int cell) {
 
 using Agents = std::vector<std::size_t>;
 
-PackedGrid four_cells() { return PackedGrid(CellLayout(Box(1.0, 1.0, Edge::wall), 2, 2)); }
+PackedGrid four_packed_cells() { return PackedGrid(CellLayout(Box(1.0, 1.0, Edge::wall), 2, 2)); }
 
 TEST(PackedGrid, StartsEmptyAndConsistent) {
-  PackedGrid const grid = four_cells();
+  PackedGrid const grid = four_packed_cells();
   EXPECT_EQ(grid.size(), 0U);
   EXPECT_FALSE(grid.contains(0));
   EXPECT_TRUE(grid.is_consistent());
@@ -49,7 +49,7 @@ TEST(PackedGrid, HoldsEveryPointItIsMadeOfInItsCell) {
 TEST(PackedGrid, HoldsAnyNumberOfAgentsInOneCellAndLosesThemInAnyOrder) {
   for (std::size_t const stride : {1U, 3U, 7U, 19U}) {
     constexpr std::size_t count = 20;
-    PackedGrid grid = four_cells();
+    PackedGrid grid = four_packed_cells();
     std::set<std::size_t> left;
     for (std::size_t agent = 0; agent < count; ++agent) {
       grid.insert(agent, {0.25, 0.25});
@@ -68,7 +68,7 @@ TEST(PackedGrid, HoldsAnyNumberOfAgentsInOneCellAndLosesThemInAnyOrder) {
 }
 
 TEST(PackedGrid, MovesAnAgentIntoAFullCellAndBack) {
-  PackedGrid grid = four_cells();
+  PackedGrid grid = four_packed_cells();
   for (std::size_t agent = 0; agent < 4; ++agent) grid.insert(agent, {0.25, 0.25});
   grid.insert(4, {0.75, 0.75});
   grid.move(4, {0.25, 0.25});
@@ -81,7 +81,7 @@ TEST(PackedGrid, MovesAnAgentIntoAFullCellAndBack) {
 }
 
 TEST(PackedGrid, TakesAgentsInAnyOrderWithGaps) {
-  PackedGrid grid = four_cells();
+  PackedGrid grid = four_packed_cells();
   grid.insert(40, {0.25, 0.25});
   grid.insert(7, {0.25, 0.25});
   EXPECT_TRUE(grid.contains(40));
@@ -91,7 +91,7 @@ TEST(PackedGrid, TakesAgentsInAnyOrderWithGaps) {
 }
 
 TEST(PackedGrid, ReusesTheBlocksOfCellsThatEmptied) {
-  PackedGrid grid = four_cells();
+  PackedGrid grid = four_packed_cells();
   for (int round = 0; round < 100; ++round) {
     Vector const p = round % 2 == 0 ? Vector{0.25, 0.25} : Vector{0.75, 0.75};
     for (std::size_t agent = 0; agent < 50; ++agent) grid.contains(agent) ? grid.move(agent, p) : grid.insert(agent, p);
@@ -101,7 +101,7 @@ TEST(PackedGrid, ReusesTheBlocksOfCellsThatEmptied) {
 }
 
 TEST(PackedGrid, CountsPointsOutsideTheBoxToTheNearestCellHoweverFar) {
-  PackedGrid grid = four_cells();
+  PackedGrid grid = four_packed_cells();
   grid.insert(0, {-1e9, 0.25});
   grid.insert(1, {1e300, 1e300});
   EXPECT_EQ(in_cell(grid, 0), (Agents{0}));
@@ -110,7 +110,7 @@ TEST(PackedGrid, CountsPointsOutsideTheBoxToTheNearestCellHoweverFar) {
 }
 
 TEST(PackedGrid, ACopyIsAGridOfItsOwn) {
-  PackedGrid grid = four_cells();
+  PackedGrid grid = four_packed_cells();
   for (std::size_t agent = 0; agent < 9; ++agent) grid.insert(agent, {0.25, 0.25});
   PackedGrid copy = grid;
   copy.erase(3);

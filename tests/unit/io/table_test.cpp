@@ -27,7 +27,7 @@ Table example() {
   return table;
 }
 
-std::vector<Problem> problems_of(std::string const& text) {
+std::vector<Problem> problems_of_table(std::string const& text) {
   try {
     parse_csv(text, "series.csv");
   } catch (Error const& error) {
@@ -95,7 +95,7 @@ TEST(Table, ReadsWhatOtherProgramsWrite) {
 }
 
 TEST(Table, NamesLineAndColumnOfEverythingWrong) {
-  auto const problems = problems_of("a,b\n1,2\n3\n4,five\n\"6\",7\n8,\"nine\n");
+  auto const problems = problems_of_table("a,b\n1,2\n3\n4,five\n\"6\",7\n8,\"nine\n");
   ASSERT_EQ(problems.size(), 4U);
   EXPECT_EQ(to_text(problems[0]),
             "the line has 1 entry for 2 columns\n  --> series.csv:3   3\n  hint: is the line cut off?");
@@ -110,20 +110,20 @@ TEST(Table, NamesLineAndColumnOfEverythingWrong) {
 }
 
 TEST(Table, RefusesAnEmptyFileAndNamesThatDoNotName) {
-  EXPECT_EQ(problems_of("").at(0).what, "the file holds no table");
-  EXPECT_EQ(problems_of("# only a comment\n").at(0).what, "the file holds no table");
-  EXPECT_EQ(problems_of("a,b,a\n1,2,3\n").at(0).what, "two columns are named \"a\"");
-  EXPECT_EQ(problems_of("a,\"b,c\"\n1,2\n").at(0).what, "\"b,c\" cannot name a column");
-  EXPECT_EQ(problems_of("a,,b\n1,2,3\n").at(0).what, "a column has no name");
+  EXPECT_EQ(problems_of_table("").at(0).what, "the file holds no table");
+  EXPECT_EQ(problems_of_table("# only a comment\n").at(0).what, "the file holds no table");
+  EXPECT_EQ(problems_of_table("a,b,a\n1,2,3\n").at(0).what, "two columns are named \"a\"");
+  EXPECT_EQ(problems_of_table("a,\"b,c\"\n1,2\n").at(0).what, "\"b,c\" cannot name a column");
+  EXPECT_EQ(problems_of_table("a,,b\n1,2,3\n").at(0).what, "a column has no name");
   // Only quotes keep the spaces at the ends of a name, and names are written without quotes.
-  EXPECT_EQ(problems_of("a,\" b\"\n1,2\n").at(0).what, "\" b\" cannot name a column");
-  EXPECT_EQ(problems_of("a,\"b \"\n1,2\n").at(0).what, "\"b \" cannot name a column");
+  EXPECT_EQ(problems_of_table("a,\" b\"\n1,2\n").at(0).what, "\" b\" cannot name a column");
+  EXPECT_EQ(problems_of_table("a,\"b \"\n1,2\n").at(0).what, "\"b \" cannot name a column");
 }
 
 TEST(Table, ReportsTenProblemsAtMost) {
   std::string text = "a\n";
   for (int i = 0; i < 1000; ++i) text += "x\n";
-  EXPECT_EQ(problems_of(text).size(), 10U);
+  EXPECT_EQ(problems_of_table(text).size(), 10U);
 }
 
 TEST(Table, AnyDamageIsEitherReadOrRefused) {

@@ -19,12 +19,12 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Three agents; in step 2 the agent 1 does what the test says.
 template <Schedule order>
-struct Scripted {
+struct ActsOnce {
   static constexpr std::string_view name = "scripted";
   static constexpr Schedule schedule = order;
   static constexpr std::array<std::string_view, 2> events{"first", "second"};
   using Agents = Population<X, Y>;
-  using Act = std::function<void(Turn<Scripted>&)>;
+  using Act = std::function<void(Turn<ActsOnce>&)>;
 
   Act act;
   double declared = 0.1;
@@ -32,10 +32,10 @@ struct Scripted {
 
   double cutoff() const { return declared; }
   double time_step() const { return 1.0; }
-  void start(World<Scripted>& world) const {
+  void start(World<ActsOnce>& world) const {
     for (Vector const p : places) world.agents.add(p.x, p.y);
   }
-  void turn(Turn<Scripted>& self) const {
+  void turn(Turn<ActsOnce>& self) const {
     if (self.clock().step == 2 && self.id() == 1) act(self);
   }
 };
@@ -56,7 +56,7 @@ std::string failure_of(Model const& model, Box const& box) {
 template <class Order>
 class EveryScheduleOfTurns : public ::testing::Test {
  protected:
-  using Model = Scripted<Order::value>;
+  using Model = ActsOnce<Order::value>;
 
   static std::string failure(typename Model::Act act, Edge edge = Edge::periodic) {
     return failure_of(Model{.act = std::move(act)}, Box(1.0, 1.0, edge));
@@ -68,10 +68,10 @@ class EveryScheduleOfTurns : public ::testing::Test {
   }
 };
 
-using Orders = ::testing::Types<std::integral_constant<Schedule, Schedule::synchronous>,
-                                std::integral_constant<Schedule, Schedule::sequential>,
-                                std::integral_constant<Schedule, Schedule::tiled>>;
-TYPED_TEST_SUITE(EveryScheduleOfTurns, Orders);
+using Schedules = ::testing::Types<std::integral_constant<Schedule, Schedule::synchronous>,
+                                   std::integral_constant<Schedule, Schedule::sequential>,
+                                   std::integral_constant<Schedule, Schedule::tiled>>;
+TYPED_TEST_SUITE(EveryScheduleOfTurns, Schedules);
 
 TYPED_TEST(EveryScheduleOfTurns, RefusesAMoveToAPointOutsideTheBox) {
   this->expect_failure([](auto& self) { self.move_to({7.0, 0.5}); }, "(7, 0.5), outside the box of 1 × 1");
@@ -143,7 +143,7 @@ TYPED_TEST(EveryScheduleOfTurns, AllowsWhatLiesJustWithinTheLimits) {
 }
 
 TEST(SynchronousModel, RefusesASearchAroundAPointFromWhichItSeesNotAll) {
-  using Model = Scripted<Schedule::synchronous>;
+  using Model = ActsOnce<Schedule::synchronous>;
   Model const model{.act = [](Turn<Model>& self) { self.for_each_neighbour({0.54, 0.5}, 0.07, [](auto const&) {}); }};
   std::string const what = failure_of(model, Box(1.0, 1.0, Edge::periodic));
   EXPECT_NE(what.find("searches within 0.07 of (0.54, 0.5) from (0.5, 0.5)"), std::string::npos) << what;

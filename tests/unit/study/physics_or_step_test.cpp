@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "unit/study/holds.hpp"
+
 namespace gridlock {
 namespace {
 
@@ -44,8 +46,6 @@ std::string conclusions_of(StepEvidence const& evidence) {
   for (std::string const& conclusion : chapter_from(evidence).conclusions) text += conclusion + "\n";
   return text;
 }
-
-bool holds(std::string const& text, std::string const& part) { return text.find(part) != std::string::npos; }
 
 TEST(PhysicsOrStep, SaysSoWhereTheRuleAgreesWithExactDisks) {
   std::string const text = conclusions_of(evidence_of_agreement());

@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "unit/study/holds.hpp"
+
 namespace gridlock {
 namespace {
 
@@ -31,8 +33,6 @@ std::string text_of(std::vector<TurnOrderRow> const& rows, std::vector<double> c
   for (std::string const& conclusion : conclusions_from(rows, steps)) text += conclusion + "\n";
   return text;
 }
-
-bool holds(std::string const& text, std::string const& part) { return text.find(part) != std::string::npos; }
 
 TEST(TurnOrder, SaysThatNothingShowsWhereNothingDoesAndHowMuchWould) {
   std::string const text = text_of({row(0.1, 1.0), row(0.025, 1.0)}, {0.1, 0.025});
