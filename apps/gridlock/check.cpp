@@ -92,7 +92,7 @@ ExitCode check(ConfigurationOptions const& options) {
 }  // namespace
 
 void add_check(CLI::App& app, ExitCode& exit_code) {
-  CLI::App* const verb = app.add_subcommand("check", "Say whether a configuration can be run, without running it");
+  CLI::App* const verb = app.add_subcommand("check", "Check a configuration without running it");
   auto const options = std::make_shared<ConfigurationOptions>();
   options->add_to(*verb);
   verb->callback([options, &exit_code] { exit_code = check(*options); });

@@ -31,7 +31,7 @@ void refuse_empty_values(CLI::App& app) {
 
 ExitCode run_command_line(int argc, char** argv) {
   if (argc > 0) cli::set_program_name(std::filesystem::path(argv[0]).filename().string());
-  CLI::App app{"gridlock: many moving disks that only feel their neighbours", cli::program_name()};
+  CLI::App app{"gridlock: simulates many agents that interact only with nearby neighbours", cli::program_name()};
   app.set_version_flag("--version", std::string("gridlock ") + gridlock::version());
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::help);

@@ -45,7 +45,7 @@ void add_export(CLI::App& app, ExitCode& exit_code) {
       ->required()
       ->check(CLI::IsMember({"xyz", "vtk", "csv"}));
   verb->add_option("-o,--output", options->output, "File to write; left out: beside the trajectory")->type_name("FILE");
-  verb->add_option("--every", options->every, "Take one of so many frames")->check(whole_number(1));
+  verb->add_option("--every", options->every, "Export every N-th frame")->check(whole_number(1));
   verb->callback([options, &exit_code] {
     static std::map<std::string, std::pair<gridlock::ExportFormat, char const*>> const formats{
         {"xyz", {gridlock::ExportFormat::xyz, ".xyz"}},

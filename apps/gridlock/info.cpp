@@ -136,7 +136,7 @@ ExitCode info(fs::path const& path) {
 
 void add_info(CLI::App& app, ExitCode& exit_code) {
   CLI::App* const verb =
-      app.add_subcommand("info", "Say what a result is: a run, a sweep, a table, a state, a trajectory");
+      app.add_subcommand("info", "Describe a result: a run, a sweep, a table, a state, a trajectory");
   auto const path = std::make_shared<std::string>();
   verb->add_option("PATH", *path, "Directory of a run or sweep, .xyz, .csv or .h5 file")->required();
   verb->callback([path, &exit_code] { exit_code = info(*path); });

@@ -58,7 +58,7 @@ void add_movie(CLI::App& app, ExitCode& exit_code) {
                    "displacement, psi6, speed, direction, neighbourhood, radius, or the name of a column");
   verb->add_option("--width", options->movie.width, "Pixels");
   verb->add_option("--rate", options->movie.rate, "Frames a second")->check(whole_number(1, 240));
-  verb->add_option("--every", options->movie.every, "Show one of so many frames")->check(whole_number(1));
+  verb->add_option("--every", options->movie.every, "Show every N-th frame")->check(whole_number(1));
   verb->add_flag("-q,--quiet", options->is_quiet, "Print errors only");
   verb->callback([options, &exit_code] { exit_code = make_movie(*options); });
 }

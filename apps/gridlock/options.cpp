@@ -56,7 +56,7 @@ gridlock::SettingsFile ConfigurationOptions::read() const {
 void OutputOptions::add_to(CLI::App& verb, std::string const& default_directory) {
   verb.add_option("-o,--output", directory, "Directory for the results; left out: " + default_directory)
       ->type_name("DIR");
-  verb.add_flag("--overwrite", overwrites, "Replace results that are there already");
+  verb.add_flag("--overwrite", overwrites, "Replace existing results");
 }
 
 std::filesystem::path OutputOptions::directory_for(std::string const& stem) const {

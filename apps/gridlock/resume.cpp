@@ -32,18 +32,18 @@ ExitCode resume(ResumeOptions& options) {
 
 void add_resume(CLI::App& app, ExitCode& exit_code) {
   CLI::App* const verb = app.add_subcommand(
-      "resume", "Go on with a run that was interrupted or killed, or make a run longer, to the same bits");
+      "resume", "Continue a run that was interrupted or killed, or make a run longer, with the same bits");
   auto const options = std::make_shared<ResumeOptions>();
   verb->add_option("DIR", options->directory, "Directory of the run")->required();
   verb->add_option("-j,--threads", options->threads,
                    "Threads of the engine tiled and of models; 0: one for each core; left out: as configured")
       ->check(whole_number(0, 1024));
-  verb->add_option("--steps", options->length.steps,
-                   "Make it a run of so many steps from its start, in place of the length it has")
+  verb->add_option("--steps", options->length.steps, "New length of the run in steps, counted from its start")
       ->type_name("N")
       ->check(whole_number(0));
-  verb->add_option("--time", options->length.time, "The same in physical time")->type_name("T");
-  verb->add_option("--collisions-per-disk", options->length.collisions_per_disk, "The same in collisions")
+  verb->add_option("--time", options->length.time, "New length in physical time")->type_name("T");
+  verb->add_option("--collisions-per-disk", options->length.collisions_per_disk,
+                   "New length in collisions of each disk")
       ->type_name("C");
   options->run_output.add_to(*verb);
   verb->callback([options, &exit_code] { exit_code = resume(*options); });
