@@ -15,7 +15,7 @@
 namespace gridlock {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double beyond_all = std::numeric_limits<double>::infinity();
 
 using Pairs = std::set<std::pair<std::size_t, std::size_t>>;
 
@@ -87,7 +87,7 @@ TEST(NeighbourSearch, AnUpdateThatIsRefusedChangesNothing) {
 }
 
 TEST(NeighbourSearch, RefusesPointsThatAreNotFinite) {
-  for (double const bad : {std::nan(""), infinity, -infinity}) {
+  for (double const bad : {std::nan(""), beyond_all, -beyond_all}) {
     std::vector<double> const with_bad_one{0.1, 0.2, bad};
     EXPECT_NE(refusal(walled, 0.1, with_bad_one, middle).find("point 2 is at ("), std::string::npos);
     EXPECT_NE(refusal(walled, 0.1, middle, with_bad_one).find("point 2 is at (0.5, "), std::string::npos);
@@ -98,7 +98,7 @@ TEST(NeighbourSearch, RefusesPointsThatAreNotFinite) {
 }
 
 TEST(NeighbourSearch, RefusesACutoffThatFindsNothingOrTwoImages) {
-  for (double const bad : {0.0, -0.0, -1.0, 1e-61, 1e61, infinity, -infinity, std::nan("")}) {
+  for (double const bad : {0.0, -0.0, -1.0, 1e-61, 1e61, beyond_all, -beyond_all, std::nan("")}) {
     EXPECT_NE(refusal(walled, bad, middle, middle).find("the cutoff of a neighbour search is"), std::string::npos)
         << bad;
   }
