@@ -24,6 +24,8 @@ myst_heading_anchors = 4
 html_theme = "furo"
 html_title = f"Gridlock {release}"
 html_show_sphinx = False
+html_static_path = ["site.css"]
+html_css_files = ["site.css"]
 highlight_language = "none"
 
 breathe_projects = {"gridlock": str(repository / "build-docs" / "doxygen" / "xml")}
