@@ -237,7 +237,7 @@ void draw_points(Study& study) {
 }
 
 /// A moment in runs of one length.
-struct Moment {
+struct SampleTime {
   PaperLength length;
   double share_of_run = 1.0;
 
@@ -245,15 +245,15 @@ struct Moment {
 };
 
 /// Early and late in the runs that have errors.
-Moment early(PaperExtent const& extent) { return {extent.figure_6, 0.1}; }
-Moment late(PaperExtent const& extent) { return {extent.figure_6}; }
+SampleTime early(PaperExtent const& extent) { return {extent.figure_6, 0.1}; }
+SampleTime late(PaperExtent const& extent) { return {extent.figure_6}; }
 
 std::string seeds_text(PaperLength const& length) {
   return length.seeds == 1 ? "1 seed" : fmt::format("{} seeds", length.seeds);
 }
 
 /// Where the curve of one engine and start falls through 10 % at a moment.
-Crossing crossing_at(Study const& study, PaperEngine const& engine, StartKind start, Moment const& moment) {
+Crossing crossing_at(Study const& study, PaperEngine const& engine, StartKind start, SampleTime const& moment) {
   std::vector<CurvePoint> points;
   for (ReplicaSet const& replica_set : paper_replica_sets(study.extent(), moment.length)) {
     if (replica_set.engine.kind != engine.kind || replica_set.start != start) continue;
@@ -274,15 +274,15 @@ PageTable crossing_table(Study const& study) {
           "Packing fraction at which the mean displacement falls through 10 % of the side. Errors: standard error over "
           "seeds, where there are several, and uncertainty of the interpolation."};
   PaperExtent const& extent = study.extent();
-  std::vector<Moment> moments{early(extent), {extent.figure_6, 0.3}, late(extent)};
+  std::vector<SampleTime> moments{early(extent), {extent.figure_6, 0.3}, late(extent)};
   if (extent.figure_7.steps > extent.figure_6.steps) moments.push_back({extent.figure_7});
-  for (Moment const& moment : moments) {
+  for (SampleTime const& moment : moments) {
     table.header.push_back(fmt::format("after {:.0f} steps, {}", moment.step(), seeds_text(moment.length)));
   }
   for (PaperEngine const& engine : study.extent().engines) {
     for (StartKind const start : both_starts) {
       std::vector<PageCell> row{name_of(start), engine.label};
-      for (Moment const& moment : moments) {
+      for (SampleTime const& moment : moments) {
         row.emplace_back(crossing_text(crossing_at(study, engine, start, moment)));
       }
       table.rows.push_back(std::move(row));
@@ -293,7 +293,7 @@ PageTable crossing_table(Study const& study) {
 
 PaperClaim crossing_claim(Study const& study) {
   PaperEngine const& engine = study.extent().engines.front();
-  Moment const end{study.extent().figure_7};
+  SampleTime const end{study.extent().figure_7};
   Crossing const square = crossing_at(study, engine, StartKind::square, end);
   Crossing const triangular = crossing_at(study, engine, StartKind::triangular, end);
   PaperClaim claim{.where = "Figure 7",
