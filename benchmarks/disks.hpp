@@ -36,7 +36,7 @@ inline Contestant contestant(std::string name, State const& start, EngineSetting
   };
   auto const run = std::make_shared<Run>(Run{start, make_engine(settings, start), {}});
   return {.name = std::move(name),
-          .items = static_cast<double>(start.disks.size() * steps),
+          .items = static_cast<double>(start.agents.size() * steps),
           .run = [=] { run->engine->advance(run->state, run->counters, {.step = run->state.clock.step + steps}); },
           .result = [=] { return hash(run->state); },
           .clock = clock};

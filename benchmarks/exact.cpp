@@ -26,12 +26,12 @@ State lattice(std::uint64_t n) {
   double const side = std::sqrt(static_cast<double>(n) * std::numbers::pi / 4.0 / packing_fraction);
   double const step = side / static_cast<double>(columns);
   State state{.box = Box(side, side, Edge::periodic), .seed = 1};
-  state.disks.reserve(n);
+  state.agents.reserve(n);
   for (std::uint64_t i = 0; i < n; ++i) {
     RandomStream random(1, 0, i, Purpose::start_velocity);
     double const velocity_x = random.normal();
     double const velocity_y = random.normal();
-    state.disks.add((static_cast<double>(i % columns) + 0.5) * step, (static_cast<double>(i / columns) + 0.5) * step,
+    state.agents.add((static_cast<double>(i % columns) + 0.5) * step, (static_cast<double>(i / columns) + 0.5) * step,
                     velocity_x, velocity_y, 0.5, 1.0, 0, 0);
   }
   return state;

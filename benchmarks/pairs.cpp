@@ -25,9 +25,9 @@ namespace {
 /// Uniform points, the rows in no order.
 State uniform_points(std::size_t n) {
   State state{.box = Box(1.0, 1.0, Edge::wall), .seed = 1};
-  state.disks.reserve(n);
+  state.agents.reserve(n);
   RandomStream random(1, 0, 0, Purpose::start_position);
-  for (std::size_t i = 0; i < n; ++i) state.disks.add(random.uniform(), random.uniform(), 0, 0, 1e-9, 1, 0, 0);
+  for (std::size_t i = 0; i < n; ++i) state.agents.add(random.uniform(), random.uniform(), 0, 0, 1e-9, 1, 0, 0);
   return state;
 }
 
@@ -35,11 +35,11 @@ State uniform_points(std::size_t n) {
 State in_cell_order(State const& state, double cutoff) {
   LinkedGrid const grid = grid_for_cutoff<LinkedGrid>(state, cutoff);
   State ordered{.box = state.box, .seed = state.seed};
-  ordered.disks.reserve(state.disks.size());
+  ordered.agents.reserve(state.agents.size());
   for (int cell = 0; cell < grid.layout().count(); ++cell) {
     grid.for_each_in_cell(cell, [&](std::size_t i) {
-      Vector const p = position(state.disks, i);
-      ordered.disks.add(p.x, p.y, 0, 0, 1e-9, 1, 0, 0);
+      Vector const p = position(state.agents, i);
+      ordered.agents.add(p.x, p.y, 0, 0, 1e-9, 1, 0, 0);
     });
   }
   return ordered;
@@ -71,7 +71,7 @@ Contestant grid_contestant(std::string name, State const& start, double cutoff) 
   auto const sum = std::make_shared<Sum>();
   auto const sign = std::make_shared<double>(1.0);
   return {.name = std::move(name),
-          .items = static_cast<double>(start.disks.size()),
+          .items = static_cast<double>(start.agents.size()),
           .run =
               [=] {
                 *sum = {};
@@ -93,7 +93,7 @@ Contestant literal_contestant(State const& start, double cutoff) {
   auto const sum = std::make_shared<Sum>();
   auto const sign = std::make_shared<double>(1.0);
   return {.name = "the paper's lists",
-          .items = static_cast<double>(start.disks.size()),
+          .items = static_cast<double>(start.agents.size()),
           .run =
               [=] {
                 *sum = {};
@@ -126,12 +126,12 @@ struct Cloud {
 
 Contestant nanoflann_contestant(State const& start, double cutoff) {
   auto const cloud = std::make_shared<Cloud>();
-  cloud->x.assign(start.disks.column<X>().begin(), start.disks.column<X>().end());
-  cloud->y.assign(start.disks.column<Y>().begin(), start.disks.column<Y>().end());
+  cloud->x.assign(start.agents.column<X>().begin(), start.agents.column<X>().end());
+  cloud->y.assign(start.agents.column<Y>().begin(), start.agents.column<Y>().end());
   auto const sum = std::make_shared<Sum>();
   auto const sign = std::make_shared<double>(1.0);
   return {.name = "nanoflann: agents in cell order",
-          .items = static_cast<double>(start.disks.size()),
+          .items = static_cast<double>(start.agents.size()),
           .run =
               [=] {
                 *sum = {};

@@ -9,5 +9,5 @@ int main() {
   configuration.run.steps = 200;
   gridlock::RunResult const result = gridlock::simulate(gridlock::set_up(configuration));
   std::printf("%zu samples, state hash %016llx\n", result.series.row_count(),
-              static_cast<unsigned long long>(gridlock::hash(result.state)));
+              static_cast<unsigned long long>(gridlock::hash(result.world)));
 }

@@ -90,7 +90,7 @@ struct ColloidInOrder {
   void start(World<Self>& world) const {
     State state = make_start(world.box, disks, world.seed);
     draw_velocities(state, velocities);
-    world.agents = std::move(state.disks);
+    world.agents = std::move(state.agents);
   }
 
   [[nodiscard]] std::vector<std::string> notes(World<Self> const& world) const {
@@ -129,7 +129,6 @@ struct ColloidInOrder {
 
   void observe(World<Self> const& world, Observations& seen) const {
     seen.add("coverage", covered_area(world.agents) / world.box.area(), "Σ π R² / area.");
-    seen.add("kinetic_energy", kinetic_energy(world.agents), "½ Σ m v².");
   }
 
  private:

@@ -46,11 +46,11 @@ Published const* published_at(double packing_fraction) {
 
 double diameter_at(State const& state, double packing_fraction) {
   double const area = state.box.width() * state.box.height();
-  return std::sqrt(packing_fraction * area * 4.0 / std::numbers::pi / static_cast<double>(state.disks.size()));
+  return std::sqrt(packing_fraction * area * 4.0 / std::numbers::pi / static_cast<double>(state.agents.size()));
 }
 
 double closest_pair(State const& state, double cutoff) {
-  NeighbourSearch const search(state.box, cutoff, state.disks.column<X>(), state.disks.column<Y>());
+  NeighbourSearch const search(state.box, cutoff, state.agents.column<X>(), state.agents.column<Y>());
   double squared = cutoff * cutoff;
   search.for_each_pair(
       [&](std::size_t, std::size_t, Vector separation) { squared = std::min(squared, squared_length(separation)); });
@@ -62,14 +62,14 @@ double closest_pair(State const& state, double cutoff) {
 /// A duration, because after a number of collisions the last pair would still touch, and nothing could grow.
 void compress(State& state, double packing_fraction, double duration) {
   double const goal = diameter_at(state, packing_fraction);
-  double diameter = 2.0 * state.disks.column<Radius>()[0];
+  double diameter = 2.0 * state.agents.column<Radius>()[0];
   std::uint64_t rounds = 0;
   while (diameter < goal) {
     Counters counters;
     make_engine({.kind = "exact"}, state)->advance(state, counters, {.time = state.clock.time + duration});
     // One part in 10¹⁵ short of contact: what remains is for the rounding of the sum of two radii.
     diameter = std::min(goal, closest_pair(state, 1.5 * diameter) * (1.0 - 1e-15));
-    for (double& radius : state.disks.column<Radius>()) radius = 0.5 * diameter;
+    for (double& radius : state.agents.column<Radius>()) radius = 0.5 * diameter;
     if (++rounds % 1000 == 0) {
       std::fprintf(stderr, "%llu steps of growth, %.6f\n", static_cast<unsigned long long>(rounds),
                    std::pow(diameter / goal, 2) * packing_fraction);
@@ -90,7 +90,7 @@ State start(std::string_view name, double packing_fraction) {
 void measure(std::string_view start_name, Published const& p, std::uint64_t collisions) {
   State state = start(start_name, p.packing_fraction);
   state.clock = {};
-  auto const engine = make_engine({.kind = "exact", .audit_every = 20 * state.disks.size()}, state);
+  auto const engine = make_engine({.kind = "exact", .audit_every = 20 * state.agents.size()}, state);
   Counters counters;
   BlockAverage average;
   constexpr std::uint64_t chunks = 1024;
@@ -105,7 +105,7 @@ void measure(std::string_view start_name, Published const& p, std::uint64_t coll
     }
   }
   Estimate const mean = *average.estimate();
-  std::printf("%zu,%.3f,%s,%llu,%.6f,%.6f,%.6f,%.6f,%.2f\n", state.disks.size(), p.packing_fraction, start_name.data(),
+  std::printf("%zu,%.3f,%s,%llu,%.6f,%.6f,%.6f,%.6f,%.2f\n", state.agents.size(), p.packing_fraction, start_name.data(),
               static_cast<unsigned long long>(collisions), mean.value, *mean.error, p.pressure, p.error,
               (mean.value - p.pressure) / std::hypot(*mean.error, p.error));
 }

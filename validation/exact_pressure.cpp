@@ -50,7 +50,7 @@ void measure(Published const& p, std::uint64_t collisions) {
   for (double const x : pressures) mean += x / blocks;
   for (double const x : pressures) squares += (x - mean) * (x - mean);
   double const error = std::sqrt(squares / (blocks * (blocks - 1.0)));
-  std::printf("%zu,%.3f,%llu,%.6f,%.6f,%.6f,%.6f,%.2f\n", state.disks.size(), p.packing_fraction,
+  std::printf("%zu,%.3f,%llu,%.6f,%.6f,%.6f,%.6f,%.2f\n", state.agents.size(), p.packing_fraction,
               static_cast<unsigned long long>(collisions), mean, error, p.pressure, p.error,
               (mean - p.pressure) / std::hypot(error, p.error));
   std::fflush(stdout);

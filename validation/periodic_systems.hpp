@@ -26,11 +26,11 @@ inline State rows_of_disks(std::uint64_t columns, std::uint64_t rows, double pac
     double const shift = static_cast<double>(row * (rows / 2) % rows) / static_cast<double>(rows);
     Vector const v{random.normal(), random.normal()};
     sum = sum + v;
-    state.disks.add((static_cast<double>(i % columns) + shift) * side / static_cast<double>(columns),
+    state.agents.add((static_cast<double>(i % columns) + shift) * side / static_cast<double>(columns),
                     (static_cast<double>(row) + 0.5) * side / static_cast<double>(rows), v.x, v.y, 0.5, 1.0, 0, 0);
   }
-  for (double& v : state.disks.column<VelocityX>()) v -= sum.x / static_cast<double>(n);
-  for (double& v : state.disks.column<VelocityY>()) v -= sum.y / static_cast<double>(n);
+  for (double& v : state.agents.column<VelocityX>()) v -= sum.x / static_cast<double>(n);
+  for (double& v : state.agents.column<VelocityY>()) v -= sum.y / static_cast<double>(n);
   return state;
 }
 
@@ -38,8 +38,8 @@ inline State rows_of_disks(std::uint64_t columns, std::uint64_t rows, double pac
 /// of the collisions.
 inline double pressure_up_to(StopCondition const& stop_condition, Engine& engine, State& state, Counters& counters,
                              double packing_fraction) {
-  double const n = static_cast<double>(state.disks.size());
-  double const kt = kinetic_energy(state.disks) / (n - 1.0);
+  double const n = static_cast<double>(state.agents.size());
+  double const kt = kinetic_energy(state.agents) / (n - 1.0);
   double const virial = counters.pair_virial;
   double const time = state.clock.time;
   engine.advance(state, counters, stop_condition);

@@ -33,10 +33,10 @@ std::string motion_of(Frame const& frame) { return frame.find("heading_x") == nu
 
 /// The agents of a frame as disks, row by row; their names are of no concern to a picture.
 State disks_of(Frame const& frame, double mark) {
-  State state{.box = frame.box, .disks = {}, .clock = frame.clock, .seed = frame.seed};
+  State state{.box = frame.box, .agents = {}, .clock = frame.clock, .seed = frame.seed};
   auto const x = numbers_of(frame, "x"), y = numbers_of(frame, "y"), radius = numbers_or(frame, "radius", mark);
   auto const vx = numbers_or(frame, "velocity_x", 0.0), vy = numbers_or(frame, "velocity_y", 0.0);
-  for (std::size_t i = 0; i < frame.size(); ++i) state.disks.add(x[i], y[i], vx[i], vy[i], radius[i], 1.0, 0, 0);
+  for (std::size_t i = 0; i < frame.size(); ++i) state.agents.add(x[i], y[i], vx[i], vy[i], radius[i], 1.0, 0, 0);
   return state;
 }
 
@@ -165,7 +165,7 @@ auto FramePainter::with_picture(Frame const& frame, std::uint32_t width, std::st
     picture.most = most_;
     picture.bar_label = colour_ == "psi6" ? "|ψ6|" : colour_;
   } else if (colour_ == "neighbourhood") {
-    double const side = 2.0 * radius_range(state.disks).largest;
+    double const side = 2.0 * radius_range(state.agents).largest;
     auto const cells = [side](double length) { return static_cast<std::uint64_t>(std::max(1.0, length / side)); };
     picture.colouring = Colouring::neighbourhood;
     picture.columns = cells(state.box.width());

@@ -88,8 +88,8 @@ void check(State const& state, PictureSettings const& settings) {
                  .hint = fmt::format("use {} to {} pixels", least_pixels, most_pixels),
                  .key = key});
   }
-  if (has_values(settings.colouring) && settings.values.size() != state.disks.size()) {
-    throw Error({.what = fmt::format("{} values to colour {} disks by", settings.values.size(), state.disks.size()),
+  if (has_values(settings.colouring) && settings.values.size() != state.agents.size()) {
+    throw Error({.what = fmt::format("{} values to colour {} disks by", settings.values.size(), state.agents.size()),
                  .hint = "give one value for each disk"});
   }
 }
@@ -124,8 +124,8 @@ class DiskColours {
  public:
   DiskColours(State const& state, PictureSettings const& settings) : state_(state), settings_(settings) {
     if (settings.colouring == Colouring::speed) {
-      for (std::size_t i = 0; i < state.disks.size(); ++i) {
-        values_.push_back(std::sqrt(squared_length(velocity(state.disks, i))));
+      for (std::size_t i = 0; i < state.agents.size(); ++i) {
+        values_.push_back(std::sqrt(squared_length(velocity(state.agents, i))));
       }
     } else if (has_values(settings.colouring)) {
       values_.assign(settings.values.begin(), settings.values.end());
@@ -162,9 +162,9 @@ class DiskColours {
   [[nodiscard]] Colour of(std::size_t i) const {
     switch (settings_.colouring) {
       case Colouring::radius:
-        return of_radius(state_.disks.column<Radius>()[i]);
+        return of_radius(state_.agents.column<Radius>()[i]);
       case Colouring::neighbourhood:
-        return of_cell(position(state_.disks, i));
+        return of_cell(position(state_.agents, i));
       case Colouring::kinds:
         return of_kind(values_[i]);
       case Colouring::speed:
@@ -177,7 +177,7 @@ class DiskColours {
 
  private:
   void find_radii() {
-    auto const radii = state_.disks.column<Radius>();
+    auto const radii = state_.agents.column<Radius>();
     radii_.assign(radii.begin(), radii.end());
     std::erase_if(radii_, [](double r) { return !std::isfinite(r); });
     std::ranges::sort(radii_);
@@ -269,13 +269,13 @@ class Picture {
   void draw_disks(Canvas& canvas) const {
     double const outline = outline_width();
     canvas.begin_circles({.colour = ink, .width = outline});
-    for (std::size_t i = 0; i < state_.disks.size(); ++i) {
+    for (std::size_t i = 0; i < state_.agents.size(); ++i) {
       // The outline lies inside the disk, so that two disks in contact touch and do not overlap.
-      double const radius = state_.disks.column<Radius>()[i] * at_.pixels - 0.5 * outline;
+      double const radius = state_.agents.column<Radius>()[i] * at_.pixels - 0.5 * outline;
       for_each_image(i, [&](Vector centre) { canvas.circle(to_pixels(centre), radius, colours_.of(i)); });
     }
     canvas.end_circles();
-    if (settings_.shows_velocities && state_.disks.size() <= most_arrows) draw_arrows(canvas);
+    if (settings_.shows_velocities && state_.agents.size() <= most_arrows) draw_arrows(canvas);
   }
 
   void draw_frame(Canvas& canvas) const {
@@ -296,15 +296,15 @@ class Picture {
 
   /// Thin against the disk, and none where it would be all there is to see.
   [[nodiscard]] double outline_width() const {
-    double const smallest = radius_range(state_.disks).smallest * at_.pixels;
+    double const smallest = radius_range(state_.agents).smallest * at_.pixels;
     return smallest < 2.5 ? 0.0 : std::min(0.8 * at_.unit, 0.12 * smallest);
   }
 
   /// Calls visit(centre) for every periodic image of disk i that reaches into the box.
   template <class Visit>
   void for_each_image(std::size_t i, Visit visit) const {
-    Vector const p = position(state_.disks, i);
-    double const r = state_.disks.column<Radius>()[i];
+    Vector const p = position(state_.agents, i);
+    double const r = state_.agents.column<Radius>()[i];
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !(r > 0.0) || !std::isfinite(r)) return;
     if (!state_.box.is_periodic()) return visit(p);
     auto const reaches = [r](double x, double side) { return x + r > 0.0 && x - r < side; };
@@ -318,14 +318,14 @@ class Picture {
 
   void draw_arrows(Canvas& canvas) const {
     double squares = 0.0;
-    for (std::size_t i = 0; i < state_.disks.size(); ++i) squares += squared_length(velocity(state_.disks, i));
+    for (std::size_t i = 0; i < state_.agents.size(); ++i) squares += squared_length(velocity(state_.agents, i));
     if (!(squares > 0.0) || !std::isfinite(squares)) return;
-    double const speed = std::sqrt(squares / static_cast<double>(state_.disks.size()));
-    double const pixels_per_speed = 2.0 * radius_range(state_.disks).smallest * at_.pixels / speed;
-    for (std::size_t i = 0; i < state_.disks.size(); ++i) {
-      Vector const v = velocity(state_.disks, i);
+    double const speed = std::sqrt(squares / static_cast<double>(state_.agents.size()));
+    double const pixels_per_speed = 2.0 * radius_range(state_.agents).smallest * at_.pixels / speed;
+    for (std::size_t i = 0; i < state_.agents.size(); ++i) {
+      Vector const v = velocity(state_.agents, i);
       Vector const along{v.x * pixels_per_speed, -v.y * pixels_per_speed};
-      if (squared_length(along) > 1.0) draw_arrow(canvas, to_pixels(position(state_.disks, i)), along);
+      if (squared_length(along) > 1.0) draw_arrow(canvas, to_pixels(position(state_.agents, i)), along);
     }
   }
 
@@ -423,7 +423,7 @@ class Picture {
 };
 
 bool is_raster(State const& state, PictureSettings const& settings) {
-  return state.disks.size() > settings.most_vector_disks;
+  return state.agents.size() > settings.most_vector_disks;
 }
 
 PixelCanvas painted(State const& state, PictureSettings const& settings) {

@@ -31,7 +31,7 @@ struct PictureSettings {
   Colouring colouring = Colouring::radius;
   std::uint64_t columns = 0;       ///< of the grid drawn over the disks, if its cells are 4 pixels wide; 0: none
   std::uint64_t rows = 0;          ///< 0: none
-  std::span<double const> values;  ///< values, directions, kinds: one for each row of state.disks; disks without a
+  std::span<double const> values;  ///< values, directions, kinds: one for each row of state.agents; disks without a
                                    ///< finite value are grey
   std::optional<double> least;  ///< where the colour bar begins; left out: the smallest value, or 0 if none is negative
   std::optional<double> most;   ///< where it ends, or the last of the kinds listed; left out: the largest value

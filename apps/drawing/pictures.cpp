@@ -18,7 +18,7 @@
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/table.hpp"
 #include "gridlock/io/xyz.hpp"
-#include "gridlock/simulation/configuration.hpp"
+#include "gridlock/simulation/setup.hpp"
 #include "gridlock/workspace/result_files.hpp"
 #include "simulation/kind_names.hpp"
 
@@ -93,15 +93,15 @@ class Artist {
 
 /// How far each disk of `state` has come from where it stood in `start`, in units of the side of the box.
 std::vector<double> displacements(State const& start, State const& state) {
-  std::vector<double> values(state.disks.size(), std::nan(""));
+  std::vector<double> values(state.agents.size(), std::nan(""));
   auto const image = [](Disks const& disks, std::size_t i) {
     return Vector{static_cast<double>(disks.column<ImageX>()[i]), static_cast<double>(disks.column<ImageY>()[i])};
   };
   for (std::size_t i = 0; i < values.size(); ++i) {
-    std::size_t const then = start.disks.index_of(state.disks.ids()[i]);
+    std::size_t const then = start.agents.index_of(state.agents.ids()[i]);
     if (then == Disks::not_found) continue;
-    Vector const edges = image(state.disks, i) - image(start.disks, then);
-    Vector const u = position(state.disks, i) - position(start.disks, then) +
+    Vector const edges = image(state.agents, i) - image(start.agents, then);
+    Vector const u = position(state.agents, i) - position(start.agents, then) +
                      Vector{edges.x * state.box.width(), edges.y * state.box.height()};
     values[i] = std::sqrt(squared_length(u)) / state.box.side();
   }
@@ -147,28 +147,28 @@ void draw_start(Artist& artist, Setup const& setup) {
   std::uint64_t const cells = setup.configuration.engine.cells.value_or(0);
   // A grid finer than the disks would hide them.
   bool const shows_grid = cells > 0 && cells <= 40;
-  artist.disks("start", setup.state,
+  artist.disks("start", disks_of(setup),
                {.colouring = shows_grid ? Colouring::neighbourhood : Colouring::radius,
                 .columns = shows_grid ? cells : 0,
                 .rows = shows_grid ? cells : 0,
-                .title = fmt::format("start, φ = {:.4g}", covered_area(setup.state.disks) / setup.state.box.area())});
+                .title = fmt::format("start, φ = {:.4g}", covered_area(disks_of(setup).agents) / disks_of(setup).box.area())});
 }
 
 /// The disks at the end, coloured by how far they have come.
 void draw_displacements(Artist& artist, Setup const& setup) {
   State const last = read_xyz(artist.path_of("final.xyz")).state;
-  std::vector<double> const values = displacements(setup.state, last);
+  std::vector<double> const values = displacements(disks_of(setup), last);
   artist.disks("final", last,
                {.colouring = Colouring::values,
                 .values = values,
                 .least = 0.0,
                 .bar_label = "displacement / side",
-                .title = fmt::format("after {} steps", last.clock.step - setup.state.clock.step)});
+                .title = fmt::format("after {} steps", last.clock.step - disks_of(setup).clock.step)});
 }
 
 /// g(r) over the distance in mean diameters.
 void draw_pair_correlation(Artist& artist, State const& state) {
-  auto const radii = state.disks.column<Radius>();
+  auto const radii = state.agents.column<Radius>();
   if (radii.empty()) return;
   auto const [least, most] = std::ranges::minmax(radii);
   double const diameter = 2.0 * std::accumulate(radii.begin(), radii.end(), 0.0) / static_cast<double>(radii.size());
@@ -204,12 +204,22 @@ void draw_model_run(Artist& artist, std::string const& colour) {
   }
 }
 
+/// Whether a run is one of disks that collide; not where its model is that of another program.
+bool is_of_disks(SettingsFile const& file) {
+  try {
+    return read_configuration(file).kind().counts_collisions();
+  } catch (Error const&) {
+    return false;
+  }
+}
+
 void draw_run(Artist& artist, std::string const& colour) {
-  if (SettingsFile::from_path(artist.path_of("config.resolved.toml")).is_given("model.kind")) {
+  auto const file = SettingsFile::from_path(artist.path_of("config.resolved.toml"));
+  if (!is_of_disks(file)) {
     draw_model_run(artist, colour);
     return;
   }
-  Setup const setup = set_up(SettingsFile::from_path(artist.path_of("config.resolved.toml")));
+  Setup const setup = set_up(file, {.threads = 1});
   if (colour.empty() || colour == "displacement") {
     draw_displacements(artist, setup);
   } else {
@@ -217,7 +227,8 @@ void draw_run(Artist& artist, std::string const& colour) {
   }
   draw_start(artist, setup);
   // The paper's mark of jamming, of its rule between its walls.
-  bool const is_as_in_paper = setup.state.box.edge() == Edge::wall && setup.configuration.engine.kind != "exact";
+  bool const is_as_in_paper = disks_of(setup).box.edge() == Edge::wall &&
+                              !setup.configuration.kind().ends_within_steps(setup.configuration);
   Plot displacement{.name = "displacement",
                     .title = "Mean displacement from the start",
                     .x = {.label = axis_label("time")},
@@ -226,7 +237,7 @@ void draw_run(Artist& artist, std::string const& colour) {
                     .key = PlotKey::none};
   if (is_as_in_paper) displacement.references.push_back({.at = 0.1, .label = "10 % of the box"});
   artist.plot(displacement);
-  if (artist.has("pair_correlation.csv")) draw_pair_correlation(artist, setup.state);
+  if (artist.has("pair_correlation.csv")) draw_pair_correlation(artist, disks_of(setup));
   if (artist.has("speed_distribution.csv")) {
     artist.plot({.name = "speed_distribution",
                  .title = "Distribution of speed",

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/workspace/run_directory.hpp"
 #include "gridlock/workspace/sweep.hpp"
@@ -22,25 +23,26 @@ std::string in_words(gridlock::Box const& box) {
   return fmt::format("{} box {} × {}", box.is_periodic() ? "periodic" : "walled", box.width(), box.height());
 }
 
+/// "packing fraction 0.7, radius 0.016, " of agents that have one; else empty.
+std::string sizes_in_words(gridlock::Simulation const& simulation) {
+  gridlock::AgentsView const agents = simulation.view();
+  if (!agents.has<gridlock::Radius>() || agents.empty()) return "";
+  auto const [smallest, largest] = std::ranges::minmax(agents.column<gridlock::Radius>());
+  return fmt::format("packing fraction {:.6g}, radius {:.6g}{}, ",
+                     gridlock::covered_area(agents) / simulation.box().area(), smallest,
+                     largest > smallest ? fmt::format(" to {:.6g}", largest) : "");
+}
+
 void print_setup(gridlock::Setup const& setup) {
-  gridlock::State const& state = setup.state;
-  bool const has_start = std::ranges::none_of(
-      setup.notes, [](gridlock::SetupNote const& note) { return note.kind == gridlock::NoteKind::start_not_tried; });
-  if (setup.configuration.is_of_model() && !has_start) {
-    fmt::print("model {}, {}\n", setup.configuration.model.kind, in_words(state.box));
+  gridlock::Configuration const& configuration = setup.configuration;
+  gridlock::ModelKind const& kind = configuration.kind();
+  if (setup.simulation == nullptr) {
+    fmt::print("{}, {}\n", in_words(gridlock::make_box(configuration.box)), kind.title(configuration));
     return;
   }
-  if (setup.configuration.is_of_model()) {
-    auto const simulation = gridlock::make_simulation(gridlock::Setup(setup));
-    fmt::print("model {}: {} agents, {}, step {:.6g} of time\n", setup.configuration.model.kind, simulation->agents(),
-               in_words(state.box), simulation->time_step());
-    return;
-  }
-  auto const [smallest, largest] = gridlock::radius_range(state.disks);
-  fmt::print("{} disks, packing fraction {:.6g}, radius {:.6g}{}, {}, engine {}, step {:.6g} of time\n",
-             state.disks.size(), gridlock::covered_area(state.disks) / state.box.area(), smallest,
-             largest > smallest ? fmt::format(" to {:.6g}", largest) : "", in_words(state.box),
-             setup.configuration.engine.kind, gridlock::step_duration(setup.configuration.engine, state));
+  gridlock::Simulation const& simulation = *setup.simulation;
+  fmt::print("{} {}, {}{}, {}, step {:.6g} of time\n", simulation.agents(), kind.agents_name(),
+             sizes_in_words(simulation), in_words(simulation.box()), kind.title(configuration), simulation.time_step());
 }
 
 void print_notes(std::vector<std::vector<gridlock::SetupNote>> const& notes) {
@@ -49,7 +51,7 @@ void print_notes(std::vector<std::vector<gridlock::SetupNote>> const& notes) {
 
 /// Everything but a random start that takes long.
 gridlock::Setup set_up_soon(gridlock::SettingsFile const& settings) {
-  return gridlock::set_up(settings, [](double) { return false; });
+  return gridlock::set_up(settings, {.on_slow_start = [](double) { return false; }, .threads = 1});
 }
 
 /// Sets up every run of a sweep; what is wrong with any of them comes at the end.

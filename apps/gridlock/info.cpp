@@ -72,8 +72,8 @@ void print_frame(fs::path const& path) {
   gridlock::State const& state = frame.state;
   fmt::print(
       "{} disks in {}\n  {} box {} × {}, packing fraction {:.8g}\n  step {}, time {}, seed {}\n  {} velocities\n",
-      state.disks.size(), path.string(), state.box.is_periodic() ? "periodic" : "walled", state.box.width(),
-      state.box.height(), gridlock::covered_area(state.disks) / state.box.area(), state.clock.step, state.clock.time,
+      state.agents.size(), path.string(), state.box.is_periodic() ? "periodic" : "walled", state.box.width(),
+      state.box.height(), gridlock::covered_area(state.agents) / state.box.area(), state.clock.step, state.clock.time,
       state.seed, frame.has_velocities ? "with" : "without");
   fmt::print("  state_hash {:016x}\n", gridlock::hash(state));
 }

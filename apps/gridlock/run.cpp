@@ -27,11 +27,12 @@ ExitCode run(RunOptions& options) {
     std::string const number = std::to_string(*options.threads);
     settings.set("engine.threads", number, {.file = "--threads", .source_line = number});
   }
-  gridlock::Setup setup = gridlock::set_up(settings, [](double seconds) {
-    fmt::print(stderr, "note: the random start takes about {:.0f} s; Ctrl-C stops it, and nothing is written yet\n",
-               seconds);
-    return true;
-  });
+  gridlock::Setup setup = gridlock::set_up(
+      settings, {.on_slow_start = [](double seconds) {
+        fmt::print(stderr, "note: the random start takes about {:.0f} s; Ctrl-C stops it, and nothing is written yet\n",
+                   seconds);
+        return true;
+      }});
   auto const directory =
       options.output.directory_for(std::filesystem::path(options.configuration.file).stem().string());
   gridlock::open_run_directory(directory, options.output.overwrites);

@@ -29,8 +29,8 @@ double uniform_checks(std::uint64_t disks, std::uint64_t k) {
 std::uint64_t checks_of_one_look(State const& state, std::uint64_t k) {
   CellLayout const layout(state.box, k, k);
   std::vector<std::uint64_t> disks_in(static_cast<std::size_t>(layout.count()), 0);
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    ++disks_in[static_cast<std::size_t>(layout.cell_of(position(state.disks, i)))];
+  for (std::size_t i = 0; i < state.agents.size(); ++i) {
+    ++disks_in[static_cast<std::size_t>(layout.cell_of(position(state.agents, i)))];
   }
   std::uint64_t checks = 0;
   for (int cell = 0; cell < layout.count(); ++cell) {

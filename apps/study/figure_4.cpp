@@ -17,9 +17,9 @@ constexpr double packing_fraction = 0.7;
 /// Where every disk is, which neighbourhood that makes it, and at which step.
 void add_disks(Table& table, State const& state) {
   CellLayout const layout(state.box, k, k);
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    Vector const p = position(state.disks, i);
-    table.add_row(std::vector<Cell>{state.clock.step, state.disks.ids()[i], p.x, p.y, state.disks.column<Radius>()[i],
+  for (std::size_t i = 0; i < state.agents.size(); ++i) {
+    Vector const p = position(state.agents, i);
+    table.add_row(std::vector<Cell>{state.clock.step, state.agents.ids()[i], p.x, p.y, state.agents.column<Radius>()[i],
                                     static_cast<std::uint64_t>(layout.column_of(p.x)),
                                     static_cast<std::uint64_t>(layout.row_of(p.y))});
   }
@@ -37,32 +37,32 @@ Chapter figure_4(Study& study) {
   configuration.engine.cells = k;
   configuration.run = {.steps = steps, .seed = study.seed(0)};
   Setup const setup = set_up(configuration);
-  State state = setup.state;
+  State state = disks_of(setup);
   Counters counters;
   make_engine(setup.configuration.engine, state)->advance(state, counters, stop_condition_of(setup));
 
-  study.draw(setup.state,
-             picture(fmt::format("start: N = {}, φ = {}, k = {}", state.disks.size(), packing_fraction, k)),
+  study.draw(disks_of(setup),
+             picture(fmt::format("start: N = {}, φ = {}, k = {}", state.agents.size(), packing_fraction, k)),
              "figure_4_start");
   study.draw(state, picture(fmt::format("after {} steps", steps)), "figure_4_after");
   Table table;
   for (char const* name : {"step", "id"}) table.add_column(name, std::vector<std::uint64_t>{});
   for (char const* name : {"x", "y", "radius"}) table.add_column(name, std::vector<double>{});
   for (char const* name : {"column", "row"}) table.add_column(name, std::vector<std::uint64_t>{});
-  add_disks(table, setup.state);
+  add_disks(table, disks_of(setup));
   add_disks(table, state);
   study.write(table, "figure_4.csv");
 
-  LinkedGrid const grid(CellLayout(state.box, k, k), state.disks.column<X>(), state.disks.column<Y>());
+  LinkedGrid const grid(CellLayout(state.box, k, k), state.agents.column<X>(), state.agents.column<Y>());
   double const overlap = largest_overlap(state);
-  double const energy_change = kinetic_energy(state.disks) / kinetic_energy(setup.state.disks) - 1.0;
+  double const energy_change = kinetic_energy(state.agents) / kinetic_energy(disks_of(setup).agents) - 1.0;
   bool const is_sound = grid.is_consistent() && overlap == 0.0 && std::abs(energy_change) < 1e-12;
 
   Chapter chapter{.title = "Figure 4: the disks and their neighbourhoods"};
   chapter.introduction.push_back(
       fmt::format("{} disks on the square lattice at φ = {}, and the same disks after {} steps of the paper's rule, on "
                   "{} × {} neighbourhoods. Disks of adjacent neighbourhoods have different colours.",
-                  state.disks.size(), packing_fraction, steps, k, k));
+                  state.agents.size(), packing_fraction, steps, k, k));
   chapter.drawings.push_back(
       {{"figure_4_start.svg", "figure_4_after.svg"}, fmt::format("The start, and after {} steps.", steps)});
   chapter.claims.push_back(

@@ -50,7 +50,8 @@ double median(std::vector<double> values) {
 
 /// One size of Figure 5, as far as it is measured.
 struct Measurement {
-  Setup setup;
+  State start;
+  EngineSettings engine;
   StepCost cost;
   bool is_counted = false;
   std::vector<double> seconds;
@@ -67,10 +68,10 @@ void serialize(Archive& archive, Measurement& measurement) {
 }
 
 /// CPU time of one fresh run of the set-up; nothing where should_continue() says no, which is asked outside of that time.
-std::optional<double> seconds_of(Setup const& setup, std::function<bool()> const& should_continue) {
+std::optional<double> seconds_of(Measurement const& measurement, std::function<bool()> const& should_continue) {
   constexpr double seconds_between_looks = 0.1;
-  State state = setup.state;
-  auto const engine = make_engine(setup.configuration.engine, state);
+  State state = measurement.start;
+  auto const engine = make_engine(measurement.engine, state);
   Counters counters;
   RateLimiter rate_limiter(seconds_between_looks);
   std::clock_t ticks = 0;
@@ -85,11 +86,11 @@ std::optional<double> seconds_of(Setup const& setup, std::function<bool()> const
 
 /// The counts of the same run, and what they would be without halting, step by step; false where should_continue() says no.
 bool count_checks(Measurement& measurement, std::function<bool()> const& should_continue) {
-  State state = measurement.setup.state;
-  auto const engine = make_engine(measurement.setup.configuration.engine, state);
+  State state = measurement.start;
+  auto const engine = make_engine(measurement.engine, state);
   Counters counters;
   StepCost& cost = measurement.cost;
-  cost.packing_fraction = covered_area(state.disks) / state.box.area();
+  cost.packing_fraction = covered_area(state.agents) / state.box.area();
   cost.free_checks = 0.0;
   for (std::uint64_t step = 1; step <= timing_steps; ++step) {
     cost.free_checks += static_cast<double>(substeps_of_a_turn * checks_of_one_look(state, cost.k));
@@ -111,7 +112,10 @@ class MeasurementsInProgress {
       for (std::uint64_t const k : timing_ks) {
         Configuration configuration = timing_configuration(study, disks, k);
         key_ += to_toml(describing(configuration));
-        measurements_.push_back({.setup = set_up(configuration), .cost = {.disks = disks, .k = k}});
+        Setup const setup = set_up(configuration);
+        measurements_.push_back({.start = disks_of(setup),
+                                 .engine = setup.configuration.engine,
+                                 .cost = {.disks = disks, .k = k}});
       }
     }
     std::vector<Measurement> restored = measurements_;
@@ -164,7 +168,7 @@ class MeasurementsInProgress {
       keep();
       for (Measurement& measurement : measurements_) {
         if (measurement.seconds.size() > repeat) continue;
-        auto const seconds = seconds_of(measurement.setup, asks);
+        auto const seconds = seconds_of(measurement, asks);
         if (!seconds) return false;
         measurement.seconds.push_back(*seconds);
         if (!should_continue()) return false;

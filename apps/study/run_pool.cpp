@@ -57,7 +57,7 @@ double work_of(Configuration const& configuration) {
 std::vector<double> about_centre(RunResult const& result) {
   std::vector<double> lengths = result.series.numbers("mean_squared_displacement");
   std::vector<double> const centres = result.series.numbers("centre_displacement");
-  double const side = result.state.box.side();
+  double const side = result.world.box.side();
   for (std::size_t sample = 0; sample < lengths.size(); ++sample) {
     // Rounding may leave less than nothing where all disks move together.
     lengths[sample] = std::sqrt(std::max(0.0, lengths[sample] / (side * side) - centres[sample] * centres[sample]));
@@ -66,7 +66,7 @@ std::vector<double> about_centre(RunResult const& result) {
 }
 
 StudyOutcome outcome_from(RunResult const& result) {
-  bool const has_walls = !result.state.box.is_periodic();
+  bool const has_walls = !result.world.box.is_periodic();
   return {.is_finished = result.status == RunStatus::finished,
           .failure = result.failure,
           .steps = result.series.numbers("step"),
@@ -78,13 +78,13 @@ StudyOutcome outcome_from(RunResult const& result) {
           .collision_rates = result.series.numbers("collision_rate"),
           .compressibility_factors = result.series.numbers("compressibility_factor"),
           .wall_pressures = has_walls ? result.series.numbers("wall_pressure") : std::vector<double>{},
-          .state_hash = hash(result.state),
+          .state_hash = hash(result.world),
           .seconds = result.seconds};
 }
 
 void put_on(std::vector<Vector> const& sites, State& state) {
-  auto const x = state.disks.column<X>();
-  auto const y = state.disks.column<Y>();
+  auto const x = state.agents.column<X>();
+  auto const y = state.agents.column<Y>();
   assert(sites.size() == x.size());
   for (std::size_t i = 0; i < sites.size(); ++i) {
     x[i] = sites[i].x;
@@ -171,9 +171,10 @@ SiteList perfect_triangular_sites(double side, std::uint64_t count) {
 Setup set_up(StudyRun const& run) {
   Setup setup = set_up(run.configuration);
   if (run.sites == Sites::fitted) return setup;
-  std::uint64_t const count = setup.state.disks.size();
-  double const radius = radius_range(setup.state.disks).largest;
-  double const side = setup.state.box.width();
+  State state = disks_of(setup);
+  std::uint64_t const count = state.agents.size();
+  double const radius = radius_range(state.agents).largest;
+  double const side = state.box.width();
   SiteList const list =
       run.sites == Sites::to_walls ? square_sites_to_walls(side, count, radius) : perfect_triangular_sites(side, count);
   if (radius > list.radius) {
@@ -182,9 +183,9 @@ Setup set_up(StudyRun const& run) {
                  .hint = "use a smaller packing fraction",
                  .key = "disks.packing_fraction"});
   }
-  put_on(list.sites, setup.state);
-  validate(setup.state);
-  return setup;
+  put_on(list.sites, state);
+  validate(state);
+  return set_up(run.configuration, {.start = std::move(state)});
 }
 
 void RunPool::add(StudyRun const& run) {

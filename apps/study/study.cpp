@@ -55,7 +55,7 @@ State start_state(PaperExtent const& extent, StartKind start, double packing_fra
   configuration.disks = {.count = extent.disks, .packing_fraction = packing_fraction, .start = start};
   configuration.run.seed = seed;
   configuration.run.steps = 1;
-  return set_up(configuration).state;
+  return disks_of(set_up(configuration));
 }
 
 }  // namespace gridlock

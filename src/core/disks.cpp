@@ -12,29 +12,35 @@ RadiusRange radius_range(Disks const& disks) {
   return {smallest, largest};
 }
 
-double kinetic_energy(Disks const& disks) {
-  auto const mass = disks.column<Mass>();
-  double twice = 0.0;
-  for (std::size_t i = 0; i < disks.size(); ++i) twice += mass[i] * squared_length(velocity(disks, i));
-  return 0.5 * twice;
-}
-
-Vector momentum(Disks const& disks) {
-  auto const mass = disks.column<Mass>();
-  Vector sum;
-  for (std::size_t i = 0; i < disks.size(); ++i) sum = sum + mass[i] * velocity(disks, i);
-  return sum;
-}
-
 double largest_speed(Disks const& disks) {
   double largest = 0.0;
   for (std::size_t i = 0; i < disks.size(); ++i) largest = std::max(largest, squared_length(velocity(disks, i)));
   return std::sqrt(largest);
 }
 
-double covered_area(Disks const& disks) {
+double kinetic_energy(AgentsView const& agents) {
+  auto const mass = agents.column<Mass>();
+  auto const velocity_x = agents.column<VelocityX>();
+  auto const velocity_y = agents.column<VelocityY>();
+  double twice = 0.0;
+  for (std::size_t i = 0; i < agents.size(); ++i) {
+    twice += mass[i] * squared_length({velocity_x[i], velocity_y[i]});
+  }
+  return 0.5 * twice;
+}
+
+Vector momentum(AgentsView const& agents) {
+  auto const mass = agents.column<Mass>();
+  auto const velocity_x = agents.column<VelocityX>();
+  auto const velocity_y = agents.column<VelocityY>();
+  Vector sum;
+  for (std::size_t i = 0; i < agents.size(); ++i) sum = sum + mass[i] * Vector{velocity_x[i], velocity_y[i]};
+  return sum;
+}
+
+double covered_area(AgentsView const& agents) {
   double sum = 0.0;
-  for (double const r : disks.column<Radius>()) sum += r * r;
+  for (double const r : agents.column<Radius>()) sum += r * r;
   return std::numbers::pi * sum;
 }
 

@@ -9,6 +9,4 @@ FrameColumn const* Frame::find(std::string_view name) const {
   return found == columns.end() ? nullptr : &*found;
 }
 
-Frame frame_of(State const& state) { return frame_of(state.box, state.clock, state.seed, state.disks); }
-
 }  // namespace gridlock

@@ -6,8 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
-#include <utility>
+#include <string>
 
 #include "core/magnitude.hpp"
 #include "exact.hpp"
@@ -19,57 +18,60 @@ namespace gridlock {
 
 namespace {
 
-using Maker = std::unique_ptr<Engine> (*)(EngineSettings const&, State const&);
-
-/// Adding an engine means one line here and a file behind it.
-constexpr std::array<std::pair<char const*, Maker>, 3> registry{{
-    {"stepped",
-     [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
-       return std::make_unique<SteppedEngine>(settings, state);
-     }},
-    {"tiled",
-     [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
-       return std::make_unique<TiledEngine>(settings, state);
-     }},
-    {"exact",
-     [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
-       return std::make_unique<ExactEngine>(settings, state);
-     }},
-}};
+/// Adding an engine means one line here and two files behind it.
+std::array<EngineRecord, 3> const& registry() {
+  static std::array<EngineRecord, 3> const records{stepped_record(), tiled_record(), exact_record()};
+  return records;
+}
 
 /// A word of the registry; what is none of them stays as it is.
 void visit_kind(SettingVisitor& visitor, std::string& kind) {
-  std::array<std::string_view, registry.size()> kinds;
-  std::ranges::transform(registry, kinds.begin(), [](auto const& entry) { return entry.first; });
+  static std::string const documentation = [] {
+    std::string text;
+    for (EngineRecord const& record : registry()) {
+      text += fmt::format("{}\"{}\" {}", text.empty() ? "How the disks move: " : ", ", record.name, record.documentation);
+    }
+    return text + ".";
+  }();
+  std::vector<std::string_view> kinds;
+  for (EngineRecord const& record : registry()) kinds.push_back(record.name);
   auto place = static_cast<std::size_t>(std::ranges::find(kinds, kind) - kinds.begin());
-  visitor.visit_choice(
-      {.key = "kind",
-       .documentation = "How the disks move: \"stepped\" is the paper's rule, \"tiled\" the same turns in an order "
-                        "that all cores can share, \"exact\" goes from collision to collision without a "
-                        "time step."},
-      kinds, place);
+  visitor.visit_choice({.key = "kind", .documentation = documentation}, kinds, place);
   if (place < kinds.size()) kind = kinds[place];
 }
 
 }  // namespace
 
-std::vector<std::string> engine_kinds() {
-  std::vector<std::string> kinds;
-  for (auto const& [kind, make] : registry) kinds.emplace_back(kind);
-  return kinds;
+std::vector<Count> Engine::counts(State const& /*state*/, Counters const& counters) const {
+  return {{"moves", counters.moves},
+          {"halted_moves", counters.halted_moves},
+          {"pair_collisions", counters.pair_collisions},
+          {"wall_hits", counters.all_wall_hits()},
+          {"distance_checks", counters.distance_checks}};
 }
 
-std::unique_ptr<Engine> make_engine(EngineSettings const& settings, State const& state) {
-  for (auto const& [kind, make] : registry) {
-    if (settings.kind == kind) return make(settings, state);
-  }
-  throw Error({.what = fmt::format("there is no engine \"{}\"", settings.kind),
+std::span<EngineRecord const> engine_records() { return registry(); }
+
+EngineRecord const& engine_record(std::string_view kind) {
+  auto const found = std::ranges::find(registry(), kind, &EngineRecord::name);
+  if (found != registry().end()) return *found;
+  throw Error({.what = fmt::format("there is no engine \"{}\"", kind),
                .hint = fmt::format("engine.kind is one of: {}", fmt::join(engine_kinds(), ", ")),
                .key = "engine.kind"});
 }
 
+std::vector<std::string> engine_kinds() {
+  std::vector<std::string> kinds;
+  for (EngineRecord const& record : registry()) kinds.emplace_back(record.name);
+  return kinds;
+}
+
+std::unique_ptr<Engine> make_engine(EngineSettings const& settings, State const& state) {
+  return engine_record(settings.kind).make(settings, state);
+}
+
 double step_duration(EngineSettings const& settings, State const& state) {
-  double const diameter = 2.0 * radius_range(state.disks).smallest;
+  double const diameter = 2.0 * radius_range(state.agents).smallest;
   double const speed = settings.speed.value_or(1.0);
   return settings.time_step * diameter / (speed > 0.0 ? speed : 1.0);
 }
@@ -133,6 +135,10 @@ void describe(EngineSettings& settings, SettingVisitor& visitor) {
               .documentation = "How stepped finds the neighbours of a disk: \"linked\" is the paper's lists in k × k "
                                "cells, \"packed\" is faster, chooses its own cells and gives the same bits."},
              grids, settings.grid);
+  describe_threads(settings, visitor);
+}
+
+void describe_threads(EngineSettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "threads",
                  .documentation = "How many threads tiled uses; any number gives the same bits, and 0 is all "
                                   "cores that the process may use.",

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <string_view>
 
 #include "engine/exact/dynamics.hpp"
 #include "gridlock/core/error.hpp"
@@ -15,8 +17,8 @@ namespace {
 
 /// A periodic box must be wider than two distances at contact, or a disk could touch another from both sides at once.
 void require_room_for_images(State const& state) {
-  auto const radius = state.disks.column<Radius>();
-  if (!state.box.is_periodic() || state.disks.size() < 2) return;
+  auto const radius = state.agents.column<Radius>();
+  if (!state.box.is_periodic() || state.agents.size() < 2) return;
   double largest = 0.0;
   double second = 0.0;
   for (double const r : radius) {
@@ -47,16 +49,16 @@ std::uint64_t hash_of_rows(Disks const& disks) {
 /// Bounces that a wall gives a disk at once would be handed back by the other at once, for ever.
 void require_room_between_walls(State const& state, double rounding) {
   if (state.box.is_periodic()) return;
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    double const diameter = 2.0 * state.disks.column<Radius>()[i];
-    Vector const v = velocity(state.disks, i);
+  for (std::size_t i = 0; i < state.agents.size(); ++i) {
+    double const diameter = 2.0 * state.agents.column<Radius>()[i];
+    Vector const v = velocity(state.agents, i);
     bool const is_stuck_in_x = v.x != 0.0 && state.box.width() - diameter <= rounding;
     bool const is_stuck_in_y = v.y != 0.0 && state.box.height() - diameter <= rounding;
     if (!is_stuck_in_x && !is_stuck_in_y) continue;
     throw Error(
         {.what = fmt::format("disk {} of diameter {} touches two opposite walls of the box of {} × {} and moves "
                              "({}, {}): it would bounce without end and time would stand still",
-                             state.disks.ids()[i], diameter, state.box.width(), state.box.height(), v.x, v.y),
+                             state.agents.ids()[i], diameter, state.box.width(), state.box.height(), v.x, v.y),
          .hint = "use a larger box or a smaller disk, or let it move along the walls only",
          .key = "disks"});
   }
@@ -67,13 +69,13 @@ void require_room_between_walls(State const& state, double rounding) {
 /// overlaps by up to s · 4 · 2⁻⁵³ · 2 cells. Measured is a tenth of that, 1.3 · 10⁻¹² of contact at s = 2 · 10⁴.
 void require_masses_of_like_size(State const& state) {
   constexpr double most_speed_ratio = 1000.0;
-  auto const masses = state.disks.column<Mass>();
+  auto const masses = state.agents.column<Mass>();
   if (masses.empty()) return;
   double squared_speeds = 0.0;
-  for (std::size_t i = 0; i < state.disks.size(); ++i) squared_speeds += squared_length(velocity(state.disks, i));
+  for (std::size_t i = 0; i < state.agents.size(); ++i) squared_speeds += squared_length(velocity(state.agents, i));
   double const lightest = *std::ranges::min_element(masses);
   double const heaviest = *std::ranges::max_element(masses);
-  double const square_of_ratio = 2.0 * kinetic_energy(state.disks) / (lightest * squared_speeds);
+  double const square_of_ratio = 2.0 * kinetic_energy(state.agents) / (lightest * squared_speeds);
   if (!(square_of_ratio > most_speed_ratio * most_speed_ratio)) return;
   throw Error(
       {.what = fmt::format("with masses from {:.6g} to {:.6g} collisions would make the lightest disks {:.3g} "
@@ -93,6 +95,21 @@ void require_start(State const& state) {
 
 }  // namespace
 
+EngineRecord exact_record() {
+  return {.name = "exact",
+          .documentation = "goes from collision to collision without a time step",
+          .has_time_step = false,
+          .bytes_per_disk = 320.0,
+          .bytes_per_disk_of_checkpoint = 139.0,
+          .uses = [](EngineSettings const& /*settings*/, std::string_view setting) {
+            return setting == "kind" || setting == "time_step" || setting == "speed" || setting == "audit_every";
+          },
+          .cost_of_move = [](EngineSettings const& /*settings*/, State const& /*state*/) { return 1.0; },
+          .make = [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
+            return std::make_unique<ExactEngine>(settings, state);
+          }};
+}
+
 ExactEngine::ExactEngine(EngineSettings const& settings, State const& state)
     : audit_every_(settings.audit_every), duration_(step_duration(settings, state)) {
   require_start(state);
@@ -100,8 +117,19 @@ ExactEngine::ExactEngine(EngineSettings const& settings, State const& state)
 
 ExactEngine::~ExactEngine() = default;
 
+void ExactEngine::require_valid(State const& state) const { require_start(state); }
+
+std::vector<Count> ExactEngine::counts(State const& state, Counters const& counters) const {
+  std::vector<Count> counts = Engine::counts(state, counters);
+  if (audit_every_ > 0) {
+    counts.push_back({"audits", audits()});
+    counts.push_back({"audits_for_missed_events", audits_for_missed_events()});
+  }
+  return counts;
+}
+
 bool ExactEngine::is_as_left(State const& state) const {
-  return dynamics_ != nullptr && hash_of_rows(state.disks) == row_hash_ && hash(state) == hash_;
+  return dynamics_ != nullptr && hash_of_rows(state.agents) == row_hash_ && hash(state) == hash_;
 }
 
 void ExactEngine::start_from(State const& state) {
@@ -109,21 +137,20 @@ void ExactEngine::start_from(State const& state) {
   earlier_audits_ = audits();
   dynamics_ = nullptr;  // first the old memory goes, then the new comes
   dynamics_ = std::make_unique<exact::Dynamics>(state);
-  row_hash_ = hash_of_rows(state.disks);
+  row_hash_ = hash_of_rows(state.agents);
   start_time_ = state.clock.time;
   next_step_time_ = state.clock.time + duration_;
 }
 
 void ExactEngine::advance(State& state, Counters& counters, StopCondition const& stop_condition) {
-  if (state.disks.empty()) return;
+  if (state.agents.empty()) return;
   if (!is_as_left(state)) start_from(state);
   bool const ends_by_collisions_only =
       stop_condition.step == StopCondition{}.step && !std::isfinite(stop_condition.time);
   if (ends_by_collisions_only && !dynamics_->can_collide()) {
     throw RunFailure("no two disks can ever collide, so the collisions asked for would be waited for forever");
   }
-  while (state.clock.step < stop_condition.step && state.clock.time < stop_condition.time &&
-         counters.pair_collisions < stop_condition.pair_collisions) {
+  while (!stop_condition.is_reached(state.clock, counters.pair_collisions)) {
     double const target = std::min(next_step_time_, stop_condition.time);
     bool is_at_target = false;
     try {
@@ -176,7 +203,7 @@ void ExactEngine::serialize(Archive& archive, State const& state) {
   archive.visit("next_step_time", next_step_time_);
   serialize_inside(archive, "dynamics", [&] { dynamics_->serialize(archive); });
   hash_ = hash(state);
-  row_hash_ = hash_of_rows(state.disks);
+  row_hash_ = hash_of_rows(state.agents);
 }
 
 }  // namespace gridlock

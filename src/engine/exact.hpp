@@ -11,6 +11,8 @@ namespace exact {
 class Dynamics;
 }
 
+EngineRecord exact_record();
+
 /// Hard disks without a time step: from collision to collision, the dynamics every stepped result is judged against.
 ///
 /// The disks fly freely between events; docs/explanation/exact.md explains how the events are found. Between two calls of advance()
@@ -28,6 +30,8 @@ class ExactEngine final : public Engine {
 
   void advance(State& state, Counters& counters, StopCondition const& stop_condition) override;
   [[nodiscard]] double time_step() const override { return duration_; }
+  void require_valid(State const& state) const override;
+  [[nodiscard]] std::vector<Count> counts(State const& state, Counters const& counters) const override;
   void serialize(Archive& archive, State const& state) override;
 
   /// How many audits there have been since the start of the run, all of which found nothing.

@@ -19,7 +19,7 @@ class HotDisks {
  public:
   /// `order[k]` is the row of the state that comes to row k.
   HotDisks(State const& state, std::span<std::uint32_t const> order) : disks_(order.size()) {
-    Disks const& from = state.disks;
+    Disks const& from = state.agents;
     std::vector<std::uint32_t> const by_id = rows_in_order(from.ids());
     std::vector<std::uint32_t> rank(by_id.size());
     for (std::uint32_t n = 0; n < by_id.size(); ++n) rank[by_id[n]] = n;
@@ -48,7 +48,7 @@ class HotDisks {
   }
 
   void write_back(State& state) const {
-    Disks& to = state.disks;
+    Disks& to = state.agents;
     auto const x = to.column<X>();
     auto const y = to.column<Y>();
     auto const velocity_x = to.column<VelocityX>();

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
+#include <string_view>
 
 #include "engine/hot_disks.hpp"
 #include "gridlock/core/error.hpp"
@@ -28,23 +30,23 @@ void require_bounds(EngineSettings const& settings, State const& state) {
                  .hint = "the paper's value is 5",
                  .key = "engine.substeps"});
   }
-  if (state.disks.empty()) {
+  if (state.agents.empty()) {
     throw Error({.what = "there are no disks to move", .hint = "give at least one", .key = "disks.count"});
   }
 }
 
 std::string jump_text(State const& state, std::size_t i, double displacement, double contact) {
   return fmt::format("disk {} covers {:.6g} in one sub-step and could jump over a disk at contact distance {:.6g}",
-                     state.disks.ids()[i], displacement, contact);
+                     state.agents.ids()[i], displacement, contact);
 }
 
 constexpr char const* jump_hint = "use a smaller engine.time_step or more engine.substeps";
 
 void require_no_jumps(State const& state, double substep) {
-  double const smallest = radius_range(state.disks).smallest;
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    double const squared_displacement = squared_length(velocity(state.disks, i)) * substep * substep;
-    double const contact = state.disks.column<Radius>()[i] + smallest;
+  double const smallest = radius_range(state.agents).smallest;
+  for (std::size_t i = 0; i < state.agents.size(); ++i) {
+    double const squared_displacement = squared_length(velocity(state.agents, i)) * substep * substep;
+    double const contact = state.agents.column<Radius>()[i] + smallest;
     if (is_short(squared_displacement, contact)) continue;
     throw Error({.what = jump_text(state, i, std::sqrt(squared_displacement), contact),
                  .hint = jump_hint,
@@ -55,9 +57,9 @@ void require_no_jumps(State const& state, double substep) {
 /// Pairs scatter along the vector to the nearest image, which is the image that was hit as long as contact distance and
 /// sub-step together stay below half the box.
 void require_room_for_images(State const& state, double substep) {
-  if (!state.box.is_periodic() || state.disks.size() < 2) return;
+  if (!state.box.is_periodic() || state.agents.size() < 2) return;
   double const shorter = std::min(state.box.width(), state.box.height());
-  double const needed = 2.0 * (2.0 * radius_range(state.disks).largest + largest_speed(state.disks) * substep);
+  double const needed = 2.0 * (2.0 * radius_range(state.agents).largest + largest_speed(state.agents) * substep);
   if (needed <= shorter) return;
   throw Error({.what = fmt::format("a periodic box with a side of {:.6g} is too small: a disk could meet two images of "
                                    "another at once, which needs sides of at least {:.6g}",
@@ -69,7 +71,7 @@ void require_room_for_images(State const& state, double substep) {
 }  // namespace
 
 void throw_long_substep(State const& state, std::size_t i, double displacement) {
-  double const contact = state.disks.column<Radius>()[i] + radius_range(state.disks).smallest;
+  double const contact = state.agents.column<Radius>()[i] + radius_range(state.agents).smallest;
   throw RunFailure(
       fmt::format("step {}: {}\n  hint: {}", state.clock.step, jump_text(state, i, displacement, contact), jump_hint));
 }
@@ -89,11 +91,48 @@ CellLayout stepped_layout(EngineSettings const& settings, State const& state) {
     CellLayout const asked_for(state.box, *settings.cells, *settings.cells);
     if (settings.grid == GridKind::linked) return asked_for;
   }
-  double const displacement = largest_speed(state.disks) * duration;
+  double const displacement = largest_speed(state.agents) * duration;
   // A quarter more, since the fastest disk of the start does not stay the fastest.
-  if (settings.grid == GridKind::packed) return packed_layout(state.box, state.disks, 1.25 * displacement);
-  double const cutoff = 2.0 * radius_range(state.disks).largest + displacement;
-  return layout_for_cutoff(state.box, cutoff, state.disks.size());
+  if (settings.grid == GridKind::packed) return packed_layout(state.box, state.agents, 1.25 * displacement);
+  double const cutoff = 2.0 * radius_range(state.agents).largest + displacement;
+  return layout_for_cutoff(state.box, cutoff, state.agents.size());
+}
+
+namespace {
+
+bool uses_setting(EngineSettings const& settings, std::string_view setting) {
+  // The packed grid chooses its own cells.
+  if (setting == "cells") return settings.grid == GridKind::linked;
+  return setting != "audit_every" && setting != "threads";
+}
+
+/// Lists of few cells have many disks in each, lists of many cells many to look at.
+double cost_of_move(EngineSettings const& settings, State const& state) {
+  // Cells and candidates that a move looks at on a grid chosen from the sizes, and the rest of it in the same unit.
+  constexpr double usual_cells = 9.0;
+  constexpr double usual_candidates = 9.0;
+  constexpr double rest_of_move = 10.0;
+  if (settings.grid != GridKind::linked || !settings.cells) return 1.0;
+  double const k = static_cast<double>(*settings.cells);
+  double const cutoff = 2.0 * radius_range(state.agents).largest / std::min(state.box.width(), state.box.height());
+  double const block = std::min(k, 3.0 + 2.0 * k * cutoff);
+  double const cells = block * block;
+  double const candidates = static_cast<double>(state.agents.size()) * cells / (k * k);
+  return (rest_of_move + cells + candidates) / (rest_of_move + usual_cells + usual_candidates);
+}
+
+}  // namespace
+
+EngineRecord stepped_record() {
+  return {.name = "stepped",
+          .documentation = "is the paper's rule, disk after disk",
+          .bytes_per_disk = 223.0,
+          .bytes_per_cell = 4.0,
+          .uses = uses_setting,
+          .cost_of_move = cost_of_move,
+          .make = [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
+            return std::make_unique<SteppedEngine>(settings, state);
+          }};
 }
 
 SteppedEngine::SteppedEngine(EngineSettings const& settings, State const& state)
@@ -117,10 +156,9 @@ void SteppedEngine::advance(State& state, Counters& counters, StopCondition cons
 template <class TakeTurn>
 void SteppedEngine::take_turns(State& state, HotDisks& disks, Counters& counters, StopCondition const& stop_condition,
                                TakeTurn take) const {
-  double const smallest = radius_range(state.disks).smallest;
+  double const smallest = radius_range(state.agents).smallest;
   double const substep = duration_ / static_cast<double>(settings_.substeps);
-  while (state.clock.step < stop_condition.step && state.clock.time < stop_condition.time &&
-         counters.pair_collisions < stop_condition.pair_collisions) {
+  while (!stop_condition.is_reached(state.clock, counters.pair_collisions)) {
     for (std::size_t i = 0; i < disks.size(); ++i) {
       double const squared_speed = squared_length(disks[i].velocity);
       if (!is_short(squared_speed * substep * substep, disks[i].radius + smallest)) {
@@ -137,10 +175,10 @@ void SteppedEngine::take_turns(State& state, HotDisks& disks, Counters& counters
 }
 
 void SteppedEngine::advance_on_lists(State& state, Counters& counters, StopCondition const& stop_condition) const {
-  HotDisks disks(state, rows_in_order(state.disks.ids()));
+  HotDisks disks(state, rows_in_order(state.agents.ids()));
   TurnView const view = disks.view(state.box, settings_, duration_);
   auto grid = grid_of<LinkedGrid>(layout_, disks);
-  Cutoff const cutoff(state.box, radius_range(state.disks).largest, duration_, settings_.substeps);
+  Cutoff const cutoff(state.box, radius_range(state.agents).largest, duration_, settings_.substeps);
   take_turns(state, disks, counters, stop_condition, [&](std::size_t i, double squared_speed) {
     double const distance = cutoff.of(disks[i].radius, squared_speed);
     int const columns = layout_.columns_within(distance);
@@ -154,10 +192,10 @@ void SteppedEngine::advance_on_lists(State& state, Counters& counters, StopCondi
 }
 
 void SteppedEngine::advance_packed(State& state, Counters& counters, StopCondition const& stop_condition) const {
-  HotDisks disks(state, rows_in_order(state.disks.ids()));
+  HotDisks disks(state, rows_in_order(state.agents.ids()));
   TurnView const view = disks.view(state.box, settings_, duration_);
   auto grid = grid_of<PackedGrid>(layout_, disks);
-  PackedTurns turns(view, grid, radius_range(state.disks), duration_);
+  PackedTurns turns(view, grid, radius_range(state.agents), duration_);
   take_turns(state, disks, counters, stop_condition, [&](std::size_t i, double squared_speed) {
     if (turns.is_local(i, squared_speed)) {
       turns.take(turns.prepare(i), counters);

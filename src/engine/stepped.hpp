@@ -21,6 +21,8 @@ inline bool is_short(double squared_displacement, double contact) { return squar
 /// start; for the packed grid see packed_layout().
 CellLayout stepped_layout(EngineSettings const& settings, State const& state);
 
+EngineRecord stepped_record();
+
 class HotDisks;
 
 /// The paper's rule, disk after disk in the order of their Ids: on the paper's linked lists, the readable reference every
@@ -33,6 +35,7 @@ class SteppedEngine final : public Engine {
 
   void advance(State& state, Counters& counters, StopCondition const& stop_condition) override;
   [[nodiscard]] double time_step() const override { return duration_; }
+  void require_valid(State const& state) const override { require_room_for_turns(settings_, state); }
 
  private:
   void advance_on_lists(State& state, Counters& counters, StopCondition const& stop_condition) const;

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 
 #include "engine/hot_disks.hpp"
@@ -35,9 +37,9 @@ std::vector<std::uint32_t> rows_by_turn(State const& state, CellLayout const& la
       }
     }
   }
-  std::size_t const disks = state.disks.size();
+  std::size_t const disks = state.agents.size();
   auto const rank_of = [&](std::size_t i) {
-    return rank[static_cast<std::size_t>(layout.cell_of(position(state.disks, i)))];
+    return rank[static_cast<std::size_t>(layout.cell_of(position(state.agents, i)))];
   };
   std::vector<std::uint32_t> begin(rank.size() + 1, 0);
   for (std::size_t i = 0; i < disks; ++i) ++begin[rank_of(i) + 1];
@@ -75,8 +77,8 @@ class Steps {
         disks_(state, rows_by_turn(state, layout, tiling)),
         view_(disks_.view(state.box, settings, duration)),
         grid_(grid_of<PackedGrid>(layout, disks_)),
-        turns_(view_, grid_, radius_range(state.disks), duration),
-        smallest_radius_(radius_range(state.disks).smallest),
+        turns_(view_, grid_, radius_range(state.agents), duration),
+        smallest_radius_(radius_range(state.agents).smallest),
         group_size_(goes_around_box(layout, tiling) ? 1 : PackedTurns::largest_batch),
         results_(tiling.tiles().size()) {
     rank_.reserve(disks_.size());
@@ -168,17 +170,34 @@ class Steps {
 
 }  // namespace
 
+EngineRecord tiled_record() {
+  return {.name = "tiled",
+          .documentation = "the same moves in an order that all cores can share",
+          .uses_threads = true,
+          .bytes_per_disk = 232.0,
+          .bytes_per_disk_of_checkpoint = 19.0,
+          .uses = [](EngineSettings const& /*settings*/, std::string_view setting) {
+            return setting != "audit_every" && setting != "grid" && setting != "cells";
+          },
+          .cost_of_move = [](EngineSettings const& /*settings*/, State const& /*state*/) { return 1.0; },
+          .make = [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
+            return std::make_unique<TiledEngine>(settings, state);
+          }};
+}
+
 TiledEngine::TiledEngine(EngineSettings const& settings, State const& state)
     : settings_(settings), duration_(step_duration(settings, state)), box_(state.box), thread_pool_(settings.threads) {
   require_room_for_turns(settings, state);
   lay_out(state);
 }
 
+void TiledEngine::require_valid(State const& state) const { require_room_for_turns(settings_, state); }
+
 void TiledEngine::lay_out(State const& state) {
   // Room for disks of twice the speed that the time step refers to, whatever the disks do now: the cells must be the
   // same for a run and for its continuation from a file, since the order of the turns depends on them.
-  double const displacement_at_speed = settings_.time_step * 2.0 * radius_range(state.disks).smallest;
-  layout_ = packed_layout(state.box, state.disks, 2.0 * displacement_at_speed);
+  double const displacement_at_speed = settings_.time_step * 2.0 * radius_range(state.agents).smallest;
+  layout_ = packed_layout(state.box, state.agents, 2.0 * displacement_at_speed);
   tiling_ = Tiling(layout_);
   rounds_ = tiling_.rounds(thread_pool_.size());
 }
@@ -188,10 +207,7 @@ void TiledEngine::advance(State& state, Counters& counters, StopCondition const&
     box_ = state.box;
     lay_out(state);
   }
-  auto const is_before_stop = [&] {
-    return state.clock.step < stop_condition.step && state.clock.time < stop_condition.time &&
-           counters.pair_collisions < stop_condition.pair_collisions;
-  };
+  auto const is_before_stop = [&] { return !stop_condition.is_reached(state.clock, counters.pair_collisions); };
   bool is_stopped = false;
   while (is_before_stop() && !is_stopped) {
     Steps steps(state, settings_, duration_, layout_, tiling_);

@@ -9,6 +9,8 @@
 
 namespace gridlock {
 
+EngineRecord tiled_record();
+
 /// The paper's rule, tile by tile and in a tile cell by cell, in a cell in the order of the Ids: the same turns as in
 /// `stepped` in another order, on any number of threads with the same bits.
 ///
@@ -21,6 +23,7 @@ class TiledEngine final : public Engine {
 
   void advance(State& state, Counters& counters, StopCondition const& stop_condition) override;
   [[nodiscard]] double time_step() const override { return duration_; }
+  void require_valid(State const& state) const override;
 
  private:
   void lay_out(State const& state);

@@ -12,12 +12,12 @@ namespace gridlock {
 
 // Pairs and neighbours of disks, on a grid of choice.
 
-inline PointsInBox centres(State const& state) { return {state.box, state.disks.column<X>(), state.disks.column<Y>()}; }
+inline PointsInBox centres(State const& state) { return {state.box, state.agents.column<X>(), state.agents.column<Y>()}; }
 
 /// A grid of all disks of a state, cut so that a 3×3 block holds every neighbour nearer than `cutoff`.
 template <NeighbourGrid Grid = PackedGrid>
 Grid grid_for_cutoff(State const& state, double cutoff) {
-  return {layout_for_cutoff(state.box, cutoff, state.disks.size()), state.disks.column<X>(), state.disks.column<Y>()};
+  return {layout_for_cutoff(state.box, cutoff, state.agents.size()), state.agents.column<X>(), state.agents.column<Y>()};
 }
 
 /// As for_each_pair(PointsInBox, …): i > j are rows of the population.
@@ -35,7 +35,7 @@ void for_each_neighbour(State const& state, Grid const& grid, double cutoff, Vec
 /// The same for the neighbours of disk i, which is none of them.
 template <NeighbourGrid Grid, class Visit>
 void for_each_neighbour(State const& state, Grid const& grid, double cutoff, std::size_t i, Visit visit) {
-  for_each_neighbour(state, grid, cutoff, position(state.disks, i), [&](std::size_t j, Vector separation) {
+  for_each_neighbour(state, grid, cutoff, position(state.agents, i), [&](std::size_t j, Vector separation) {
     if (j != i) visit(j, separation);
   });
 }

@@ -43,7 +43,7 @@ std::vector<Problem> find_extreme_magnitudes(State const& state) {
   if (auto problem = find_extreme_sides(state.box)) problems.push_back(*std::move(problem));
   ProblemList extreme_disks;
   double largest_speed = 0.0;
-  Disks const& disks = state.disks;
+  Disks const& disks = state.agents;
   for (std::size_t i = 0; i < disks.size(); ++i) {
     double const r = disks.column<Radius>()[i];
     double const m = disks.column<Mass>()[i];
@@ -70,7 +70,7 @@ std::vector<Problem> find_extreme_magnitudes(State const& state) {
 std::vector<Problem> find_broken_rows(State const& state, double beyond_walls) {
   ProblemList not_finite;
   ProblemList not_inside;
-  Disks const& disks = state.disks;
+  Disks const& disks = state.agents;
   for (std::size_t i = 0; i < disks.size(); ++i) {
     Vector const p = position(disks, i);
     Vector const v = velocity(disks, i);
@@ -103,9 +103,9 @@ std::vector<Problem> find_broken_rows(State const& state, double beyond_walls) {
 /// Calls visit(i, j, gap) for every pair that overlaps, gap < 0 being the distance between the rims.
 template <class Visit>
 void for_each_overlap(State const& state, Visit visit) {
-  if (state.disks.empty()) return;
-  auto const r = state.disks.column<Radius>();
-  double const cutoff = 2.0 * radius_range(state.disks).largest;
+  if (state.agents.empty()) return;
+  auto const r = state.agents.column<Radius>();
+  double const cutoff = 2.0 * radius_range(state.agents).largest;
   for_each_pair(state, grid_for_cutoff(state, cutoff), cutoff, [&](std::size_t i, std::size_t j, Vector separation) {
     double const contact = r[i] + r[j];
     double const missing = contact * contact - squared_length(separation);
@@ -123,12 +123,12 @@ void validate(State const& state, Tolerance const& tolerance) {
   ProblemList overlaps;
   for_each_overlap(state, [&](std::size_t i, std::size_t j, double gap) {
     if (-gap <= tolerance.overlap) return;
-    auto const [a, b] = std::minmax(state.disks.ids()[i], state.disks.ids()[j]);
+    auto const [a, b] = std::minmax(state.agents.ids()[i], state.agents.ids()[j]);
     overlaps.add(fmt::format("disks {} and {} overlap by {:.3g}", a, b, -gap),
                  "move them apart or make them smaller; hard disks may touch but not overlap");
   });
   overlaps.move_into(problems);
-  double const diameter = 2.0 * radius_range(state.disks).largest;
+  double const diameter = 2.0 * radius_range(state.agents).largest;
   if (state.box.is_periodic() && diameter > std::min(state.box.width(), state.box.height())) {
     problems.push_back({.what = fmt::format("a disk of diameter {} overlaps its own image in a periodic box of {} × {}",
                                             diameter, state.box.width(), state.box.height()),
@@ -140,7 +140,7 @@ void validate(State const& state, Tolerance const& tolerance) {
 
 double rounding_of_contact(State const& state) {
   double const last_digit = std::numeric_limits<double>::epsilon() * std::max(state.box.width(), state.box.height());
-  return std::max(1e-12 * 2.0 * radius_range(state.disks).smallest, 4.0 * last_digit);
+  return std::max(1e-12 * 2.0 * radius_range(state.agents).smallest, 4.0 * last_digit);
 }
 
 double largest_overlap(State const& state) {

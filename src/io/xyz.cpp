@@ -443,7 +443,7 @@ class XyzReader {
     // A population keeps a place for every slot up to the largest: a damaged id must not ask for all the memory.
     std::uint64_t const most_slots = (std::uint64_t{1} << 22) + 64 * count;
     if (has_ids_) std::ranges::stable_sort(rows_, {}, [](Row const& row) { return slot_of(row.id); });
-    frame_.state.disks.reserve(rows_.size());
+    frame_.state.agents.reserve(rows_.size());
     Row const* last = nullptr;
     for (Row const& row : rows_) {
       if (last != nullptr && slot_of(last->id) == slot_of(row.id)) {
@@ -454,7 +454,7 @@ class XyzReader {
         refuse_row(row, fmt::format("the id {} is out of proportion to {} disks", row.id, count),
                    fmt::format("use ids below {}, or leave the column out", most_slots));
       }
-      bool const is_new = frame_.state.disks.add_as(row.id, row.position.x, row.position.y, row.velocity.x,
+      bool const is_new = frame_.state.agents.add_as(row.id, row.position.x, row.position.y, row.velocity.x,
                                                     row.velocity.y, row.radius, row.mass, row.image_x, row.image_y);
       if (!is_new) refuse_row(row, fmt::format("the id {} is given twice", row.id), "");
       last = &row;

@@ -117,9 +117,9 @@ double wanted_radius(DisksSettings const& settings, Box const& box, Kinds const&
 State disks_on_sites(Box const& box, std::vector<Vector> const& sites, double radius, Kinds const& kinds,
                      std::uint64_t seed) {
   State state{.box = box, .seed = seed};
-  state.disks.reserve(sites.size());
+  state.agents.reserve(sites.size());
   for (std::size_t i = 0; i < sites.size(); ++i) {
-    state.disks.add(sites[i].x, sites[i].y, 0.0, 0.0, radius * kinds.size_ratio[i], kinds.mass[i], 0, 0);
+    state.agents.add(sites[i].x, sites[i].y, 0.0, 0.0, radius * kinds.size_ratio[i], kinds.mass[i], 0, 0);
   }
   return state;
 }
@@ -428,23 +428,23 @@ void draw_velocities(State& state, VelocitySettings const& settings) {
                  .hint = "give disks.file with a velocity column, or draw them: \"uniform\" or \"maxwell\"",
                  .key = "velocities.kind"});
   }
-  auto const vx = state.disks.column<VelocityX>();
-  auto const vy = state.disks.column<VelocityY>();
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    RandomStream random(state.seed, 0, state.disks.ids()[i], Purpose::start_velocity);
+  auto const vx = state.agents.column<VelocityX>();
+  auto const vy = state.agents.column<VelocityY>();
+  for (std::size_t i = 0; i < state.agents.size(); ++i) {
+    RandomStream random(state.seed, 0, state.agents.ids()[i], Purpose::start_velocity);
     Vector v;
     if (settings.kind == VelocityKind::uniform) {
       v = settings.max * random.in_unit_disk();
     } else {
-      double const thermal_speed = 0.5 * settings.max / std::sqrt(state.disks.column<Mass>()[i]);
+      double const thermal_speed = 0.5 * settings.max / std::sqrt(state.agents.column<Mass>()[i]);
       v.x = thermal_speed * random.normal();
       v.y = thermal_speed * random.normal();
     }
     vx[i] = v.x;
     vy[i] = v.y;
   }
-  bool const is_automatic = settings.drift == Drift::automatic && state.box.is_periodic() && state.disks.size() > 1;
-  if (settings.drift == Drift::remove || is_automatic) remove_drift(state.disks);
+  bool const is_automatic = settings.drift == Drift::automatic && state.box.is_periodic() && state.agents.size() > 1;
+  if (settings.drift == Drift::remove || is_automatic) remove_drift(state.agents);
 }
 
 }  // namespace gridlock

@@ -1,24 +1,52 @@
 #include "gridlock/observe/displacement.hpp"
 
 #include <cmath>
+#include <cstdint>
+#include <span>
 
 namespace gridlock {
 
 std::vector<ColumnInfo> Displacement::columns() const {
   return {
-      {"mean_displacement", "sides of the box", "Mean distance of the disks from where they started."},
-      {"mean_squared_displacement", "length²", "Mean squared distance of the disks from where they started."},
+      {"mean_displacement", "sides of the box", "Mean distance of the agents from where they started."},
+      {"mean_squared_displacement", "length²", "Mean squared distance of the agents from where they started."},
       {"centre_displacement", "sides of the box",
-       "Distance of the centre of the disks from where it started; no physics in a periodic box under a time step."}};
+       "Distance of the centre of the agents from where it started; no physics in a periodic box under a time step."}};
+}
+
+namespace {
+
+/// The edges that an agent has crossed; those of agents without such a column are never crossed.
+template <class Image>
+class Crossings {
+ public:
+  explicit Crossings(AgentsView const& agents) {
+    if (agents.has<Image>()) images_ = agents.column<Image>();
+  }
+  std::int32_t operator[](std::size_t row) const { return images_.empty() ? 0 : images_[row]; }
+
+ private:
+  std::span<std::int32_t const> images_;
+};
+
+}  // namespace
+
+Requirements Displacement::requirements(Box const& box) const {
+  if (!box.is_periodic()) return {.columns = {X::name, Y::name}};
+  // Without them nobody knows how often an agent has gone around.
+  return {.columns = {X::name, Y::name, ImageX::name, ImageY::name}};
 }
 
 void Displacement::begin(Snapshot const& start) {
-  Disks const& disks = start.state.disks;
-  rows_ = IdIndex(disks.ids());
-  sites_.assign(disks.size(), {});
-  for (std::size_t i = 0; i < disks.size(); ++i) {
-    sites_[rows_.place_of(disks.ids()[i], i)] = {disks.column<X>()[i], disks.column<Y>()[i], disks.column<ImageX>()[i],
-                                                 disks.column<ImageY>()[i]};
+  auto const ids = start.agents.ids();
+  auto const x = start.agents.column<X>();
+  auto const y = start.agents.column<Y>();
+  Crossings<ImageX> const image_x(start.agents);
+  Crossings<ImageY> const image_y(start.agents);
+  rows_ = IdIndex(ids);
+  sites_.assign(ids.size(), {});
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    sites_[rows_.place_of(ids[i], i)] = {x[i], y[i], image_x[i], image_y[i]};
   }
   length_ = {};
   squared_length_ = {};
@@ -26,18 +54,17 @@ void Displacement::begin(Snapshot const& start) {
 }
 
 void Displacement::sample(Snapshot const& now, std::span<double> row, bool) {
-  Disks const& disks = now.state.disks;
-  Box const& box = now.state.box;
-  auto const ids = disks.ids();
-  auto const x = disks.column<X>();
-  auto const y = disks.column<Y>();
-  auto const image_x = disks.column<ImageX>();
-  auto const image_y = disks.column<ImageY>();
+  Box const& box = now.box;
+  auto const ids = now.agents.ids();
+  auto const x = now.agents.column<X>();
+  auto const y = now.agents.column<Y>();
+  Crossings<ImageX> const image_x(now.agents);
+  Crossings<ImageY> const image_y(now.agents);
   length_ = {};
   squared_length_ = {};
   Vector sum{};
   double count = 0.0;
-  for (std::size_t i = 0; i < disks.size(); ++i) {
+  for (std::size_t i = 0; i < ids.size(); ++i) {
     std::size_t const place = rows_.place_of(ids[i], i);
     if (place == IdIndex::not_found) continue;
     Site const& from = sites_[place];
@@ -45,7 +72,7 @@ void Displacement::sample(Snapshot const& now, std::span<double> row, bool) {
     double const crossed_y = static_cast<double>(image_y[i]) - static_cast<double>(from.image_y);
     Vector const moved{x[i] - from.x + crossed_x * box.width(), y[i] - from.y + crossed_y * box.height()};
     double const squared = squared_length(moved);
-    std::size_t const block = rows_.block_of(place, disk_blocks);
+    std::size_t const block = rows_.block_of(place, agent_blocks);
     length_[block].add({std::sqrt(squared) / box.side(), 1.0});
     squared_length_[block].add({squared, 1.0});
     sum = sum + moved;

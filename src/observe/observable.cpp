@@ -1,5 +1,7 @@
 #include "gridlock/observe/observable.hpp"
 
+#include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include "gridlock/observe/bond_orientation.hpp"
@@ -55,12 +57,12 @@ void describe(ObserveSettings& settings, SettingVisitor& visitor) {
 }
 
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
-                                                          bool has_turns) {
+                                                          DynamicsTraits const& dynamics) {
   std::vector<std::unique_ptr<Observable>> observables;
   observables.push_back(std::make_unique<Displacement>());
   observables.push_back(std::make_unique<Energy>());
   observables.push_back(std::make_unique<Speed>(settings.speed_range, settings.speed_bins));
-  observables.push_back(std::make_unique<Rates>(has_turns));
+  observables.push_back(std::make_unique<Rates>(dynamics.halts_moves));
   observables.push_back(std::make_unique<Pressure>());
   observables.push_back(std::make_unique<VelocityAutocorrelation>(settings.velocity_origin_every));
   if (settings.structure_every > 0) {
@@ -68,6 +70,11 @@ std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const&
     observables.push_back(std::make_unique<PairCorrelation>(settings.structure_every, settings.pair_correlation_range,
                                                             settings.pair_correlation_bins));
   }
+  std::erase_if(observables, [&](auto const& observable) {
+    Requirements const needs = observable->requirements(start.box);
+    return (needs.collisions && !dynamics.keeps_counters) ||
+           std::ranges::any_of(needs.columns, [&](std::string_view name) { return !start.agents.has(name); });
+  });
   for (auto const& observable : observables) observable->begin(start);
   return observables;
 }

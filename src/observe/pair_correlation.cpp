@@ -12,19 +12,21 @@ namespace gridlock {
 
 namespace {
 
-double mean_radius(Disks const& disks) {
+/// The mean radius; of agents without one half the mean spacing √(A/N).
+double mean_radius(Box const& box, AgentsView const& agents) {
+  if (!agents.has<Radius>()) return 0.5 * std::sqrt(box.area() / static_cast<double>(agents.size()));
   double sum = 0.0;
-  for (double const r : disks.column<Radius>()) sum += r;
-  return sum / static_cast<double>(disks.size());
+  for (double const r : agents.column<Radius>()) sum += r;
+  return sum / static_cast<double>(agents.size());
 }
 
-/// The part of the box that centres can reach; absent for no disks and where the walls leave no area.
-std::optional<Box> domain_of_centres(State const& state) {
-  if (state.disks.empty()) return std::nullopt;
-  if (state.box.is_periodic()) return state.box;
-  double const margin = 2.0 * mean_radius(state.disks);
-  double const width = state.box.width() - margin;
-  double const height = state.box.height() - margin;
+/// The part of the box that centres can reach; absent for no agents and where the walls leave no area.
+std::optional<Box> domain_of_centres(Box const& box, AgentsView const& agents) {
+  if (agents.empty()) return std::nullopt;
+  if (box.is_periodic() || !agents.has<Radius>()) return box;
+  double const margin = 2.0 * mean_radius(box, agents);
+  double const width = box.width() - margin;
+  double const height = box.height() - margin;
   return width > 0.0 && height > 0.0 ? std::optional(Box(width, height, Edge::wall)) : std::nullopt;
 }
 
@@ -41,9 +43,9 @@ double probability_of_nearer_points(Box const& box, double r) {
 void PairCorrelation::begin(Snapshot const& start) {
   schedule_.reset();
   bin_width_ = 0.0;
-  if (auto const domain = domain_of_centres(start.state)) {
+  if (auto const domain = domain_of_centres(start.box, start.agents)) {
     double const most = 0.5 * std::min(domain->width(), domain->height());
-    bin_width_ = std::min(range_ * 2.0 * mean_radius(start.state.disks), most) / static_cast<double>(bins_);
+    bin_width_ = std::min(range_ * 2.0 * mean_radius(start.box, start.agents), most) / static_cast<double>(bins_);
   }
   counts_.assign(bin_width_ > 0.0 ? bins_ : 0, 0);
   correlation_.assign(counts_.size(), {});
@@ -52,14 +54,16 @@ void PairCorrelation::begin(Snapshot const& start) {
 void PairCorrelation::sample(Snapshot const& now, std::span<double>, bool counts_for_average) {
   // There is no column to fill, so what does not count need not be measured.
   if (!schedule_.is_due(counts_for_average) || !counts_for_average || counts_.empty()) return;
-  auto const domain = domain_of_centres(now.state);
+  auto const domain = domain_of_centres(now.box, now.agents);
   double const range = bin_width_ * static_cast<double>(counts_.size());
-  auto const n = static_cast<double>(now.state.disks.size());
-  // A box that has shrunk below the range, or lost its disks, has nothing to compare with.
+  auto const n = static_cast<double>(now.agents.size());
+  // A box that has shrunk below the range, or lost its agents, has nothing to compare with.
   if (!domain || n < 2.0 || range > 0.5 * std::min(domain->width(), domain->height()) * (1.0 + 1e-12)) return;
 
   std::ranges::fill(counts_, 0);
-  for_each_pair(now.state, grid_for_cutoff(now.state, range), range, [&](std::size_t, std::size_t, Vector separation) {
+  PointsInBox const points{now.box, now.agents.column<X>(), now.agents.column<Y>()};
+  PackedGrid const grid(layout_for_cutoff(now.box, range, now.agents.size()), points.x, points.y);
+  for_each_pair(points, grid, range, [&](std::size_t, std::size_t, Vector separation) {
     auto const bin = static_cast<std::size_t>(std::sqrt(squared_length(separation)) / bin_width_);
     ++counts_[std::min(bin, counts_.size() - 1)];
   });

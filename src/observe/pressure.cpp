@@ -33,21 +33,21 @@ std::vector<ColumnInfo> columns_for(Box const& box) {
 }  // namespace
 
 void Pressure::begin(Snapshot const& start) {
-  has_walls_ = !start.state.box.is_periodic();
-  reset(columns_for(start.state.box));
+  has_walls_ = !start.box.is_periodic();
+  reset(columns_for(start.box));
   last_ = start.counters;
-  last_time_ = start.state.clock.time;
+  last_time_ = start.clock.time;
 }
 
 void Pressure::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {
-  Box const& box = now.state.box;
-  double const duration = now.state.clock.time - last_time_;
+  Box const& box = now.box;
+  double const duration = now.clock.time - last_time_;
   double const virial = now.counters.pair_virial - last_.pair_virial;
   std::array<double, 4> impulse{};
   for (std::size_t wall = 0; wall < 4; ++wall)
     impulse[wall] = now.counters.wall_impulse[wall] - last_.wall_impulse[wall];
   last_ = now.counters;
-  last_time_ = now.state.clock.time;
+  last_time_ = now.clock.time;
 
   std::ranges::fill(row, no_value);
   if (!(duration > 0.0)) return;
@@ -55,8 +55,8 @@ void Pressure::sample(Snapshot const& now, std::span<double> row, bool counts_fo
     row[column] = value;
     if (counts_for_average) average(column, value, weight);
   };
-  if (auto const kt = temperature(now.state)) {
-    double const thermal = static_cast<double>(now.state.disks.size()) * *kt;
+  if (auto const kt = temperature(now.box, now.agents)) {
+    double const thermal = static_cast<double>(now.agents.size()) * *kt;
     set(virial_column, (thermal + 0.5 * virial / duration) / box.area(), duration);
     if (thermal > 0.0) set(compressibility_column, 1.0 + 0.5 * virial / (thermal * duration), thermal * duration);
   }

@@ -16,7 +16,7 @@ constexpr std::size_t wall_column = 3;
 }  // namespace
 
 void Rates::begin(Snapshot const& start) {
-  has_walls_ = !start.state.box.is_periodic();
+  has_walls_ = !start.box.is_periodic();
   std::vector<ColumnInfo> columns{
       {"collision_rate", "1 / time", "Pair collisions per disk and time, each counted for both partners."},
       {"mean_free_time", "time", "Mean time between two pair collisions of a disk."},
@@ -27,7 +27,7 @@ void Rates::begin(Snapshot const& start) {
   if (has_walls_) columns.push_back({"wall_hit_rate", "1 / time", "Wall hits per disk and time."});
   reset(std::move(columns));
   last_ = start.counters;
-  last_time_ = start.state.clock.time;
+  last_time_ = start.clock.time;
 }
 
 void Rates::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {
@@ -36,9 +36,9 @@ void Rates::sample(Snapshot const& now, std::span<double> row, bool counts_for_a
   auto const wall_hits = static_cast<double>(counters.all_wall_hits() - last_.all_wall_hits());
   auto const halted = static_cast<double>(counters.halted_moves - last_.halted_moves);
   auto const turns = static_cast<double>(counters.moves - last_.moves);
-  double const disk_time = static_cast<double>(now.state.disks.size()) * (now.state.clock.time - last_time_);
+  double const disk_time = static_cast<double>(now.agents.size()) * (now.clock.time - last_time_);
   last_ = counters;
-  last_time_ = now.state.clock.time;
+  last_time_ = now.clock.time;
 
   std::ranges::fill(row, no_value);
   if (disk_time > 0.0) {

@@ -16,18 +16,18 @@ constexpr std::size_t ratio_column = 1;
 }  // namespace
 
 void Speed::begin(Snapshot const& start) {
-  reset({{"mean_speed", "length / time", "Mean speed of the disks."},
+  reset({{"mean_speed", "length / time", "Mean speed of the agents."},
          {"speed_moment_ratio", "", "⟨v⁴⟩/⟨v²⟩², with energies for unequal masses; 2 in thermal equilibrium."}});
-  Disks const& disks = start.state.disks;
-  auto const n = static_cast<double>(disks.size());
-  std::vector<double> masses(disks.column<Mass>().begin(), disks.column<Mass>().end());
+  AgentsView const& agents = start.agents;
+  auto const n = static_cast<double>(agents.size());
+  std::vector<double> masses(agents.column<Mass>().begin(), agents.column<Mass>().end());
   std::ranges::sort(masses);
   masses_.clear();
   for (double const mass : masses) {
     if (masses_.empty() || masses_.back().mass != mass) masses_.push_back({mass, 0.0});
     masses_.back().share += 1.0 / n;
   }
-  double const energy = kinetic_energy(disks);
+  double const energy = kinetic_energy(agents);
   bin_width_ =
       energy > 0.0 ? range_ * std::sqrt(2.0 * energy / (n * masses_.front().mass)) / static_cast<double>(bins_) : 0.0;
   counts_.assign(bin_width_ > 0.0 ? bins_ : 0, 0);
@@ -36,18 +36,18 @@ void Speed::begin(Snapshot const& start) {
 }
 
 void Speed::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {
-  Disks const& disks = now.state.disks;
-  auto const n = static_cast<double>(disks.size());
-  auto const mass = disks.column<Mass>();
-  auto const velocity_x = disks.column<VelocityX>();
-  auto const velocity_y = disks.column<VelocityY>();
+  AgentsView const& agents = now.agents;
+  auto const n = static_cast<double>(agents.size());
+  auto const mass = agents.column<Mass>();
+  auto const velocity_x = agents.column<VelocityX>();
+  auto const velocity_y = agents.column<VelocityY>();
   std::ranges::fill(counts_, 0);
   double const bins_per_speed = bin_width_ > 0.0 ? 1.0 / bin_width_ : 0.0;
   auto const bins = static_cast<double>(counts_.size());
   double speeds = 0.0;
   double energies = 0.0;  // twice the kinetic ones
   double squared_energies = 0.0;
-  for (std::size_t i = 0; i < disks.size(); ++i) {
+  for (std::size_t i = 0; i < agents.size(); ++i) {
     double const squared_speed = velocity_x[i] * velocity_x[i] + velocity_y[i] * velocity_y[i];
     double const speed = std::sqrt(squared_speed);
     double const energy = mass[i] * squared_speed;
@@ -64,7 +64,7 @@ void Speed::sample(Snapshot const& now, std::span<double> row, bool counts_for_a
   average(speed_column, row[speed_column]);
   if (is_moving) average(ratio_column, row[ratio_column]);
   for (std::size_t b = 0; b < counts_.size(); ++b) shares_[b].add(static_cast<double>(counts_[b]) / n);
-  if (auto const kt = temperature(now.state)) temperature_.add(*kt);
+  if (auto const kt = temperature(now.box, now.agents)) temperature_.add(*kt);
 }
 
 double Speed::maxwell_below(double v, double temperature) const {

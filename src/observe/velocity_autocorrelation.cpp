@@ -19,36 +19,41 @@ void VelocityAutocorrelation::begin(Snapshot const&) {
   over_origins_.clear();
 }
 
-void VelocityAutocorrelation::set_origin(State const& state) {
-  Disks const& disks = state.disks;
+void VelocityAutocorrelation::set_origin(Snapshot const& now) {
+  auto const ids = now.agents.ids();
+  auto const velocity_x = now.agents.column<VelocityX>();
+  auto const velocity_y = now.agents.column<VelocityY>();
   has_origin_ = true;
   samples_since_origin_ = 0;
-  origin_time_ = state.clock.time;
-  rows_ = IdIndex(disks.ids());
-  velocities_.assign(disks.size(), {});
-  for (std::size_t i = 0; i < disks.size(); ++i) velocities_[rows_.place_of(disks.ids()[i], i)] = velocity(disks, i);
+  origin_time_ = now.clock.time;
+  rows_ = IdIndex(ids);
+  velocities_.assign(ids.size(), {});
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    velocities_[rows_.place_of(ids[i], i)] = {velocity_x[i], velocity_y[i]};
+  }
 }
 
 void VelocityAutocorrelation::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {
   row[0] = no_value;
   if (!has_origin_ && !counts_for_average) return;
   bool const is_origin_due = !has_origin_ || (origin_every_ > 0 && samples_since_origin_ == origin_every_);
-  if (is_origin_due) set_origin(now.state);
+  if (is_origin_due) set_origin(now);
   std::size_t const point = samples_since_origin_++;
-  Disks const& disks = now.state.disks;
-  auto const ids = disks.ids();
+  auto const ids = now.agents.ids();
+  auto const velocity_x = now.agents.column<VelocityX>();
+  auto const velocity_y = now.agents.column<VelocityY>();
   // With the squares at the origin as weights, the ratio of sums is the normalised correlation.
-  std::array<Block, disk_blocks> blocks{};
-  for (std::size_t i = 0; i < disks.size(); ++i) {
+  std::array<Block, agent_blocks> blocks{};
+  for (std::size_t i = 0; i < ids.size(); ++i) {
     std::size_t const place = rows_.place_of(ids[i], i);
     if (place == IdIndex::not_found) continue;
     Vector const then = velocities_[place];
-    blocks[rows_.block_of(place, disk_blocks)].add({dot(then, velocity(disks, i)), squared_length(then)});
+    blocks[rows_.block_of(place, agent_blocks)].add({dot(then, {velocity_x[i], velocity_y[i]}), squared_length(then)});
   }
   auto const correlation = estimate_from(blocks);
   if (!correlation) return;
   row[0] = correlation->value;
-  double const lag = now.state.clock.time - origin_time_;
+  double const lag = now.clock.time - origin_time_;
   if (point == curve_.size()) curve_.push_back({lag, *correlation});
   // The last sample of a run may come early, and belongs to no point then.
   bool const is_on_curve = point < curve_.size() && std::abs(lag - curve_[point].lag) <= 1e-9 * lag;
@@ -76,7 +81,7 @@ std::vector<Distribution> VelocityAutocorrelation::distributions() const {
   return {{.name = "velocity_autocorrelation",
            .columns = {{"lag", "time", "Time since an origin t₀."},
                        {"velocity_autocorrelation", "", "Σ v(t₀)·v(t₀ + t) / Σ v(t₀)², over all origins."},
-                       {"error", "", "One standard error, from blocks of origins, or of disks where there is one."}},
+                       {"error", "", "One standard error, from blocks of origins, or of agents where there is one."}},
            .columns_of_values = {std::move(lag), std::move(correlation), std::move(error)}}};
 }
 
@@ -88,7 +93,7 @@ void VelocityAutocorrelation::serialize(Archive& archive) {
   std::vector<double> velocities;
   for (Vector const v : velocities_) velocities.insert(velocities.end(), {v.x, v.y});
   archive.visit("velocities", velocities);
-  archive.require(velocities.size() == 2 * rows_.size(), "not every disk has a velocity");
+  archive.require(velocities.size() == 2 * rows_.size(), "not every agent has a velocity");
   velocities_.resize(rows_.size());
   for (std::size_t k = 0; k < velocities_.size(); ++k) velocities_[k] = {velocities[2 * k], velocities[2 * k + 1]};
   // An error that is absent is written as NaN.

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
-#include "gridlock/simulation/configuration.hpp"
+#include "gridlock/simulation/setup.hpp"
 
 namespace gridlock {
 
@@ -17,7 +18,7 @@ Expectation expectation_of(Setup const& setup);
 /// Whether more threads than one are of any use to a run.
 bool uses_threads(Configuration const& configuration);
 
-/// The threads a run is carried out by.
-std::uint64_t threads_of(Configuration const& configuration);
+/// The threads a run is carried out by, where it may be asked for others than the configured ones.
+std::uint64_t threads_of(Configuration const& configuration, std::optional<std::uint64_t> asked_for = std::nullopt);
 
 }  // namespace gridlock

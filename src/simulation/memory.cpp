@@ -5,10 +5,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <fstream>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "core/resources.hpp"
 #include "gridlock/core/error.hpp"
@@ -17,17 +17,6 @@ namespace gridlock {
 
 namespace {
 
-/// The most that a run holds for each disk, and what a checkpoint adds to that: measured as the peak of `gridlock run` with
-/// 10⁶ disks, docs/reference/performance.md, without the 15 MB of the program.
-struct BytesPerDisk {
-  double of_run;
-  double of_checkpoint;
-};
-constexpr BytesPerDisk bytes_of_stepped{.of_run = 223.0, .of_checkpoint = 0.0};
-constexpr BytesPerDisk bytes_of_tiled{.of_run = 232.0, .of_checkpoint = 19.0};
-constexpr BytesPerDisk bytes_of_exact{.of_run = 320.0, .of_checkpoint = 139.0};
-constexpr double bytes_per_agent_of_model = 250.0;
-constexpr double bytes_per_cell = 4.0;
 constexpr double bytes_per_row = 25 * 8.0;
 
 /// What the machine has free, in bytes.
@@ -54,40 +43,17 @@ double free_memory_of_process() {
   return std::max(0.0, static_cast<double>(limit.rlim_cur) - pages * static_cast<double>(sysconf(_SC_PAGESIZE)));
 }
 
-struct Demand {
-  std::string what;
-  std::string key;
-  double bytes;
-  char const* hint;
-};
-
-double bytes_per_disk(Configuration const& configuration) {
-  std::string const& engine = configuration.engine.kind;
-  BytesPerDisk const& bytes = engine == "exact"   ? bytes_of_exact
-                              : engine == "tiled" ? bytes_of_tiled
-                                                  : bytes_of_stepped;
-  CheckpointSettings const& checkpoint = configuration.checkpoint;
-  bool const has_checkpoints = checkpoint.every_seconds > 0.0 || checkpoint.every_steps > 0 || checkpoint.keep_last;
-  return bytes.of_run + (has_checkpoints ? bytes.of_checkpoint : 0.0);
-}
-
-std::array<Demand, 3> demands_of(Configuration const& configuration) {
-  auto const disks = static_cast<double>(configuration.disks.count.value_or(0));
-  auto const cells = static_cast<double>(configuration.engine.cells.value_or(0));
+/// The rows of the series.
+MemoryDemand series_of(Configuration const& configuration) {
   // Where another length ends the run, most of the steps may never come.
   bool const is_as_long = !configuration.run.time && !configuration.run.collisions_per_disk;
   std::uint64_t const steps = is_as_long ? configuration.run.steps.value_or(0) : 0;
-  std::uint64_t const samples = steps / std::max<std::uint64_t>(1, configuration.observe.every);
-  auto const rows = static_cast<double>(samples);
-  return {Demand{fmt::format("{:.0f} disks", disks), "disks.count", bytes_per_disk(configuration) * disks,
-                 "use fewer disks"},
-          Demand{fmt::format("a grid of {0:.0f} × {0:.0f} cells", cells), "engine.cells",
-                 bytes_per_cell * cells * cells, "leave engine.cells out, or use fewer"},
-          Demand{fmt::format("a series of {:.0f} samples", rows), "observe.every", bytes_per_row * rows,
-                 "use a larger observe.every, or fewer run.steps"}};
+  auto const rows = static_cast<double>(steps / std::max<std::uint64_t>(1, configuration.observe.every));
+  return {fmt::format("a series of {:.0f} samples", rows), "observe.every", bytes_per_row * rows,
+          "use a larger observe.every, or fewer run.steps"};
 }
 
-void require_free(Demand const& demand) {
+void require_free(MemoryDemand const& demand) {
   double const available = free_memory();
   if (demand.bytes <= available) return;
   throw Error({.what = fmt::format("{} would need about {:.3g} GB of memory, but {:.3g} GB are free", demand.what,
@@ -100,19 +66,20 @@ void require_free(Demand const& demand) {
 
 double free_memory() { return std::min({free_memory_of_machine(), free_memory_of_process(), granted_memory()}); }
 
-double expected_memory(Configuration const& configuration, double agents) {
-  double bytes = bytes_per_agent_of_model * agents;
-  for (Demand const& demand : demands_of(configuration)) bytes += demand.bytes;
+double expected_memory(Configuration const& configuration) {
+  double bytes = series_of(configuration).bytes;
+  for (MemoryDemand const& demand : configuration.kind().memory(configuration)) bytes += demand.bytes;
   return bytes;
 }
 
-void require_memory(Configuration const& configuration) {
-  std::array<Demand, 3> const demands = demands_of(configuration);
-  require_free(*std::ranges::max_element(demands, {}, &Demand::bytes));
+double expected_memory(Configuration const& configuration, std::size_t agents) {
+  return series_of(configuration).bytes + configuration.kind().expected_bytes(configuration, agents);
 }
 
-void require_memory_for_agents(double agents, double bytes_per_agent, std::string const& key) {
-  require_free({fmt::format("{:.0f} agents", agents), key, bytes_per_agent * agents, "use fewer agents"});
+void require_memory(Configuration const& configuration) {
+  std::vector<MemoryDemand> demands = configuration.kind().memory(configuration);
+  demands.push_back(series_of(configuration));
+  require_free(*std::ranges::max_element(demands, {}, &MemoryDemand::bytes));
 }
 
 void MemoryBudget::take(double bytes) {

@@ -12,14 +12,12 @@ namespace gridlock {
 /// Refuses a run that needs more memory than the machine has free, before any of it is asked for: a system short of
 /// memory kills the program, which leaves no message and no results.
 ///
-/// Counts what can become large: the disks, the cells of the grid, the rows of the series. An estimate, on the low side.
+/// Counts what can become large: the agents, the cells of the grid, the rows of the series. An estimate, on the low side.
 void require_memory(Configuration const& configuration);
 
-/// The same for the agents of a model, blaming a setting of it.
-void require_memory_for_agents(double agents, double bytes_per_agent, std::string const& key);
-
-/// The bytes a run needs by the same estimate; of a model the agents are told, since its settings do not say how many.
-double expected_memory(Configuration const& configuration, double agents = 0.0);
+/// The bytes a run needs by the same estimate; more closely where it is known how many agents there are.
+double expected_memory(Configuration const& configuration);
+double expected_memory(Configuration const& configuration, std::size_t agents);
 
 /// What the program can still get, in bytes: of the machine, under the limit of the process (ulimit -v), and under those
 /// of its control groups, such as a container's.

@@ -5,6 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include "gridlock/core/error.hpp"
+#include "gridlock/simulation/register_model.hpp"
+#include "simulation/slow_start.hpp"
+
 namespace gridlock {
 
 namespace {
@@ -15,6 +19,19 @@ ModelKinds& all_known() {
 }
 
 }  // namespace
+
+ModelKinds known_models() { return all_known(); }
+
+void register_model(std::unique_ptr<ModelKind> kind) {
+  if (all_known().find(kind->name()) != nullptr) {
+    throw Error({.what = fmt::format("there is a model {} already", kind->name()),
+                 .hint = "give this one another name, and call register_model() for it once",
+                 .key = "model.kind"});
+  }
+  all_known().add(std::move(kind));
+}
+
+namespace detail {
 
 void blame_table(std::string_view model, std::function<void()> const& act) {
   try {
@@ -30,15 +47,47 @@ void blame_table(std::string_view model, std::function<void()> const& act) {
   }
 }
 
-ModelKinds known_models() { return all_known(); }
+std::string AgentsKind::title(Configuration const& /*configuration*/) const { return fmt::format("model {}", name()); }
 
-void register_model(std::unique_ptr<ModelKind> kind) {
-  if (all_known().find(kind->name()) != nullptr) {
-    throw Error({.what = fmt::format("there is a model {} already", kind->name()),
-                 .hint = "give this one another name, and call register_model() for it once",
-                 .key = "model.kind"});
-  }
-  all_known().add(std::move(kind));
+std::vector<SettingTable> AgentsKind::tables(Configuration& configuration) {
+  return {{"engine", "Of a model only the threads.",
+           [&](SettingVisitor& visitor) { describe_threads(configuration.engine, visitor); }},
+          {std::string(name()), std::string(documentation()),
+           [this](SettingVisitor& visitor) { describe_model(visitor); }}};
 }
+
+bool AgentsKind::uses(Configuration const& configuration, std::string_view key) const {
+  return key == "model.verify_every" || (key == "engine.threads" && uses_threads(configuration));
+}
+
+std::vector<MemoryDemand> AgentsKind::memory(Configuration const& /*configuration*/) const {
+  auto const agents = static_cast<double>(agents_at_start());
+  return {{fmt::format("{:.0f} agents", agents), fmt::format("{}.count", name()),
+           agents * static_cast<double>(bytes_per_agent()), "use fewer agents"}};
+}
+
+double AgentsKind::expected_bytes(Configuration const& /*configuration*/, std::size_t agents) const {
+  constexpr double bytes_per_agent = 250.0;
+  return bytes_per_agent * static_cast<double>(agents);
+}
+
+void AgentsKind::build(Setup& setup, SetupOptions const& options) const {
+  Configuration const& configuration = setup.configuration;
+  Box const box = make_box(configuration.box);
+  std::uint64_t const seed = configuration.run.seed;
+  bool const may_be_slow = options.on_slow_start && agents_at_start() >= many_agents;
+  double const attempts = may_be_slow ? attempts_at_start(box, seed) : 0.0;
+  if (!makes_start(attempts, "model.kind", options, setup.notes)) return;
+  std::vector<std::string> notes;
+  setup.simulation = make(box, seed,
+                          {.threads = options.threads.value_or(configuration.engine.threads),
+                           .verify_every = configuration.model.verify_every},
+                          configuration.observe, notes);
+  for (std::string const& text : notes) {
+    setup.notes.push_back({.kind = NoteKind::misleading_rule, .key = "model.kind", .text = text});
+  }
+}
+
+}  // namespace detail
 
 }  // namespace gridlock

@@ -103,9 +103,7 @@ void Run::note_time() {
 }
 
 bool Run::has_reached_end() const {
-  Clock const clock = simulation_.clock();
-  return clock.step >= plan_.stop_condition.step || clock.time >= plan_.stop_condition.time ||
-         simulation_.pair_collisions() >= plan_.stop_condition.pair_collisions;
+  return plan_.stop_condition.is_reached(simulation_.clock(), simulation_.pair_collisions());
 }
 
 std::optional<std::uint64_t> Run::last_stop() const {
@@ -171,11 +169,10 @@ void Run::sample() {
 
 /// Where the next chunk ends.
 StopCondition Run::next_stop() const {
-  std::uint64_t const step = simulation_.clock().step;
   std::uint64_t next = next_multiple(plan_.sample_every, steps_done());
   for (Writer const* writer : writers_) next = std::min(next, writer->next_after(steps_done()));
   StopCondition stop = plan_.stop_condition;
-  stop.step = std::min({stop.step, saturating_sum(first_.step, next), saturating_sum(step, plan_.steps_per_chunk)});
+  stop.step = std::min(stop.step, saturating_sum(first_.step, next));
   return stop;
 }
 

@@ -1,18 +1,30 @@
-#include "gridlock/simulation/model_kind.hpp"
+#include "gridlock/simulation/register_model.hpp"
 #include "models/catalyst.hpp"
 #include "models/colloid.hpp"
 #include "models/epidemic.hpp"
 #include "models/flocking.hpp"
+#include "simulation/disks_kind.hpp"
 
 namespace gridlock {
 
+namespace {
+
+template <class Model>
+void add(ModelKinds& kinds) {
+  kinds.add(std::make_unique<detail::ModelKindOf<Model>>());
+}
+
+}  // namespace
+
+/// Adding a model means one line here and a file in models/.
 ModelKinds shipped_models() {
   ModelKinds kinds;
-  kinds.add<Flocking>();
-  kinds.add<Epidemic>();
-  kinds.add<Catalyst>();
-  kinds.add<Colloid>();
-  kinds.add<TiledColloid>();
+  kinds.add(disks_kind());
+  add<Flocking>(kinds);
+  add<Epidemic>(kinds);
+  add<Catalyst>(kinds);
+  add<Colloid>(kinds);
+  add<TiledColloid>(kinds);
   return kinds;
 }
 

@@ -19,6 +19,7 @@
 #include "gridlock/io/file.hpp"
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/xyz.hpp"
+#include "gridlock/simulation/trajectory.hpp"
 #include "gridlock/workspace/result_files.hpp"
 #include "simulation/expected_work.hpp"
 #include "simulation/settings_difference.hpp"
@@ -82,9 +83,10 @@ std::string summary_json(Configuration const& configuration, std::uint64_t start
   json["start_hash"] = fmt::format("{:016x}", start_hash);
   json["state_hash"] = fmt::format("{:016x}", record.state_hash);
   json["seed"] = frame.seed;
-  json[configuration.is_of_model() ? "model" : "engine"] =
-      configuration.is_of_model() ? configuration.model.kind : configuration.engine.kind;
-  json[configuration.is_of_model() ? "agents_at_end" : "disks"] = record.agents;
+  json["model"] = configuration.model.kind;
+  for (auto const& [name, choice] : configuration.kind().choices(configuration)) json[name] = choice;
+  // "agents" is an average where they come and go.
+  json["agents_at_end"] = record.agents;
   if (auto const packing_fraction = packing_fraction_of(frame)) json["packing_fraction"] = *packing_fraction;
   json["steps"] = record.steps;
   json["step"] = record.clock.step;
@@ -148,16 +150,16 @@ class RunInDirectory {
   RunInDirectory(std::filesystem::path directory, Setup setup, std::string configuration, RunHooks const& hooks)
       : directory_(std::move(directory)),
         setup_(std::move(setup)),
-        start_hash_(hash(setup_.state)),
+        start_hash_(setup_.simulation->state_hash()),
         hooks_(hooks),
         log_(directory_, hooks.on_note),
         configuration_(std::move(configuration)),
         plan_(plan_of(setup_)),
-        simulation_(make_simulation(std::move(setup_))),
-        run_(*simulation_, plan_) {
+        simulation_(*setup_.simulation),
+        run_(simulation_, plan_) {
     TrajectorySettings const& settings = setup_.configuration.trajectory;
     if (!settings.has_frames()) return;
-    trajectory_.emplace(settings, simulation_->time_step(),
+    trajectory_.emplace(settings, simulation_.time_step(),
                         TrajectoryWriter::Origin{directory_ / trajectory_name, configuration_, version()});
     run_.add(*trajectory_);
   }
@@ -175,20 +177,19 @@ class RunInDirectory {
                              "checkpoint.previous.gridlock", trajectory_name, begun_trajectory_name}) {
       record_result(directory_ / name);
     }
-    if (!setup_.start_file.empty()) write_xyz(simulation_->frame(), directory_ / "start.xyz");
+    if (!setup_.start_file.empty()) write_xyz(simulation_.frame(), directory_ / "start.xyz");
     write_file(directory_ / configuration_name, configuration_);
     for (std::string const& note : notes_on({setup_.notes})) log_.note(note);
     Configuration const& configuration = setup_.configuration;
-    std::string const what = configuration.is_of_model()
-                                 ? fmt::format("model {}, {} agents", configuration.model.kind, simulation_->agents())
-                                 : fmt::format("engine {}, {} disks", configuration.engine.kind, simulation_->agents());
-    log_.info(fmt::format("gridlock {} begins: {}, seed {}, start hash {:016x}", version(), what,
-                          configuration.run.seed, simulation_->state_hash()));
+    ModelKind const& kind = configuration.kind();
+    log_.info(fmt::format("gridlock {} begins: {}, {} {}, seed {}, start hash {:016x}", version(),
+                          kind.title(configuration), simulation_.agents(), kind.agents_name(), configuration.run.seed,
+                          start_hash_));
   }
 
   /// Nothing but run.log and trajectory.h5 changes, and those only after `require`, which may refuse what was restored.
   void restore(std::function<void()> const& require) {
-    std::uint64_t const first_step = simulation_->clock().step;
+    std::uint64_t const first_step = simulation_.clock().step;
     auto const restored = restore_checkpoint(directory_, [&](Archive& archive) { serialize(archive); });
     require();
     std::error_code ignored;
@@ -198,16 +199,16 @@ class RunInDirectory {
       return;
     }
     auto const last_stop = run_.last_stop();
-    if (trajectory_ && last_stop) trajectory_->restore(*simulation_, first_step, *last_stop);
-    if (restored->note.empty()) saved_at_ = simulation_->clock();
+    if (trajectory_ && last_stop) trajectory_->restore(simulation_, first_step, *last_stop);
+    if (restored->note.empty()) saved_at_ = simulation_.clock();
     if (!restored->note.empty()) log_.warn(fmt::format("{}; going back to the previous one", restored->note));
-    log_.info(fmt::format("gridlock {} goes on from step {} of {}", version(), simulation_->clock().step,
+    log_.info(fmt::format("gridlock {} goes on from step {} of {}", version(), simulation_.clock().step,
                           restored->file.filename().string()));
   }
 
   void require_below_length() const {
     if (!run_.has_reached_end()) return;
-    Clock const clock = simulation_->clock();
+    Clock const clock = simulation_.clock();
     throw Error({.what = fmt::format("the run in {} has come to step {}, time {:.6g} already", directory_.string(),
                                      clock.step, clock.time),
                  .hint = "the new length counts from the start of the run and has to be above what it has",
@@ -237,7 +238,7 @@ class RunInDirectory {
   }
 
   RunRecord carry_out() {
-    std::uint64_t const threads = threads_of(setup_.configuration);
+    std::uint64_t const threads = threads_of(setup_.configuration, hooks_.threads);
     log_.info(fmt::format("on {} thread{}", threads, threads == 1 ? "" : "s"));
     CheckpointClock checkpoints(setup_.configuration.checkpoint);
     RunStatus const status =
@@ -254,7 +255,7 @@ class RunInDirectory {
     if (status == RunStatus::interrupted) save();
     RunRecord record = run_.record();
     try {
-      write_results(directory_, setup_.configuration, start_hash_, record, simulation_->frame());
+      write_results(directory_, setup_.configuration, start_hash_, record, simulation_.frame());
     } catch (RunFailure const& failure) {
       // A full disk ends the run first and keeps its results out next: the first reason is the one to tell.
       if (record.failure.empty()) throw;
@@ -290,7 +291,7 @@ class RunInDirectory {
   }
 
   void save() {
-    Clock const clock = simulation_->clock();
+    Clock const clock = simulation_.clock();
     if (saved_at_ == clock) return;
     auto const warn = [&](std::string const& why) {
       log_.warn(fmt::format("no checkpoint at step {}: {}", clock.step, why));
@@ -307,13 +308,13 @@ class RunInDirectory {
   }
 
   std::filesystem::path directory_;
-  Setup setup_;  ///< without its state, which is the simulation's
+  Setup setup_;
   std::uint64_t start_hash_;
   RunHooks const& hooks_;
   RunLog log_;
   std::string configuration_;
   RunPlan plan_;
-  std::unique_ptr<Simulation> simulation_;
+  Simulation& simulation_;  ///< of the set-up
   Run run_;
   std::optional<TrajectoryWriter> trajectory_;
   std::optional<Clock> saved_at_;  ///< where the newest checkpoint is of
@@ -407,9 +408,8 @@ RunRecord go_on_in(std::filesystem::path const& directory, std::optional<RunLeng
     if (!is_finished && are_same(old.run, *length)) length.reset();
   }
   if (length) set_length(file, *length);
-  Setup setup = set_up(file);
+  Setup setup = set_up(file, {.threads = hooks.threads});
   Configuration configuration = setup.configuration;
-  if (hooks.threads) setup.configuration.engine.threads = *hooks.threads;
   bool const starts_from_file = !setup.start_file.empty();
   RunInDirectory run(directory, std::move(setup), resolved(configuration, starts_from_file), hooks);
   run.restore([&] {

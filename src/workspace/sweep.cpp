@@ -128,7 +128,8 @@ class SweepInProgress {
       Configuration configuration;
       plan_.runs[run].settings.read_into(describing(configuration));
       MemoryBudget::Part const memory(memory_, expected_memory(configuration));
-      Setup setup = set_up(plan_.runs[run].settings);
+      // Only to be looked at.
+      Setup const setup = set_up(plan_.runs[run].settings, {.threads = 1});
       notes_[run] = setup.notes;
       require_same_run(run, setup);
       if (!is_ours(run)) return;
@@ -273,7 +274,7 @@ class SweepInProgress {
     auto const difference = find_difference(texts, setting_texts(resolved_configuration(setup), ""));
     if (difference) return to_text(*difference, "it", "this sweep");
     auto const summary = recorded(run);
-    return summary && summary->start_hash != hash(setup.state) ? "it began from another state" : "";
+    return summary && summary->start_hash != setup.simulation->state_hash() ? "it began from another state" : "";
   }
 
   SweepOutcome carry_out(std::size_t run, JobPool const& job_pool, std::function<bool(double)> const& report) {
@@ -289,10 +290,10 @@ class SweepInProgress {
       MemoryBudget::Part const memory(memory_, prospect.bytes);
       if (job_pool.is_stopped()) return outcomes_[run];
       if (is_there(run)) return outcome_of(resume_in(directory_of(run), hooks));
-      Setup setup = set_up(plan_.runs[run].settings);
+      SettingsFile settings = plan_.runs[run].settings;
       // What is recorded is what is used.
-      if (prospect.takes_threads) setup.configuration.engine.threads = prospect.threads;
-      return outcome_of(run_in(directory_of(run), std::move(setup), hooks));
+      if (prospect.takes_threads) settings.set(fmt::format("engine.threads={}", prospect.threads));
+      return outcome_of(run_in(directory_of(run), set_up(settings), hooks));
     } catch (std::exception const& error) {
       return {.has_begun = true, .status = RunStatus::failed, .message = reason_of(error), .results = {}};
     }

@@ -75,8 +75,8 @@ std::map<std::string, std::string> base_of(SettingsFile const& file, std::vector
   Configuration configuration;
   file.read_into(describing(configuration));
   bool const sweeps_models = std::ranges::find(lists, "model.kind", &SettingList::key) != lists.end();
-  // The settings of models mean nothing to disks.
-  if (!configuration.is_of_model() && !sweeps_models) configuration.models.clear();
+  // The settings of other models mean nothing to the one that is run.
+  if (!sweeps_models) configuration.models.keep_only(configuration.model.kind);
   SettingTexts base = setting_texts(to_toml(describing(configuration)), "");
   for (SettingList const& list : lists) base.erase(list.key);
   base.erase("engine.threads");

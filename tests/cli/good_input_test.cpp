@@ -123,7 +123,7 @@ TEST(Run, WritesFilesThatAseReads) {
   Outcome const outcome = Process("/usr/bin/python3", {"read.py"}, workplace.path()).wait();
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   gridlock::State const state = gridlock::read_xyz(workplace / "out/final.xyz").state;
-  EXPECT_EQ(std::stod(outcome.out), state.disks.column<gridlock::X>()[7]);
+  EXPECT_EQ(std::stod(outcome.out), state.agents.column<gridlock::X>()[7]);
 }
 
 TEST(Run, StopsOnCtrlCAndKeepsWhatThereIs) {

@@ -25,7 +25,7 @@ void restore(std::string const& bytes, char const* engine) {
   configuration.observe.speed_bins = 3;
   gridlock::Setup setup = set_up(configuration);
   RunPlan const plan = plan_of(setup);
-  DiskSimulation simulation(std::move(setup));
+  Simulation& simulation = *setup.simulation;
   Run run(simulation, plan);
   try {
     from_checkpoint(bytes, "fuzz", [&](Archive& archive) { run.serialize(archive); });

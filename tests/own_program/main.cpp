@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "gridlock/command_line.hpp"
-#include "gridlock/simulation/model_kind.hpp"
+#include "gridlock/simulation/register_model.hpp"
 
 using namespace gridlock;
 

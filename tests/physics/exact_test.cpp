@@ -46,11 +46,11 @@ State fluid(std::uint64_t columns, std::uint64_t rows, double packing_fraction, 
     RandomStream random(seed, 0, i, Purpose::start_velocity);
     Vector const v{random.normal(), random.normal()};
     sum = sum + v;
-    state.disks.add(x, y, v.x, v.y, 0.5, 1.0, 0, 0);
+    state.agents.add(x, y, v.x, v.y, 0.5, 1.0, 0, 0);
   }
   for (std::uint64_t i = 0; i < count; ++i) {
-    state.disks.column<VelocityX>()[i] -= sum.x / static_cast<double>(count);
-    state.disks.column<VelocityY>()[i] -= sum.y / static_cast<double>(count);
+    state.agents.column<VelocityX>()[i] -= sum.x / static_cast<double>(count);
+    state.agents.column<VelocityY>()[i] -= sum.y / static_cast<double>(count);
   }
   return state;
 }
@@ -60,7 +60,7 @@ State maxwellian_between_walls(std::uint64_t columns, std::uint64_t rows, double
   State state{.box = Box(static_cast<double>(columns) * spacing, static_cast<double>(rows) * spacing, Edge::wall)};
   for (std::uint64_t i = 0; i < columns * rows; ++i) {
     RandomStream random(13, 0, i, Purpose::start_velocity);
-    state.disks.add((static_cast<double>(i % columns) + 0.5) * spacing,
+    state.agents.add((static_cast<double>(i % columns) + 0.5) * spacing,
                     (static_cast<double>(i / columns) + 0.5) * spacing, random.normal(), random.normal(), 0.5, 1.0, 0,
                     0);
   }
@@ -69,7 +69,7 @@ State maxwellian_between_walls(std::uint64_t columns, std::uint64_t rows, double
 
 /// kT of a periodic system at rest as a whole: K/(N − 1) in two dimensions with the momentum taken out.
 double temperature(State const& state) {
-  return kinetic_energy(state.disks) / static_cast<double>(state.disks.size() - 1);
+  return kinetic_energy(state.agents) / static_cast<double>(state.agents.size() - 1);
 }
 
 struct Pressures {
@@ -81,7 +81,7 @@ Pressures measure(State& state, double equilibration, double block, int blocks) 
   auto const engine = make_engine({.kind = "exact"}, state);
   Counters counters;
   engine->advance(state, counters, {.time = equilibration});
-  auto const n = static_cast<double>(state.disks.size());
+  auto const n = static_cast<double>(state.agents.size());
   double const kt = temperature(state);
   std::vector<double> impulses;
   std::vector<double> rates;
@@ -145,9 +145,9 @@ TEST(ExactPhysics, TwoDisksInAHardSquareBoxPressOnItsWallsAsTheirFreeAreaSays) {
     double const expected = (4.0 * a * a * a - 2.0 * pi * d * d * a + 8.0 / 3.0 * d * d * d) / (2.0 * q);
     State state{.box = Box(1.0, 1.0, Edge::wall)};
     // K/N = 1: ½ Σ v² = 2.
-    state.disks.add(0.3, 0.31, 1.3, 0.4, r, 1.0, 0, 0);
+    state.agents.add(0.3, 0.31, 1.3, 0.4, r, 1.0, 0, 0);
     double const rest = std::sqrt(4.0 - 1.3 * 1.3 - 0.4 * 0.4);
-    state.disks.add(0.72, 0.7, 0.6 * rest, -0.8 * rest, r, 1.0, 0, 0);
+    state.agents.add(0.72, 0.7, 0.6 * rest, -0.8 * rest, r, 1.0, 0, 0);
     auto const engine = make_engine({.kind = "exact"}, state);
     Counters counters;
     std::vector<double> pressures;
@@ -179,17 +179,17 @@ TEST(ExactPhysics, WallsAndPairsBalanceTheKineticEnergyInTheVirial) {
         {.width = 1.5, .height = 0.8, .count = 60, .packing_fraction = 0.5, .heaviest_mass = 4.0, .seed = seed});
     auto const virial = [&] {
       double sum = 0.0;
-      for (std::size_t i = 0; i < state.disks.size(); ++i) {
-        Vector const r = position(state.disks, i) - Vector{0.75, 0.4};
-        sum += state.disks.column<Mass>()[i] * dot(r, velocity(state.disks, i));
+      for (std::size_t i = 0; i < state.agents.size(); ++i) {
+        Vector const r = position(state.agents, i) - Vector{0.75, 0.4};
+        sum += state.agents.column<Mass>()[i] * dot(r, velocity(state.agents, i));
       }
       return sum;
     };
     double const start = virial();
-    double const radius = radius_range(state.disks).largest;  // all are equal
+    double const radius = radius_range(state.agents).largest;  // all are equal
     Counters counters;
     make_engine({.kind = "exact"}, state)->advance(state, counters, {.time = 20.0});
-    double const flight = 2.0 * kinetic_energy(state.disks) * state.clock.time;
+    double const flight = 2.0 * kinetic_energy(state.agents) * state.clock.time;
     double const walls =
         (0.75 - radius) * (counters.wall_impulse[Counters::left] + counters.wall_impulse[Counters::right]) +
         (0.4 - radius) * (counters.wall_impulse[Counters::bottom] + counters.wall_impulse[Counters::top]);
@@ -203,24 +203,24 @@ TEST(ExactPhysics, WallsAndPairsBalanceTheKineticEnergyInTheVirial) {
 // ⟨|v|⟩ = √(π kT/2m) with kT/m = v₀²/4, ⟨v⁴⟩/⟨v²⟩² = 2.
 TEST(ExactPhysics, TheStartOfThePaperRelaxesToMaxwellsMoments) {
   State state = fluid(44, 46, 0.5, 5);
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
+  for (std::size_t i = 0; i < state.agents.size(); ++i) {
     RandomStream random(5, 0, i, Purpose::start_velocity);
     Vector const v = random.in_unit_disk();
-    state.disks.column<VelocityX>()[i] = v.x;
-    state.disks.column<VelocityY>()[i] = v.y;
+    state.agents.column<VelocityX>()[i] = v.x;
+    state.agents.column<VelocityY>()[i] = v.y;
   }
   auto const engine = make_engine({.kind = "exact"}, state);
   Counters counters;
   std::vector<double> speeds;
   std::vector<double> fourths;
-  auto const n = static_cast<double>(state.disks.size());
-  double const mean_square = 2.0 * kinetic_energy(state.disks) / n;
+  auto const n = static_cast<double>(state.agents.size());
+  double const mean_square = 2.0 * kinetic_energy(state.agents) / n;
   for (int b = 1; b <= 60; ++b) {
     engine->advance(state, counters, {.time = 20.0 + b});
     double speed = 0.0;
     double fourth = 0.0;
-    for (std::size_t i = 0; i < state.disks.size(); ++i) {
-      double const square = squared_length(velocity(state.disks, i));
+    for (std::size_t i = 0; i < state.agents.size(); ++i) {
+      double const square = squared_length(velocity(state.agents, i));
       speed += std::sqrt(square) / n;
       fourth += square * square / n;
     }
@@ -251,10 +251,10 @@ TEST(ExactPhysics, TheSteppedRuleConvergesToItWithTheFirstPowerOfTheTimeStep) {
     auto const steps = static_cast<std::uint64_t>(std::llround(0.2 / time_step));
     make_engine(settings, stepped)->advance(stepped, unused, {.step = steps});
     double sum = 0.0;
-    for (std::size_t i = 0; i < start.disks.size(); ++i) {
-      sum += squared_length(start.box.displacement(position(exact.disks, i), position(stepped.disks, i)));
+    for (std::size_t i = 0; i < start.agents.size(); ++i) {
+      sum += squared_length(start.box.displacement(position(exact.agents, i), position(stepped.agents, i)));
     }
-    return std::sqrt(sum / static_cast<double>(start.disks.size()));
+    return std::sqrt(sum / static_cast<double>(start.agents.size()));
   };
   double const order = std::log2(difference(0.0125) / difference(0.0125 / 64.0)) / 6.0;
   EXPECT_NEAR(order, 1.0, 0.1);
@@ -275,7 +275,7 @@ TEST(ExactPhysics, WallsArePressedByTheBulkAndByWhatTheyKeepOut) {
     auto const engine = make_engine({.kind = "exact"}, state);
     Counters counters;
     std::vector<double> pressures;
-    double const kt = kinetic_energy(state.disks) / static_cast<double>(count);
+    double const kt = kinetic_energy(state.agents) / static_cast<double>(count);
     double const block = 30.0 / packing_fraction;
     for (int b = 0; b <= 40; ++b) {
       Counters const before = counters;
@@ -317,9 +317,9 @@ TEST_P(Channel, OfDisksInASingleFilePressesOnItsEndsAsTheTransferOperatorSays) {
   for (std::uint64_t i = 0; i < count; ++i) {
     RandomStream random(11, 0, i, Purpose::start_velocity);
     double const y = 0.5 + (i % 2 == 0 ? 0.001 : 0.999) * width;
-    state.disks.add((static_cast<double>(i) + 0.5) * length, y, random.normal(), random.normal(), 0.5, 1.0, 0, 0);
+    state.agents.add((static_cast<double>(i) + 0.5) * length, y, random.normal(), random.normal(), 0.5, 1.0, 0, 0);
   }
-  double const kt = kinetic_energy(state.disks) / static_cast<double>(count);
+  double const kt = kinetic_energy(state.agents) / static_cast<double>(count);
   auto const engine = make_engine({.kind = "exact"}, state);
   Counters counters;
   std::vector<double> forces;
@@ -344,12 +344,12 @@ TEST(ExactPhysics, DiluteDisksDiffuseAsKineticTheorySays) {
   Counters counters;
   double const free_time = 1.0 / (2.0 * 4.0 * 0.005 / pi * std::sqrt(pi) * 1.0079);  // 1/Γ, g(σ) to first order in η
   engine->advance(state, counters, {.time = 20.0 * free_time});
-  auto const n = static_cast<double>(state.disks.size());
+  auto const n = static_cast<double>(state.agents.size());
   auto const unwrapped = [&] {
     std::vector<Vector> places;
-    for (std::size_t i = 0; i < state.disks.size(); ++i) {
-      places.push_back(position(state.disks, i) + Vector{state.disks.column<ImageX>()[i] * state.box.width(),
-                                                         state.disks.column<ImageY>()[i] * state.box.height()});
+    for (std::size_t i = 0; i < state.agents.size(); ++i) {
+      places.push_back(position(state.agents, i) + Vector{state.agents.column<ImageX>()[i] * state.box.width(),
+                                                         state.agents.column<ImageY>()[i] * state.box.height()});
     }
     return places;
   };

@@ -49,7 +49,7 @@ class MeasuredFluid {
     ADD_FAILURE() << name << " was not measured";
     return {};
   }
-  [[nodiscard]] double diameter() const { return 2.0 * state.disks.column<Radius>()[0]; }
+  [[nodiscard]] double diameter() const { return 2.0 * state.agents.column<Radius>()[0]; }
 
   State state;
   Counters counters;
@@ -87,7 +87,7 @@ TEST(PaperStart, RelaxesToMaxwellsMomentsAtTheSameEnergy) {
     run.advance(50);
     run.measure();
   }
-  double const energy = kinetic_energy(run.state.disks);
+  double const energy = kinetic_energy(run.state.agents);
   EXPECT_NEAR(energy / n, 0.25, 4.0 * std::sqrt(1.0 / 12.0 / n) / 2.0);
   double const mean_speed =
       std::sqrt(2.0 * energy) * 0.5 * std::sqrt(std::numbers::pi) * std::exp(std::lgamma(n) - std::lgamma(n + 0.5));
@@ -109,7 +109,7 @@ TEST(HardDiskFluid, PressureFromVirialAndFromCollisionRateAreThatOfTheVirialSeri
       run.advance(100);
       run.measure();
     }
-    double const kt = kinetic_energy(run.state.disks) / 399.0;  // at rest as a whole
+    double const kt = kinetic_energy(run.state.agents) / 399.0;  // at rest as a whole
     Estimate const z = run.estimate("compressibility_factor");
     Estimate rate = run.estimate("collision_rate");
     expect_within_errors(z, 2.063261, "Z");
@@ -198,7 +198,7 @@ TEST(MeanDisplacement, OfAGasBetweenWallsEndsAtTheMeanDistanceFromTheLatticeToAR
   Fluid const fluid{.count = 64, .packing_fraction = 0.05, .observe = {.structure_every = 0}};
   MeasuredFluid run(fluid, 1);
   std::vector<Vector> sites;
-  for (std::size_t i = 0; i < 64; ++i) sites.push_back(position(run.state.disks, i));
+  for (std::size_t i = 0; i < 64; ++i) sites.push_back(position(run.state.agents, i));
   double const expected = mean_distance_from(sites, 0.5 * run.diameter());
   EXPECT_NEAR(expected, 0.52, 0.01) << "near the mean distance of two random points, 0.5214";
   run.advance(20'000);

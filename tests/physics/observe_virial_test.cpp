@@ -19,8 +19,8 @@ using hand_built::sample;
 double virial_of_motion(State const& state) {
   Vector const centre{0.5 * state.box.width(), 0.5 * state.box.height()};
   double sum = 0.0;
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    sum += state.disks.column<Mass>()[i] * dot(position(state.disks, i) - centre, velocity(state.disks, i));
+  for (std::size_t i = 0; i < state.agents.size(); ++i) {
+    sum += state.agents.column<Mass>()[i] * dot(position(state.agents, i) - centre, velocity(state.agents, i));
   }
   return sum;
 }
@@ -49,7 +49,7 @@ double shortfall_of_walls(double time_step, Contact contact, std::uint64_t steps
     if (auto const estimate = result(*observable, "wall_pressure")) walls = estimate->value;
     if (auto const estimate = result(*observable, "virial_pressure")) pairs = estimate->value * state.box.area();
   }
-  double const radius = state.disks.column<Radius>()[0];
+  double const radius = state.agents.column<Radius>()[0];
   // wall_pressure · L (L − 2R) = K + W/2t − Δ(Σ m r·v)/2t
   return 1.0 - walls * (1.0 - 2.0 * radius) / (pairs - boundary);
 }
@@ -93,7 +93,7 @@ TEST(OneDiskBetweenWalls, ObeysTheVirialTheoremUpToTheTimeStep) {
     auto const walls = result(*observable, "wall_pressure");
     if (!walls) continue;
     is_measured = true;
-    double const shortfall = 1.0 - walls->value * 0.8 / (kinetic_energy(state.disks) - boundary);
+    double const shortfall = 1.0 - walls->value * 0.8 / (kinetic_energy(state.agents) - boundary);
     EXPECT_GE(shortfall, 0.0);
     EXPECT_LT(shortfall, 1.4 * time_step * v.x / 0.8);
   }

@@ -94,7 +94,7 @@ TEST_P(SteppedPhysics, TheVirialChangesByFlightPairsAndWallsToTheLastDigits) {
     constexpr std::uint64_t steps = 1000;
     engine->advance(state, counters, {.step = steps});
     for (std::uint64_t step = 0; step < steps; ++step) rule.step();
-    ASSERT_EQ(position(state.disks, 7), (Vector{rule.disks[7].x, rule.disks[7].y})) << "not the same trajectory";
+    ASSERT_EQ(position(state.agents, 7), (Vector{rule.agents[7].x, rule.agents[7].y})) << "not the same trajectory";
     double const change = rule.flight_virial + counters.pair_virial + rule.wall_virial;
     EXPECT_NEAR(rule.virial() - before, change, 1e-12 * rule.flight_virial);
     EXPECT_GT(rule.flight_virial, 100.0) << "nothing happened";
@@ -107,13 +107,13 @@ TEST_P(SteppedPhysics, TheWallVirialIdentityHoldsAsTheTimeStepVanishes) {
   for (double const packing_fraction : {0.3, 0.6}) {
     std::array<Measured, 3> deviation;
     State const start = reference::random_scene({.count = 50, .packing_fraction = packing_fraction, .seed = 3});
-    double const r = start.disks.column<Radius>()[0];
+    double const r = start.agents.column<Radius>()[0];
     for (std::size_t n = 0; n < 3; ++n) {
       deviation[n] = measure(start, {.time_step = halving_time_steps[n], .contact = GetParam()},
                              {.count = 12, .duration = 20.0, .relaxation = 5.0},
                              [&](State const& state, Counters const& counters, double time) {
                                double const pressure = impulse_on_walls(counters) / (4.0 * time);
-                               double const right = kinetic_energy(state.disks) + 0.5 * counters.pair_virial / time;
+                               double const right = kinetic_energy(state.agents) + 0.5 * counters.pair_virial / time;
                                return pressure * (1.0 - 2.0 * r) / right - 1.0;
                              });
     }
@@ -136,7 +136,7 @@ State row_of(std::vector<double> const& velocities) {
   State state{.box = Box(1.0, 0.2, Edge::wall)};
   auto const count = static_cast<double>(velocities.size());
   for (std::size_t n = 0; n < velocities.size(); ++n) {
-    state.disks.add((static_cast<double>(n) + 0.5) / count, 0.1, velocities[n], 0.0, row_radius, 1.0, 0, 0);
+    state.agents.add((static_cast<double>(n) + 0.5) / count, 0.1, velocities[n], 0.0, row_radius, 1.0, 0, 0);
   }
   return state;
 }
@@ -202,8 +202,8 @@ double pressure_of_two(double radius) {
 State two_disks(double radius) {
   // Speeds √2 · (cos, sin): kinetic energy 1 each, and nothing symmetric.
   State state{.box = Box(1.0, 1.0, Edge::wall)};
-  state.disks.add(0.3, 0.31, 1.2, 0.7483314773547883, radius, 1.0, 0, 0);
-  state.disks.add(0.7, 0.72, -0.6, 1.2806248474865698, radius, 1.0, 0, 0);
+  state.agents.add(0.3, 0.31, 1.2, 0.7483314773547883, radius, 1.0, 0, 0);
+  state.agents.add(0.7, 0.72, -0.6, 1.2806248474865698, radius, 1.0, 0, 0);
   return state;
 }
 

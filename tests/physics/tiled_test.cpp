@@ -43,7 +43,7 @@ Values values_of(std::string const& engine, Scene const& scene, std::uint64_t se
   RunResult const result = simulate(set_up(configuration));
   Values values;
   for (NamedEstimate const& named : result.results) values[named.name] = named.estimate.value;
-  double const side = result.state.box.side();
+  double const side = result.world.box.side();
   values["displacement_about_centre"] = std::sqrt(values["mean_squared_displacement"] / (side * side) -
                                                   values["centre_displacement"] * values["centre_displacement"]);
   return values;

@@ -73,7 +73,7 @@ class ColloidOn : public testing::TestWithParam<ColloidCase> {
 
   static State start() {
     State state = random_scene(GetParam().scene);
-    for (std::size_t i = 0; i < state.disks.size(); i += 7) state.disks.column<VelocityX>()[i] *= GetParam().fastest;
+    for (std::size_t i = 0; i < state.agents.size(); i += 7) state.agents.column<VelocityX>()[i] *= GetParam().fastest;
     return state;
   }
   static End end_of_engine(std::string const& kind, Contact contact) {
@@ -95,7 +95,7 @@ class ColloidOn : public testing::TestWithParam<ColloidCase> {
     model.substeps = GetParam().substeps;
     model.contact = contact;
     State state = start();
-    World<Model> world{.box = state.box, .agents = state.disks, .clock = state.clock, .seed = state.seed};
+    World<Model> world{.box = state.box, .agents = state.agents, .clock = state.clock, .seed = state.seed};
     ModelEngine<Model> engine(model, world.box, settings);
     engine.advance(world, {.step = steps / 2});
     engine.advance(world, {.step = steps});

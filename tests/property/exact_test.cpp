@@ -73,9 +73,9 @@ INSTANTIATE_TEST_SUITE_P(Scenes, ExactProperty, testing::ValuesIn(exact_cases())
 
 double difference(State const& a, State const& b) {
   double largest = 0.0;
-  for (std::size_t i = 0; i < a.disks.size(); ++i) {
-    Vector const d = a.box.displacement(position(a.disks, i), position(b.disks, i));
-    Vector const w = velocity(b.disks, i) - velocity(a.disks, i);
+  for (std::size_t i = 0; i < a.agents.size(); ++i) {
+    Vector const d = a.box.displacement(position(a.agents, i), position(b.agents, i));
+    Vector const w = velocity(b.agents, i) - velocity(a.agents, i);
     largest = std::max(largest, std::sqrt(std::max(squared_length(d), squared_length(w))));
   }
   return largest;
@@ -96,9 +96,9 @@ TEST_P(ExactProperty, GoesThroughTheSameEventsAsBruteForce) {
       ASSERT_NEAR(state.clock.time, brute.state.clock.time, 1e-7) << "collision " << n;
       ASSERT_LT(difference(state, brute.state), 1e-6) << "collision " << n;
     }
-    for (std::size_t i = 0; i < state.disks.size(); ++i) {
-      EXPECT_EQ(state.disks.column<ImageX>()[i], brute.state.disks.column<ImageX>()[i]);
-      EXPECT_EQ(state.disks.column<ImageY>()[i], brute.state.disks.column<ImageY>()[i]);
+    for (std::size_t i = 0; i < state.agents.size(); ++i) {
+      EXPECT_EQ(state.agents.column<ImageX>()[i], brute.state.agents.column<ImageX>()[i]);
+      EXPECT_EQ(state.agents.column<ImageY>()[i], brute.state.agents.column<ImageY>()[i]);
     }
   }
 }
@@ -115,8 +115,8 @@ TEST_P(ExactProperty, RunsBackToItsStartWhenTheVelocitiesAreTurned) {
     double const end = state.clock.time * 1.001;
     engine->advance(state, counters, {.time = end});
     auto const turn_back = [&] {
-      for (double& v : state.disks.column<VelocityX>()) v = -v;
-      for (double& v : state.disks.column<VelocityY>()) v = -v;
+      for (double& v : state.agents.column<VelocityX>()) v = -v;
+      for (double& v : state.agents.column<VelocityY>()) v = -v;
     };
     turn_back();
     Counters back;
@@ -155,14 +155,14 @@ TEST_P(ExactProperty, HasTheSameBitsHoweverTheRunIsCut) {
 
 TEST_P(ExactProperty, KeepsEnergyAndNeverOverlaps) {
   State state = start(11);
-  double const energy = kinetic_energy(state.disks);
+  double const energy = kinetic_energy(state.agents);
   Counters counters;
   auto const engine = make_engine(exact_settings(), state);
   for (std::uint64_t n = 1; n <= 20; ++n) {
     engine->advance(state, counters, {.time = 1e6, .pair_collisions = 5 * n * disks()});
-    EXPECT_LT(largest_overlap(state), 1e-12 * 2.0 * radius_range(state.disks).largest);
+    EXPECT_LT(largest_overlap(state), 1e-12 * 2.0 * radius_range(state.agents).largest);
   }
-  EXPECT_NEAR(kinetic_energy(state.disks), energy, 1e-11 * energy);
+  EXPECT_NEAR(kinetic_energy(state.agents), energy, 1e-11 * energy);
 }
 
 TEST_P(ExactProperty, PredictsTheSameBitsWithAndWithoutWideRegisters) {
@@ -195,10 +195,10 @@ TEST_P(ExactProperty, PredictsTheSameBitsWithAndWithoutWideRegisters) {
 TEST_P(ExactProperty, DependsOnlyOnIdsNotOnRows) {
   State const ordered = start(5);
   State shuffled{.box = ordered.box, .seed = ordered.seed};
-  for (std::size_t n = 0; n < ordered.disks.size(); ++n) {
-    std::size_t const i = (n * 11 + 3) % ordered.disks.size();  // 11 divides none of the numbers of disks
-    Disks const& d = ordered.disks;
-    ASSERT_TRUE(shuffled.disks.add_as(d.ids()[i], d.column<X>()[i], d.column<Y>()[i], d.column<VelocityX>()[i],
+  for (std::size_t n = 0; n < ordered.agents.size(); ++n) {
+    std::size_t const i = (n * 11 + 3) % ordered.agents.size();  // 11 divides none of the numbers of disks
+    Disks const& d = ordered.agents;
+    ASSERT_TRUE(shuffled.agents.add_as(d.ids()[i], d.column<X>()[i], d.column<Y>()[i], d.column<VelocityX>()[i],
                                       d.column<VelocityY>()[i], d.column<Radius>()[i], d.column<Mass>()[i], 0, 0));
   }
   State a = ordered;
@@ -216,13 +216,13 @@ TEST(ExactManyDisks, KeepTheirDistanceAndTheirBitsHoweverTheRunIsCut) {
   for (std::uint64_t i = 0; i < 150 * 140; ++i) {
     RandomStream random(1, 0, i, Purpose::start_velocity);
     Vector const v = random.in_unit_disk();
-    state.disks.add((static_cast<double>(i % 150) + 0.5) * 1.2, (static_cast<double>(i / 150) + 0.5) * 160.0 / 140.0,
+    state.agents.add((static_cast<double>(i % 150) + 0.5) * 1.2, (static_cast<double>(i / 150) + 0.5) * 160.0 / 140.0,
                     v.x, v.y, 0.5, 1.0, 0, 0);
   }
   State cut = state;
   Counters counters;
   make_engine({.kind = "exact", .audit_every = 20011}, state)->advance(state, counters, {.time = 20.0});
-  EXPECT_GT(counters.pair_collisions, 10 * state.disks.size());
+  EXPECT_GT(counters.pair_collisions, 10 * state.agents.size());
   auto const engine = make_engine({.kind = "exact"}, cut);
   Counters cut_counters;
   for (double const time : {0.1, 3.0, 11.7, 20.0}) engine->advance(cut, cut_counters, {.time = time});

@@ -39,7 +39,7 @@ State any_points(Box const& box) {
   for (int n = 0; n < count; ++n) {
     double const x = coordinate(box.width());
     double const y = coordinate(box.height());
-    state.disks.add(x, y, 0.0, 0.0, 0.02 + 0.1 * random.uniform(), 1.0, 0, 0);
+    state.agents.add(x, y, 0.0, 0.0, 0.02 + 0.1 * random.uniform(), 1.0, 0, 0);
   }
   return state;
 }
@@ -48,9 +48,9 @@ using Pairs = std::set<std::pair<std::size_t, std::size_t>>;
 
 Pairs pairs_by_brute_force(State const& state, double cutoff) {
   Pairs pairs;
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
+  for (std::size_t i = 0; i < state.agents.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      Vector const d = state.box.displacement(position(state.disks, i), position(state.disks, j));
+      Vector const d = state.box.displacement(position(state.agents, i), position(state.agents, j));
       if (squared_length(d) < cutoff * cutoff) pairs.emplace(i, j);
     }
   }
@@ -61,7 +61,7 @@ Pairs pairs_by_grid(State const& state, LinkedGrid const& grid, double cutoff) {
   Pairs pairs;
   for_each_pair(state, grid, cutoff, [&](std::size_t i, std::size_t j, Vector separation) {
     RC_ASSERT(i > j);
-    RC_ASSERT(separation == state.box.displacement(position(state.disks, i), position(state.disks, j)));
+    RC_ASSERT(separation == state.box.displacement(position(state.agents, i), position(state.agents, j)));
     RC_ASSERT(pairs.emplace(i, j).second);
   });
   return pairs;
@@ -81,7 +81,7 @@ RC_GTEST_PROP(GridProperty, ForEachPairFindsThePairsOfBruteForceOnAnyGrid, ()) {
   State const state = any_points(any_box());
   double const cutoff = between(0.001, 0.5) * std::min(state.box.width(), state.box.height());
   CellLayout const layout(state.box, any_cells(), any_cells());
-  LinkedGrid const grid(layout, state.disks.column<X>(), state.disks.column<Y>());
+  LinkedGrid const grid(layout, state.agents.column<X>(), state.agents.column<Y>());
   RC_ASSERT(pairs_by_grid(state, grid, cutoff) == pairs_by_brute_force(state, cutoff));
 }
 
@@ -90,8 +90,8 @@ RC_GTEST_PROP(GridProperty, LargestOverlapIsThatOfBruteForce, ()) {
   double largest = 0.0;
   for (auto const& [i, j] : pairs_by_brute_force(state, 10.0)) {
     double const distance =
-        std::sqrt(squared_length(state.box.displacement(position(state.disks, i), position(state.disks, j))));
-    largest = std::max(largest, state.disks.column<Radius>()[i] + state.disks.column<Radius>()[j] - distance);
+        std::sqrt(squared_length(state.box.displacement(position(state.agents, i), position(state.agents, j))));
+    largest = std::max(largest, state.agents.column<Radius>()[i] + state.agents.column<Radius>()[j] - distance);
   }
   RC_ASSERT(std::abs(largest_overlap(state) - largest) < 1e-15);
 }

@@ -54,7 +54,7 @@ TEST(PackedTurns, GiveTheBitsOfTheListsForFiveHundredRandomSystems) {
   for (std::uint64_t seed = 0; seed < 500; ++seed) {
     PackedSystem const s = any_packed_system(seed);
     State linked = random_scene(s.scene);
-    for (std::size_t i = 0; i < linked.disks.size(); i += 7) linked.disks.column<VelocityX>()[i] *= s.fastest;
+    for (std::size_t i = 0; i < linked.agents.size(); i += 7) linked.agents.column<VelocityX>()[i] *= s.fastest;
     State packed = linked;
     EngineSettings settings = s.engine;
     std::string failure;
@@ -108,10 +108,10 @@ struct Hot {
   Hot(State const& state, EngineSettings const& settings, CellLayout const& layout)
       : box(state.box),
         duration(step_duration(settings, state)),
-        disks(state, rows_in_order(state.disks.ids())),
+        disks(state, rows_in_order(state.agents.ids())),
         view(disks.view(box, settings, duration)),
         grid(grid_of<PackedGrid>(layout, disks)),
-        turns(view, grid, radius_range(state.disks), duration) {}
+        turns(view, grid, radius_range(state.agents), duration) {}
 
   Box box;
   double duration;
@@ -157,8 +157,8 @@ TEST(PackedTurns, TakenTogetherAreTheSameEightAtATimeAndOneByOne) {
     PackedSystem s = any_packed_system(seed);
     s.scene.count += 100;
     State state = random_scene(s.scene);
-    for (std::size_t i = 0; i < state.disks.size(); i += 7) state.disks.column<VelocityX>()[i] *= s.fastest;
-    CellLayout layout = packed_layout(state.box, state.disks, 0.3 * radius_range(state.disks).smallest);
+    for (std::size_t i = 0; i < state.agents.size(); i += 7) state.agents.column<VelocityX>()[i] *= s.fastest;
+    CellLayout layout = packed_layout(state.box, state.agents, 0.3 * radius_range(state.agents).smallest);
     // Cells of twice the size hold more disks than a block.
     if (seed % 3 == 0) layout = half_as_many(state.box, layout);
     Hot plain(state, s.engine, layout);
@@ -169,7 +169,7 @@ TEST(PackedTurns, TakenTogetherAreTheSameEightAtATimeAndOneByOne) {
       take_batch_scalar(plain.turns, rows, plain.counters, plain.not_local);
       take_batch_avx512(wide.turns, rows, wide.counters, wide.not_local);
     }
-    for (std::size_t i = 0; i < state.disks.size(); ++i) {
+    for (std::size_t i = 0; i < state.agents.size(); ++i) {
       DiskInTurn const& a = plain.disks[i];
       DiskInTurn const& b = wide.disks[i];
       ASSERT_EQ(a.position, b.position) << "seed " << seed << ", disk " << i << ": " << s.scene;
@@ -203,16 +203,16 @@ TEST(PackedLayout, HoldsAtMostFourEqualDisksInACellAndTheWholeCutoffInABlock) {
                                       .count = 20 + random.below(100),
                                       .packing_fraction = 0.3 + 0.4 * random.uniform(),
                                       .seed = seed});
-    double const sigma = 2.0 * radius_range(state.disks).largest;
-    CellLayout const layout = packed_layout(state.box, state.disks, 0.2 * sigma);
+    double const sigma = 2.0 * radius_range(state.agents).largest;
+    CellLayout const layout = packed_layout(state.box, state.agents, 0.2 * sigma);
     double const cutoff = 1.2 * sigma;
     bool const is_small = layout.columns() <= 3 || layout.rows() <= 3;
     if (!is_small) {
       EXPECT_GE(std::min(layout.cell_width(), layout.cell_height()), cutoff) << "seed " << seed;
     }
-    PackedGrid const grid(layout, state.disks.column<X>(), state.disks.column<Y>());
+    PackedGrid const grid(layout, state.agents.column<X>(), state.agents.column<Y>());
     if (std::max(layout.cell_width(), layout.cell_height()) > widest_for_four(0.5 * sigma)) continue;
-    for (std::size_t i = 0; i < state.disks.size(); ++i) {
+    for (std::size_t i = 0; i < state.agents.size(); ++i) {
       EXPECT_EQ(grid.block_of(i).next, PackedGrid::none) << "seed " << seed;
     }
   }

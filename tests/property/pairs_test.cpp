@@ -26,9 +26,9 @@ using Separations = std::map<std::pair<std::size_t, std::size_t>, std::pair<doub
 
 Separations separations_by_brute_force(State const& state, double cutoff) {
   Separations pairs;
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
+  for (std::size_t i = 0; i < state.agents.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      Vector const d = state.box.displacement(position(state.disks, i), position(state.disks, j));
+      Vector const d = state.box.displacement(position(state.agents, i), position(state.agents, j));
       if (squared_length(d) < cutoff * cutoff) pairs[{i, j}] = {d.x, d.y};
     }
   }
@@ -48,7 +48,7 @@ Separations separations_by_grid(State const& state, Grid const& grid, double cut
 template <class Grid>
 Separations pairs_by_neighbours(State const& state, Grid const& grid, double cutoff) {
   Separations pairs;
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
+  for (std::size_t i = 0; i < state.agents.size(); ++i) {
     for_each_neighbour(state, grid, cutoff, i, [&](std::size_t j, Vector d) {
       EXPECT_NE(i, j);
       if (j < i) {
@@ -82,18 +82,18 @@ class Scene {
     return (random_.below(4) == 0 ? 0.49995 : 0.001 + 0.499 * random_.uniform()) * shorter;
   }
   CellLayout any_layout(double cutoff) {
-    if (random_.below(2) == 0) return layout_for_cutoff(state_.box, cutoff, state_.disks.size());
+    if (random_.below(2) == 0) return layout_for_cutoff(state_.box, cutoff, state_.agents.size());
     return {state_.box, 1 + random_.below(9), 1 + random_.below(9)};
   }
   /// A point, often on borders of cells and of the box; in most periodic boxes one of its images outside, between walls
   /// sometimes outside; often one that there is already, or one half a box from it.
   Vector any_point() {
-    if (!state_.disks.empty() && random_.below(8) == 0) {
-      return position(state_.disks, static_cast<std::size_t>(random_.below(state_.disks.size())));
+    if (!state_.agents.empty() && random_.below(8) == 0) {
+      return position(state_.agents, static_cast<std::size_t>(random_.below(state_.agents.size())));
     }
-    if (state_.box.is_periodic() && where_ == Where::inside && !state_.disks.empty() && random_.below(8) == 0) {
+    if (state_.box.is_periodic() && where_ == Where::inside && !state_.agents.empty() && random_.below(8) == 0) {
       // Almost half a side from another one.
-      Vector p = position(state_.disks, static_cast<std::size_t>(random_.below(state_.disks.size())));
+      Vector p = position(state_.agents, static_cast<std::size_t>(random_.below(state_.agents.size())));
       bool const is_along_x = random_.below(2) == 0;
       double& coordinate = is_along_x ? p.x : p.y;
       double const half = 0.4999 * (is_along_x ? state_.box.width() : state_.box.height());
@@ -104,7 +104,7 @@ class Scene {
   }
   void add() {
     Vector const p = any_point();
-    state_.disks.add(p.x, p.y, 0, 0, 1, 1, 0, 0);
+    state_.agents.add(p.x, p.y, 0, 0, 1, 1, 0, 0);
   }
 
  private:
@@ -148,7 +148,7 @@ TYPED_TEST(PairsOnGrid, AreThoseOfBruteForce) {
     Scene scene(seed);
     State const& state = scene.state();
     double const cutoff = scene.any_cutoff();
-    TypeParam const grid(scene.any_layout(cutoff), state.disks.column<X>(), state.disks.column<Y>());
+    TypeParam const grid(scene.any_layout(cutoff), state.agents.column<X>(), state.agents.column<Y>());
     Separations const expected = separations_by_brute_force(state, cutoff);
     ASSERT_TRUE(grid.is_consistent()) << "seed " << seed;
     ASSERT_EQ(separations_by_grid(state, grid, cutoff), expected) << "seed " << seed;
@@ -162,33 +162,33 @@ TYPED_TEST(PairsOnGrid, StayThoseOfBruteForceThroughBirthsMovesAndDeaths) {
     State& state = scene.state();
     RandomStream& random = scene.random();
     double const cutoff = scene.any_cutoff();
-    TypeParam grid(scene.any_layout(cutoff), state.disks.column<X>(), state.disks.column<Y>());
+    TypeParam grid(scene.any_layout(cutoff), state.agents.column<X>(), state.agents.column<Y>());
     for (int n = 0; n < 60; ++n) {
       std::uint64_t const what = random.below(4);
-      if (what == 0 || state.disks.empty()) {
+      if (what == 0 || state.agents.empty()) {
         scene.add();
-        grid.insert(state.disks.size() - 1, position(state.disks, state.disks.size() - 1));
+        grid.insert(state.agents.size() - 1, position(state.agents, state.agents.size() - 1));
       } else if (what == 1) {
         // The last row takes the place of the dead.
-        auto const row = static_cast<std::size_t>(random.below(state.disks.size()));
-        std::size_t const last = state.disks.size() - 1;
+        auto const row = static_cast<std::size_t>(random.below(state.agents.size()));
+        std::size_t const last = state.agents.size() - 1;
         grid.erase(row);
         if (row != last) {
           grid.erase(last);
-          grid.insert(row, position(state.disks, last));
+          grid.insert(row, position(state.agents, last));
         }
-        state.disks.remove(state.disks.ids()[row]);
+        state.agents.remove(state.agents.ids()[row]);
       } else {
-        auto const row = static_cast<std::size_t>(random.below(state.disks.size()));
+        auto const row = static_cast<std::size_t>(random.below(state.agents.size()));
         Vector const p = scene.any_point();
-        state.disks.column<X>()[row] = p.x;
-        state.disks.column<Y>()[row] = p.y;
-        what == 2 ? grid.move(row, p) : grid.move_all(state.disks.column<X>(), state.disks.column<Y>());
+        state.agents.column<X>()[row] = p.x;
+        state.agents.column<Y>()[row] = p.y;
+        what == 2 ? grid.move(row, p) : grid.move_all(state.agents.column<X>(), state.agents.column<Y>());
       }
-      ASSERT_EQ(grid.size(), state.disks.size());
+      ASSERT_EQ(grid.size(), state.agents.size());
       ASSERT_TRUE(grid.is_consistent()) << "seed " << seed << ", operation " << n;
-      for (std::size_t i = 0; i < state.disks.size(); ++i) {
-        ASSERT_EQ(grid.cell_of(i), grid.layout().cell_of(position(state.disks, i))) << "seed " << seed;
+      for (std::size_t i = 0; i < state.agents.size(); ++i) {
+        ASSERT_EQ(grid.cell_of(i), grid.layout().cell_of(position(state.agents, i))) << "seed " << seed;
       }
     }
     ASSERT_EQ(separations_by_grid(state, grid, cutoff), separations_by_brute_force(state, cutoff)) << "seed " << seed;
@@ -200,16 +200,16 @@ TYPED_TEST(PairsOnGrid, NeighboursOfAPointAreTheDisksWithinTheCutoff) {
     Scene scene(seed);
     State const& state = scene.state();
     double const cutoff = scene.any_cutoff();
-    TypeParam const grid(scene.any_layout(cutoff), state.disks.column<X>(), state.disks.column<Y>());
+    TypeParam const grid(scene.any_layout(cutoff), state.agents.column<X>(), state.agents.column<Y>());
     Vector const p = scene.any_point();
     std::set<std::size_t> found;
     for_each_neighbour(state, grid, cutoff, p, [&](std::size_t j, Vector d) {
-      EXPECT_EQ(d, state.box.displacement(p, position(state.disks, j)));
+      EXPECT_EQ(d, state.box.displacement(p, position(state.agents, j)));
       EXPECT_TRUE(found.insert(j).second);
     });
     std::set<std::size_t> expected;
-    for (std::size_t j = 0; j < state.disks.size(); ++j) {
-      if (squared_length(state.box.displacement(p, position(state.disks, j))) < cutoff * cutoff) expected.insert(j);
+    for (std::size_t j = 0; j < state.agents.size(); ++j) {
+      if (squared_length(state.box.displacement(p, position(state.agents, j))) < cutoff * cutoff) expected.insert(j);
     }
     ASSERT_EQ(found, expected) << "seed " << seed;
   }
@@ -220,7 +220,7 @@ TEST(NeighboursOnPackedGrid, ComeInTheOrderOfTheBlockOfCells) {
     Scene scene(seed);
     State const& state = scene.state();
     double const cutoff = scene.any_cutoff();
-    PackedGrid const grid(scene.any_layout(cutoff), state.disks.column<X>(), state.disks.column<Y>());
+    PackedGrid const grid(scene.any_layout(cutoff), state.agents.column<X>(), state.agents.column<Y>());
     Vector const p = scene.any_point();
     std::vector<std::size_t> found;
     for_each_neighbour(state, grid, cutoff, p, [&](std::size_t j, Vector) { found.push_back(j); });
@@ -228,7 +228,7 @@ TEST(NeighboursOnPackedGrid, ComeInTheOrderOfTheBlockOfCells) {
     CellLayout const& layout = grid.layout();
     grid.for_each_in_block(layout.cell_of(p), layout.columns_within(cutoff), layout.rows_within(cutoff),
                            [&](std::size_t j) {
-                             Vector const d = state.box.displacement(p, position(state.disks, j));
+                             Vector const d = state.box.displacement(p, position(state.agents, j));
                              if (squared_length(d) < cutoff * cutoff) expected.push_back(j);
                            });
     ASSERT_EQ(found, expected) << "seed " << seed;
@@ -251,7 +251,7 @@ TEST(CandidatePairs, AreTheSameInTheSameOrderWithAndWithoutWideRegisters) {
     Scene scene(seed);
     State const& state = scene.state();
     double const cutoff = scene.any_cutoff();
-    PackedGrid const grid(scene.any_layout(cutoff), state.disks.column<X>(), state.disks.column<Y>());
+    PackedGrid const grid(scene.any_layout(cutoff), state.agents.column<X>(), state.agents.column<Y>());
     ASSERT_EQ(candidate_pairs(grid, cutoff, add_pairs_of_row_with_avx512),
               candidate_pairs(grid, cutoff, add_pairs_of_row_scalar))
         << "seed " << seed;
@@ -263,10 +263,10 @@ TEST(CandidatePairs, AreTheSameWhereEveryCellIsFullAndEveryAgentIsNear) {
   // Four coincident agents at the middle of each cell: 3 + 16 pairs for the first of each.
   State state{.box = Box(20.0, 20.0, Edge::periodic)};
   for (int n = 0; n < 1600; ++n) {
-    state.disks.add(0.5 + n / 4 % 20, 0.5 + n / 80, 0, 0, 1, 1, 0, 0);
+    state.agents.add(0.5 + n / 4 % 20, 0.5 + n / 80, 0, 0, 1, 1, 0, 0);
   }
-  PackedGrid const grid({state.box, 10, 10}, state.disks.column<X>(), state.disks.column<Y>());
-  PackedGrid const fine({state.box, 20, 20}, state.disks.column<X>(), state.disks.column<Y>());
+  PackedGrid const grid({state.box, 10, 10}, state.agents.column<X>(), state.agents.column<Y>());
+  PackedGrid const fine({state.box, 20, 20}, state.agents.column<X>(), state.agents.column<Y>());
   for (PackedGrid const* one : {&grid, &fine}) {
     double const cutoff = one->layout().cell_width();
     CandidatePairs const wide = candidate_pairs(*one, cutoff, add_pairs_of_row_with_avx512);
@@ -281,7 +281,7 @@ TEST(NeighbourSearch, FindsWhatBruteForceFindsBeforeAndAfterPointsMove) {
     Scene scene(seed);
     State& state = scene.state();
     double const cutoff = scene.any_cutoff();
-    NeighbourSearch search(state.box, cutoff, state.disks.column<X>(), state.disks.column<Y>());
+    NeighbourSearch search(state.box, cutoff, state.agents.column<X>(), state.agents.column<Y>());
     for (int round = 0; round < 3; ++round) {
       Separations by_pairs, by_neighbours;
       search.for_each_pair([&](std::size_t i, std::size_t j, Vector d) {
@@ -299,10 +299,10 @@ TEST(NeighbourSearch, FindsWhatBruteForceFindsBeforeAndAfterPointsMove) {
       ASSERT_EQ(by_neighbours, expected) << "seed " << seed;
       for (std::size_t i = 0; i < search.size(); ++i) {
         Vector const p = scene.any_point();
-        state.disks.column<X>()[i] = p.x;
-        state.disks.column<Y>()[i] = p.y;
+        state.agents.column<X>()[i] = p.x;
+        state.agents.column<Y>()[i] = p.y;
       }
-      search.update(state.disks.column<X>(), state.disks.column<Y>());
+      search.update(state.agents.column<X>(), state.agents.column<Y>());
     }
   }
 }
@@ -311,7 +311,7 @@ TEST(PairsBetweenGrids, AreTheSameForThousandsOfAgents) {
   for (Edge const edge : {Edge::wall, Edge::periodic}) {
     State state{.box = Box(3.0, 2.0, edge)};
     RandomStream random(7, 0, 0, Purpose::start_position);
-    for (int n = 0; n < 20000; ++n) state.disks.add(3.0 * random.uniform(), 2.0 * random.uniform(), 0, 0, 1, 1, 0, 0);
+    for (int n = 0; n < 20000; ++n) state.agents.add(3.0 * random.uniform(), 2.0 * random.uniform(), 0, 0, 1, 1, 0, 0);
     for (double const cutoff : {0.003, 0.02, 0.05}) {
       Separations const linked = separations_by_grid(state, grid_for_cutoff<LinkedGrid>(state, cutoff), cutoff);
       EXPECT_EQ(separations_by_grid(state, grid_for_cutoff<PackedGrid>(state, cutoff), cutoff), linked);

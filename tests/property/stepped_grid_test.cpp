@@ -121,14 +121,14 @@ TEST_P(SteppedRule, GivesTheBitsOfTheRuleWrittenASecondTime) {
     engine->advance(state, counters, {.step = step});
     rule.step();
     for (reference::PaperRule::Disk const& disk : rule.disks) {
-      std::size_t const row = state.disks.index_of(disk.id);
-      ASSERT_EQ(position(state.disks, row), (Vector{disk.x, disk.y})) << "disk " << disk.id << " at step " << step;
-      ASSERT_EQ(velocity(state.disks, row), (Vector{disk.vx, disk.vy})) << "disk " << disk.id << " at step " << step;
-      ASSERT_EQ(state.disks.column<ImageX>()[row], disk.image_x);
-      ASSERT_EQ(state.disks.column<ImageY>()[row], disk.image_y);
+      std::size_t const row = state.agents.index_of(disk.id);
+      ASSERT_EQ(position(state.agents, row), (Vector{disk.x, disk.y})) << "disk " << disk.id << " at step " << step;
+      ASSERT_EQ(velocity(state.agents, row), (Vector{disk.vx, disk.vy})) << "disk " << disk.id << " at step " << step;
+      ASSERT_EQ(state.agents.column<ImageX>()[row], disk.image_x);
+      ASSERT_EQ(state.agents.column<ImageY>()[row], disk.image_y);
     }
   }
-  EXPECT_EQ(counters.moves, steps * state.disks.size());
+  EXPECT_EQ(counters.moves, steps * state.agents.size());
   EXPECT_EQ(counters.halted_moves, rule.halted_moves);
   EXPECT_EQ(counters.pair_collisions, rule.pair_collisions);
   EXPECT_EQ(counters.wall_hits, rule.wall_hits);
@@ -176,11 +176,11 @@ TEST(SteppedRows, TheOrderOfTheRowsDoesNotMatter) {
   State const plain =
       random_scene({.edge = Edge::periodic, .count = 50, .packing_fraction = 0.5, .heaviest_mass = 2.0});
   State reversed{.box = plain.box, .clock = plain.clock, .seed = plain.seed};
-  for (std::size_t row = plain.disks.size(); row-- > 0;) {
-    Vector const p = position(plain.disks, row);
-    Vector const v = velocity(plain.disks, row);
-    ASSERT_TRUE(reversed.disks.add_as(plain.disks.ids()[row], p.x, p.y, v.x, v.y, plain.disks.column<Radius>()[row],
-                                      plain.disks.column<Mass>()[row], 0, 0));
+  for (std::size_t row = plain.agents.size(); row-- > 0;) {
+    Vector const p = position(plain.agents, row);
+    Vector const v = velocity(plain.agents, row);
+    ASSERT_TRUE(reversed.agents.add_as(plain.agents.ids()[row], p.x, p.y, v.x, v.y, plain.agents.column<Radius>()[row],
+                                      plain.agents.column<Mass>()[row], 0, 0));
   }
   State forward = plain;
   Counters counters;

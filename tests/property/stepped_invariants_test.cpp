@@ -70,9 +70,9 @@ RC_GTEST_PROP(SteppedInvariants, HoldForEverySystem, ()) {
   State state = random_scene(system.scene);
   RC_ASSERT(largest_overlap(state) == 0.0);
   auto const engine = make_engine(system.engine, state);
-  double const energy = kinetic_energy(state.disks);
-  Vector const total = momentum(state.disks);
-  std::size_t const count = state.disks.size();
+  double const energy = kinetic_energy(state.agents);
+  Vector const total = momentum(state.agents);
+  std::size_t const count = state.agents.size();
   double const scale = system.scene.heaviest_mass * static_cast<double>(count);
   Counters counters;
   for (std::uint64_t const step : {1U, 2U, 10U, 60U, 150U}) {
@@ -87,9 +87,9 @@ RC_GTEST_PROP(SteppedInvariants, HoldForEverySystem, ()) {
     } catch (Error const& error) {
       RC_FAIL(error.what());
     }
-    RC_ASSERT(std::abs(kinetic_energy(state.disks) - energy) <= rounding(counters.pair_collisions, scale));
+    RC_ASSERT(std::abs(kinetic_energy(state.agents) - energy) <= rounding(counters.pair_collisions, scale));
     if (state.box.is_periodic()) {
-      Vector const drift = momentum(state.disks) - total;
+      Vector const drift = momentum(state.agents) - total;
       RC_ASSERT(std::abs(drift.x) <= rounding(counters.pair_collisions, scale));
       RC_ASSERT(std::abs(drift.y) <= rounding(counters.pair_collisions, scale));
       RC_ASSERT(counters.all_wall_hits() == 0U);
@@ -108,15 +108,15 @@ RC_GTEST_PROP(SteppedInvariants, MomentumChangesByWhatTheWallsGiveAndByNothingEl
   system.scene.edge = Edge::wall;
   State state = random_scene(system.scene);
   auto const engine = make_engine(system.engine, state);
-  Vector const before = momentum(state.disks);
+  Vector const before = momentum(state.agents);
   Counters counters;
   try {
     engine->advance(state, counters, {.step = 100});
   } catch (RunFailure const&) {
     RC_DISCARD("a light disk became too fast for the time step");
   }
-  Vector const change = momentum(state.disks) - before;
-  double const scale = system.scene.heaviest_mass * static_cast<double>(state.disks.size());
+  Vector const change = momentum(state.agents) - before;
+  double const scale = system.scene.heaviest_mass * static_cast<double>(state.agents.size());
   double const allowed = rounding(counters.pair_collisions + counters.all_wall_hits(), scale);
   RC_ASSERT(std::abs(change.x - (counters.wall_impulse[Counters::left] - counters.wall_impulse[Counters::right])) <=
             allowed);

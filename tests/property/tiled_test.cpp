@@ -28,7 +28,7 @@ struct TiledSystem {
 
   [[nodiscard]] State start() const {
     State state = random_scene(scene);
-    for (std::size_t i = 0; i < state.disks.size(); i += 7) state.disks.column<VelocityX>()[i] *= fastest;
+    for (std::size_t i = 0; i < state.agents.size(); i += 7) state.agents.column<VelocityX>()[i] *= fastest;
     return state;
   }
 };
@@ -96,14 +96,14 @@ TEST(Tiled, GivesTheSameBitsForOneTwoThreeAndEightThreads) {
 
 /// The same disks under the same Ids, their rows in another order.
 State with_rows_shuffled(State const& state, std::uint64_t seed) {
-  State shuffled{.box = state.box, .disks = {}, .clock = state.clock, .seed = state.seed};
-  std::vector<std::size_t> rows(state.disks.size());
+  State shuffled{.box = state.box, .agents = {}, .clock = state.clock, .seed = state.seed};
+  std::vector<std::size_t> rows(state.agents.size());
   std::iota(rows.begin(), rows.end(), std::size_t{0});
   RandomStream random(seed, 1, 0, Purpose::start_position);
   for (std::size_t k = rows.size(); k > 1; --k) std::swap(rows[k - 1], rows[random.below(k)]);
-  Disks const& d = state.disks;
+  Disks const& d = state.agents;
   for (std::size_t const i : rows) {
-    EXPECT_TRUE(shuffled.disks.add_as(d.ids()[i], d.column<X>()[i], d.column<Y>()[i], d.column<VelocityX>()[i],
+    EXPECT_TRUE(shuffled.agents.add_as(d.ids()[i], d.column<X>()[i], d.column<Y>()[i], d.column<VelocityX>()[i],
                                       d.column<VelocityY>()[i], d.column<Radius>()[i], d.column<Mass>()[i],
                                       d.column<ImageX>()[i], d.column<ImageY>()[i]));
   }
@@ -129,13 +129,13 @@ TEST(Tiled, KeepsEveryPromiseOfTheRule) {
   for (std::uint64_t seed = 200; seed < 260; ++seed) {
     TiledSystem const s = any_tiled_system(seed);
     State state = s.start();
-    double const energy = kinetic_energy(state.disks);
+    double const energy = kinetic_energy(state.agents);
     Ended const ended = advance(s.engine, 2, state, 80);
     EXPECT_EQ(largest_overlap(state), 0.0) << "seed " << seed << ": " << s.scene;
     EXPECT_NO_THROW(validate(state)) << "seed " << seed;
-    EXPECT_NEAR(kinetic_energy(state.disks), energy, 1e-11 * energy) << "seed " << seed;
+    EXPECT_NEAR(kinetic_energy(state.agents), energy, 1e-11 * energy) << "seed " << seed;
     if (!ended.failure.empty()) continue;
-    EXPECT_EQ(ended.counters.moves, 80 * state.disks.size()) << "seed " << seed << ": " << s.scene;
+    EXPECT_EQ(ended.counters.moves, 80 * state.agents.size()) << "seed " << seed << ": " << s.scene;
   }
 }
 

@@ -9,7 +9,7 @@ namespace gridlock::reference {
 /// The engine `stepped` without a grid: the same turns, each looking at every other disk.
 inline void advance_all_pairs(State& state, EngineSettings const& settings, Counters& counters, std::uint64_t steps) {
   double const duration = step_duration(settings, state);
-  HotDisks disks(state, rows_in_order(state.disks.ids()));
+  HotDisks disks(state, rows_in_order(state.agents.ids()));
   TurnView const view = disks.view(state.box, settings, duration);
   for (std::uint64_t n = 0; n < steps; ++n) {
     for (std::size_t i = 0; i < disks.size(); ++i) {

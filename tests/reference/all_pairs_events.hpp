@@ -49,13 +49,13 @@ class AllPairsEvents {
 
   /// Half a side for the fastest disk: longer flights would need more images than the nearest ring.
   [[nodiscard]] double longest_flight() const {
-    return 0.5 * std::min(state.box.width(), state.box.height()) / largest_speed(state.disks);
+    return 0.5 * std::min(state.box.width(), state.box.height()) / largest_speed(state.agents);
   }
 
   Event first_event() const {
     Event first;
-    for (std::size_t i = 0; i < state.disks.size(); ++i) {
-      for (std::size_t j = i + 1; j < state.disks.size(); ++j) consider_pair(first, i, j);
+    for (std::size_t i = 0; i < state.agents.size(); ++i) {
+      for (std::size_t j = i + 1; j < state.agents.size(); ++j) consider_pair(first, i, j);
       if (!state.box.is_periodic()) consider_walls(first, i);
     }
     return first;
@@ -63,13 +63,13 @@ class AllPairsEvents {
 
   void consider_pair(Event& first, std::size_t i, std::size_t j) const {
     int const images = state.box.is_periodic() ? 1 : 0;
-    Vector const w = velocity(state.disks, j) - velocity(state.disks, i);
+    Vector const w = velocity(state.agents, j) - velocity(state.agents, i);
     double const a = squared_length(w);
-    double const contact = state.disks.column<Radius>()[i] + state.disks.column<Radius>()[j];
+    double const contact = state.agents.column<Radius>()[i] + state.agents.column<Radius>()[j];
     for (int n = -images; n <= images; ++n) {
       for (int m = -images; m <= images; ++m) {
         Vector const image{n * state.box.width(), m * state.box.height()};
-        Vector const d = position(state.disks, j) + image - position(state.disks, i);
+        Vector const d = position(state.agents, j) + image - position(state.agents, i);
         double const b = dot(d, w);
         double const c = squared_length(d) - contact * contact;
         if (b >= 0.0 || b * b < a * c) continue;
@@ -80,9 +80,9 @@ class AllPairsEvents {
   }
 
   void consider_walls(Event& first, std::size_t i) const {
-    Vector const p = position(state.disks, i);
-    Vector const v = velocity(state.disks, i);
-    double const r = state.disks.column<Radius>()[i];
+    Vector const p = position(state.agents, i);
+    Vector const v = velocity(state.agents, i);
+    double const r = state.agents.column<Radius>()[i];
     auto const consider = [&](double gap, double speed, int wall) {
       if (speed > 0.0 && std::max(0.0, gap / speed) < first.wait) first = {std::max(0.0, gap / speed), i, i, {}, wall};
     };
@@ -93,37 +93,37 @@ class AllPairsEvents {
   }
 
   void move(double time) {
-    for (std::size_t i = 0; i < state.disks.size(); ++i) {
+    for (std::size_t i = 0; i < state.agents.size(); ++i) {
       int crossed_x = 0;
       int crossed_y = 0;
-      Vector const p = state.box.wrap(position(state.disks, i) + time * velocity(state.disks, i), crossed_x, crossed_y);
-      state.disks.column<X>()[i] = p.x;
-      state.disks.column<Y>()[i] = p.y;
-      state.disks.column<ImageX>()[i] += crossed_x;
-      state.disks.column<ImageY>()[i] += crossed_y;
+      Vector const p = state.box.wrap(position(state.agents, i) + time * velocity(state.agents, i), crossed_x, crossed_y);
+      state.agents.column<X>()[i] = p.x;
+      state.agents.column<Y>()[i] = p.y;
+      state.agents.column<ImageX>()[i] += crossed_x;
+      state.agents.column<ImageY>()[i] += crossed_y;
     }
   }
 
   void reflect(Event const& event) {
-    auto const component = event.wall < 2 ? state.disks.column<VelocityX>() : state.disks.column<VelocityY>();
+    auto const component = event.wall < 2 ? state.agents.column<VelocityX>() : state.agents.column<VelocityY>();
     component[event.i] = -component[event.i];
     ++wall_hits[static_cast<std::size_t>(event.wall)];
   }
 
   void collide(Event const& event) {
-    auto const mass = state.disks.column<Mass>();
-    Vector const d = state.box.displacement(position(state.disks, event.i), position(state.disks, event.j));
+    auto const mass = state.agents.column<Mass>();
+    Vector const d = state.box.displacement(position(state.agents, event.i), position(state.agents, event.j));
     double const distance = std::sqrt(squared_length(d));
     Vector const normal = (1.0 / distance) * d;
-    double const speed = dot(velocity(state.disks, event.j) - velocity(state.disks, event.i), normal);
+    double const speed = dot(velocity(state.agents, event.j) - velocity(state.agents, event.i), normal);
     double const reduced_mass = mass[event.i] * mass[event.j] / (mass[event.i] + mass[event.j]);
     kick(event.i, (2.0 * reduced_mass * speed / mass[event.i]) * normal);
     kick(event.j, (-2.0 * reduced_mass * speed / mass[event.j]) * normal);
   }
 
   void kick(std::size_t i, Vector change) {
-    state.disks.column<VelocityX>()[i] += change.x;
-    state.disks.column<VelocityY>()[i] += change.y;
+    state.agents.column<VelocityX>()[i] += change.x;
+    state.agents.column<VelocityY>()[i] += change.y;
   }
 };
 

@@ -45,16 +45,16 @@ class PaperRule {
         substep(time_step / substeps_in),
         substeps(substeps_in),
         scatters_always(always) {
-    for (std::size_t n = 0; n < state.disks.size(); ++n) {
-      Disk const disk{.id = state.disks.ids()[n],
-                      .x = state.disks.column<X>()[n],
-                      .y = state.disks.column<Y>()[n],
-                      .vx = state.disks.column<VelocityX>()[n],
-                      .vy = state.disks.column<VelocityY>()[n],
-                      .radius = state.disks.column<Radius>()[n],
-                      .mass = state.disks.column<Mass>()[n],
-                      .image_x = state.disks.column<ImageX>()[n],
-                      .image_y = state.disks.column<ImageY>()[n]};
+    for (std::size_t n = 0; n < state.agents.size(); ++n) {
+      Disk const disk{.id = state.agents.ids()[n],
+                      .x = state.agents.column<X>()[n],
+                      .y = state.agents.column<Y>()[n],
+                      .vx = state.agents.column<VelocityX>()[n],
+                      .vy = state.agents.column<VelocityY>()[n],
+                      .radius = state.agents.column<Radius>()[n],
+                      .mass = state.agents.column<Mass>()[n],
+                      .image_x = state.agents.column<ImageX>()[n],
+                      .image_y = state.agents.column<ImageY>()[n]};
       auto place = disks.begin();
       while (place != disks.end() && place->id < disk.id) ++place;
       disks.insert(place, disk);

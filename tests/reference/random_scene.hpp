@@ -34,15 +34,15 @@ namespace detail {
 
 /// Whether disk i could stand at p without overlap and inside the box.
 inline bool is_free(State const& state, std::size_t i, Vector p) {
-  auto const r = state.disks.column<Radius>();
+  auto const r = state.agents.column<Radius>();
   if (!state.box.is_periodic() &&
       (p.x < r[i] || p.x > state.box.width() - r[i] || p.y < r[i] || p.y > state.box.height() - r[i])) {
     return false;
   }
-  for (std::size_t j = 0; j < state.disks.size(); ++j) {
+  for (std::size_t j = 0; j < state.agents.size(); ++j) {
     if (j == i) continue;
     double const contact = r[i] + r[j];
-    if (squared_length(state.box.displacement(p, position(state.disks, j))) < contact * contact) return false;
+    if (squared_length(state.box.displacement(p, position(state.agents, j))) < contact * contact) return false;
   }
   return true;
 }
@@ -50,14 +50,14 @@ inline bool is_free(State const& state, std::size_t i, Vector p) {
 /// Random small moves that are undone where they overlap: takes the order out of a lattice.
 inline void shake(State& state, RandomStream& random, double largest_move, int sweeps) {
   for (int sweep = 0; sweep < sweeps; ++sweep) {
-    for (std::size_t i = 0; i < state.disks.size(); ++i) {
+    for (std::size_t i = 0; i < state.agents.size(); ++i) {
       int crossed_x = 0;
       int crossed_y = 0;
       Vector const p =
-          state.box.wrap(position(state.disks, i) + largest_move * random.in_unit_disk(), crossed_x, crossed_y);
+          state.box.wrap(position(state.agents, i) + largest_move * random.in_unit_disk(), crossed_x, crossed_y);
       if (!is_free(state, i, p)) continue;
-      state.disks.column<X>()[i] = p.x;
-      state.disks.column<Y>()[i] = p.y;
+      state.agents.column<X>()[i] = p.x;
+      state.agents.column<Y>()[i] = p.y;
     }
   }
 }
@@ -93,7 +93,7 @@ inline State random_scene(SceneSettings const& settings) {
     double const y = (static_cast<double>(sites[n] / columns) + 0.5) * step_y;
     Vector const v = random.in_unit_disk();
     double const mass = 1.0 + (settings.heaviest_mass - 1.0) * random.uniform();
-    state.disks.add(x, y, v.x, v.y, largest * ratios[n], mass, 0, 0);
+    state.agents.add(x, y, v.x, v.y, largest * ratios[n], mass, 0, 0);
   }
   detail::shake(state, random, 0.5 * std::min(step_x, step_y), 10);
   return state;

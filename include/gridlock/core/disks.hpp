@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "gridlock/core/agents_view.hpp"
 #include "gridlock/core/population.hpp"
 #include "gridlock/core/vector.hpp"
 
@@ -58,16 +59,16 @@ struct RadiusRange {
 };
 RadiusRange radius_range(Disks const& disks);
 
-/// ½ Σ m v², in (mass unit)·(length unit / time unit)².
-double kinetic_energy(Disks const& disks);
-
-/// Σ m v.
-Vector momentum(Disks const& disks);
-
 /// The fastest disk's speed; 0 for no disks.
 double largest_speed(Disks const& disks);
 
-/// Σ π R², the area the disks cover.
-double covered_area(Disks const& disks);
+/// ½ Σ m v², in (mass unit)·(length unit / time unit)². Contract: the agents have a mass and a velocity.
+double kinetic_energy(AgentsView const& agents);
+
+/// Σ m v. Contract: the agents have a mass and a velocity.
+Vector momentum(AgentsView const& agents);
+
+/// Σ π R², the area the agents cover. Contract: they have a radius.
+double covered_area(AgentsView const& agents);
 
 }  // namespace gridlock

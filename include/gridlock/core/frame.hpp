@@ -13,7 +13,7 @@
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/population.hpp"
 #include "gridlock/core/rows_in_order.hpp"
-#include "gridlock/core/state.hpp"
+#include "gridlock/core/world.hpp"
 
 namespace gridlock {
 
@@ -63,7 +63,10 @@ Frame frame_of(Box const& box, Clock const& clock, std::uint64_t seed, Populatio
   return frame;
 }
 
-/// A state of disks as a frame.
-Frame frame_of(State const& state);
+/// A world as a frame.
+template <class Model>
+Frame frame_of(World<Model> const& world) {
+  return frame_of(world.box, world.clock, world.seed, world.agents);
+}
 
 }  // namespace gridlock

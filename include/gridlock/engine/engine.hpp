@@ -7,7 +7,9 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gridlock/core/archive.hpp"
@@ -26,6 +28,10 @@ struct StopCondition {
   /// has returned. Empty: never asked. Must not throw.
   std::function<bool()> should_continue = {};
 
+  /// Whether a run that has come so far has come to its end.
+  [[nodiscard]] bool is_reached(Clock const& clock, std::uint64_t pair_collisions_so_far) const {
+    return clock.step >= step || clock.time >= time || pair_collisions_so_far >= pair_collisions;
+  }
   [[nodiscard]] bool stops_here() const { return should_continue && !should_continue(); }
 };
 
@@ -52,6 +58,40 @@ struct Counters {
 /// Serializes every count and sum.
 void serialize(Archive& archive, Counters& counters);
 
+/// How often something happened since the start, for example "pair_collisions".
+struct Count {
+  std::string name;
+  std::uint64_t value = 0;
+};
+
+/// What advances the world of a model. One virtual call per chunk of work, never per agent.
+template <class Model>
+class EngineFor {
+ public:
+  EngineFor() = default;
+  EngineFor(EngineFor const&) = delete;
+  EngineFor& operator=(EngineFor const&) = delete;
+  virtual ~EngineFor() = default;
+
+  /// Moves the world on until the stop condition holds and adds what happened to the counters. Between calls the world is
+  /// plain and up to date, and the caller may change it.
+  /// Errors: RunFailure where the physics breaks an invariant, naming step, ids and gap.
+  virtual void advance(World<Model>& world, Counters& counters, StopCondition const& stop_condition) = 0;
+
+  /// The physical time that the next step stands for.
+  [[nodiscard]] virtual double time_step_of(World<Model> const& world) const = 0;
+
+  /// Throws Error for a world that this engine cannot advance rightly, as its constructor does.
+  virtual void require_valid(World<Model> const& world) const = 0;
+
+  /// What happened, by name.
+  [[nodiscard]] virtual std::vector<Count> counts(World<Model> const& world, Counters const& counters) const = 0;
+
+  /// Serializes what the engine keeps between two calls of advance() besides the world, which has been serialized before:
+  /// restored into an engine made for the same start, it goes on with the same bits. Most keep nothing.
+  virtual void serialize(Archive& /*archive*/, World<Model> const& /*world*/) {}
+};
+
 /// Whether a disk that halts scatters off its partner whatever their motion (the paper's rule) or only when the two
 /// approach each other.
 enum class Contact { always, approaching };
@@ -73,27 +113,41 @@ struct EngineSettings {
   std::uint64_t threads = 0;  ///< of the engine tiled; 0: all cores
 };
 void describe(EngineSettings& settings, SettingVisitor& visitor);
+/// Of them the threads alone, which is all that other models use.
+void describe_threads(EngineSettings& settings, SettingVisitor& visitor);
 
-/// A dynamics of hard disks. One virtual call per chunk of work, never per disk.
-class Engine {
+/// A dynamics of hard disks.
+class Engine : public EngineFor<HardDisks> {
  public:
-  Engine() = default;
-  Engine(Engine const&) = delete;
-  Engine& operator=(Engine const&) = delete;
-  virtual ~Engine() = default;
-
-  /// Moves the state on until the stop condition holds and adds what happened to the counters. Between calls the state is
-  /// plain and up to date, and the caller may change it.
-  /// Errors: RunFailure where the physics breaks an invariant, naming step, ids and gap.
-  virtual void advance(State& state, Counters& counters, StopCondition const& stop_condition) = 0;
-
   /// The physical time one step stands for.
   [[nodiscard]] virtual double time_step() const = 0;
+  [[nodiscard]] double time_step_of(State const& /*world*/) const final { return time_step(); }
 
-  /// Serializes what the engine keeps between two calls of advance() besides the state, which has been serialized before:
-  /// restored into an engine made for the same start, it goes on with the same bits. Most keep nothing.
-  virtual void serialize(Archive& /*archive*/, State const& /*state*/) {}
+  [[nodiscard]] std::vector<Count> counts(State const& state, Counters const& counters) const override;
 };
+
+/// What an engine tells of itself: nothing outside its own two files compares its name.
+struct EngineRecord {
+  std::string_view name;           ///< engine.kind
+  std::string_view documentation;  ///< what it is, in words that follow its name
+  bool has_time_step = true;       ///< false: it goes from event to event, and a run can end within a step
+  bool uses_threads = false;
+  double bytes_per_disk = 0.0;                ///< at the peak of a run, all of the program counted
+  double bytes_per_disk_of_checkpoint = 0.0;  ///< what a checkpoint adds to that peak
+  double bytes_per_cell = 0.0;                ///< of the cells that engine.cells asks for
+  /// Whether a run depends on a setting of the table [engine].
+  bool (*uses)(EngineSettings const& settings, std::string_view setting) = nullptr;
+  /// The expected cost of a move, in moves on cells chosen from the sizes.
+  double (*cost_of_move)(EngineSettings const& settings, State const& state) = nullptr;
+  /// Errors: Error naming the setting for a set-up that the engine cannot treat rightly.
+  std::unique_ptr<Engine> (*make)(EngineSettings const& settings, State const& state) = nullptr;
+};
+
+/// Those of all engines.
+std::span<EngineRecord const> engine_records();
+
+/// The one of that name. Errors: Error under "engine.kind" where there is none.
+EngineRecord const& engine_record(std::string_view kind);
 
 /// Makes the engine named by settings.kind for a valid state.
 /// Errors: Error naming the setting for an unknown kind, or for a set-up the engine cannot treat rightly.

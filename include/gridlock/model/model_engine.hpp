@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -62,7 +63,7 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 /// by cell, in a cell in the order of the Ids as they were when the step began, so that sums over them round alike.
 /// Cost: synchronous, about 25 ns an agent and step besides searches and the model's own work.
 template <class Model>
-class ModelEngine {
+class ModelEngine final : public EngineFor<Model> {
  public:
   ModelEngine(Model model, Box const& box, ModelEngineSettings const& settings)
       : model_(std::move(model)), settings_(settings), thread_pool_(settings.threads) {
@@ -71,12 +72,17 @@ class ModelEngine {
 
   [[nodiscard]] Model const& model() const { return model_; }
 
+  void advance(World<Model>& world, StopCondition const& stop_condition) {
+    Counters unused;
+    advance(world, unused, stop_condition);
+  }
+
   /// Errors: RunFailure where a verified search differs from brute force, where an agent is outside the box, looks
   /// farther than the model says or counts what is not declared, or what the model throws.
-  void advance(World<Model>& world, StopCondition const& stop_condition) {
+  void advance(World<Model>& world, Counters& counters, StopCondition const& stop_condition) override {
     // Between two calls the world may have become another one.
     bool knows_world = false;
-    while (world.clock.step < stop_condition.step && world.clock.time < stop_condition.time) {
+    while (!stop_condition.is_reached(world.clock, counters.pair_collisions)) {
       prepare(world, knows_world);
       knows_world = true;
       if constexpr (Model::schedule == Schedule::synchronous) {
@@ -91,7 +97,20 @@ class ModelEngine {
       }
       ++world.clock.step;
       world.clock.time += time_step_;
+      if (stop_condition.stops_here()) break;
     }
+  }
+
+  [[nodiscard]] double time_step_of(World<Model> const& world) const override {
+    return gridlock::time_step_of(model_, world);
+  }
+  void require_valid(World<Model> const& world) const override { require_inside(world); }
+  [[nodiscard]] std::vector<Count> counts(World<Model> const& world, Counters const& /*counters*/) const override {
+    std::vector<Count> counts;
+    for (std::size_t k = 0; k < world.events.size(); ++k) {
+      counts.push_back({std::string(event_names<Model>()[k]), world.events[k]});
+    }
+    return counts;
   }
 
   /// Throws RunFailure for an agent outside the box.
@@ -114,7 +133,7 @@ class ModelEngine {
     // What comes from outside: a start, a checkpoint. Within a step births and moves are looked at one by one.
     if (!knows_world) require_inside(world);
     cutoff_ = cutoff_of(model_, world);
-    time_step_ = time_step_of(model_, world);
+    time_step_ = gridlock::time_step_of(model_, world);
     if (!(cutoff_ > 0.0 && time_step_ > 0.0 && std::isfinite(cutoff_) && std::isfinite(time_step_))) {
       throw_bad_step(world.clock.step, cutoff_, time_step_);
     }

@@ -1,14 +1,9 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <span>
-#include <string_view>
 #include <tuple>
 
-#include "gridlock/core/random.hpp"
-#include "gridlock/core/state.hpp"
+#include "gridlock/core/disks.hpp"
+#include "gridlock/core/world.hpp"
 
 namespace gridlock {
 
@@ -18,42 +13,6 @@ enum class Schedule {
   sequential,   ///< one after the other in the order of the Ids; everybody sees what the others have just done
   tiled,   ///< the same tile by tile, see Tiling and UpdateOrder: far from one another many take their turns at once
   events,  ///< no turns: the model carries the whole world through a step, one event after the other
-};
-
-/// The names of what is counted in a model, `Model::events`; none where it declares none.
-template <class Model>
-constexpr std::span<std::string_view const> event_names() {
-  if constexpr (requires { Model::events; }) {
-    return Model::events;
-  } else {
-    return {};
-  }
-}
-
-/// How often each event has happened, in the order of `Model::events`.
-template <class Model>
-using EventCounts = std::array<std::uint64_t, event_names<Model>().size()>;
-
-/// The agents of a model and the box they live in, with what has happened to them since the start.
-template <class Model>
-struct World {
-  using Agents = typename Model::Agents;
-
-  Box box;
-  Agents agents;
-  Clock clock;
-  std::uint64_t seed = 0;
-  EventCounts<Model> events{};  ///< no part of the state: nothing depends on it
-
-  /// Random numbers for agent `number` of the start.
-  [[nodiscard]] RandomStream start_random(std::uint64_t number) const {
-    return {seed, 0, number, Purpose::model_start};
-  }
-  /// A point anywhere in the box.
-  [[nodiscard]] Vector anywhere(RandomStream& random) const {
-    double const x = random.uniform() * box.width();
-    return {x, random.uniform() * box.height()};
-  }
 };
 
 /// Where an agent with these values is.
@@ -78,23 +37,6 @@ double time_step_of(Model const& model, World<Model> const& world) {
   } else {
     return model.time_step();
   }
-}
-
-/// The bitwise identity of all agents; equal to that of a State where the agents are Disks.
-template <class Model>
-std::uint64_t hash(World<Model> const& world) {
-  return hash(world.box, world.clock, world.seed, world.agents);
-}
-
-template <class Model>
-void serialize(Archive& archive, World<Model>& world) {
-  serialize_inside(archive, "box", [&] { serialize(archive, world.box); });
-  serialize_inside(archive, "clock", [&] { serialize(archive, world.clock); });
-  archive.visit("seed", world.seed);
-  serialize_inside(archive, "agents", [&] { world.agents.serialize(archive); });
-  serialize_inside(archive, "events", [&] {
-    for (std::size_t k = 0; k < world.events.size(); ++k) archive.visit(event_names<Model>()[k], world.events[k]);
-  });
 }
 
 }  // namespace gridlock

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "gridlock/core/state.hpp"
 #include "gridlock/observe/averaging_observable.hpp"
 #include "gridlock/observe/structure_schedule.hpp"
 
@@ -16,21 +17,28 @@ struct BondOrientationOrder {
 
 /// How far the directions to nearest neighbours agree on the same triangular lattice.
 ///
-///     ψ6(j)  = (1/n_j) Σ_k exp(6 i θ_jk)        over the n_j neighbours k of disk j, θ_jk the direction from j to k
+///     ψ6(j)  = (1/n_j) Σ_k exp(6 i θ_jk)        over the n_j neighbours k of agent j, θ_jk the direction from j to k
 ///     global = |(1/N) Σ_j ψ6(j)|                1: one crystal;  0: liquid, or many grains
-///     local  = (1/N) Σ_j |ψ6(j)|                1: every disk sits in a regular hexagon
+///     local  = (1/N) Σ_j |ψ6(j)|                1: every agent sits in a regular hexagon
 ///
 /// Neighbours are nearer than 1.5 a, a = √(2/(√3 ρ)) the spacing of the triangular lattice of density ρ = N/A: midway
 /// between its first shell (a) and its second (1.73 a); in a periodic box at most half the shorter side, which only
-/// matters below about 11 disks. A disk without neighbours counts with ψ6 = 0. Both are 0 for
+/// matters below about 11 agents. An agent without neighbours counts with ψ6 = 0. Both are 0 for
 /// the square lattice, whose eight neighbours cancel.
 /// exp(6 i θ) is the third power of the complex number (Δx + iΔy)²/|Δr|²: no trigonometry, no square root.
-/// Absent for no disks. Cost: O(N), about 0.2 µs a disk.
+/// Absent for no agents. Cost: O(N), about 0.2 µs an agent.
 /// Source: D. R. Nelson & B. I. Halperin (1979), doi:10.1103/PhysRevB.19.2457.
-std::optional<BondOrientationOrder> bond_orientation_order(State const& state);
+/// Contract: the agents have x and y.
+std::optional<BondOrientationOrder> bond_orientation_order(Box const& box, AgentsView const& agents);
+inline std::optional<BondOrientationOrder> bond_orientation_order(State const& state) {
+  return bond_orientation_order(state.box, state.agents);
+}
 
-/// |ψ6(j)| of each disk, in the order of the rows.
-std::vector<double> local_bond_orientation_orders(State const& state);
+/// |ψ6(j)| of each agent, in the order of the rows. Contract: the agents have x and y.
+std::vector<double> local_bond_orientation_orders(Box const& box, AgentsView const& agents);
+inline std::vector<double> local_bond_orientation_orders(State const& state) {
+  return local_bond_orientation_orders(state.box, state.agents);
+}
 
 /// bond_orientation_order() along a run: the columns global_bond_orientation_order and local_bond_orientation_order,
 /// averaged over the samples the StructureSchedule measures; the others have empty cells.
@@ -38,6 +46,9 @@ class BondOrientation final : public AveragingObservable {
  public:
   explicit BondOrientation(std::uint64_t every) : schedule_(every) {}
 
+  [[nodiscard]] Requirements requirements(Box const& /*box*/) const override {
+    return {.columns = {X::name, Y::name}};
+  }
   void begin(Snapshot const& start) override;
   void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override;
   void serialize(Archive& archive) override;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "gridlock/core/disks.hpp"
 #include "gridlock/observe/averaging_observable.hpp"
 
 namespace gridlock {
@@ -17,6 +18,9 @@ namespace gridlock {
 /// thing to look at.
 class Energy final : public AveragingObservable {
  public:
+  [[nodiscard]] Requirements requirements(Box const& /*box*/) const override {
+    return {.columns = {VelocityX::name, VelocityY::name, Mass::name}};
+  }
   void begin(Snapshot const& start) override;
   void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override;
   [[nodiscard]] std::vector<NamedEstimate> results() const override;

@@ -5,20 +5,35 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "gridlock/core/agents_view.hpp"
 #include "gridlock/core/archive.hpp"
+#include "gridlock/core/box.hpp"
 #include "gridlock/core/setting.hpp"
-#include "gridlock/core/state.hpp"
+#include "gridlock/core/world.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/observe/estimate.hpp"
 
 namespace gridlock {
 
-/// What an observable sees: the state now, and what happened since the start of the run.
+/// What an observable sees of a world of any model: the agents now, and what happened since the start of the run.
 struct Snapshot {
-  State const& state;
+  template <class Model>
+  Snapshot(World<Model> const& world, Counters const& what_happened)
+      : box(world.box), clock(world.clock), agents(world.agents), counters(what_happened) {}
+
+  Box const& box;
+  Clock clock;
+  AgentsView agents;
   Counters const& counters;
+};
+
+/// What a world must have for an observable to be defined.
+struct Requirements {
+  std::vector<std::string_view> columns;
+  bool collisions = false;  ///< Counters are kept: pair collisions, wall hits, impulses
 };
 
 /// One column of a table.
@@ -55,6 +70,9 @@ class Observable {
   Observable(Observable const&) = delete;
   Observable& operator=(Observable const&) = delete;
   virtual ~Observable() = default;
+
+  /// What it needs in such a box. A simulation measures what its world has all of.
+  [[nodiscard]] virtual Requirements requirements(Box const& box) const = 0;
 
   /// The columns this observable fills in each row; the same from begin() on.
   [[nodiscard]] virtual std::vector<ColumnInfo> columns() const = 0;
@@ -93,13 +111,18 @@ struct ObserveSettings {
 };
 void describe(ObserveSettings& settings, SettingVisitor& visitor);
 
-/// Every observable that is defined for such a state, ready to sample: begun at `start`.
+/// What the engine of a world does, as far as observables depend on it.
+struct DynamicsTraits {
+  bool keeps_counters = true;  ///< see Requirements::collisions
+  bool halts_moves = true;     ///< agents move in turns, which end where they would overlap
+};
+
+/// Every observable whose requirements such a world meets, ready to sample: begun at `start`.
 ///
 /// Displacement, Energy, Speed, Rates, Pressure, VelocityAutocorrelation; BondOrientation and PairCorrelation unless
-/// structure_every is 0. Each is described in its own header. Quantities of walls exist in walled boxes only, those of
-/// turns where `has_turns`: not where disks go from event to event.
-/// Cost of a sample: a few passes over the disks, about 20 ns a disk; ψ6 and g(r) about 1 µs a disk when they are due.
+/// structure_every is 0. Each is described in its own header. Quantities of walls exist in walled boxes only.
+/// Cost of a sample: a few passes over the agents, about 20 ns an agent; ψ6 and g(r) about 1 µs an agent when they are due.
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
-                                                          bool has_turns = true);
+                                                          DynamicsTraits const& dynamics = {});
 
 }  // namespace gridlock

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "gridlock/core/box.hpp"
+#include "gridlock/core/disks.hpp"
 #include "gridlock/observe/block_average.hpp"
 #include "gridlock/observe/observable.hpp"
 #include "gridlock/observe/structure_schedule.hpp"
@@ -25,14 +26,15 @@ double probability_of_nearer_points(Box const& box, double r);
 ///
 ///     g(r) = pairs with distance in the bin / (½ N (N − 1) p(bin))
 ///
+/// For agents without a radius the range counts in mean spacings √(A/N), and their centres reach the walls.
 /// p is the exact probability of that distance for two independent points of the domain open to the centres: the
 /// periodic box, or the walled box less a mean radius on all sides. So g = 1 for an ideal gas at every N and r, in both
 /// kinds of box, with no edge left to correct. For a mixture between walls the mean radius is right to relative order
 /// (spread of the radii / side)².
 /// Becomes the distribution "pair_correlation": distance (centre of the bin, length), pair_correlation, error (from
 /// blocks of samples). The range is `range` mean diameters, but at most half the shorter side of the domain. Left out
-/// for fewer than two disks, and where walls leave the centres no area.
-/// Cost: O(N · disks within the range), about 0.5 µs a disk at 5 diameters; sampled on the StructureSchedule.
+/// for fewer than two agents, and where walls leave the centres no area.
+/// Cost: O(N · agents within the range), about 0.5 µs an agent at 5 diameters; sampled on the StructureSchedule.
 /// Source: L. S. Ornstein & F. Zernike (1914); normalisation by set covariance: J. Ohser (1983), Mathematische
 /// Operationsforschung und Statistik 14, 63.
 class PairCorrelation final : public Observable {
@@ -40,6 +42,9 @@ class PairCorrelation final : public Observable {
   PairCorrelation(std::uint64_t every, double range, std::uint64_t bins)
       : schedule_(every), range_(range), bins_(bins) {}
 
+  [[nodiscard]] Requirements requirements(Box const& /*box*/) const override {
+    return {.columns = {X::name, Y::name}};
+  }
   [[nodiscard]] std::vector<ColumnInfo> columns() const override { return {}; }
   void begin(Snapshot const& start) override;
   void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "gridlock/core/disks.hpp"
 #include "gridlock/observe/averaging_observable.hpp"
 
 namespace gridlock {
@@ -24,6 +25,9 @@ namespace gridlock {
 /// Mechanics B, ed. B. J. Berne.
 class Pressure final : public AveragingObservable {
  public:
+  [[nodiscard]] Requirements requirements(Box const& /*box*/) const override {
+    return {.columns = {VelocityX::name, VelocityY::name, Mass::name}, .collisions = true};
+  }
   void begin(Snapshot const& start) override;
   void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override;
   void serialize(Archive& archive) override;

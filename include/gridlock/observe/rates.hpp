@@ -1,5 +1,6 @@
 #pragma once
 
+#include "gridlock/core/disks.hpp"
 #include "gridlock/observe/averaging_observable.hpp"
 
 namespace gridlock {
@@ -23,6 +24,9 @@ class Rates final : public AveragingObservable {
   /// `has_turns`: whether disks take turns that can end halted; without, there is no halted_fraction.
   explicit Rates(bool has_turns = true) : has_turns_(has_turns) {}
 
+  [[nodiscard]] Requirements requirements(Box const& /*box*/) const override {
+    return {.columns = {}, .collisions = true};
+  }
   void begin(Snapshot const& start) override;
   void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override;
   [[nodiscard]] std::vector<NamedEstimate> results() const override;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "gridlock/core/disks.hpp"
 #include "gridlock/observe/averaging_observable.hpp"
 
 namespace gridlock {
@@ -29,6 +30,9 @@ class Speed final : public AveragingObservable {
  public:
   Speed(double range, std::uint64_t bins) : range_(range), bins_(bins) {}
 
+  [[nodiscard]] Requirements requirements(Box const& /*box*/) const override {
+    return {.columns = {VelocityX::name, VelocityY::name, Mass::name}};
+  }
   void begin(Snapshot const& start) override;
   void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override;
   [[nodiscard]] std::vector<Distribution> distributions() const override;

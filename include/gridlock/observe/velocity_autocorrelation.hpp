@@ -5,30 +5,34 @@
 #include <vector>
 
 #include "gridlock/core/vector.hpp"
+#include "gridlock/core/disks.hpp"
 #include "gridlock/observe/block_average.hpp"
 #include "gridlock/observe/id_index.hpp"
 #include "gridlock/observe/observable.hpp"
 
 namespace gridlock {
 
-/// How much of their velocity the disks remember after a time t.
+/// How much of their velocity the agents remember after a time t.
 ///
 ///     velocity_autocorrelation(t) = Σ_i v_i(t₀)·v_i(t₀ + t) / Σ_i v_i(t₀)²          pure number, 1 at t = 0
 ///
 /// The first origin t₀ is the first sample that counts for averages. With origin_every = n every n-th sample from there is
 /// the next origin: the series shows the correlation with the last one, and the distribution "velocity_autocorrelation",
 /// n values of t, is the mean over origins with errors from blocks of them. With 0 there is one origin only: the curve
-/// has the noise of N disks, and errors from 16 blocks of disks with neighbouring Ids. The spacing of the curve is that
-/// of the samples, so choose observe.every well below the mean free time. Undefined at rest. Only disks alive since t₀
+/// has the noise of N agents, and errors from 16 blocks of agents with neighbouring Ids. The spacing of the curve is that
+/// of the samples, so choose observe.every well below the mean free time. Undefined at rest. Only agents alive since t₀
 /// enter.
-/// Cost: one pass over the disks. Memory: 24 bytes a disk, and 24 a sample or 550 for each of the n.
+/// Cost: one pass over the agents. Memory: 24 bytes an agent, and 24 a sample or 550 for each of the n.
 /// Source: B. J. Alder & T. E. Wainwright (1970), doi:10.1103/PhysRevA.1.18.
 class VelocityAutocorrelation final : public Observable {
  public:
-  static constexpr std::size_t disk_blocks = 16;
+  static constexpr std::size_t agent_blocks = 16;
 
   explicit VelocityAutocorrelation(std::uint64_t origin_every = 0) : origin_every_(origin_every) {}
 
+  [[nodiscard]] Requirements requirements(Box const& /*box*/) const override {
+    return {.columns = {VelocityX::name, VelocityY::name}};
+  }
   [[nodiscard]] std::vector<ColumnInfo> columns() const override;
   void begin(Snapshot const& start) override;
   void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override;
@@ -37,7 +41,7 @@ class VelocityAutocorrelation final : public Observable {
   void serialize(Archive& archive) override;
 
  private:
-  void set_origin(State const& state);
+  void set_origin(Snapshot const& now);
 
   struct Point {
     double lag;

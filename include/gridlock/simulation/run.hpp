@@ -79,8 +79,6 @@ struct RunPlan {
   double equilibration = 0.0;        ///< share of the run left out of averages
   /// Between two reports within a chunk, or one step if that takes longer; 0: a report after every step.
   double seconds_per_look = 0.1;
-  /// The most steps a simulation is told to take at once: few where it does not ask should_continue().
-  std::uint64_t steps_per_chunk = std::numeric_limits<std::uint64_t>::max();
 };
 
 /// What a run of any simulation leaves behind.

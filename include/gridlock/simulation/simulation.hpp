@@ -6,18 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "gridlock/core/agents_view.hpp"
 #include "gridlock/core/archive.hpp"
+#include "gridlock/core/box.hpp"
 #include "gridlock/core/frame.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/observe/observable.hpp"
 
 namespace gridlock {
-
-/// How often something happened since the start, for example "pair_collisions".
-struct Count {
-  std::string name;
-  std::uint64_t value = 0;
-};
 
 /// What a run advances: agents of any kind, the rule that moves them and what is measured of them.
 ///
@@ -32,7 +28,10 @@ class Simulation {
   [[nodiscard]] virtual Clock clock() const = 0;
   /// The physical time one step stands for.
   [[nodiscard]] virtual double time_step() const = 0;
-  [[nodiscard]] virtual std::size_t agents() const = 0;
+  [[nodiscard]] virtual Box const& box() const = 0;
+  /// The agents as they are now; see AgentsView for how long it is valid.
+  [[nodiscard]] virtual AgentsView view() const = 0;
+  [[nodiscard]] std::size_t agents() const { return view().size(); }
   /// The bitwise identity of the state.
   [[nodiscard]] virtual std::uint64_t state_hash() const = 0;
   [[nodiscard]] virtual std::vector<Count> counts() const = 0;

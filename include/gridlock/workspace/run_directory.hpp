@@ -52,7 +52,7 @@ struct LogLine {
 struct RunHooks {
   OnProgress on_progress;
   std::function<void(LogLine const&)> on_note;  ///< called for every line of run.log
-  std::optional<std::uint64_t> threads;         ///< of a run that is resumed; left out: as configured
+  std::optional<std::uint64_t> threads;         ///< in place of engine.threads; left out: as configured
 };
 
 /// Runs a set-up in a directory of its own, which holds from the first step on

@@ -49,7 +49,7 @@ void permute(Array& values, std::vector<Index> new_place) {
 
 }  // namespace
 
-Dynamics::Dynamics(State const& state) : box_(state.box), size_(state.disks.size()) {
+Dynamics::Dynamics(State const& state) : box_(state.box), size_(state.agents.size()) {
   read_disks(state);
   refresh_prediction_input();
   choose_epoch();
@@ -67,7 +67,7 @@ Dynamics::Dynamics(State const& state) : box_(state.box), size_(state.disks.size
 }
 
 void Dynamics::read_disks(State const& state) {
-  Disks const& disks = state.disks;
+  Disks const& disks = state.agents;
   std::vector<std::uint32_t> rows = rows_in_order(disks.ids());
   auto const radius = disks.column<Radius>();
   auto const mass = disks.column<Mass>();
@@ -345,7 +345,7 @@ void Dynamics::hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Counter
 }
 
 void Dynamics::write_at(double t, State& state) const {
-  Disks& disks = state.disks;
+  Disks& disks = state.agents;
   auto const radius = disks.column<Radius>();
   for (std::size_t i = 0; i < size_; ++i) {
     MovingDisk const& disk = disks_[i];

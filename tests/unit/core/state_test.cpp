@@ -13,13 +13,13 @@ namespace {
 
 State small_state() {
   State state{.box = Box(1.0, 2.0, Edge::periodic), .clock = {.step = 3, .time = 0.75}, .seed = 42};
-  for (int n = 0; n < 4; ++n) state.disks.add(0.1 * n, 0.2, 1.0, -1.0 * n, 0.05, 1.0, -n, n);
+  for (int n = 0; n < 4; ++n) state.agents.add(0.1 * n, 0.2, 1.0, -1.0 * n, 0.05, 1.0, -n, n);
   return state;
 }
 
 template <class Column>
 void flip_bit(State& state, std::size_t row, unsigned bit) {
-  auto& value = state.disks.column<Column>()[row];
+  auto& value = state.agents.column<Column>()[row];
   if constexpr (sizeof value == 8) {
     value = std::bit_cast<typename Column::type>(std::bit_cast<std::uint64_t>(value) ^ (std::uint64_t{1} << bit));
   } else {
@@ -69,15 +69,15 @@ TEST(StateHash, ChangesWithBoxClockAndSeed) {
   ++state.seed;
   expect_new(state);
   state = small_state();
-  state.disks.add(0.9, 0.9, 0.0, 0.0, 0.01, 1.0, 0, 0);
+  state.agents.add(0.9, 0.9, 0.0, 0.0, 0.01, 1.0, 0, 0);
   expect_new(state);
 }
 
 TEST(StateHash, TellsPlusZeroFromMinusZero) {
   State a = small_state();
   State b = small_state();
-  a.disks.column<X>()[0] = 0.0;
-  b.disks.column<X>()[0] = -0.0;
+  a.agents.column<X>()[0] = 0.0;
+  b.agents.column<X>()[0] = -0.0;
   EXPECT_NE(hash(a), hash(b)) << "bits, not values: equal hashes promise equal futures";
 }
 
@@ -91,7 +91,7 @@ TEST(StateHash, DoesNotDependOnTheOrderOfTheRows) {
   std::ranges::sort(rows, {}, &Row::id);
   do {
     State state{.box = Box(1.0, 1.0, Edge::wall), .seed = 1};
-    for (Row const& row : rows) EXPECT_TRUE(state.disks.add_as(row.id, row.x, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0));
+    for (Row const& row : rows) EXPECT_TRUE(state.agents.add_as(row.id, row.x, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0));
     hashes.insert(hash(state));
   } while (std::ranges::next_permutation(rows, {}, &Row::id).found);
   EXPECT_EQ(hashes.size(), 1U);
@@ -100,26 +100,26 @@ TEST(StateHash, DoesNotDependOnTheOrderOfTheRows) {
 TEST(StateHash, ForgetsTheDeadAndTheWayTheRowsWereFilled) {
   State plain{.box = Box(1.0, 1.0, Edge::wall)};
   State shuffled = plain;
-  for (int n = 0; n < 3; ++n) plain.disks.add(0.1 * n, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0);
-  for (int n = 0; n < 3; ++n) shuffled.disks.add(0.1 * n, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0);
-  Id const extra = shuffled.disks.add(0.9, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0);
+  for (int n = 0; n < 3; ++n) plain.agents.add(0.1 * n, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0);
+  for (int n = 0; n < 3; ++n) shuffled.agents.add(0.1 * n, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0);
+  Id const extra = shuffled.agents.add(0.9, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0);
   EXPECT_NE(hash(plain), hash(shuffled));
-  shuffled.disks.remove(extra);
+  shuffled.agents.remove(extra);
   EXPECT_EQ(hash(plain), hash(shuffled));
-  plain.disks.remove(0);  // moves row 2 to the front
+  plain.agents.remove(0);  // moves row 2 to the front
   State in_order{.box = Box(1.0, 1.0, Edge::wall)};
-  ASSERT_TRUE(in_order.disks.add_as(1, 0.1, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0));
-  ASSERT_TRUE(in_order.disks.add_as(2, 0.1 * 2, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0));
+  ASSERT_TRUE(in_order.agents.add_as(1, 0.1, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0));
+  ASSERT_TRUE(in_order.agents.add_as(2, 0.1 * 2, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0));
   EXPECT_EQ(hash(plain), hash(in_order));
 }
 
 TEST(StateHash, ChangesWhenTwoDisksSwapTheirNames) {
   State a{.box = Box(1.0, 1.0, Edge::wall)};
   State b = a;
-  ASSERT_TRUE(a.disks.add_as(0, 0.1, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0));
-  ASSERT_TRUE(a.disks.add_as(1, 0.2, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0));
-  ASSERT_TRUE(b.disks.add_as(1, 0.1, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0));
-  ASSERT_TRUE(b.disks.add_as(0, 0.2, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0));
+  ASSERT_TRUE(a.agents.add_as(0, 0.1, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0));
+  ASSERT_TRUE(a.agents.add_as(1, 0.2, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0));
+  ASSERT_TRUE(b.agents.add_as(1, 0.1, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0));
+  ASSERT_TRUE(b.agents.add_as(0, 0.2, 0.5, 0.0, 0.0, 0.01, 1.0, 0, 0));
   EXPECT_NE(hash(a), hash(b));
 }
 

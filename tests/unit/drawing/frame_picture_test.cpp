@@ -96,7 +96,7 @@ TEST(FramePainter, ADirectionIsTheAngleFromTheXAxis) {
   for (double const angle : {0.0, 0.4, 2.0, 3.0, -0.4, -1.5, -3.0}) {
     double const x = 0.5 + 0.1 * angle;
     agents.add(x, 0.5, 2.0 * std::cos(angle), 2.0 * std::sin(angle));
-    state.disks.add(x, 0.5, 0.0, 0.0, 0.02, 1.0, 0, 0);
+    state.agents.add(x, 0.5, 0.0, 0.0, 0.02, 1.0, 0, 0);
     angles.push_back(angle);
   }
   TemporaryDirectory const directory;

@@ -140,7 +140,7 @@ TEST(Page, HoldsPicturesFromGnuplotAndOfDisksWithEveryIdUnique) {
   std::vector<Plot> const plots{{.name = "a", .curves = {curve, curve}}, {.name = "b", .curves = {curve}}};
   ASSERT_EQ(draw_plots(plots, directory.path()), PlotOutcome::drawn);
   State state;
-  state.disks.add(0.5, 0.5, 0, 0, 0.1, 1, 0, 0);
+  state.agents.add(0.5, 0.5, 0, 0, 0.1, 1, 0, 0);
   draw_disks(state, {}, directory / "disks.svg");
   std::vector<std::filesystem::path> const files{directory / "a.svg", directory / "b.svg", directory / "disks.svg",
                                                  directory / "a.svg"};

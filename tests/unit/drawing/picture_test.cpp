@@ -33,7 +33,7 @@ State scattered(Box const& box, std::size_t count, double radius, std::uint64_t 
     RandomStream random(seed, 0, i, Purpose::start_position);
     double const x = random.uniform() * box.width();
     double const y = random.uniform() * box.height();
-    state.disks.add(x, y, random.normal(), random.normal(), radius, 1.0, 0, 0);
+    state.agents.add(x, y, random.normal(), random.normal(), radius, 1.0, 0, 0);
   }
   return state;
 }
@@ -44,7 +44,7 @@ State one_disk_per_cell(Edge edge, int columns, int rows) {
   state.box = Box(1.0, 1.0, edge);
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      state.disks.add((column + 0.5) / columns, (row + 0.5) / rows, 0, 0, 0.2 / std::max(columns, rows), 1, 0, 0);
+      state.agents.add((column + 0.5) / columns, (row + 0.5) / rows, 0, 0, 0.2 / std::max(columns, rows), 1, 0, 0);
     }
   }
   return state;
@@ -79,8 +79,8 @@ RC_GTEST_PROP(Picture, ShowsEveryPeriodicImageThatReachesIntoTheBox, ()) {
   double const radius = *rc::gen::inRange(1, 50) / 100.0 * std::min(1.0, width);
   State const state = scattered(Box(width, 1.0, Edge::periodic), 20, radius, *rc::gen::arbitrary<std::uint64_t>());
   std::size_t images = 0;
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    Vector const p = position(state.disks, i);
+  for (std::size_t i = 0; i < state.agents.size(); ++i) {
+    Vector const p = position(state.agents, i);
     // Along an axis: itself, and one more for each edge nearer than the radius.
     auto const along = [&](double x, double side) { return 1U + (x - radius < 0.0) + (x + radius > side); };
     images += along(p.x, width) * along(p.y, 1.0);
@@ -90,8 +90,8 @@ RC_GTEST_PROP(Picture, ShowsEveryPeriodicImageThatReachesIntoTheBox, ()) {
 
 TEST(Picture, PutsDisksWhereTheyAreWithTheOriginAtTheLowerLeft) {
   State state;
-  state.disks.add(0.25, 0.25, 0, 0, 0.2, 1, 0, 0);
-  state.disks.add(0.75, 0.5, 0, 0, 0.2, 1, 0, 0);
+  state.agents.add(0.25, 0.25, 0, 0, 0.2, 1, 0, 0);
+  state.agents.add(0.75, 0.5, 0, 0, 0.2, 1, 0, 0);
   auto const circles = drawn(state, {.width = 720}).named("circle");
   auto const number = [&](int i, char const* name) { return std::stod(circles.at(i).attributes.at(name)); };
   double const pixels = 2.0 * (number(1, "cx") - number(0, "cx"));  // the side of the box
@@ -122,14 +122,14 @@ RC_GTEST_PROP(NeighbourhoodColours, FollowTheCellsOfTheGrid, ()) {
   Edge const edge = *rc::gen::element(Edge::wall, Edge::periodic);
   State state = scattered(Box(1.3, 0.7, edge), 30, 1e-6, *rc::gen::arbitrary<std::uint64_t>());
   // Points on the lines between cells are where two ways of counting would part.
-  for (int i = 1; i < k; ++i) state.disks.add(1.3 * i / k, 0.7 * i / k, 0, 0, 1e-6, 1, 0, 0);
+  for (int i = 1; i < k; ++i) state.agents.add(1.3 * i / k, 0.7 * i / k, 0, 0, 1e-6, 1, 0, 0);
   auto const size = static_cast<std::uint64_t>(k);
   auto const colours = colours_of_disks(state, {.colouring = Colouring::neighbourhood, .columns = size, .rows = size});
   auto const palette = colours_of_disks(one_disk_per_cell(edge, k, k),
                                         {.colouring = Colouring::neighbourhood, .columns = size, .rows = size});
   CellLayout const layout(state.box, size, size);
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    RC_ASSERT(colours.at(i) == palette.at(layout.cell_of(position(state.disks, i))));
+  for (std::size_t i = 0; i < state.agents.size(); ++i) {
+    RC_ASSERT(colours.at(i) == palette.at(layout.cell_of(position(state.agents, i))));
   }
 }
 
@@ -148,7 +148,7 @@ TEST(NeighbourhoodColours, AreFourBetweenWallsAndNoMoreThanNineAnywhere) {
 
 TEST(Picture, ColoursSpeedsFromDarkToBrightAndSaysSo) {
   State state;
-  for (int i = 0; i < 5; ++i) state.disks.add(0.1 + 0.2 * i, 0.5, 0.0, -0.5 * i, 0.05, 1, 0, 0);
+  for (int i = 0; i < 5; ++i) state.agents.add(0.1 + 0.2 * i, 0.5, 0.0, -0.5 * i, 0.05, 1, 0, 0);
   MarkupDocument const document = drawn(state, {.colouring = Colouring::speed});
   auto const circles = document.named("circle");
   EXPECT_EQ(circles.front().attributes.at("fill"), to_hex(viridis(0.0)));
@@ -195,7 +195,7 @@ TEST(Picture, NamesEachKindBesideItsColour) {
 
 TEST(Picture, ListsTheRadiiOfAMixtureAndOfNothingElse) {
   State state;
-  for (double const r : {0.1, 0.14, 0.1}) state.disks.add(0.5, 0.5, 0, 0, r, 1, 0, 0);
+  for (double const r : {0.1, 0.14, 0.1}) state.agents.add(0.5, 0.5, 0, 0, r, 1, 0, 0);
   EXPECT_EQ(texts_of(drawn(state, {})), (std::vector<std::string>{"R = 0.1", "R = 0.14"}));
   EXPECT_TRUE(texts_of(drawn(one_disk_per_cell(Edge::wall, 2, 2), {})).empty());
 }
@@ -256,7 +256,7 @@ TEST(Picture, SurvivesValuesThatAreFarApartOrAlmostAlike) {
 
 TEST(Picture, GivesEachKindOfDiskOfAMixtureItsColour) {
   State state;
-  for (double const r : {0.1, 0.14, 0.1, 0.14}) state.disks.add(0.5, 0.5, 0, 0, r, 1, 0, 0);
+  for (double const r : {0.1, 0.14, 0.1, 0.14}) state.agents.add(0.5, 0.5, 0, 0, r, 1, 0, 0);
   auto const colours = colours_of_disks(state, {});
   EXPECT_EQ(colours.at(0), colours.at(2));
   EXPECT_EQ(colours.at(1), colours.at(3));
@@ -265,8 +265,8 @@ TEST(Picture, GivesEachKindOfDiskOfAMixtureItsColour) {
 
 TEST(Picture, LeavesOutDisksThatAreNowhere) {
   State state = one_disk_per_cell(Edge::wall, 2, 2);
-  state.disks.column<X>()[1] = std::nan("");
-  state.disks.column<Y>()[2] = std::numeric_limits<double>::infinity();
+  state.agents.column<X>()[1] = std::nan("");
+  state.agents.column<Y>()[2] = std::numeric_limits<double>::infinity();
   for (Colouring const colouring : {Colouring::radius, Colouring::neighbourhood, Colouring::speed}) {
     EXPECT_EQ(drawn(state, {.colouring = colouring, .columns = 2, .rows = 2}).count("circle"), 2U);
   }
@@ -280,8 +280,8 @@ TEST(Picture, DrawsTheGridOnlyWhereItsCellsCanBeSeen) {
 
 TEST(Picture, ShowsVelocitiesAsArrowsThatGrowWithSpeed) {
   State state = one_disk_per_cell(Edge::wall, 2, 1);
-  state.disks.column<VelocityX>()[0] = 1.0;
-  state.disks.column<VelocityX>()[1] = -2.0;
+  state.agents.column<VelocityX>()[0] = 1.0;
+  state.agents.column<VelocityX>()[1] = -2.0;
   auto const heads = drawn(state, {.shows_velocities = true}).named("path");
   auto const shafts = drawn(state, {.shows_velocities = true}).named("line");
   ASSERT_EQ(heads.size(), 2U);

@@ -252,7 +252,7 @@ TEST(Plot, LaysAPngIntoThePictureWithItsShapeKept) {
   write_series(directory);
   State state;
   state.box = Box(2, 1, Edge::wall);
-  state.disks.add(1, 0.5, 0, 0, 0.4, 1, 0, 0);
+  state.agents.add(1, 0.5, 0, 0, 0.4, 1, 0, 0);
   Plot plot = simple_plot();
   plot.insets = {{.file = "start.png", .x = 0.5, .y = 0.1, .width = 0.4, .label = "start"}};
   draw_disks(state, {.width = inset_pixels(plot, 0.4)}, directory / "start.png");

@@ -32,12 +32,12 @@ class MassesApart : public ::testing::TestWithParam<Masses> {};
 TEST_P(MassesApart, UpToTheLimitRunWithoutOverlapsUnderTheAudit) {
   for (Edge const edge : {Edge::wall, Edge::periodic}) {
     State state = mixture(GetParam().light_share, GetParam().heavy_mass, edge);
-    double const energy = kinetic_energy(state.disks);
+    double const energy = kinetic_energy(state.agents);
     Counters counters;
     auto const engine = make_engine(audited(), state);
     EXPECT_NO_THROW(engine->advance(state, counters, {.pair_collisions = 200'000}));
     EXPECT_EQ(counters.pair_collisions, 200'000U);
-    EXPECT_NEAR(kinetic_energy(state.disks) / energy, 1.0, 1e-9);
+    EXPECT_NEAR(kinetic_energy(state.agents) / energy, 1.0, 1e-9);
   }
 }
 
@@ -59,11 +59,11 @@ TEST(MassesFarApart, AreRefusedWhereOverlapsWouldBeMoreThanRounding) {
 
 TEST(MassesFarApart, DoNotMatterWhereAllAreEqualOrAtRest) {
   State state = mixture(1.0, 1.0, Edge::wall);
-  for (double& mass : state.disks.column<Mass>()) mass = 1e20;
+  for (double& mass : state.agents.column<Mass>()) mass = 1e20;
   EXPECT_NO_THROW(static_cast<void>(make_engine(audited(), state)));
   State resting = mixture(0.5, 1e12, Edge::wall);
-  for (double& v : resting.disks.column<VelocityX>()) v = 0.0;
-  for (double& v : resting.disks.column<VelocityY>()) v = 0.0;
+  for (double& v : resting.agents.column<VelocityX>()) v = 0.0;
+  for (double& v : resting.agents.column<VelocityY>()) v = 0.0;
   EXPECT_NO_THROW(static_cast<void>(make_engine(audited(), resting)));
 }
 

@@ -22,7 +22,7 @@ class Scene {
  public:
   explicit Scene(Edge edge, double width = 1.0, double height = 1.0) { state.box = Box(width, height, edge); }
   Scene& add(double x, double y, double vx, double vy, double radius = 0.1, double mass = 1.0) {
-    state.disks.add(x, y, vx, vy, radius, mass, 0, 0);
+    state.agents.add(x, y, vx, vy, radius, mass, 0, 0);
     return *this;
   }
   Scene& run(StopCondition const& stop_condition) {
@@ -30,8 +30,8 @@ class Scene {
     engine->advance(state, counters, stop_condition);
     return *this;
   }
-  [[nodiscard]] Vector place(std::size_t i) const { return position(state.disks, i); }
-  [[nodiscard]] Vector speed(std::size_t i) const { return velocity(state.disks, i); }
+  [[nodiscard]] Vector place(std::size_t i) const { return position(state.agents, i); }
+  [[nodiscard]] Vector speed(std::size_t i) const { return velocity(state.agents, i); }
 
   State state;
   Counters counters;
@@ -66,8 +66,8 @@ TEST(ExactEngine, OneDiskInAPeriodicBoxCountsItsImages) {
   scene.run({.time = 10.0});
   EXPECT_NEAR(scene.place(0).x, 0.8, 1e-13);
   EXPECT_NEAR(scene.place(0).y, 0.1, 1e-13);
-  EXPECT_EQ(scene.state.disks.column<ImageX>()[0], 7);
-  EXPECT_EQ(scene.state.disks.column<ImageY>()[0], -2);
+  EXPECT_EQ(scene.state.agents.column<ImageX>()[0], 7);
+  EXPECT_EQ(scene.state.agents.column<ImageY>()[0], -2);
 }
 
 TEST(ExactEngine, EqualDisksHeadOnSwapTheirVelocitiesAcrossThePeriodicEdge) {
@@ -172,12 +172,12 @@ TEST(ExactEngine, OneMoverAmongDisksAtRestSetsThemMoving) {
   for (int n = 0; n < 4; ++n) {
     for (int m = 0; m < 4; ++m) scene.add(0.125 + 0.25 * n, 0.125 + 0.25 * m, 0.0, 0.0);
   }
-  scene.state.disks.column<VelocityX>()[5] = 1.0;
-  scene.state.disks.column<VelocityY>()[5] = 0.3;
+  scene.state.agents.column<VelocityX>()[5] = 1.0;
+  scene.state.agents.column<VelocityY>()[5] = 0.3;
   scene.run({.time = 50.0});
   EXPECT_GT(scene.counters.pair_collisions, 100U);
-  EXPECT_NEAR(kinetic_energy(scene.state.disks), 0.5 * 1.09, 1e-12);
-  EXPECT_NEAR(momentum(scene.state.disks).x, 1.0, 1e-12);
+  EXPECT_NEAR(kinetic_energy(scene.state.agents), 0.5 * 1.09, 1e-12);
+  EXPECT_NEAR(momentum(scene.state.agents).x, 1.0, 1e-12);
 }
 
 TEST(ExactEngine, StepsLineUpWithTheSteppedEngine) {
@@ -215,8 +215,8 @@ TEST(ExactEngine, TakesUpWhatTheCallerChanged) {
   Scene scene(Edge::wall, 10.0, 1.0);
   scene.add(1.0, 0.5, 1.0, 0.0).add(5.0, 0.5, 0.0, 0.0);
   scene.run({.time = 1.0});
-  scene.state.disks.column<VelocityX>()[0] = 0.0;
-  scene.state.disks.column<VelocityX>()[1] = -1.0;
+  scene.state.agents.column<VelocityX>()[0] = 0.0;
+  scene.state.agents.column<VelocityX>()[1] = -1.0;
   scene.run({.time = 2.0});
   EXPECT_NEAR(scene.place(0).x, 2.0, 1e-15);
   EXPECT_NEAR(scene.place(1).x, 4.0, 1e-15);

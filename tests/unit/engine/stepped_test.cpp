@@ -30,7 +30,7 @@ struct DiskAt {
 State make_state(Edge edge, std::initializer_list<DiskAt> disks, double width = 1.0, double height = 1.0) {
   State state{.box = Box(width, height, edge)};
   for (DiskAt const& d : disks) {
-    state.disks.add(d.position.x, d.position.y, d.velocity.x, d.velocity.y, d.radius, d.mass, 0, 0);
+    state.agents.add(d.position.x, d.position.y, d.velocity.x, d.velocity.y, d.radius, d.mass, 0, 0);
   }
   return state;
 }
@@ -52,8 +52,8 @@ Counters advance(State& state, std::uint64_t steps, EngineSettings const& settin
 TEST(SteppedTurn, AFreeDiskMovesByItsVelocityTimesTheStep) {
   State state = make_state(Edge::wall, {{.position = {0.25, 0.5}, .velocity = {1.0, -0.5}}});
   Counters const counters = advance(state, 2);
-  EXPECT_EQ(position(state.disks, 0), (Vector{0.25 + 8 * substep, 0.5 - 4 * substep}));
-  EXPECT_EQ(velocity(state.disks, 0), (Vector{1.0, -0.5}));
+  EXPECT_EQ(position(state.agents, 0), (Vector{0.25 + 8 * substep, 0.5 - 4 * substep}));
+  EXPECT_EQ(velocity(state.agents, 0), (Vector{1.0, -0.5}));
   EXPECT_EQ(state.clock, (Clock{.step = 2, .time = 0.125}));
   EXPECT_EQ(counters.moves, 2U);
   EXPECT_EQ(counters.halted_moves, 0U);
@@ -67,11 +67,11 @@ TEST(SteppedTurn, HaltingKeepsTheSubStepsMadeBefore) {
   EngineSettings settings = exact_settings();
   settings.grid = GridKind::linked;
   Counters const counters = advance(state, 1, settings);
-  EXPECT_EQ(position(state.disks, 0), (Vector{0.25 + 3 * substep, 0.5}));
-  EXPECT_EQ(velocity(state.disks, 0), (Vector{0.0, 0.0}));
-  EXPECT_EQ(velocity(state.disks, 1), (Vector{1.0, 0.0}));
+  EXPECT_EQ(position(state.agents, 0), (Vector{0.25 + 3 * substep, 0.5}));
+  EXPECT_EQ(velocity(state.agents, 0), (Vector{0.0, 0.0}));
+  EXPECT_EQ(velocity(state.agents, 1), (Vector{1.0, 0.0}));
   // Disk 1 takes its turn after it was hit, in the same step, already with its new velocity.
-  EXPECT_EQ(position(state.disks, 1), (Vector{0.5 + 7.5 * substep, 0.5}));
+  EXPECT_EQ(position(state.agents, 1), (Vector{0.5 + 7.5 * substep, 0.5}));
   EXPECT_EQ(counters.halted_moves, 1U);
   EXPECT_EQ(counters.pair_collisions, 1U);
   EXPECT_EQ(counters.distance_checks, 8U) << "one candidate in each of four sub-steps of both";
@@ -80,18 +80,18 @@ TEST(SteppedTurn, HaltingKeepsTheSubStepsMadeBefore) {
 TEST(SteppedTurn, TheLowerIdGoesFirst) {
   // Names against rows: the disk of the last row has the lowest Id and is the one that runs into the other.
   State state{.box = Box(1.0, 1.0, Edge::wall)};
-  ASSERT_TRUE(state.disks.add_as(9, 0.5 + 0.5 * substep, 0.5, 0.0, 0.0, 0.125, 1.0, 0, 0));
-  ASSERT_TRUE(state.disks.add_as(4, 0.25, 0.5, 1.0, 0.0, 0.125, 1.0, 0, 0));
+  ASSERT_TRUE(state.agents.add_as(9, 0.5 + 0.5 * substep, 0.5, 0.0, 0.0, 0.125, 1.0, 0, 0));
+  ASSERT_TRUE(state.agents.add_as(4, 0.25, 0.5, 1.0, 0.0, 0.125, 1.0, 0, 0));
   advance(state, 1);
-  EXPECT_EQ(state.disks.column<X>()[0], 0.5 + 4.5 * substep) << "hit first, so its own turn carries it on";
-  EXPECT_EQ(state.disks.column<X>()[1], 0.25);
+  EXPECT_EQ(state.agents.column<X>()[0], 0.5 + 4.5 * substep) << "hit first, so its own turn carries it on";
+  EXPECT_EQ(state.agents.column<X>()[1], 0.25);
 }
 
 TEST(SteppedTurn, TouchingIsNotOverlapping) {
   State state = make_state(Edge::wall,
                            {{.position = {0.25, 0.5}, .velocity = {1.0, 0.0}}, {.position = {0.5 + 4 * substep, 0.5}}});
   Counters const counters = advance(state, 1);
-  EXPECT_EQ(position(state.disks, 0), (Vector{0.25 + 4 * substep, 0.5}));
+  EXPECT_EQ(position(state.agents, 0), (Vector{0.25 + 4 * substep, 0.5}));
   EXPECT_EQ(counters.halted_moves, 0U);
   EXPECT_NO_THROW(validate(state));
 }
@@ -104,8 +104,8 @@ TEST(SteppedTurn, ScattersOffTheNearestOfTheOverlappedDisks) {
                                         {.position = {0.25 + 0.1640625, 0.5}, .radius = 0.03125}});
   ASSERT_NO_THROW(validate(state));
   advance(state, 1, {.time_step = 1.0, .substeps = 4});  // of the small disk's diameters: sub-steps of 1/64 again
-  EXPECT_EQ(velocity(state.disks, 1), (Vector{0.0, 0.0}));
-  EXPECT_EQ(velocity(state.disks, 2), (Vector{1.0, 0.0}));
+  EXPECT_EQ(velocity(state.agents, 1), (Vector{0.0, 0.0}));
+  EXPECT_EQ(velocity(state.agents, 2), (Vector{1.0, 0.0}));
   // The same without disk 2, so that disk 1 was overlapped indeed.
   State without = make_state(
       Edge::wall, {{.position = {0.25, 0.5}, .velocity = {1.0, 0.0}}, {.position = {0.25 + 0.1772, 0.5 + 0.1772}}});
@@ -119,16 +119,16 @@ TEST(SteppedTurn, TiesGoToTheLowerIdInWhateverRowAndCellItIs) {
       State state{.box = Box(1.0, 1.0, Edge::wall)};
       double const y = lower_is_above ? 0.125 : -0.125;
       double const x = 0.25 + 0.25;
-      ASSERT_TRUE(state.disks.add_as(7, x, 0.5 - y, 0.0, 0.0, 0.125, 1.0, 0, 0));
-      ASSERT_TRUE(state.disks.add_as(3, x, 0.5 + y, 0.0, 0.0, 0.125, 1.0, 0, 0));
-      ASSERT_TRUE(state.disks.add_as(1, 0.25, 0.5, 1.0, 0.0, 0.125, 1.0, 0, 0));
+      ASSERT_TRUE(state.agents.add_as(7, x, 0.5 - y, 0.0, 0.0, 0.125, 1.0, 0, 0));
+      ASSERT_TRUE(state.agents.add_as(3, x, 0.5 + y, 0.0, 0.0, 0.125, 1.0, 0, 0));
+      ASSERT_TRUE(state.agents.add_as(1, 0.25, 0.5, 1.0, 0.0, 0.125, 1.0, 0, 0));
       EngineSettings settings = exact_settings();
       settings.cells = cells;
       settings.grid = GridKind::linked;
       Counters const counters = advance(state, 1, settings);
       EXPECT_EQ(counters.pair_collisions, 1U);
-      EXPECT_EQ(velocity(state.disks, state.disks.index_of(7)), (Vector{0.0, 0.0}));
-      EXPECT_NE(velocity(state.disks, state.disks.index_of(3)), (Vector{0.0, 0.0}));
+      EXPECT_EQ(velocity(state.agents, state.agents.index_of(7)), (Vector{0.0, 0.0}));
+      EXPECT_NE(velocity(state.agents, state.agents.index_of(3)), (Vector{0.0, 0.0}));
     }
   }
 }
@@ -138,8 +138,8 @@ TEST(SteppedTurn, AWallComesBeforeADiskBehindIt) {
   State state =
       make_state(Edge::wall, {{.position = {0.875, 0.5}, .velocity = {1.0, 0.5}}, {.position = {0.875, 0.75}}});
   Counters const counters = advance(state, 1);
-  EXPECT_EQ(velocity(state.disks, 0), (Vector{-1.0, 0.5}));
-  EXPECT_EQ(position(state.disks, 0), (Vector{0.875, 0.5}));
+  EXPECT_EQ(velocity(state.agents, 0), (Vector{-1.0, 0.5}));
+  EXPECT_EQ(position(state.agents, 0), (Vector{0.875, 0.5}));
   EXPECT_EQ(counters.pair_collisions, 0U);
   EXPECT_EQ(counters.all_wall_hits(), 1U);
 }
@@ -159,8 +159,8 @@ TEST(SteppedWalls, EveryWallTurnsItsOwnComponentBackAndTakesTwiceTheMomentum) {
                          Hit{Counters::top, {0.5, 0.875}, {0.25, 0.75}, {0.25, -0.75}}}) {
     State state = make_state(Edge::wall, {{.position = hit.position, .velocity = hit.velocity, .mass = 3.0}});
     Counters const counters = advance(state, 1);
-    EXPECT_EQ(position(state.disks, 0), hit.position) << "halted before it moved, also along the wall";
-    EXPECT_EQ(velocity(state.disks, 0), hit.reflected);
+    EXPECT_EQ(position(state.agents, 0), hit.position) << "halted before it moved, also along the wall";
+    EXPECT_EQ(velocity(state.agents, 0), hit.reflected);
     EXPECT_EQ(counters.halted_moves, 1U);
     for (std::size_t wall = 0; wall < 4; ++wall) {
       EXPECT_EQ(counters.wall_hits[wall], wall == hit.wall ? 1U : 0U);
@@ -172,7 +172,7 @@ TEST(SteppedWalls, EveryWallTurnsItsOwnComponentBackAndTakesTwiceTheMomentum) {
 TEST(SteppedWalls, ACornerTurnsBothComponentsBackInOneTurn) {
   State state = make_state(Edge::wall, {{.position = {0.875, 0.875}, .velocity = {0.5, 0.75}}});
   Counters const counters = advance(state, 1);
-  EXPECT_EQ(velocity(state.disks, 0), (Vector{-0.5, -0.75}));
+  EXPECT_EQ(velocity(state.agents, 0), (Vector{-0.5, -0.75}));
   EXPECT_EQ(counters.halted_moves, 1U);
   EXPECT_EQ(counters.wall_hits, (std::array<std::uint64_t, 4>{0, 1, 0, 1}));
   EXPECT_EQ(counters.wall_impulse, (std::array<double, 4>{0.0, 1.0, 0.0, 1.5}));
@@ -187,11 +187,11 @@ TEST(SteppedWalls, OneDiskBetweenWallsRepeatsWithThePeriodOfTheRule) {
   auto const engine = make_engine(exact_settings(), state);
   for (std::uint64_t period = 1; period <= 5; ++period) {
     engine->advance(state, counters, {.step = 26 * period - 13});
-    EXPECT_EQ(position(state.disks, 0), (Vector{0.875, 0.5}));
-    EXPECT_EQ(velocity(state.disks, 0), (Vector{-1.0, 0.0}));
+    EXPECT_EQ(position(state.agents, 0), (Vector{0.875, 0.5}));
+    EXPECT_EQ(velocity(state.agents, 0), (Vector{-1.0, 0.0}));
     engine->advance(state, counters, {.step = 26 * period});
-    EXPECT_EQ(position(state.disks, 0), position(start.disks, 0));
-    EXPECT_EQ(velocity(state.disks, 0), velocity(start.disks, 0));
+    EXPECT_EQ(position(state.agents, 0), position(start.agents, 0));
+    EXPECT_EQ(velocity(state.agents, 0), velocity(start.agents, 0));
     EXPECT_EQ(counters.wall_hits, (std::array<std::uint64_t, 4>{period, period, 0, 0}));
     EXPECT_EQ(counters.wall_impulse[Counters::left], 2.0 * static_cast<double>(period));
   }
@@ -225,8 +225,8 @@ TEST(SteppedPairs, AHeadOnHitOfEqualDisksExchangesTheirVelocities) {
   auto const engine = make_engine(exact_settings(), state);
   engine->advance(state, counters, {.pair_collisions = 1});
   EXPECT_EQ(counters.pair_collisions, 1U);
-  EXPECT_EQ(velocity(state.disks, 0), (Vector{-0.5, 0.0}));
-  EXPECT_EQ(velocity(state.disks, 1), (Vector{1.0, 0.0}));
+  EXPECT_EQ(velocity(state.agents, 0), (Vector{-0.5, 0.0}));
+  EXPECT_EQ(velocity(state.agents, 1), (Vector{1.0, 0.0}));
 }
 
 TEST(SteppedPairs, AHeadOnHitOfUnequalDisksFollowsTheElasticRule) {
@@ -235,9 +235,9 @@ TEST(SteppedPairs, AHeadOnHitOfUnequalDisksFollowsTheElasticRule) {
       Edge::wall, {{.position = {0.25, 0.5}, .velocity = {1.0, 0.0}}, {.position = {0.625, 0.5}, .mass = 3.0}});
   Counters counters;
   make_engine(exact_settings(), state)->advance(state, counters, {.pair_collisions = 1});
-  EXPECT_DOUBLE_EQ(velocity(state.disks, 0).x, -0.5);
-  EXPECT_DOUBLE_EQ(velocity(state.disks, 1).x, 0.5);
-  EXPECT_EQ(velocity(state.disks, 0).y, 0.0);
+  EXPECT_DOUBLE_EQ(velocity(state.agents, 0).x, -0.5);
+  EXPECT_DOUBLE_EQ(velocity(state.agents, 1).x, 0.5);
+  EXPECT_EQ(velocity(state.agents, 0).y, 0.0);
 }
 
 TEST(SteppedPairs, AlwaysScattersAPairThatSeparatesAndApproachingLetsItGo) {
@@ -249,28 +249,28 @@ TEST(SteppedPairs, AlwaysScattersAPairThatSeparatesAndApproachingLetsItGo) {
   };
   State always = start();
   Counters const scattered = advance(always, 1, exact_settings(Contact::always));
-  EXPECT_EQ(velocity(always.disks, 0), (Vector{1.0, 0.0})) << "the paper's rule makes it approach";
-  EXPECT_EQ(velocity(always.disks, 1), (Vector{0.5, 0.0}));
+  EXPECT_EQ(velocity(always.agents, 0), (Vector{1.0, 0.0})) << "the paper's rule makes it approach";
+  EXPECT_EQ(velocity(always.agents, 1), (Vector{0.5, 0.0}));
   EXPECT_EQ(scattered.pair_collisions, 1U);
   EXPECT_LT(scattered.pair_virial, 0.0) << "a pull, not a push";
 
   State approaching = start();
   Counters const let_go = advance(approaching, 1, exact_settings(Contact::approaching));
-  EXPECT_EQ(velocity(approaching.disks, 0), (Vector{0.5, 0.0}));
-  EXPECT_EQ(velocity(approaching.disks, 1), (Vector{1.0, 0.0}));
+  EXPECT_EQ(velocity(approaching.agents, 0), (Vector{0.5, 0.0}));
+  EXPECT_EQ(velocity(approaching.agents, 1), (Vector{1.0, 0.0}));
   EXPECT_EQ(let_go.pair_collisions, 0U);
   EXPECT_EQ(let_go.pair_virial, 0.0);
 
   EXPECT_EQ(scattered.halted_moves, 1U) << "halted under both rules";
   EXPECT_EQ(let_go.halted_moves, 1U);
-  EXPECT_EQ(position(always.disks, 0), position(approaching.disks, 0));
+  EXPECT_EQ(position(always.agents, 0), position(approaching.agents, 0));
 }
 
 TEST(SteppedPairs, BothContactRulesAgreeOnAPairThatApproaches) {
   for (Contact const contact : {Contact::always, Contact::approaching}) {
     State state = make_state(Edge::wall, {{.position = {0.25, 0.5}, .velocity = {1.0, 0.0}}, {.position = {0.5, 0.5}}});
     Counters const counters = advance(state, 1, exact_settings(contact));
-    EXPECT_EQ(velocity(state.disks, 1), (Vector{1.0, 0.0}));
+    EXPECT_EQ(velocity(state.agents, 1), (Vector{1.0, 0.0}));
     EXPECT_EQ(counters.pair_collisions, 1U);
     // σ m |v_n| = 1/4 for two equal disks in contact.
     EXPECT_EQ(counters.pair_virial, 0.25);
@@ -294,8 +294,8 @@ TEST(SteppedPairs, ScatteringAtAnImpactParameterLiesWithinTheSubStepOfTheExactRe
       engine->advance(state, counters, {.time = 1.0, .pair_collisions = 1});
       ASSERT_EQ(counters.pair_collisions, 1U);
       double const delta = engine->time_step() / 5.0;
-      Vector const vi = velocity(state.disks, 0);
-      Vector const vj = velocity(state.disks, 1);
+      Vector const vi = velocity(state.agents, 0);
+      Vector const vj = velocity(state.agents, 1);
       double const speed_i = std::sqrt(squared_length(vi));
       double const speed_j = std::sqrt(squared_length(vj));
       double const rounding = 1e-15;
@@ -321,7 +321,7 @@ TEST(SteppedPairs, AMissedDiskIsNotTouched) {
   Counters counters;
   make_engine({.time_step = 0.01}, state)->advance(state, counters, {.time = 0.6});
   EXPECT_EQ(counters.pair_collisions, 0U);
-  EXPECT_EQ(velocity(state.disks, 0), (Vector{1.0, 0.0}));
+  EXPECT_EQ(velocity(state.agents, 0), (Vector{1.0, 0.0}));
 }
 
 TEST(SteppedPairs, CollideAcrossTheEdgeOfAPeriodicBox) {
@@ -329,9 +329,9 @@ TEST(SteppedPairs, CollideAcrossTheEdgeOfAPeriodicBox) {
       make_state(Edge::periodic, {{.position = {0.9375, 0.5}, .velocity = {1.0, 0.0}}, {.position = {0.25, 0.5}}});
   Counters counters;
   make_engine(exact_settings(), state)->advance(state, counters, {.pair_collisions = 1});
-  EXPECT_EQ(position(state.disks, 0), (Vector{0.0, 0.5})) << "one side further on, in contact";
-  EXPECT_EQ(state.disks.column<ImageX>()[0], 1);
-  EXPECT_EQ(velocity(state.disks, 1), (Vector{1.0, 0.0}));
+  EXPECT_EQ(position(state.agents, 0), (Vector{0.0, 0.5})) << "one side further on, in contact";
+  EXPECT_EQ(state.agents.column<ImageX>()[0], 1);
+  EXPECT_EQ(velocity(state.agents, 1), (Vector{1.0, 0.0}));
   EXPECT_EQ(counters.pair_virial, 0.25);
 }
 
@@ -341,26 +341,26 @@ TEST(Scatter, ReversesTheNormalPartOfTheRelativeVelocityAndKeepsTheRest) {
     State state{.box = Box(1.0, 1.0, n % 2 == 0 ? Edge::wall : Edge::periodic)};
     for (int disk = 0; disk < 2; ++disk) {
       Vector const v = random.in_unit_disk();
-      state.disks.add(random.uniform(), random.uniform(), v.x, v.y, 0.01, 0.1 + 10.0 * random.uniform(), 0, 0);
+      state.agents.add(random.uniform(), random.uniform(), v.x, v.y, 0.01, 0.1 + 10.0 * random.uniform(), 0, 0);
     }
-    double const m0 = state.disks.column<Mass>()[0];
-    double const m1 = state.disks.column<Mass>()[1];
-    Vector const b = state.box.displacement(position(state.disks, 0), position(state.disks, 1));
-    Vector const w = velocity(state.disks, 0) - velocity(state.disks, 1);
-    Vector const p = momentum(state.disks);
-    double const energy = kinetic_energy(state.disks);
+    double const m0 = state.agents.column<Mass>()[0];
+    double const m1 = state.agents.column<Mass>()[1];
+    Vector const b = state.box.displacement(position(state.agents, 0), position(state.agents, 1));
+    Vector const w = velocity(state.agents, 0) - velocity(state.agents, 1);
+    Vector const p = momentum(state.agents);
+    double const energy = kinetic_energy(state.agents);
     Counters counters;
-    HotDisks disks(state, rows_in_order(state.disks.ids()));
+    HotDisks disks(state, rows_in_order(state.agents.ids()));
     collide(disks.view(state.box, {}, 0.1), 0, 1, counters);
     disks.write_back(state);
-    Vector const after = velocity(state.disks, 0) - velocity(state.disks, 1);
+    Vector const after = velocity(state.agents, 0) - velocity(state.agents, 1);
     double const length = std::sqrt(squared_length(b));
     double const rounding = 1e-14;
     ASSERT_NEAR(dot(after, b) / length, -dot(w, b) / length, rounding);
     ASSERT_NEAR((after.x * b.y - after.y * b.x) / length, (w.x * b.y - w.y * b.x) / length, rounding);
-    ASSERT_NEAR(momentum(state.disks).x, p.x, rounding * (m0 + m1));
-    ASSERT_NEAR(momentum(state.disks).y, p.y, rounding * (m0 + m1));
-    ASSERT_NEAR(kinetic_energy(state.disks), energy, rounding * (m0 + m1));
+    ASSERT_NEAR(momentum(state.agents).x, p.x, rounding * (m0 + m1));
+    ASSERT_NEAR(momentum(state.agents).y, p.y, rounding * (m0 + m1));
+    ASSERT_NEAR(kinetic_energy(state.agents), energy, rounding * (m0 + m1));
     // −b·Δp₀ = 2 (w·b) m₀m₁/(m₀ + m₁)
     ASSERT_NEAR(counters.pair_virial, 2.0 * dot(w, b) * m0 * m1 / (m0 + m1), 10.0 * rounding);
     ASSERT_EQ(counters.pair_collisions, 1U);
@@ -373,10 +373,10 @@ TEST(SteppedPeriodic, APathIsUnwrappedByTheImagesCounted) {
   State state = make_state(Edge::periodic, {{.position = {0.25, 0.75}, .velocity = {1.0, -0.5}}});
   advance(state, 100);
   // 100 steps of 1/16: everything is a multiple of 1/128, so nothing rounds.
-  EXPECT_EQ(state.disks.column<X>()[0] + state.disks.column<ImageX>()[0], 0.25 + 6.25);
-  EXPECT_EQ(state.disks.column<Y>()[0] + state.disks.column<ImageY>()[0], 0.75 - 3.125);
-  EXPECT_EQ(state.disks.column<ImageX>()[0], 6);
-  EXPECT_EQ(state.disks.column<ImageY>()[0], -3);
+  EXPECT_EQ(state.agents.column<X>()[0] + state.agents.column<ImageX>()[0], 0.25 + 6.25);
+  EXPECT_EQ(state.agents.column<Y>()[0] + state.agents.column<ImageY>()[0], 0.75 - 3.125);
+  EXPECT_EQ(state.agents.column<ImageX>()[0], 6);
+  EXPECT_EQ(state.agents.column<ImageY>()[0], -3);
 }
 
 // ---- the grid ---------------------------------------------------------------------------------------------------------
@@ -566,7 +566,7 @@ TEST(SteppedFailure, ASubStepThatBecameTooLongStopsTheRunNamingStepDiskAndLength
 TEST(SteppedFailure, AVelocityThatIsNotANumberStopsTheRun) {
   State state = make_state(Edge::wall, {{.position = {0.25, 0.5}}});
   auto const engine = make_engine({}, state);
-  state.disks.column<VelocityX>()[0] = std::nan("");
+  state.agents.column<VelocityX>()[0] = std::nan("");
   Counters counters;
   EXPECT_THROW(engine->advance(state, counters, {.step = 1}), RunFailure);
 }

@@ -22,7 +22,7 @@ Pairs pairs_within(State const& state, double cutoff) {
   Pairs pairs;
   for_each_pair(state, grid_for_cutoff(state, cutoff), cutoff, [&](std::size_t i, std::size_t j, Vector separation) {
     EXPECT_GT(i, j);
-    EXPECT_EQ(separation, state.box.displacement(position(state.disks, i), position(state.disks, j)));
+    EXPECT_EQ(separation, state.box.displacement(position(state.agents, i), position(state.agents, j)));
     EXPECT_TRUE(pairs.emplace(i, j).second) << "a pair came twice";
   });
   return pairs;
@@ -30,7 +30,7 @@ Pairs pairs_within(State const& state, double cutoff) {
 
 State points(Edge edge, std::initializer_list<Vector> where) {
   State state{.box = Box(1.0, 1.0, edge)};
-  for (Vector const p : where) state.disks.add(p.x, p.y, 0.0, 0.0, 0.01, 1.0, 0, 0);
+  for (Vector const p : where) state.agents.add(p.x, p.y, 0.0, 0.0, 0.01, 1.0, 0, 0);
   return state;
 }
 
@@ -116,7 +116,7 @@ TYPED_TEST(AnyGrid, FindsPairsOfImagesOutsideAPeriodicBox) {
       State const state =
           points(Edge::periodic, {is_x ? Vector{a, 0.5} : Vector{0.5, a}, is_x ? Vector{b, 0.5} : Vector{0.5, b}});
       TypeParam const grid = grid_for_cutoff<TypeParam>(state, 0.2);
-      Vector const expected = state.box.displacement(position(state.disks, 1), position(state.disks, 0));
+      Vector const expected = state.box.displacement(position(state.agents, 1), position(state.agents, 0));
       EXPECT_EQ(squared_length(expected), 0.125 * 0.125);
       std::size_t found = 0;
       for_each_pair(state, grid, 0.2, [&](std::size_t, std::size_t, Vector d) {
@@ -137,9 +137,9 @@ TYPED_TEST(AnyGrid, FindsEachPairOnceWhereTheBlockOfCellsGoesAroundTheBoxAlongOn
   // points are almost half a side apart, both ways around.
   for (bool const is_x : {true, false}) {
     State state{.box = is_x ? Box(1.0, 4.0, Edge::periodic) : Box(4.0, 1.0, Edge::periodic)};
-    for (double const p : {0.1, 0.5999}) state.disks.add(is_x ? p : 2.1, is_x ? 2.1 : p, 0.0, 0.0, 0.01, 1.0, 0, 0);
+    for (double const p : {0.1, 0.5999}) state.agents.add(is_x ? p : 2.1, is_x ? 2.1 : p, 0.0, 0.0, 0.01, 1.0, 0, 0);
     CellLayout const layout(state.box, is_x ? 2 : 8, is_x ? 8 : 2);
-    TypeParam const grid(layout, state.disks.column<X>(), state.disks.column<Y>());
+    TypeParam const grid(layout, state.agents.column<X>(), state.agents.column<Y>());
     std::size_t pairs = 0;
     for_each_pair(state, grid, 0.49995, [&](std::size_t, std::size_t, Vector) { ++pairs; });
     EXPECT_EQ(pairs, 1U) << (is_x ? "along x" : "along y");
@@ -149,11 +149,11 @@ TYPED_TEST(AnyGrid, FindsEachPairOnceWhereTheBlockOfCellsGoesAroundTheBoxAlongOn
 TYPED_TEST(AnyGrid, FollowsAnAgentOutOfAPeriodicBoxAndBack) {
   State state = points(Edge::periodic, {{0.9, 0.9}, {0.5, 0.5}});
   CellLayout const layout(state.box, 8, 8);
-  TypeParam grid(layout, state.disks.column<X>(), state.disks.column<Y>());
+  TypeParam grid(layout, state.agents.column<X>(), state.agents.column<Y>());
   for (double const image : {-3.0, -1.0, 0.0, 1.0, 7.0}) {
-    state.disks.column<X>()[0] = 0.55 + image;
-    state.disks.column<Y>()[0] = 0.45 - image;
-    grid.move(0, position(state.disks, 0));
+    state.agents.column<X>()[0] = 0.55 + image;
+    state.agents.column<Y>()[0] = 0.45 - image;
+    grid.move(0, position(state.agents, 0));
     EXPECT_TRUE(grid.is_consistent());
     EXPECT_EQ(grid.cell_of(0), layout.cell_of({0.55, 0.45}));
     std::size_t pairs = 0;
@@ -164,7 +164,7 @@ TYPED_TEST(AnyGrid, FollowsAnAgentOutOfAPeriodicBoxAndBack) {
 
 TYPED_TEST(AnyGrid, FindsAllBetweenWallsForAnyCutoffHoweverFar) {
   State const state = points(Edge::wall, {{0.1, 0.5}, {0.5, 0.5}, {0.9, 0.5}, {-7.0, 1e6}});
-  TypeParam const grid(CellLayout(state.box, 5, 4), state.disks.column<X>(), state.disks.column<Y>());
+  TypeParam const grid(CellLayout(state.box, 5, 4), state.agents.column<X>(), state.agents.column<Y>());
   for (double const cutoff : {1e7, 1e19, 1e200, std::numeric_limits<double>::infinity()}) {
     Pairs pairs;
     for_each_pair(state, grid, cutoff, [&](std::size_t i, std::size_t j, Vector) {
@@ -179,8 +179,8 @@ TYPED_TEST(AnyGrid, FindsAllBetweenWallsForAnyCutoffHoweverFar) {
 
 TYPED_TEST(AnyGrid, FindsHundredsOfNeighboursInOneCell) {
   State state{.box = Box(1.0, 1.0, Edge::periodic)};
-  for (int n = 0; n < 300; ++n) state.disks.add(0.5 + 1e-5 * n, 0.5, 0, 0, 1e-6, 1.0, 0, 0);
-  TypeParam const grid(CellLayout(state.box, 8, 8), state.disks.column<X>(), state.disks.column<Y>());
+  for (int n = 0; n < 300; ++n) state.agents.add(0.5 + 1e-5 * n, 0.5, 0, 0, 1e-6, 1.0, 0, 0);
+  TypeParam const grid(CellLayout(state.box, 8, 8), state.agents.column<X>(), state.agents.column<Y>());
   std::set<std::size_t> found;
   for_each_neighbour(state, grid, 0.1, std::size_t{150},
                      [&](std::size_t j, Vector) { EXPECT_TRUE(found.insert(j).second); });
@@ -189,7 +189,7 @@ TYPED_TEST(AnyGrid, FindsHundredsOfNeighboursInOneCell) {
 
 TEST(ForEachPair, WorksOnAGridCutMuchFinerThanTheCutoff) {
   State const state = points(Edge::wall, {{0.1, 0.5}, {0.5, 0.5}, {0.9, 0.5}});
-  LinkedGrid const fine(CellLayout(state.box, 50, 50), state.disks.column<X>(), state.disks.column<Y>());
+  LinkedGrid const fine(CellLayout(state.box, 50, 50), state.agents.column<X>(), state.agents.column<Y>());
   Pairs pairs;
   for_each_pair(state, fine, 0.45, [&](std::size_t i, std::size_t j, Vector) { pairs.emplace(i, j); });
   EXPECT_EQ(pairs, (Pairs{{1, 0}, {2, 1}}));

@@ -15,7 +15,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 State empty_state(Edge edge) { return {.box = Box(1.0, 1.0, edge)}; }
 
-void add(State& state, double x, double y, double r) { state.disks.add(x, y, 0.0, 0.0, r, 1.0, 0, 0); }
+void add(State& state, double x, double y, double r) { state.agents.add(x, y, 0.0, 0.0, r, 1.0, 0, 0); }
 
 std::string problems_of(State const& state) {
   try {
@@ -52,8 +52,8 @@ TEST(Validate, NamesBothDisksAndTheGapOfAnOverlap) {
 
 TEST(Validate, UsesTheIdsNotTheRows) {
   State state = empty_state(Edge::wall);
-  ASSERT_TRUE(state.disks.add_as(9, 0.5, 0.5, 0.0, 0.0, 0.1, 1.0, 0, 0));
-  ASSERT_TRUE(state.disks.add_as(4, 0.5, 0.6, 0.0, 0.0, 0.1, 1.0, 0, 0));
+  ASSERT_TRUE(state.agents.add_as(9, 0.5, 0.5, 0.0, 0.0, 0.1, 1.0, 0, 0));
+  ASSERT_TRUE(state.agents.add_as(4, 0.5, 0.6, 0.0, 0.0, 0.1, 1.0, 0, 0));
   expect_problem(state, "disks 4 and 9 overlap by 0.1");
 }
 
@@ -74,10 +74,10 @@ TEST(Validate, SeesAnOverlapAcrossTheEdgeOfAPeriodicBoxOnly) {
     add(state, 0.125, 0.5, 0.125);
     add(state, 0.875, 0.5, 0.125);
     EXPECT_NO_THROW(validate(state)) << "they touch at most";
-    state.disks.column<Radius>()[0] = 0.0625;
-    state.disks.column<X>()[0] = 0.0625;
+    state.agents.column<Radius>()[0] = 0.0625;
+    state.agents.column<X>()[0] = 0.0625;
     EXPECT_EQ(problems_of(state).empty(), true);
-    state.disks.column<X>()[1] = 0.890625;
+    state.agents.column<X>()[1] = 0.890625;
     if (edge == Edge::periodic) {
       expect_problem(state, "disks 0 and 1 overlap by 0.0156");
     } else {
@@ -130,8 +130,8 @@ TEST(Validate, PeriodicCentresLieInTheHalfOpenBox) {
     State state = empty_state(Edge::periodic);
     add(state, bad, 0.5, 0.1);
     expect_problem(state, "is not inside the box");
-    state.disks.column<X>()[0] = 0.5;
-    state.disks.column<Y>()[0] = bad;
+    state.agents.column<X>()[0] = 0.5;
+    state.agents.column<Y>()[0] = bad;
     expect_problem(state, "is not inside the box");
   }
 }
@@ -141,10 +141,10 @@ TEST(Validate, RefusesWhatIsNotFiniteAndWhatMustBePositive) {
     for (int column = 0; column < 4; ++column) {
       State state = empty_state(Edge::wall);
       add(state, 0.5, 0.5, 0.1);
-      (column == 0   ? state.disks.column<X>()
-       : column == 1 ? state.disks.column<Y>()
-       : column == 2 ? state.disks.column<VelocityX>()
-                     : state.disks.column<VelocityY>())[0] = bad;
+      (column == 0   ? state.agents.column<X>()
+       : column == 1 ? state.agents.column<Y>()
+       : column == 2 ? state.agents.column<VelocityX>()
+                     : state.agents.column<VelocityY>())[0] = bad;
       expect_problem(state, "disk 0 has position");
     }
   }
@@ -152,8 +152,8 @@ TEST(Validate, RefusesWhatIsNotFiniteAndWhatMustBePositive) {
     State state = empty_state(Edge::wall);
     add(state, 0.5, 0.5, bad);
     expect_problem(state, "disk 0 has position");
-    state.disks.column<Radius>()[0] = 0.1;
-    state.disks.column<Mass>()[0] = bad;
+    state.agents.column<Radius>()[0] = 0.1;
+    state.agents.column<Mass>()[0] = bad;
     expect_problem(state, "disk 0 has position");
   }
 }
@@ -184,9 +184,9 @@ TEST(Validate, LetsRoundingPassWhereItIsAllowedFor) {
   add(state, 0.5 - 1e-14, 0.25, 0.125);
   expect_problem(state, "overlap");
   EXPECT_NO_THROW(validate(state, {.overlap = rounding_of_contact(state)}));
-  state.disks.column<X>()[1] = 0.5 - 1e-12;
+  state.agents.column<X>()[1] = 0.5 - 1e-12;
   EXPECT_THROW(validate(state, {.overlap = rounding_of_contact(state)}), Error);
-  state.disks.column<X>()[1] = 0.875 + 1e-14;
+  state.agents.column<X>()[1] = 0.875 + 1e-14;
   expect_problem(state, "not inside the box");
   EXPECT_NO_THROW(validate(state, {.beyond_walls = 1e-13}));
   EXPECT_THROW(validate(state, {.beyond_walls = 1e-15}), Error);
@@ -204,11 +204,11 @@ TEST(Validate, RoundingGrowsWithTheCoordinatesOfALargeBox) {
 TEST(Validate, RefusesMagnitudesThatCannotBeComputedWith) {
   for (double const extreme : {1e-170, 1e-61, 1e61, 1e160, 1.7e308}) {
     State state = empty_state(Edge::wall);
-    state.disks.add(0.5, 0.5, 0.0, -extreme, 0.1, 1.0, 0, 0);
+    state.agents.add(0.5, 0.5, 0.0, -extreme, 0.1, 1.0, 0, 0);
     expect_problem(state, "velocity");
-    state.disks.column<VelocityY>()[0] = 0.0;
+    state.agents.column<VelocityY>()[0] = 0.0;
     EXPECT_EQ(problems_of(state), "");
-    state.disks.column<Mass>()[0] = extreme;
+    state.agents.column<Mass>()[0] = extreme;
     expect_problem(state, "mass");
     state = {.box = Box(extreme, 1.0, Edge::periodic)};
     add(state, 0.0, 0.5, 0.1);
@@ -219,8 +219,8 @@ TEST(Validate, RefusesMagnitudesThatCannotBeComputedWith) {
   expect_problem(state, "radius");
   // What hardly moves among others that do is as good as at rest.
   state = empty_state(Edge::wall);
-  state.disks.add(0.25, 0.5, 1.0, 1e-170, 0.1, 1e50, 0, 0);
-  state.disks.add(0.75, 0.5, 1e-300, 0.0, 0.1, 1e-50, 0, 0);
+  state.agents.add(0.25, 0.5, 1.0, 1e-170, 0.1, 1e50, 0, 0);
+  state.agents.add(0.75, 0.5, 1e-300, 0.0, 0.1, 1e-50, 0, 0);
   EXPECT_EQ(problems_of(state), "");
 }
 

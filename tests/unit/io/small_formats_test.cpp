@@ -188,8 +188,8 @@ TEST(CheckpointFiles, OfWhichNoneCanBeUsedTheNewestIsNamedAndBothAreRemoved) {
 
 State two_disks_for_pictures(Edge edge) {
   State state{.box = Box(1.0, 1.0, edge)};
-  state.disks.add(0.25, 0.5, 0.0, 0.0, 0.1, 1.0, 0, 0);
-  state.disks.add(0.75, 0.5, 0.0, 0.0, 0.1, 1.0, 0, 0);
+  state.agents.add(0.25, 0.5, 0.0, 0.0, 0.1, 1.0, 0, 0);
+  state.agents.add(0.75, 0.5, 0.0, 0.0, 0.1, 1.0, 0, 0);
   return state;
 }
 

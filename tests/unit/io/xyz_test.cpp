@@ -30,7 +30,7 @@ State state_of(std::size_t count, std::uint64_t seed, Edge edge) {
   state.clock = {.step = random.bits(), .time = random.normal()};
   state.seed = random.bits();
   for (std::size_t i = 0; i < count; ++i) {
-    state.disks.add(random.uniform() * state.box.width(), random.uniform() * state.box.height(), random.normal(),
+    state.agents.add(random.uniform() * state.box.width(), random.uniform() * state.box.height(), random.normal(),
                     1e-200 * random.normal(), 1e-3 * (1.0 + static_cast<double>(random.below(3))),
                     1.0 + random.uniform(), static_cast<std::int32_t>(random.bits()),
                     static_cast<std::int32_t>(random.bits()));
@@ -72,7 +72,7 @@ TEST(Xyz, ReadsBackEveryBitOfAnyState) {
     State const state = state_of(seed * seed, seed, seed % 2 == 0 ? Edge::wall : Edge::periodic);
     State const read = written_and_read(state);
     EXPECT_EQ(hash(read), hash(state));
-    EXPECT_EQ(read.disks.size(), state.disks.size());
+    EXPECT_EQ(read.agents.size(), state.agents.size());
     EXPECT_EQ(read.box, state.box);
     EXPECT_EQ(read.clock, state.clock);
     EXPECT_EQ(read.seed, state.seed);
@@ -82,22 +82,22 @@ TEST(Xyz, ReadsBackEveryBitOfAnyState) {
 TEST(Xyz, ReadsBackZerosWithASignAndNumbersAtTheEndsOfTheRange) {
   State state;
   double const largest = std::numeric_limits<double>::max();
-  state.disks.add(-0.0, 5e-324, largest, -largest, std::numeric_limits<double>::min(), largest,
+  state.agents.add(-0.0, 5e-324, largest, -largest, std::numeric_limits<double>::min(), largest,
                   std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max());
   EXPECT_EQ(hash(written_and_read(state)), hash(state));
 }
 
 TEST(Xyz, IdsOfAPopulationWithDeathsComeBackInTheirOrder) {
   State state = state_of(40, 5, Edge::wall);
-  for (Id const dead : {3U, 17U, 39U, 0U}) state.disks.remove(dead);
-  Id const reborn = state.disks.add(0.1, 0.2, 0.0, 0.0, 0.01, 1.0, 0, 0);
+  for (Id const dead : {3U, 17U, 39U, 0U}) state.agents.remove(dead);
+  Id const reborn = state.agents.add(0.1, 0.2, 0.0, 0.0, 0.01, 1.0, 0, 0);
   ASSERT_GT(reborn, 0xFFFFFFFFU);
   State const read = written_and_read(state);
   EXPECT_EQ(hash(read), hash(state));
-  EXPECT_TRUE(read.disks.contains(reborn));
-  EXPECT_FALSE(read.disks.contains(17));
-  for (std::size_t i = 1; i < read.disks.size(); ++i) {
-    EXPECT_LT(read.disks.ids()[i - 1] & 0xFFFFFFFFU, read.disks.ids()[i] & 0xFFFFFFFFU);
+  EXPECT_TRUE(read.agents.contains(reborn));
+  EXPECT_FALSE(read.agents.contains(17));
+  for (std::size_t i = 1; i < read.agents.size(); ++i) {
+    EXPECT_LT(read.agents.ids()[i - 1] & 0xFFFFFFFFU, read.agents.ids()[i] & 0xFFFFFFFFU);
   }
 }
 
@@ -135,11 +135,11 @@ TEST(Xyz, AFullDiskEndsTheWritingOfManyRows) {
 TEST(Xyz, TheTypeNamesTheKindByRadiusAndMass) {
   TemporaryDirectory const directory;
   State state;
-  for (double const radius : {0.2, 0.1, 0.3, 0.1}) state.disks.add(0.5, 0.5, 0, 0, radius, 1, 0, 0);
-  state.disks.add(0.5, 0.5, 0, 0, 0.1, 7, 0, 0);
+  for (double const radius : {0.2, 0.1, 0.3, 0.1}) state.agents.add(0.5, 0.5, 0, 0, radius, 1, 0, 0);
+  state.agents.add(0.5, 0.5, 0, 0, 0.1, 7, 0, 0);
   write_xyz(state, directory / "a.xyz");
   EXPECT_EQ(types_in(directory / "a.xyz"), "CADAB");
-  for (int k = 0; k < 20; ++k) state.disks.add(0.5, 0.5, 0, 0, 0.01 * (k + 1), 2, 0, 0);
+  for (int k = 0; k < 20; ++k) state.agents.add(0.5, 0.5, 0, 0, 0.01 * (k + 1), 2, 0, 0);
   write_xyz(state, directory / "a.xyz");
   EXPECT_EQ(types_in(directory / "a.xyz"), std::string(25, 'X'));
 }
@@ -163,11 +163,11 @@ TEST(Xyz, ReadsAFileByHand) {
   EXPECT_EQ(state.box, Box(2, 1, Edge::wall));
   EXPECT_EQ(state.clock, (Clock{.step = 0, .time = 0.5}));
   EXPECT_EQ(state.seed, 0U);
-  ASSERT_EQ(state.disks.size(), 2U);
-  EXPECT_EQ(position(state.disks, 1), (Vector{1.5, 0.5}));
-  EXPECT_EQ(velocity(state.disks, 1), (Vector{0.0, 0.25}));
-  EXPECT_EQ(state.disks.column<Radius>()[1], 0.2);
-  EXPECT_EQ(state.disks.column<Mass>()[1], 1.0);
+  ASSERT_EQ(state.agents.size(), 2U);
+  EXPECT_EQ(position(state.agents, 1), (Vector{1.5, 0.5}));
+  EXPECT_EQ(velocity(state.agents, 1), (Vector{0.0, 0.25}));
+  EXPECT_EQ(state.agents.column<Radius>()[1], 0.2);
+  EXPECT_EQ(state.agents.column<Mass>()[1], 1.0);
 }
 
 TEST(Xyz, ColumnsMayStandInAnyOrderAndOthersAreSkipped) {
@@ -182,20 +182,20 @@ TEST(Xyz, ColumnsMayStandInAnyOrderAndOthersAreSkipped) {
   EXPECT_FALSE(frame.has_velocities);
   EXPECT_FALSE(frame.has_radii);
   EXPECT_EQ(frame.state.box, Box(2, 1, Edge::periodic));
-  ASSERT_EQ(frame.state.disks.size(), 2U);
-  std::size_t const seven = frame.state.disks.index_of(7);
+  ASSERT_EQ(frame.state.agents.size(), 2U);
+  std::size_t const seven = frame.state.agents.index_of(7);
   ASSERT_EQ(seven, 1U) << "rows come in the order of their ids";
-  EXPECT_EQ(position(frame.state.disks, seven), (Vector{0.5, 0.25}));
-  EXPECT_EQ(position(frame.state.disks, 0), (Vector{1.5, 0.75}));
-  EXPECT_EQ(frame.state.disks.column<Mass>()[seven], 2.5);
-  EXPECT_EQ(velocity(frame.state.disks, seven), (Vector{0.0, 0.0}));
+  EXPECT_EQ(position(frame.state.agents, seven), (Vector{0.5, 0.25}));
+  EXPECT_EQ(position(frame.state.agents, 0), (Vector{1.5, 0.75}));
+  EXPECT_EQ(frame.state.agents.column<Mass>()[seven], 2.5);
+  EXPECT_EQ(velocity(frame.state.agents, seven), (Vector{0.0, 0.0}));
 }
 
 TEST(Xyz, WithoutAnIdColumnRowsAreNumberedFromZero) {
   XyzFrame const frame =
       parse_xyz("2\nLattice=\"1 0 0 0 1 0 0 0 1\" Properties=pos:R:2\n0.5 0.5\n0.1 0.1\n", "disks.xyz");
-  EXPECT_TRUE(frame.state.disks.contains(0));
-  EXPECT_TRUE(frame.state.disks.contains(1));
+  EXPECT_TRUE(frame.state.agents.contains(0));
+  EXPECT_TRUE(frame.state.agents.contains(1));
   EXPECT_TRUE(frame.state.box.is_periodic()) << "as extended XYZ has it where pbc is left out";
 }
 
@@ -287,9 +287,9 @@ TEST(Xyz, AnyDamageIsEitherReadOrRefused) {
     SCOPED_TRACE(seed);
     try {
       State const state = parse_xyz(damaged(whole, seed), "damaged.xyz").state;
-      for (std::size_t i = 0; i < state.disks.size(); ++i) {
-        EXPECT_TRUE(std::isfinite(position(state.disks, i).x) && std::isfinite(position(state.disks, i).y));
-        EXPECT_TRUE(state.disks.column<Radius>()[i] >= 0.0);
+      for (std::size_t i = 0; i < state.agents.size(); ++i) {
+        EXPECT_TRUE(std::isfinite(position(state.agents, i).x) && std::isfinite(position(state.agents, i).y));
+        EXPECT_TRUE(state.agents.column<Radius>()[i] >= 0.0);
       }
     } catch (Error const& error) {
       ++refused;
@@ -333,8 +333,8 @@ TEST(Xyz, AseReadsPositionsCellEdgesAndColumns) {
   state.box = Box(2.0, 1.0, Edge::periodic);
   state.seed = 7;
   state.clock = {.step = 12, .time = 0.1};
-  state.disks.add(0.1, 0.7, 1.0 / 3.0, -0.5, 0.01, 1.0, -1, 2);
-  state.disks.add(1.9, 0.3, 0.0, 0.25, 0.02, 4.0, 0, 0);
+  state.agents.add(0.1, 0.7, 1.0 / 3.0, -0.5, 0.01, 1.0, -1, 2);
+  state.agents.add(1.9, 0.3, 0.0, 0.25, 0.02, 4.0, 0, 0);
   write_xyz(state, directory / "state.xyz");
   write_file(
       directory / "check.py",
@@ -359,7 +359,7 @@ TEST(Xyz, AseReadsPositionsCellEdgesAndColumns) {
   XyzFrame const frame = read_xyz(directory / "ase.xyz");
   EXPECT_EQ(frame.state.box, state.box);
   EXPECT_TRUE(frame.has_velocities && frame.has_radii);
-  EXPECT_NEAR(velocity(frame.state.disks, 0).x, 1.0 / 3.0, 1e-8);
+  EXPECT_NEAR(velocity(frame.state.agents, 0).x, 1.0 / 3.0, 1e-8);
 }
 
 TEST(Xyz, ColumnsThatDisksDoNotHaveComeInTheOrderOfTheIds) {

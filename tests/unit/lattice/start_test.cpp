@@ -14,13 +14,13 @@ namespace {
 
 using namespace gridlock;
 
-double packing_fraction_of(State const& state) { return covered_area(state.disks) / state.box.area(); }
+double packing_fraction_of(State const& state) { return covered_area(state.agents) / state.box.area(); }
 
 TEST(Start, OnEveryLatticeHasThePackingFractionAskedForAndNoOverlap) {
   for (StartKind const start : {StartKind::square, StartKind::triangular, StartKind::random}) {
     for (Edge const edge : {Edge::wall, Edge::periodic}) {
       State const state = make_start(Box(2.0, 1.5, edge), {.count = 300, .packing_fraction = 0.45, .start = start}, 7);
-      EXPECT_EQ(state.disks.size(), 300U);
+      EXPECT_EQ(state.agents.size(), 300U);
       EXPECT_NEAR(packing_fraction_of(state), 0.45, 1e-12);
       EXPECT_NO_THROW(validate(state));
     }
@@ -74,11 +74,11 @@ TEST(Start, OfAMixtureDealsOutExactlyTheSharesAskedFor) {
                                .species = {{.fraction = 0.25}, {.fraction = 0.75, .size_ratio = 1.4, .mass = 2.0}}};
   State const state = make_start(Box(1.0, 1.0, Edge::wall), settings, 5);
   std::map<double, int> of_mass;
-  for (std::size_t i = 0; i < state.disks.size(); ++i) ++of_mass[state.disks.column<Mass>()[i]];
+  for (std::size_t i = 0; i < state.agents.size(); ++i) ++of_mass[state.agents.column<Mass>()[i]];
   // 25.25 and 75.75: the larger remainder rounds up.
   EXPECT_EQ(of_mass, (std::map<double, int>{{1.0, 25}, {2.0, 76}}));
   EXPECT_NEAR(packing_fraction_of(state), 0.4, 1e-12);
-  auto const [smallest, largest] = radius_range(state.disks);
+  auto const [smallest, largest] = radius_range(state.agents);
   EXPECT_NEAR(largest / smallest, 1.4, 1e-14);
   EXPECT_NO_THROW(validate(state));
 }
@@ -91,9 +91,9 @@ struct Moments {
 
 Moments moments_of(State const& state) {
   Moments moments;
-  double const count = static_cast<double>(state.disks.size());
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    double const square = squared_length(velocity(state.disks, i));
+  double const count = static_cast<double>(state.agents.size());
+  for (std::size_t i = 0; i < state.agents.size(); ++i) {
+    double const square = squared_length(velocity(state.agents, i));
     moments.mean_speed += std::sqrt(square) / count;
     moments.mean_square += square / count;
     moments.mean_fourth += square * square / count;
@@ -108,10 +108,10 @@ TEST(Velocities, UniformHaveTheMomentsOfADisk) {
   State state = many_disks(Edge::wall);
   draw_velocities(state, {.kind = VelocityKind::uniform, .max = 2.0});
   Moments const moments = moments_of(state);
-  double const count = static_cast<double>(state.disks.size());
+  double const count = static_cast<double>(state.agents.size());
   EXPECT_NEAR(moments.mean_speed, 4.0 / 3.0, 4.0 * std::sqrt(4.0 / 18.0 / count));
   EXPECT_NEAR(moments.mean_square, 2.0, 4.0 * std::sqrt(16.0 / 12.0 / count));
-  EXPECT_LE(largest_speed(state.disks), 2.0);
+  EXPECT_LE(largest_speed(state.agents), 2.0);
 }
 
 // kT/m = V²/4: ⟨v²⟩ = V²/2 with variance V⁴/4; ⟨v⁴⟩/⟨v²⟩² = 2.
@@ -119,7 +119,7 @@ TEST(Velocities, MaxwellHaveTheTemperatureTheUniformOnesRelaxTo) {
   State state = many_disks(Edge::wall);
   draw_velocities(state, {.kind = VelocityKind::maxwell, .max = 2.0});
   Moments const moments = moments_of(state);
-  double const count = static_cast<double>(state.disks.size());
+  double const count = static_cast<double>(state.agents.size());
   EXPECT_NEAR(moments.mean_square, 2.0, 4.0 * std::sqrt(16.0 / 4.0 / count));
   EXPECT_NEAR(moments.mean_fourth / (moments.mean_square * moments.mean_square), 2.0, 0.08);
   EXPECT_NEAR(moments.mean_speed, std::sqrt(std::numbers::pi / 2.0) * 1.0,
@@ -129,12 +129,12 @@ TEST(Velocities, MaxwellHaveTheTemperatureTheUniformOnesRelaxTo) {
 TEST(Velocities, DriftIsTakenOutInAPeriodicBoxAndKeptBetweenWalls) {
   State periodic = many_disks(Edge::periodic);
   draw_velocities(periodic, {});
-  EXPECT_LT(std::sqrt(squared_length(momentum(periodic.disks))), 1e-9);
+  EXPECT_LT(std::sqrt(squared_length(momentum(periodic.agents))), 1e-9);
   State walled = many_disks(Edge::wall);
   draw_velocities(walled, {});
-  EXPECT_GT(std::sqrt(squared_length(momentum(walled.disks))), 1.0);
+  EXPECT_GT(std::sqrt(squared_length(momentum(walled.agents))), 1.0);
   draw_velocities(walled, {.drift = Drift::remove});
-  EXPECT_LT(std::sqrt(squared_length(momentum(walled.disks))), 1e-9);
+  EXPECT_LT(std::sqrt(squared_length(momentum(walled.agents))), 1e-9);
 }
 
 TEST(Velocities, DependOnSeedAndIdAlone) {
@@ -143,8 +143,8 @@ TEST(Velocities, DependOnSeedAndIdAlone) {
   State many = make_start(box, {.count = 50, .packing_fraction = 0.3, .start = StartKind::triangular}, 3);
   draw_velocities(few, {});
   draw_velocities(many, {});
-  for (Id const id : few.disks.ids()) {
-    EXPECT_EQ(velocity(few.disks, few.disks.index_of(id)), velocity(many.disks, many.disks.index_of(id)));
+  for (Id const id : few.agents.ids()) {
+    EXPECT_EQ(velocity(few.agents, few.agents.index_of(id)), velocity(many.agents, many.agents.index_of(id)));
   }
 }
 

@@ -16,7 +16,7 @@ using namespace hand_built;
 
 /// The definition itself: all pairs, and angles from the arc tangent.
 BondOrientationOrder from_definition(State const& state) {
-  std::size_t const n = state.disks.size();
+  std::size_t const n = state.agents.size();
   double const density = static_cast<double>(n) / state.box.area();
   double cutoff = 1.5 * std::sqrt(2.0 / (std::sqrt(3.0) * density));
   if (state.box.is_periodic()) cutoff = std::min(cutoff, 0.5 * std::min(state.box.width(), state.box.height()));
@@ -26,7 +26,7 @@ BondOrientationOrder from_definition(State const& state) {
     std::complex<double> sum;
     int neighbours = 0;
     for (std::size_t k = 0; k < n; ++k) {
-      Vector const r = state.box.displacement(position(state.disks, j), position(state.disks, k));
+      Vector const r = state.box.displacement(position(state.agents, j), position(state.agents, k));
       if (k == j || std::hypot(r.x, r.y) >= cutoff) continue;
       sum += std::polar(1.0, 6.0 * std::atan2(r.y, r.x));
       ++neighbours;

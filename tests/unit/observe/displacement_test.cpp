@@ -26,8 +26,8 @@ TEST(Displacement, IsMeasuredInSidesAndItsSquareInLengths) {
   add_disk(state, {1, 1});
   Displacement displacement;
   displacement.begin({state, {}});
-  state.disks.column<X>()[0] += 1.5;
-  state.disks.column<Y>()[0] += 2.0;
+  state.agents.column<X>()[0] += 1.5;
+  state.agents.column<Y>()[0] += 2.0;
   auto const row = sample(displacement, state);
   EXPECT_DOUBLE_EQ(row[0], 2.5 / 6.0);
   EXPECT_DOUBLE_EQ(row[1], 6.25);
@@ -39,9 +39,9 @@ TEST(Displacement, OfTheCentreIsThatOfTheMeanPlace) {
   add_disk(state, {2, 2});
   Displacement displacement;
   displacement.begin({state, {}});
-  state.disks.column<X>()[0] += 1.0;
-  state.disks.column<ImageX>()[1] = 1;  // once around, to its place
-  state.disks.column<Y>()[1] += 3.0;
+  state.agents.column<X>()[0] += 1.0;
+  state.agents.column<ImageX>()[1] = 1;  // once around, to its place
+  state.agents.column<Y>()[1] += 3.0;
   auto const row = sample(displacement, state);
   EXPECT_DOUBLE_EQ(row[2], std::hypot(2.5, 1.5) / 6.0);
   ASSERT_TRUE(result(displacement, "centre_displacement"));
@@ -57,8 +57,8 @@ TEST(Displacement, OfTheCentreIsNothingWhereDisksMoveApart) {
   add_disk(state, {0.5, 0.5});
   Displacement displacement;
   displacement.begin({state, {}});
-  state.disks.column<X>()[0] += 0.25;
-  state.disks.column<X>()[1] -= 0.25;
+  state.agents.column<X>()[0] += 0.25;
+  state.agents.column<X>()[1] -= 0.25;
   auto const row = sample(displacement, state);
   EXPECT_EQ(row[2], 0.0);
   EXPECT_EQ(row[0], 0.25);
@@ -90,9 +90,9 @@ TEST(Displacement, CountsEveryCrossingByTheSideThatWasCrossed) {
   add_disk(state, {1, 1});
   Displacement displacement;
   displacement.begin({state, {}});
-  state.disks.column<ImageX>()[0] = 2;   // 8 to the right
-  state.disks.column<ImageY>()[0] = -1;  // 9 down
-  state.disks.column<Y>()[0] += 3.0;
+  state.agents.column<ImageX>()[0] = 2;   // 8 to the right
+  state.agents.column<ImageY>()[0] = -1;  // 9 down
+  state.agents.column<Y>()[0] += 3.0;
   auto const row = sample(displacement, state);
   EXPECT_DOUBLE_EQ(row[0], 10.0 / 6.0 / 2.0);
   EXPECT_DOUBLE_EQ(row[1], 100.0 / 2.0);
@@ -102,7 +102,7 @@ TEST(Displacement, CountsEveryCrossingByTheSideThatWasCrossed) {
 TEST(Displacement, FollowsIdsWhenRowsAreReordered) {
   State const start = ideal_gas(Box(1, 1, Edge::periodic), 50, 0.01, 2);
   State end = ideal_gas(Box(1, 1, Edge::periodic), 50, 0.01, 3);
-  end.disks.column<ImageX>()[7] = -3;
+  end.agents.column<ImageX>()[7] = -3;
   Displacement straight;
   Displacement reversed;
   Displacement begun_reversed;
@@ -126,10 +126,10 @@ TEST(Displacement, CountsOnlyDisksAliveSinceTheStart) {
   Id const dies = add_disk(state, {0.5, 0.5});
   Displacement displacement;
   displacement.begin({state, {}});
-  state.disks.remove(dies);
+  state.agents.remove(dies);
   Id const born = add_disk(state, {0.9, 0.9});  // takes the slot of the dead one under a new name
   ASSERT_NE(born, dies);
-  state.disks.column<X>()[state.disks.index_of(stays)] = 0.4;
+  state.agents.column<X>()[state.agents.index_of(stays)] = 0.4;
   EXPECT_NEAR(sample(displacement, state)[0], 0.3, 1e-15);
 }
 
@@ -140,7 +140,7 @@ TEST(Displacement, ErrorIsThatOfTheMeanOverSixteenBlocksOfDisks) {
   for (int i = 0; i < 32; ++i) add_disk(state, {1, 1});
   Displacement displacement;
   displacement.begin({state, {}});
-  for (std::size_t i = 0; i < 32; ++i) state.disks.column<X>()[i] += static_cast<double>(i / 2);
+  for (std::size_t i = 0; i < 32; ++i) state.agents.column<X>()[i] += static_cast<double>(i / 2);
   sample(displacement, state, {}, false);
   auto const mean = result(displacement, "mean_displacement");
   ASSERT_TRUE(mean && mean->error);
@@ -161,8 +161,8 @@ TEST(Displacement, ErrorIsUnbiasedForIndependentDisks) {
     displacement.begin({state, {}});
     for (std::size_t i = 0; i < n; ++i) {
       RandomStream random(5, static_cast<std::uint64_t>(replica), i, Purpose::start_position);
-      state.disks.column<X>()[i] += random.normal();
-      state.disks.column<Y>()[i] += random.normal();
+      state.agents.column<X>()[i] += random.normal();
+      state.agents.column<Y>()[i] += random.normal();
     }
     sample(displacement, state);
     double const squared = std::pow(*result(displacement, "mean_squared_displacement")->error, 2);

@@ -29,7 +29,7 @@ TEST(Energy, DriftIsTheRelativeChangeSinceTheStart) {
   State state = two_masses();
   Energy energy;
   energy.begin({state, {}});
-  state.disks.column<VelocityY>()[1] = 3.0;  // +24
+  state.agents.column<VelocityY>()[1] = 3.0;  // +24
   auto const row = sample(energy, state, {}, false);
   EXPECT_DOUBLE_EQ(cell(energy, row, "kinetic_energy_drift"), 24.0 / 28.0);
   ASSERT_TRUE(result(energy, "kinetic_energy_drift"));
@@ -44,7 +44,7 @@ TEST(Energy, AConstantEnergyHasErrorZeroAndAChangingOneHasNot) {
   energy.begin({state, {}});
   for (int n = 0; n < 5; ++n) sample(energy, state);
   EXPECT_EQ(*result(energy, "kinetic_energy")->error, 0.0);
-  state.disks.column<VelocityY>()[1] = 3.0;
+  state.agents.column<VelocityY>()[1] = 3.0;
   sample(energy, state);
   EXPECT_GT(*result(energy, "kinetic_energy")->error, 0.0);
 }

@@ -17,7 +17,7 @@ namespace gridlock::hand_built {
 inline State empty_state(Box const& box) { return {.box = box}; }
 
 inline Id add_disk(State& state, Vector position, Vector velocity = {}, double radius = 0.01, double mass = 1.0) {
-  return state.disks.add(position.x, position.y, velocity.x, velocity.y, radius, mass, 0, 0);
+  return state.agents.add(position.x, position.y, velocity.x, velocity.y, radius, mass, 0, 0);
 }
 
 /// Disks at rest, uniform in the part of the box that centres can reach; they overlap as ideal gas points do.
@@ -35,11 +35,11 @@ inline State ideal_gas(Box const& box, std::size_t count, double radius, std::ui
 
 /// Normal velocity components of variance kT/m.
 inline void draw_maxwell(State& state, double temperature, std::uint64_t seed) {
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    RandomStream random(seed, 0, state.disks.ids()[i], Purpose::start_velocity);
-    double const width = std::sqrt(temperature / state.disks.column<Mass>()[i]);
-    state.disks.column<VelocityX>()[i] = width * random.normal();
-    state.disks.column<VelocityY>()[i] = width * random.normal();
+  for (std::size_t i = 0; i < state.agents.size(); ++i) {
+    RandomStream random(seed, 0, state.agents.ids()[i], Purpose::start_velocity);
+    double const width = std::sqrt(temperature / state.agents.column<Mass>()[i]);
+    state.agents.column<VelocityX>()[i] = width * random.normal();
+    state.agents.column<VelocityY>()[i] = width * random.normal();
   }
 }
 
@@ -66,9 +66,9 @@ inline State square_lattice(int sites_a_side) {
 /// The same disks under the same Ids, with the rows in reverse order.
 inline State with_rows_reversed(State const& state) {
   State reversed{.box = state.box, .clock = state.clock, .seed = state.seed};
-  Disks const& d = state.disks;
+  Disks const& d = state.agents;
   for (std::size_t i = d.size(); i-- > 0;) {
-    bool const is_added = reversed.disks.add_as(
+    bool const is_added = reversed.agents.add_as(
         d.ids()[i], d.column<X>()[i], d.column<Y>()[i], d.column<VelocityX>()[i], d.column<VelocityY>()[i],
         d.column<Radius>()[i], d.column<Mass>()[i], d.column<ImageX>()[i], d.column<ImageY>()[i]);
     if (!is_added) return {};

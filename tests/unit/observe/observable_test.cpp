@@ -75,9 +75,9 @@ void expect_only_numbers(State state, int samples, bool passes_time) {
     if (!passes_time) continue;
     state.clock.step += 1;
     state.clock.time += 0.1;
-    counters.moves += state.disks.size();
-    counters.pair_collisions += state.disks.size() / 2;
-    counters.pair_virial += 0.01 * static_cast<double>(state.disks.size() / 2);
+    counters.moves += state.agents.size();
+    counters.pair_collisions += state.agents.size() / 2;
+    counters.pair_virial += 0.01 * static_cast<double>(state.agents.size() / 2);
   }
   for (auto const& observable : observables) {
     for (NamedEstimate const& named : observable->results()) {
@@ -120,7 +120,7 @@ TEST(Observables, GiveOnlyNumbersForTheSmallestSystemsAndTheShortestRuns) {
 TEST(MakeObservables, OfAnEngineWithoutTurnsLeavesOutTheirShare) {
   State state = ideal_gas(Box(1, 1, Edge::periodic), 10, 0.01, 1);
   for (bool const has_turns : {true, false}) {
-    auto const observables = make_observables({}, {state, {}}, has_turns);
+    auto const observables = make_observables({}, {state, {}}, {.halts_moves = has_turns});
     bool has_share = false;
     State later = state;
     later.clock.time = 1.0;
@@ -171,7 +171,7 @@ class StirredRun {
   void go_to(int n) {
     stir(static_cast<std::uint64_t>(n));
     state_.clock.time = 0.5 * n;
-    state_.disks.column<ImageX>()[3] = n;
+    state_.agents.column<ImageX>()[3] = n;
     auto const count = static_cast<std::uint64_t>(n);
     counters_ = {.moves = 40 * count,
                  .halted_moves = count * count / 9,
@@ -187,8 +187,8 @@ class StirredRun {
  private:
   void stir(std::uint64_t seed) {
     State const drawn = ideal_gas(state_.box, 40, 0.1, 5 + seed);
-    std::ranges::copy(drawn.disks.column<X>(), state_.disks.column<X>().begin());
-    std::ranges::copy(drawn.disks.column<Y>(), state_.disks.column<Y>().begin());
+    std::ranges::copy(drawn.agents.column<X>(), state_.agents.column<X>().begin());
+    std::ranges::copy(drawn.agents.column<Y>(), state_.agents.column<Y>().begin());
     draw_maxwell(state_, 1.0 + 0.1 * static_cast<double>(seed), seed);
   }
   State state_;

@@ -53,8 +53,8 @@ TEST(Pressure, AveragesOfTheCompressibilityAreRatiosOfSumsThoughTheTemperatureCh
   state.clock.time = 4.0;
   counters.pair_virial = 24.0;
   sample(pressure, state, counters);
-  for (double& v : state.disks.column<VelocityX>()) v *= 2.0;
-  for (double& v : state.disks.column<VelocityY>()) v *= 2.0;
+  for (double& v : state.agents.column<VelocityX>()) v *= 2.0;
+  for (double& v : state.agents.column<VelocityY>()) v *= 2.0;
   state.clock.time = 5.0;
   counters.pair_virial += 48.0;
   sample(pressure, state, counters);

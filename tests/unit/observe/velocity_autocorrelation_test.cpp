@@ -19,10 +19,10 @@ State maxwell_gas(std::size_t count, std::uint64_t seed) {
 
 State turned(State const& state, Vector along, Vector across) {
   State result = state;
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    Vector const v = velocity(state.disks, i);
-    result.disks.column<VelocityX>()[i] = dot(along, v);
-    result.disks.column<VelocityY>()[i] = dot(across, v);
+  for (std::size_t i = 0; i < state.agents.size(); ++i) {
+    Vector const v = velocity(state.agents, i);
+    result.agents.column<VelocityX>()[i] = dot(along, v);
+    result.agents.column<VelocityY>()[i] = dot(across, v);
   }
   return result;
 }
@@ -48,7 +48,7 @@ TEST(VelocityAutocorrelation, IsInUnitsOfTheSquaredVelocitiesAtTheOrigin) {
   VelocityAutocorrelation correlation;
   correlation.begin({state, {}});
   sample(correlation, state);
-  state.disks.column<VelocityX>()[0] = 3.0;  // (1·3 + 2·2) / (1 + 4)
+  state.agents.column<VelocityX>()[0] = 3.0;  // (1·3 + 2·2) / (1 + 4)
   EXPECT_DOUBLE_EQ(sample(correlation, state)[0], 7.0 / 5.0);
 }
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "gridlock/io/file.hpp"
-#include "gridlock/simulation/model_kind.hpp"
+#include "gridlock/simulation/register_model.hpp"
 #include "gridlock/workspace/run_directory.hpp"
 #include "gridlock/workspace/sweep.hpp"
 

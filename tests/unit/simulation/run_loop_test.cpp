@@ -23,7 +23,8 @@ class Ticking final : public Simulation {
   explicit Ticking(Clock const& start = {}) : clock_(start) {}
   [[nodiscard]] Clock clock() const override { return clock_; }
   [[nodiscard]] double time_step() const override { return 0.5; }
-  [[nodiscard]] std::size_t agents() const override { return 1; }
+  [[nodiscard]] Box const& box() const override { return box_; }
+  [[nodiscard]] AgentsView view() const override { return agents_; }
   [[nodiscard]] std::uint64_t state_hash() const override { return clock_.step; }
   [[nodiscard]] std::vector<Count> counts() const override { return {}; }
   void advance(StopCondition const& stop_condition) override {
@@ -49,6 +50,8 @@ class Ticking final : public Simulation {
 
  private:
   Clock clock_;
+  Box box_;
+  Population<X, Y> agents_;
 };
 
 /// Three agents that walk to the right and count their steps.
@@ -90,7 +93,9 @@ TEST(ModelSimulation, AveragesEveryObservationUnderItsNameAlsoWhereItResumes) {
   gridlock::Run run(whole, plan);
   run.go_on();
   // At steps 1 to 4 the last one is at 1.5, 2, 2.5 and 3, the first one is 2 ahead of it.
-  EXPECT_EQ(told_of(whole), "agents 3.000000, least_x 2.250000, most_x 4.250000, steps 12, rests 0, ");
+  EXPECT_EQ(told_of(whole), "agents 3.000000, least_x 2.250000, most_x 4.250000, mean_displacement 0.447214, "
+            "mean_squared_displacement 4.000000, centre_displacement 0.447214, global_bond_orientation_order 1.000000, "
+            "local_bond_orientation_order 1.000000, steps 12, rests 0, ");
   ModelSimulation<Walkers> begun({}, box, 1);
   gridlock::Run interrupted(begun, {.stop_condition = {.step = 2}, .sample_every = 1});
   interrupted.go_on();

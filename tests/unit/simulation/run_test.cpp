@@ -26,10 +26,11 @@ Setup setup_of(std::string const& engine) {
 }
 
 struct WatchedRun {
-  explicit WatchedRun(std::string const& engine) : simulation(setup_of(engine)), plan(plan_of(setup_of(engine))) {
+  explicit WatchedRun(std::string const& engine) : setup(setup_of(engine)), plan(plan_of(setup)) {
     plan.seconds_per_look = 0.0;
   }
-  DiskSimulation simulation;
+  gridlock::Setup setup;
+  Simulation& simulation = *setup.simulation;
   RunPlan plan;
 };
 
@@ -113,10 +114,12 @@ class OneLook final : public Writer {
 };
 
 TEST_P(RunOfEveryEngine, ThatStartsAtALaterStepEndsAfterTheLastFrameOfItsWriter) {
-  gridlock::Setup setup = setup_of(GetParam());
-  setup.state.clock = {.step = 1000, .time = 1.5};
+  gridlock::Setup const usual = setup_of(GetParam());
+  State start = disks_of(usual);
+  start.clock = {.step = 1000, .time = 1.5};
+  gridlock::Setup const setup = set_up(usual.configuration, {.start = start});
   RunPlan const plan = plan_of(setup);
-  DiskSimulation simulation(std::move(setup));
+  Simulation& simulation = *setup.simulation;
   gridlock::Run run(simulation, plan);
   OneLook writer(10);
   run.add(writer);
@@ -158,8 +161,9 @@ TEST(Run, OfExactIsInterruptedWithinALongStepAndTakesNoSampleThere) {
     return set_up(configuration);
   };
   RunResult const whole = simulate(setup());
-  DiskSimulation simulation(setup());
-  RunPlan plan = plan_of(setup());
+  gridlock::Setup const parts = setup();
+  Simulation& simulation = *parts.simulation;
+  RunPlan plan = plan_of(parts);
   plan.seconds_per_look = 0.0;
   gridlock::Run run(simulation, plan);
   int within_a_step = 0;

@@ -10,6 +10,7 @@
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/workspace/sweep.hpp"
 #include "unit/io/temporary_directory.hpp"
+#include "simulation/patient_engine.hpp"
 
 namespace {
 
@@ -29,15 +30,15 @@ TEST(SetUp, FillsInWhatWasLeftOutSoThatItRunsAgainToTheBit) {
   EXPECT_EQ(setup.configuration.disks.packing_fraction, 0.5);
   EXPECT_EQ(setup.configuration.run.steps, 10'000U);
   EXPECT_EQ(setup.configuration.engine.speed, 1.0);
-  EXPECT_EQ(hash(set_up(setup.configuration).state), hash(setup.state));
+  EXPECT_EQ(hash(disks_of(set_up(setup.configuration))), hash(disks_of(setup)));
 }
 
 /// What set_up() says to a start file with this clock; empty where it takes it.
 std::string refusal_of_start_at(Clock const& clock, std::string const& engine) {
   TemporaryDirectory const directory;
-  gridlock::Setup setup = set_up(small());
-  setup.state.clock = clock;
-  write_xyz(setup.state, directory / "late.xyz");
+  State state = disks_of(set_up(small()));
+  state.clock = clock;
+  write_xyz(state, directory / "late.xyz");
   Configuration configuration;
   configuration.disks.file = (directory / "late.xyz").string();
   configuration.engine.kind = engine;
@@ -78,49 +79,56 @@ TEST(Simulate, EndsAtWhicheverLengthComesFirst) {
   EXPECT_GE(by_collisions.counters.pair_collisions, 16U);
   configuration = small();
   gridlock::Setup setup = set_up(configuration);
-  configuration.run.time = 20.5 * step_duration(setup.configuration.engine, setup.state);
+  configuration.run.time = 20.5 * setup.simulation->time_step();
   EXPECT_EQ(simulate(set_up(configuration)).steps, 21U);
 }
 
-/// Ten disks to and fro in rows of their own, one of them with some velocity across, in a run that only collisions end.
-gridlock::Setup rows_waiting_for_collisions(double velocity_across) {
-  Configuration configuration;
-  configuration.disks = {.count = 10, .packing_fraction = 0.05};
-  configuration.engine = {.kind = "exact", .time_step = 50.0};
-  configuration.run.collisions_per_disk = 10.0;
-  configuration.observe = {.every = 1'000'000, .structure_every = 0};
-  gridlock::Setup setup = set_up(configuration);
-  setup.state.disks = {};
+/// Ten disks to and fro in rows of their own, one of them with some velocity across.
+State rows_of_disks(double velocity_across) {
+  State state{.box = Box(1.0, 1.0, Edge::wall), .agents = {}, .clock = {}, .seed = 1};
   for (int n = 0; n < 10; ++n) {
-    setup.state.disks.add(0.3 + 0.04 * n, 0.05 + 0.1 * n, n % 2 == 0 ? 1.0 : -0.7, n == 4 ? velocity_across : 0.0, 0.04,
-                          1.0, 0, 0);
+    state.agents.add(0.3 + 0.04 * n, 0.05 + 0.1 * n, n % 2 == 0 ? 1.0 : -0.7, n == 4 ? velocity_across : 0.0, 0.04, 1.0,
+                     0, 0);
   }
-  return setup;
+  return state;
+}
+
+/// How many collisions there are once 50 were asked for and nothing else ends the run.
+std::uint64_t collisions_waited_for(State state) {
+  EngineSettings const settings{.kind = "exact", .time_step = 50.0};
+  PatientEngine engine(make_engine(settings, state), patience_for(state));
+  Counters counters;
+  // A time to end with that is never reached, or the engine itself refuses to wait.
+  engine.advance(state, counters, {.time = 1e12, .pair_collisions = 50});
+  return counters.pair_collisions;
 }
 
 TEST(Simulate, GivesUpWaitingForCollisionsThatNeverCome) {
-  RunResult const result = simulate(rows_waiting_for_collisions(0.0));
-  EXPECT_EQ(result.status, RunStatus::failed);
-  EXPECT_NE(result.failure.find("no two disks have met"), std::string::npos) << result.failure;
-  EXPECT_EQ(result.counters.pair_collisions, 0U);
-  EXPECT_EQ(simulate(rows_waiting_for_collisions(0.01)).status, RunStatus::finished);
+  try {
+    collisions_waited_for(rows_of_disks(0.0));
+    FAIL() << "collisions that cannot be";
+  } catch (RunFailure const& failure) {
+    EXPECT_NE(std::string(failure.what()).find("no two disks have met"), std::string::npos) << failure.what();
+  }
+  EXPECT_EQ(collisions_waited_for(rows_of_disks(0.01)), 50U);
 }
 
 TEST(Simulate, WaitsForCollisionsThatNeverComeUntilTheTimeThatEndsTheRunToo) {
-  // Its patience would end before.
-  double const time = 9e4;
-  gridlock::Setup setup = rows_waiting_for_collisions(0.0);
-  setup.configuration.run.time = time;
-  RunResult const result = simulate(std::move(setup));
+  Configuration configuration;
+  configuration.engine = {.kind = "exact", .time_step = 50.0};
+  configuration.run.collisions_per_disk = 10.0;
+  configuration.run.time = 9e4;  // its patience would end before
+  configuration.observe = {.every = 1'000'000, .structure_every = 0};
+  RunResult const result = simulate(set_up(configuration, {.start = rows_of_disks(0.0)}));
   EXPECT_EQ(result.status, RunStatus::finished) << result.failure;
-  EXPECT_DOUBLE_EQ(result.clock.time, time);
+  EXPECT_DOUBLE_EQ(result.clock.time, 9e4);
 }
 
 TEST(Simulate, StoppedByTheCallerKeepsWhatThereIs) {
   RunResult const result = simulate(set_up(small()), [](Progress const&) { return false; });
   EXPECT_EQ(result.status, RunStatus::interrupted);
   EXPECT_LT(result.steps, 95U);
-  EXPECT_EQ(result.state.clock.step, result.steps);
+  EXPECT_EQ(result.world.clock.step, result.steps);
 }
 
 TEST(Simulate, ReportsProgressFromNothingToAll) {

@@ -29,7 +29,7 @@ namespace {
 /// Four disks in a box of 2 × 1, at a clock of its own.
 State four_disks(Edge edge) {
   State state{.box = Box(2.0, 1.0, edge), .clock = {.step = 40, .time = 20.0}, .seed = 5};
-  for (int n = 0; n < 4; ++n) state.disks.add(0.25 + 0.5 * n, 0.5, 0.5, n == 0 ? 0.25 : -0.25, 0.1, 1.0, 0, 0);
+  for (int n = 0; n < 4; ++n) state.agents.add(0.25 + 0.5 * n, 0.5, 0.5, n == 0 ? 0.25 : -0.25, 0.1, 1.0, 0, 0);
   return state;
 }
 
@@ -57,10 +57,10 @@ TEST_F(StartFile, TheResolvedConfigurationHasBothSidesOfItsBox) {
 
 TEST_F(StartFile, TheSeedIsThatOfTheSettingsAndVelocitiesAreThoseOfTheFileUnlessDrawnAnew) {
   gridlock::Setup const kept = set_up_from(four_disks(Edge::wall), "run.seed = 9\n");
-  EXPECT_EQ(kept.state.seed, 9U);
-  EXPECT_EQ(kept.state.disks.column<VelocityY>()[0], 0.25);
+  EXPECT_EQ(disks_of(kept).seed, 9U);
+  EXPECT_EQ(disks_of(kept).agents.column<VelocityY>()[0], 0.25);
   gridlock::Setup const drawn = set_up_from(four_disks(Edge::wall), "run.seed = 9\nvelocities.redraw = true\n");
-  EXPECT_NE(drawn.state.disks.column<VelocityY>()[0], 0.25);
+  EXPECT_NE(disks_of(drawn).agents.column<VelocityY>()[0], 0.25);
 }
 
 TEST_F(StartFile, LengthsOfTheRunCountFromItsClock) {
@@ -79,7 +79,7 @@ TEST_F(StartFile, CollisionsPerDiskCountEachCollisionForBothPartners) {
 TEST_F(StartFile, DisksInARowThatMoveAlikeMeetBetweenWallsAndNeverInAPeriodicBox) {
   for (Edge const edge : {Edge::wall, Edge::periodic}) {
     State state = four_disks(edge);
-    for (double& v : state.disks.column<VelocityY>()) v = 0.0;
+    for (double& v : state.agents.column<VelocityY>()) v = 0.0;
     if (edge == Edge::wall) {
       EXPECT_NO_THROW(set_up_from(state, "run.collisions_per_disk = 1.0\n"));
     } else {
@@ -89,8 +89,7 @@ TEST_F(StartFile, DisksInARowThatMoveAlikeMeetBetweenWallsAndNeverInAPeriodicBox
 }
 
 TEST_F(StartFile, ASummaryTellsTheStepsOfTheRunAndTheStepOfTheClock) {
-  gridlock::Setup const setup = set_up_from(four_disks(Edge::periodic), "run.steps = 7\nobserve.every = 1\n");
-  run_in(directory_ / "run", setup);
+  run_in(directory_ / "run", set_up_from(four_disks(Edge::periodic), "run.steps = 7\nobserve.every = 1\n"));
   std::string const summary = read_file(directory_ / "run" / "summary.json");
   EXPECT_NE(summary.find("\"steps\": 7,"), std::string::npos) << summary;
   EXPECT_NE(summary.find("\"step\": 47,"), std::string::npos) << summary;
@@ -108,8 +107,8 @@ TEST(SetUpOfSpeeds, ASubstepInWhichTwiceTheSpeedCoversADiskIsRefused) {
     Configuration configuration;
     configuration.disks = {.count = 16, .packing_fraction = 0.3};
     gridlock::Setup const usual = set_up(configuration);
-    double const diameter = 2.0 * usual.state.disks.column<Radius>()[0];
-    double const displacement = step_duration(usual.configuration.engine, usual.state) / 5.0;
+    double const diameter = 2.0 * disks_of(usual).agents.column<Radius>()[0];
+    double const displacement = step_duration(usual.configuration.engine, disks_of(usual)) / 5.0;
     configuration.engine.time_step =
         usual.configuration.engine.time_step * diameters_at_the_speed * diameter / displacement;
     try {
@@ -129,7 +128,7 @@ TEST(ExpectedWork, OfARunGivenInTimeIsThatOfItsSteps) {
   configuration.run.steps = 500;
   gridlock::Setup const in_steps = set_up(configuration);
   configuration.run.steps.reset();
-  configuration.run.time = 500.0 * step_duration(in_steps.configuration.engine, in_steps.state);
+  configuration.run.time = 500.0 * step_duration(in_steps.configuration.engine, disks_of(in_steps));
   EXPECT_NEAR(expectation_of(set_up(configuration)).work, expectation_of(in_steps).work, 1e-6);
 }
 

@@ -101,12 +101,11 @@ TEST(Trajectory, OfARunThatWasInterruptedIsTheSame) {
 
 TEST(Trajectory, OfAnotherRunIsNotContinued) {
   TemporaryDirectory const directory;
-  gridlock::Setup setup = setup_with_frames();
-  run_in(directory.path(), setup, {.on_progress = [](Progress const&) { return false; }, .on_note = {}, .threads = {}});
+  Configuration configuration = setup_with_frames().configuration;
+  run_in(directory.path(), set_up(configuration), {.on_progress = [](Progress const&) { return false; }, .on_note = {}, .threads = {}});
   TemporaryDirectory const other;
-  setup.configuration.run.seed = 2;
-  gridlock::Setup const another = set_up(setup.configuration);
-  run_in(other.path(), another, {.on_progress = [](Progress const&) { return false; }, .on_note = {}, .threads = {}});
+  configuration.run.seed = 2;
+  run_in(other.path(), set_up(configuration), {.on_progress = [](Progress const&) { return false; }, .on_note = {}, .threads = {}});
   std::filesystem::copy_file(other / "trajectory.h5", directory / "trajectory.h5",
                              std::filesystem::copy_options::overwrite_existing);
   for (auto const& entry : std::filesystem::directory_iterator(directory.path())) {
@@ -172,10 +171,9 @@ TEST(Trajectory, OfAnotherRunIsRefusedBeforeTheRunIsResumed) {
   TemporaryDirectory const directory;
   leave_half_a_run(directory.path());
   TemporaryDirectory const other;
-  auto setup = setup_with_frames();
-  setup.configuration.run.seed += 1;
-  setup.state.seed += 1;
-  run_in(other.path(), std::move(setup));
+  Configuration configuration = setup_with_frames().configuration;
+  configuration.run.seed += 1;
+  run_in(other.path(), set_up(configuration));
   std::filesystem::copy(other / "trajectory.h5", directory / "trajectory.h5",
                         std::filesystem::copy_options::overwrite_existing);
   std::string const log = read_file(directory / "run.log");

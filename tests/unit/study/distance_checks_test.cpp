@@ -18,7 +18,7 @@ State points_at_random(std::uint64_t count, std::uint64_t seed) {
   for (std::uint64_t i = 0; i < count; ++i) {
     double const x = random.uniform();
     double const y = random.uniform();
-    state.disks.add(x, y, 0.0, 0.0, 1e-6, 1.0, 0, 0);
+    state.agents.add(x, y, 0.0, 0.0, 1e-6, 1.0, 0, 0);
   }
   return state;
 }

@@ -125,10 +125,10 @@ TEST(StudyRun, OnOtherSitesIsAValidStart) {
     StudyRun run = small_run(1);
     run.configuration.disks = {.count = 841, .packing_fraction = density, .start = start};
     run.sites = sites;
-    State const state = set_up(run).state;
+    State const state = disks_of(set_up(run));
     EXPECT_NO_THROW(validate(state));
     run.sites = Sites::fitted;
-    EXPECT_NE(hash(state), hash(set_up(run).state));
+    EXPECT_NE(hash(state), hash(disks_of(set_up(run))));
   }
   StudyRun too_dense = small_run(1);
   too_dense.configuration.disks = {.count = 841, .packing_fraction = 0.86, .start = StartKind::triangular};

@@ -83,11 +83,11 @@ class Interrupted : public testing::TestWithParam<Kind> {};
 
 TEST_P(Interrupted, ResumedAfterEveryChunkItEndsWithTheSameBitsAsARunNeverInterrupted) {
   Directory const directory;
-  gridlock::Setup const setup = set_up(configuration_of(GetParam()));
-  RunRecord const whole = run_in(directory / "whole", setup);
+  Configuration const configuration = configuration_of(GetParam());
+  RunRecord const whole = run_in(directory / "whole", set_up(configuration));
   ASSERT_EQ(whole.status, RunStatus::finished);
   RunRecord record =
-      run_in(directory / "parts", setup, {.on_progress = stopping_after(1), .on_note = {}, .threads = {}});
+      run_in(directory / "parts", set_up(configuration), {.on_progress = stopping_after(1), .on_note = {}, .threads = {}});
   int interruptions = 0;
   while (record.status == RunStatus::interrupted && ++interruptions < 100) {
     record = resume_in(directory / "parts", {.on_progress = stopping_after(1), .on_note = {}, .threads = {}});
@@ -274,14 +274,16 @@ TEST(UnusedSettings, AreNoted) {
             (Notes{"engine.audit_every has no effect with engine.kind = \"stepped\"",
                    "engine.threads has no effect with engine.kind = \"stepped\""}));
   EXPECT_EQ(notes_of("engine = { kind = \"tiled\", grid = \"linked\", cells = 5, threads = 2 }"),
-            (Notes{"engine.cells has no effect on the disks with engine.kind = \"tiled\"",
+            (Notes{"engine.cells has no effect with engine.kind = \"tiled\"",
                    "engine.grid has no effect with engine.kind = \"tiled\""}));
   EXPECT_EQ(notes_of("engine = { kind = \"exact\", contact = \"approaching\", substeps = 6, audit_every = 9 }"),
             (Notes{"engine.substeps has no effect with engine.kind = \"exact\"",
                    "engine.contact has no effect with engine.kind = \"exact\""}));
   EXPECT_EQ(notes_of("model.kind = \"epidemic\"\nengine = { kind = \"tiled\", threads = 2 }"),
             Notes{"engine.kind has no effect with model.kind = \"epidemic\""});
-  EXPECT_EQ(notes_of("model.verify_every = 3"), Notes{"model.verify_every has no effect without model.kind"});
+  EXPECT_EQ(notes_of("model.verify_every = 3"), Notes{"model.verify_every has no effect with model.kind = \"disks\""});
+  EXPECT_EQ(notes_of("engine.cells = 5"), Notes{"engine.cells has no effect with engine.kind = \"stepped\""})
+      << "the packed grid chooses its own";
   EXPECT_EQ(notes_of("engine = { cells = 5, grid = \"linked\", contact = \"approaching\", substeps = 6 }"), Notes{});
 }
 
@@ -351,12 +353,12 @@ TEST(SetupNotes, TellOfASlowRandomStartThatWasNotTried) {
   SettingsFile const file =
       SettingsFile::from_text("disks = { count = 100_000, packing_fraction = 0.535, start = \"random\" }", "run.toml");
   double told = 0.0;
-  auto const setup = set_up(file, [&](double seconds) {
-    told = seconds;
-    return false;
-  });
+  auto const setup = set_up(file, {.on_slow_start = [&](double seconds) {
+                              told = seconds;
+                              return false;
+                            }});
   EXPECT_GT(told, 4.0);
-  EXPECT_EQ(setup.state.disks.size(), 100'000U);
+  EXPECT_EQ(setup.simulation->agents(), 100'000U);
   EXPECT_EQ(setup.configuration.disks.start, StartKind::random);
   ASSERT_EQ(setup.notes.size(), 1U);
   EXPECT_EQ(setup.notes[0].text.rfind("the random start was not tried", 0), 0U) << setup.notes[0].text;
@@ -365,12 +367,12 @@ TEST(SetupNotes, TellOfASlowRandomStartThatWasNotTried) {
 TEST(SetupNotes, DoNotTellOfARandomStartThatIsSoonFound) {
   SettingsFile const file =
       SettingsFile::from_text("disks = { count = 30_000, packing_fraction = 0.45, start = \"random\" }", "run.toml");
-  auto const setup = set_up(file, [](double) {
-    ADD_FAILURE() << "called slow";
-    return false;
-  });
+  auto const setup = set_up(file, {.on_slow_start = [](double) {
+                              ADD_FAILURE() << "called slow";
+                              return false;
+                            }});
   EXPECT_TRUE(setup.notes.empty());
-  EXPECT_EQ(hash(setup.state), hash(set_up(file).state));
+  EXPECT_EQ(setup.simulation->state_hash(), set_up(file).simulation->state_hash());
 }
 
 TEST(SetupNotes, TellOfFramesThatLieBeyondTheEnd) {

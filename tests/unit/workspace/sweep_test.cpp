@@ -18,7 +18,7 @@
 #include "gridlock/io/file.hpp"
 #include "gridlock/io/table.hpp"
 #include "gridlock/io/xyz.hpp"
-#include "gridlock/simulation/model_kind.hpp"
+#include "gridlock/simulation/register_model.hpp"
 #include "gridlock/workspace/run_directory.hpp"
 #include "simulation/expected_work.hpp"
 #include "simulation/memory.hpp"
@@ -246,13 +246,13 @@ TEST_F(SweepDirectory, RefusesARunThatBeganFromAnotherStateInItsStartFile) {
   TemporaryDirectory const directory;
   Configuration configuration;
   configuration.disks = {.count = 16, .packing_fraction = 0.3};
-  State state = set_up(configuration).state;
+  State state = disks_of(set_up(configuration));
   write_xyz(state, directory / "start.xyz");
   std::string const text =
       "disks.file = \"" + (directory / "start.xyz").string() + "\"\nrun.steps = 5\n[sweep]\nrun.seed = [1]\n";
   EXPECT_EQ(sweep(text).failures, 0U);
   EXPECT_EQ(sweep(text).failures, 0U) << "nothing has changed";
-  state.disks.column<X>()[3] += 1e-3;
+  state.agents.column<X>()[3] += 1e-3;
   write_xyz(state, directory / "start.xyz");
   try {
     sweep(text);
@@ -271,9 +271,7 @@ TEST_F(SweepDirectory, AnInterruptedRunResumesOnAnotherNumberOfThreads) {
   std::string const long_run = "disks.count = 100\nrun.steps = 400\nobserve.every = 10\nengine.kind = \"tiled\"\n";
   std::uint64_t const whole = run_in(place_ / "whole", set_up(SettingsFile::from_text(long_run, "whole"))).state_hash;
   fs::path const runs = place_ / "runs";
-  gridlock::Setup setup = set_up(SettingsFile::from_text(long_run + "run.seed = 1\n", "part"));
-  setup.configuration.engine.threads = 7;
-  run_in(runs / "seed=1", setup, {.on_progress = [](Progress const& progress) { return progress.steps < 100; }});
+  run_in(runs / "seed=1", set_up(SettingsFile::from_text(long_run + "run.seed = 1\nengine.threads = 7\n", "part")), {.on_progress = [](Progress const& progress) { return progress.steps < 100; }});
   write_file(place_ / "plan.json", "{}");
   EXPECT_EQ(sweep(long_run + "[sweep]\nrun.seed = [1]\n").failures, 0U);
   EXPECT_EQ(read_summary(runs / "seed=1")->state_hash, whole);

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "gridlock/core/population.hpp"
+
+namespace gridlock {
+
+/// The agents of a world of any model at one moment, read only: their Ids, and their columns by tag.
+///
+/// A column is there where the model has one of that name and type. Valid as long as no agent is born, dies or moves to
+/// another row. Cost: O(columns) to make, and to look up a column; ask for a column once, outside of loops.
+class AgentsView {
+ public:
+  template <class... Columns>
+  AgentsView(Population<Columns...> const& agents)  // NOLINT(google-explicit-constructor): what takes a view takes agents
+      : ids_(agents.ids()), columns_{{Columns::name, agents.template column<Columns>()}...} {}
+
+  [[nodiscard]] std::size_t size() const { return ids_.size(); }
+  [[nodiscard]] bool empty() const { return ids_.empty(); }
+  [[nodiscard]] std::span<Id const> ids() const { return ids_; }
+
+  /// Of all columns, in the order they are declared.
+  [[nodiscard]] std::vector<std::string_view> names() const {
+    std::vector<std::string_view> names;
+    for (auto const& column : columns_) names.push_back(column.first);
+    return names;
+  }
+  /// Whether there is a column of that name.
+  [[nodiscard]] bool has(std::string_view name) const {
+    for (auto const& column : columns_) {
+      if (column.first == name) return true;
+    }
+    return false;
+  }
+  template <class Column>
+  [[nodiscard]] bool has() const {
+    return find<Column>() != nullptr;
+  }
+
+  /// One value for each agent. Contract: there is such a column (asserted).
+  template <class Column>
+  [[nodiscard]] std::span<typename Column::type const> column() const {
+    auto const* const values = find<Column>();
+    assert(values != nullptr);
+    return *values;
+  }
+
+ private:
+  using Values = std::variant<std::span<double const>, std::span<std::int32_t const>, std::span<std::uint32_t const>,
+                              std::span<std::uint64_t const>>;
+
+  template <class Column>
+  [[nodiscard]] std::span<typename Column::type const> const* find() const {
+    for (auto const& column : columns_) {
+      if (column.first == Column::name) return std::get_if<std::span<typename Column::type const>>(&column.second);
+    }
+    return nullptr;
+  }
+
+  std::span<Id const> ids_;
+  std::vector<std::pair<std::string_view, Values>> columns_;
+};
+
+}  // namespace gridlock

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <type_traits>
+
+#include "gridlock/core/archive.hpp"
+#include "gridlock/core/box.hpp"
+#include "gridlock/core/population.hpp"
+#include "gridlock/core/random.hpp"
+#include "gridlock/core/vector.hpp"
+
+namespace gridlock {
+
+/// How far a run has come: whole steps taken and physical time passed.
+struct Clock {
+  std::uint64_t step = 0;
+  double time = 0.0;
+
+  friend bool operator==(Clock const&, Clock const&) = default;
+};
+
+/// The names of what is counted in a model, `Model::events`; none where it declares none.
+template <class Model>
+constexpr std::span<std::string_view const> event_names() {
+  if constexpr (requires { Model::events; }) {
+    return Model::events;
+  } else {
+    return {};
+  }
+}
+
+/// How often each event has happened, in the order of `Model::events`.
+template <class Model>
+using EventCounts = std::array<std::uint64_t, event_names<Model>().size()>;
+
+/// The agents of a model, the box they live in, the clock and the seed: two equal worlds have equal futures under the same
+/// settings.
+///
+/// `Model` names the columns, `using Agents = Population<X, Y, …>`. Hard disks are one model, see State.
+template <class Model>
+struct World {
+  using Agents = typename Model::Agents;
+
+  Box box;
+  Agents agents;
+  Clock clock;
+  std::uint64_t seed = 0;
+  EventCounts<Model> events{};  ///< since the start; no part of the state: nothing depends on it
+
+  /// Random numbers for agent `number` of the start.
+  [[nodiscard]] RandomStream start_random(std::uint64_t number) const {
+    return {seed, 0, number, Purpose::model_start};
+  }
+  /// A point anywhere in the box.
+  [[nodiscard]] Vector anywhere(RandomStream& random) const {
+    double const x = random.uniform() * box.width();
+    return {x, random.uniform() * box.height()};
+  }
+};
+
+/// XXH3 of words of 64 bits.
+std::uint64_t hash_words(std::span<std::uint64_t const> words);
+
+/// The bits of a number, its sign extended.
+template <class Value>
+constexpr std::uint64_t word_of(Value value) {
+  if constexpr (std::is_same_v<Value, double>) {
+    return std::bit_cast<std::uint64_t>(value);
+  } else {
+    return static_cast<std::uint64_t>(value);
+  }
+}
+
+/// The bitwise identity of a population at one moment: equal for equal bits of box, clock, seed and every column of every
+/// agent.
+///
+/// XXH3 of each agent's row under its Id, summed modulo 2⁶⁴, so that the order of the rows does not matter.
+/// Cost: one pass over the agents.
+template <class... Columns>
+std::uint64_t hash(Box const& box, Clock const& clock, std::uint64_t seed, Population<Columns...> const& population) {
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < population.size(); ++i) {
+    // Words of 64 bits, so that a record has no padding and the same bytes under every compiler.
+    std::uint64_t const record[] = {population.ids()[i], word_of(population.template column<Columns>()[i])...};
+    sum += hash_words(record);
+  }
+  std::uint64_t const record[] = {word_of(box.width()), word_of(box.height()),
+                                  word_of(box.edge()),  word_of(clock.step),
+                                  word_of(clock.time),  seed,
+                                  population.size(),    sum};
+  return hash_words(record);
+}
+
+/// The same of a world: equal for worlds of two models with the same columns and values.
+template <class Model>
+std::uint64_t hash(World<Model> const& world) {
+  return hash(world.box, world.clock, world.seed, world.agents);
+}
+
+/// Serializes every bit. Errors: Error where what is restored is no clock, box or world.
+void serialize(Archive& archive, Clock& clock);
+void serialize(Archive& archive, Box& box);
+template <class Model>
+void serialize(Archive& archive, World<Model>& world) {
+  serialize_inside(archive, "box", [&] { serialize(archive, world.box); });
+  serialize_inside(archive, "clock", [&] { serialize(archive, world.clock); });
+  archive.visit("seed", world.seed);
+  serialize_inside(archive, "agents", [&] { world.agents.serialize(archive); });
+  serialize_inside(archive, "events", [&] {
+    for (std::size_t k = 0; k < world.events.size(); ++k) archive.visit(event_names<Model>()[k], world.events[k]);
+  });
+}
+
+}  // namespace gridlock

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gridlock/core/state.hpp"
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/io/settings_file.hpp"
+#include "gridlock/simulation/configuration.hpp"
+#include "gridlock/simulation/run.hpp"
+#include "gridlock/simulation/simulation.hpp"
+
+namespace gridlock {
+
+/// What a note on a set-up is about.
+enum class NoteKind {
+  unused_setting,     ///< a setting was given on which nothing of the run depends
+  misleading_rule,    ///< the engine has a time step where that is known to mislead
+  frames_beyond_end,  ///< frames are asked for that lie beyond the end of the run
+  nothing_moves,      ///< no disk has a velocity
+  start_not_tried,    ///< the start takes long and was left out
+};
+
+/// Something worth telling of a set-up that can be run all the same.
+struct SetupNote {
+  NoteKind kind = NoteKind::unused_setting;
+  std::string key;  ///< the setting to look at
+  std::string text;
+  bool is_default = false;  ///< an unused setting with the value it has anyway, as in a resolved configuration
+};
+
+/// What to tell of the notes of several runs. Unused settings are told of where they are unused in every run and one run
+/// gives another value than the default: a sweep over engines sets what only some of them need. Of other notes it is told in
+/// how many runs they hold.
+std::vector<std::string> notes_on(std::vector<std::vector<SetupNote>> const& runs);
+
+/// A run about to start: the simulation, and the configuration with every choice made, so that it gives the same bits again.
+struct Setup {
+  Configuration configuration;
+  std::unique_ptr<Simulation> simulation;  ///< nothing where SetupOptions::on_slow_start has left the start out
+  std::filesystem::path start_file;        ///< the file the state was read from; empty for any other start
+  std::vector<SetupNote> notes;
+  double cost_of_move = 1.0;  ///< expected, in moves on cells chosen from the sizes
+};
+
+/// Whether the user has given a setting.
+using IsGiven = std::function<bool(std::string_view key)>;
+
+/// Is told how many seconds a random start will take, where that is long; says whether to make it.
+using OnSlowStart = std::function<bool(double seconds)>;
+
+/// What a set-up is made with besides its configuration.
+struct SetupOptions {
+  /// A slow start that is not to be made is left out, or replaced by a lattice of the same disks so that everything else
+  /// is checked, and noted. Empty: every start is made.
+  OnSlowStart on_slow_start = {};
+  std::optional<std::uint64_t> threads = {};  ///< in place of engine.threads, which stays what is recorded
+  std::optional<State> start = {};            ///< disks start from it, in place of what [disks] asks for
+  std::filesystem::path directory = {};       ///< of relative file names; set_up() of a file knows it
+  IsGiven is_given = [](std::string_view) { return false; };  ///< set_up() of a file knows it
+};
+
+/// Reads the settings and sets up the run they describe.
+/// Errors: Error with the place in the file of everything that is wrong: keys, types, bounds, and set-ups that cannot
+/// exist or that the engine cannot treat rightly.
+/// Cost: with on_slow_start about a second more for random starts of 25,000 disks or more.
+Setup set_up(SettingsFile const& file, SetupOptions const& options = {});
+
+/// The same from a configuration made in code; relative file names are taken from the current directory.
+Setup set_up(Configuration configuration, SetupOptions const& options = {});
+
+/// Where the run ends.
+StopCondition stop_condition_of(Setup const& setup);
+
+/// How far a set-up is carried on, and what is looked at on the way.
+RunPlan plan_of(Setup const& setup);
+
+/// The disks of a set-up, and of the simulation of one. Contract: it is one of disks (asserted).
+State const& disks_of(Setup const& setup);
+
+}  // namespace gridlock

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "gridlock/core/world.hpp"
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/observe/observable_set.hpp"
+#include "gridlock/simulation/simulation.hpp"
+
+namespace gridlock {
+
+/// A world of any model, the engine that advances it and what is measured of it.
+template <class Model>
+class WorldSimulation : public Simulation {
+ public:
+  WorldSimulation(std::unique_ptr<EngineFor<Model>> engine, World<Model>&& world)
+      : world_(std::move(world)), engine_(std::move(engine)) {}
+
+  [[nodiscard]] World<Model> const& world() const { return world_; }
+  [[nodiscard]] Counters const& counters() const { return counters_; }
+
+  /// Measures from now on what the settings ask for, as far as this world has what an observable requires.
+  void observe(ObserveSettings const& settings, DynamicsTraits const& dynamics) {
+    for (auto& observable : make_observables(settings, snapshot(), dynamics)) observables_.add(std::move(observable));
+  }
+  /// Measures this too, from now on.
+  void observe(std::unique_ptr<Observable> observable) {
+    observable->begin(snapshot());
+    observables_.add(std::move(observable));
+  }
+
+  [[nodiscard]] Box const& box() const override { return world_.box; }
+  [[nodiscard]] Clock clock() const override { return world_.clock; }
+  [[nodiscard]] double time_step() const override { return engine_->time_step_of(world_); }
+  [[nodiscard]] AgentsView view() const override { return world_.agents; }
+  [[nodiscard]] std::uint64_t state_hash() const override { return hash(world_); }
+  [[nodiscard]] std::vector<Count> counts() const override { return engine_->counts(world_, counters_); }
+  [[nodiscard]] std::uint64_t pair_collisions() const override { return counters_.pair_collisions; }
+  void advance(StopCondition const& stop_condition) override { engine_->advance(world_, counters_, stop_condition); }
+
+  [[nodiscard]] std::vector<ColumnInfo> columns() const override { return observables_.columns(); }
+  void sample(std::span<double> row, bool counts_for_average) override {
+    observables_.sample(snapshot(), row, counts_for_average);
+  }
+  [[nodiscard]] std::vector<NamedEstimate> results() const override { return observables_.results(); }
+  [[nodiscard]] std::vector<Distribution> distributions() const override { return observables_.distributions(); }
+
+  [[nodiscard]] Frame frame() const override { return frame_of(world_); }
+
+  void serialize(Archive& archive) override {
+    serialize_inside(archive, "world", [&] { gridlock::serialize(archive, world_); });
+    // A file can hold anything.
+    if (archive.is_restoring()) engine_->require_valid(world_);
+    serialize_inside(archive, "counters", [&] { gridlock::serialize(archive, counters_); });
+    serialize_inside(archive, "engine", [&] { engine_->serialize(archive, world_); });
+    observables_.serialize(archive);
+  }
+
+ private:
+  [[nodiscard]] Snapshot snapshot() const { return {world_, counters_}; }
+
+  World<Model> world_;
+  Counters counters_;
+  std::unique_ptr<EngineFor<Model>> engine_;
+  ObservableSet observables_;
+};
+
+/// Hard disks, whichever engine moves them.
+using DiskSimulation = WorldSimulation<HardDisks>;
+
+}  // namespace gridlock

@@ -1,0 +1,162 @@
+#include "simulation/check.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/simulation/trajectory.hpp"
+#include "simulation/countable_time.hpp"
+#include "simulation/memory.hpp"
+
+namespace gridlock {
+
+namespace {
+
+/// Counts of collisions end before 2⁶⁴.
+constexpr double most_collisions = 9e18;
+
+/// A table of something that is not run would be left out without a word.
+void refuse_tables_of_others(Configuration const& configuration, IsGiven const& is_given) {
+  std::string const& model = configuration.model.kind;
+  Configuration described = configuration;
+  std::vector<std::string> own;
+  std::vector<Problem> problems;
+  for (auto const& kind : described.models.all()) {
+    if (kind->name() != model) continue;
+    for (SettingTable const& table : kind->tables(described)) own.push_back(table.name);
+  }
+  for (auto const& other : described.models.all()) {
+    for (SettingTable const& table : other->tables(described)) {
+      if (std::ranges::find(own, table.name) != own.end() || !is_given(table.name)) continue;
+      problems.push_back({.what = fmt::format("[{}] means nothing here: the model \"{}\" is run", table.name, model),
+                          .hint = fmt::format("set model.kind = \"{}\", or take the table out; the settings of this "
+                                              "model are in {}",
+                                              other->name(), fmt::format("[{}]", fmt::join(own, "], ["))),
+                          .key = table.name});
+    }
+  }
+  if (configuration.run.collisions_per_disk && !configuration.kind().counts_collisions()) {
+    problems.push_back(
+        {.what = fmt::format("the length of a run of the model \"{}\" cannot be given in collisions", model),
+         .hint = "give run.steps or run.time",
+         .key = "run.collisions_per_disk"});
+  }
+  if (!problems.empty()) throw Error(std::move(problems));
+}
+
+struct EngineSetting {
+  std::string_view name;
+  bool is_default;
+};
+
+std::vector<EngineSetting> settings_of(EngineSettings const& engine) {
+  EngineSettings const usual;
+  return {{"kind", engine.kind == usual.kind},
+          {"time_step", engine.time_step == usual.time_step},
+          {"speed", !engine.speed},
+          {"substeps", engine.substeps == usual.substeps},
+          {"cells", !engine.cells},
+          {"contact", engine.contact == usual.contact},
+          {"audit_every", engine.audit_every == usual.audit_every},
+          {"grid", engine.grid == usual.grid},
+          {"threads", engine.threads == usual.threads}};
+}
+
+/// The ends of a run that are known beforehand, from its start.
+struct End {
+  double step = std::numeric_limits<double>::infinity();
+  double time = std::numeric_limits<double>::infinity();
+};
+
+End end_of(Setup const& setup) {
+  // A length meant as a multiple of the step must not miss it for a rounding.
+  constexpr double rounding = 1e-9;
+  RunSettings const& run = setup.configuration.run;
+  End end;
+  if (run.steps) end.step = static_cast<double>(*run.steps);
+  if (run.time) end.time = *run.time;
+  if (setup.simulation == nullptr) return end;
+  double const duration = setup.simulation->time_step();
+  bool const ends_within_steps = setup.configuration.kind().ends_within_steps(setup.configuration);
+  double const steps = end.time / duration;
+  end.step = std::min(end.step,
+                      ends_within_steps ? std::floor(steps * (1.0 + rounding)) : std::ceil(steps * (1.0 - rounding)));
+  end.time = end.step * duration * (1.0 + rounding);
+  return end;
+}
+
+void note_frames_beyond(char const* key, char const* unit, std::vector<double> const& asked_for, double end,
+                        std::vector<SetupNote>& notes) {
+  auto const beyond = std::ranges::count_if(asked_for, [&](double at) { return at > end; });
+  if (beyond == 0) return;
+  notes.push_back({.kind = NoteKind::frames_beyond_end,
+                   .key = key,
+                   .text = fmt::format("{} of {} in {} lie{} beyond the end of the run at {} {:.6g}: no frame there",
+                                       beyond, asked_for.size(), key, beyond == 1 ? "s" : "", unit, end)});
+}
+
+/// The names of the columns a frame will have.
+Frame empty_frame(Simulation const& simulation) {
+  Frame frame{.box = simulation.box(), .clock = {}, .seed = 0, .ids = {}, .columns = {}};
+  for (std::string_view const name : simulation.view().names()) frame.columns.push_back({std::string(name), {}});
+  return frame;
+}
+
+}  // namespace
+
+void check(Configuration const& configuration, IsGiven const& is_given) {
+  refuse_tables_of_others(configuration, is_given);
+  configuration.kind().check(configuration);
+  require_memory(configuration);
+}
+
+void check_end(Setup const& setup) {
+  RunSettings const& run = setup.configuration.run;
+  TrajectorySettings const& trajectory = setup.configuration.trajectory;
+  static_cast<void>(FrameSchedule(trajectory, 1.0));
+  if (setup.simulation == nullptr) return;
+  Simulation const& simulation = *setup.simulation;
+  static_cast<void>(with_columns(empty_frame(simulation), trajectory.columns));
+  if (run.collisions_per_disk &&
+      *run.collisions_per_disk * static_cast<double>(simulation.agents()) / 2.0 >= most_collisions) {
+    throw Error({.what = fmt::format("no run reaches {:.3g} collisions per disk", *run.collisions_per_disk),
+                 .hint = "use a smaller number",
+                 .key = "run.collisions_per_disk"});
+  }
+  if (run.time) require_countable_end(simulation.clock().time + *run.time, simulation.time_step());
+}
+
+std::vector<SetupNote> unused_settings(Configuration const& configuration, IsGiven const& is_given) {
+  ModelKind const& kind = configuration.kind();
+  std::string const model = fmt::format("model.kind = \"{}\"", configuration.model.kind);
+  std::vector<SetupNote> notes;
+  auto const look_at = [&](std::string key, bool is_default) {
+    if (kind.uses(configuration, key) || !is_given(key)) return;
+    bool const is_of_engine = key.starts_with("engine.") && !kind.choices(configuration).empty();
+    std::string const choice = is_of_engine ? fmt::format("engine.kind = \"{}\"", configuration.engine.kind) : model;
+    std::string text = fmt::format("{} has no effect with {}", key, choice);
+    notes.push_back({NoteKind::unused_setting, std::move(key), std::move(text), is_default});
+  };
+  for (EngineSetting const& setting : settings_of(configuration.engine)) {
+    look_at(fmt::format("engine.{}", setting.name), setting.is_default);
+  }
+  look_at("model.verify_every", configuration.model.verify_every == 0);
+  return notes;
+}
+
+std::vector<SetupNote> frames_beyond_end(Setup const& setup) {
+  std::vector<SetupNote> notes;
+  TrajectorySettings const& trajectory = setup.configuration.trajectory;
+  End const end = end_of(setup);
+  note_frames_beyond("trajectory.steps", "step", trajectory.steps, end.step, notes);
+  note_frames_beyond("trajectory.times", "time", trajectory.times, end.time, notes);
+  return notes;
+}
+
+}  // namespace gridlock

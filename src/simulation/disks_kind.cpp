@@ -1,0 +1,363 @@
+#include "simulation/disks_kind.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "core/magnitude.hpp"
+#include "gridlock/core/error.hpp"
+#include "gridlock/core/saturating.hpp"
+#include "gridlock/core/time_step_rule.hpp"
+#include "gridlock/io/xyz.hpp"
+#include "gridlock/simulation/world_simulation.hpp"
+#include "simulation/countable_time.hpp"
+#include "simulation/patient_engine.hpp"
+#include "simulation/slow_start.hpp"
+
+namespace gridlock {
+
+namespace {
+
+Error contradiction(std::string key, std::string what) {
+  return Error(
+      {.what = std::move(what), .hint = "leave the setting out, or give the value of the file", .key = std::move(key)});
+}
+
+bool is_close(double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(b); }
+
+/// A file brings its box; a box that was asked for besides must be the same.
+void take_box(BoxSettings& settings, Box const& box, IsGiven const& is_given) {
+  bool const asks_for_size = is_given("box.side") || is_given("box.width") || is_given("box.height");
+  double const width = settings.width.value_or(settings.side);
+  double const height = settings.height.value_or(settings.side);
+  if (asks_for_size && !(is_close(width, box.width()) && is_close(height, box.height()))) {
+    throw contradiction("box", fmt::format("the box of the start file is {} × {}, not {} × {}", box.width(),
+                                           box.height(), width, height));
+  }
+  if (is_given("box.edge") && settings.edge != box.edge()) {
+    throw contradiction("box.edge",
+                        fmt::format("the start file has {} edges", box.is_periodic() ? "periodic" : "wall"));
+  }
+  settings = {.edge = box.edge(), .side = box.width()};
+  if (box.width() != box.height()) {
+    settings.width = box.width();
+    settings.height = box.height();
+  }
+}
+
+/// Whether every disk of a file has the radius asked for, as one of the kinds asked for.
+bool are_radii_as_asked(Disks const& disks, double radius, std::vector<SpeciesSettings> const& species) {
+  return std::ranges::all_of(disks.column<Radius>(), [&](double r) {
+    if (species.empty()) return is_close(radius, r);
+    return std::ranges::any_of(species,
+                               [&](SpeciesSettings const& kind) { return is_close(radius * kind.size_ratio, r); });
+  });
+}
+
+/// Gives the disks of a file without radii the size asked for; otherwise checks that the size asked for is the file's.
+void take_sizes(State& state, bool has_radii, DisksSettings& settings) {
+  auto const radii = state.agents.column<Radius>();
+  double const count = static_cast<double>(state.agents.size());
+  if (settings.count && *settings.count != state.agents.size()) {
+    throw contradiction("disks.count",
+                        fmt::format("the start file holds {} disks, not {}", state.agents.size(), *settings.count));
+  }
+  if (!has_radii) {
+    if (!settings.radius && !settings.packing_fraction) {
+      throw Error({.what = "the start file has no radii, and none are given",
+                   .hint = "give disks.radius or disks.packing_fraction, or add a column radius:R:1 to the file",
+                   .key = "disks.file"});
+    }
+    if (!settings.species.empty()) {
+      throw Error({.what = "the start file has no radii, and species are dealt to lattice and random starts only",
+                   .hint = "add columns radius:R:1 and masses:R:1 to the file, or leave disks.species out",
+                   .key = "disks.species"});
+    }
+    double const radius = settings.radius.value_or(
+        std::sqrt(settings.packing_fraction.value_or(0.0) * state.box.area() / (std::numbers::pi * count)));
+    for (double& r : radii) r = radius;
+  }
+  if (settings.radius && !are_radii_as_asked(state.agents, *settings.radius, settings.species)) {
+    auto const [smallest, largest] = radius_range(state.agents);
+    throw contradiction("disks.radius", fmt::format("the start file has radii from {:.9g} to {:.9g}, not {:.9g}",
+                                                    smallest, largest, *settings.radius));
+  }
+  double const packing_fraction = covered_area(state.agents) / state.box.area();
+  if (settings.packing_fraction && !is_close(*settings.packing_fraction, packing_fraction)) {
+    throw contradiction("disks.packing_fraction", fmt::format("the start file has packing fraction {:.9g}, not {:.9g}",
+                                                              packing_fraction, *settings.packing_fraction));
+  }
+  settings.count = state.agents.size();
+}
+
+State start_from_file(Configuration& configuration, std::filesystem::path const& path, IsGiven const& is_given) {
+  XyzFrame frame = read_xyz(path);
+  take_box(configuration.box, frame.state.box, is_given);
+  take_sizes(frame.state, frame.has_radii, configuration.disks);
+  configuration.disks.start = StartKind::file;
+  frame.state.seed = configuration.run.seed;
+  if (!frame.has_velocities || configuration.velocities.redraw) {
+    draw_velocities(frame.state, configuration.velocities);
+  }
+  return std::move(frame.state);
+}
+
+/// Fills in what was left out, so that the configuration says what was run.
+void resolve(Configuration& configuration) {
+  if (!configuration.engine.speed) configuration.engine.speed = configuration.velocities.max;
+  if (configuration.disks.start == StartKind::file) return;
+  if (!configuration.disks.count) configuration.disks.count = 841;
+  if (!configuration.disks.radius && !configuration.disks.packing_fraction) configuration.disks.packing_fraction = 0.5;
+}
+
+/// A speed near 0 makes a time step that cannot be computed with.
+void require_bounded_step(EngineSettings const& engine, State const& state) {
+  double const duration = step_duration(engine, state);
+  if (!engine_record(engine.kind).has_time_step || duration <= most_magnitude) return;
+  throw Error({.what = fmt::format("engine.speed = {} makes a time step of {:.3g}, too long to compute with",
+                                   engine.speed.value_or(1.0), duration),
+               .hint = "use a speed near that of the disks, or 0 for a speed of 1",
+               .key = "engine.speed"});
+}
+
+/// A run that starts so late that its clock cannot count on would never end, or end at once.
+void require_clock(State const& state, std::filesystem::path const& start_file, EngineSettings const& engine) {
+  // As many as any run can have from there; the counts of steps end at 2⁶⁴ − 1.
+  constexpr std::uint64_t most_steps = never_reached / 2;
+  Clock const& clock = state.clock;
+  auto const refuse = [&](std::string what, std::string hint) {
+    throw Error({.what = start_file.empty() ? what : fmt::format("{}: {}", start_file.string(), what),
+                 .hint = std::move(hint),
+                 .key = "disks.file"});
+  };
+  if (clock.step > most_steps) {
+    refuse(fmt::format("step {} is too late for a start: the counts of a run end at {}", clock.step, never_reached),
+           "set step in its second line to a smaller number, such as 0");
+  }
+  double const duration = step_duration(engine, state);
+  if (can_count(clock.time, duration)) return;
+  refuse(fmt::format("at time {:.6g} a clock cannot count steps of {:.6g}: numbers of that size are {:.3g} apart",
+                     clock.time, duration, spacing_at(clock.time)),
+         "set Time in its second line to a smaller number, such as 0");
+}
+
+/// The engine; what is wrong with a state from a file is blamed on the file. What counts as valid is the engine's to say:
+/// the exact one allows for the rounding of disks it left in contact.
+std::unique_ptr<Engine> engine_for(State const& state, std::filesystem::path const& start_file,
+                                   EngineSettings const& settings) {
+  try {
+    return make_engine(settings, state);
+  } catch (Error const& error) {
+    if (start_file.empty()) throw;
+    std::vector<Problem> problems = error.problems();
+    for (Problem& problem : problems) {
+      if (problem.key != "disks") continue;  // the key of what is wrong with the state itself
+      problem.what = fmt::format("{}: {}", start_file.string(), problem.what);
+      problem.key = "disks.file";
+    }
+    throw Error(std::move(problems));
+  }
+}
+
+/// Collisions soon give some disk twice v_max (one turn in 3000 in equilibrium, exp(−8)): a sub-step in which it covers a
+/// contact distance could jump over a disk. The rare disk that is faster still is caught in its turn.
+void require_short_substeps(EngineSettings const& engine, State const& state) {
+  if (!engine_record(engine.kind).has_time_step) return;
+  double const substep = step_duration(engine, state) / static_cast<double>(engine.substeps);
+  double const displacement = 2.0 * engine.speed.value_or(1.0) * substep;
+  double const contact = 2.0 * radius_range(state.agents).smallest;
+  if (displacement < contact) return;
+  throw Error(
+      {.what = fmt::format("a disk at twice the speed {} would cover {:.6g} in one sub-step and could jump over "
+                           "a disk of diameter {:.6g}",
+                           engine.speed.value_or(1.0), displacement, contact),
+       .hint = "use a smaller engine.time_step or more engine.substeps",
+       .key = "engine.time_step"});
+}
+
+/// Whether two disks keep apart for as long as they meet no other: at a distance along x or y that no motion changes.
+bool keep_apart(State const& state, std::size_t i, std::size_t j) {
+  double const contact = state.agents.column<Radius>()[i] + state.agents.column<Radius>()[j];
+  Vector const d = state.box.displacement(position(state.agents, i), position(state.agents, j));
+  Vector const v = velocity(state.agents, i);
+  Vector const w = velocity(state.agents, j);
+  // A wall turns back one of two disks before the other.
+  bool const is_fixed_in_x = v.x == w.x && (state.box.is_periodic() || v.x == 0.0);
+  bool const is_fixed_in_y = v.y == w.y && (state.box.is_periodic() || v.y == 0.0);
+  return (is_fixed_in_x && is_fixed_in_y) || (is_fixed_in_x && std::abs(d.x) >= contact) ||
+         (is_fixed_in_y && std::abs(d.y) >= contact);
+}
+
+/// Whether any two disks can ever meet, as far as that is plain to see.
+bool can_collide(State const& state) {
+  constexpr std::size_t most_disks_for_all_pairs = 2000;
+  if (state.agents.size() < 2 || !(kinetic_energy(state.agents) > 0.0)) return false;
+  if (state.agents.size() > most_disks_for_all_pairs) return true;
+  for (std::size_t i = 0; i < state.agents.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!keep_apart(state, i, j)) return true;
+    }
+  }
+  return false;
+}
+
+
+/// Refuses a run whose disks never collide, where nothing else ends it.
+void require_collisions(RunSettings const& run, State const& state) {
+  if (run.steps || run.time || can_collide(state)) return;
+  throw Error({.what = "disks that never collide cannot reach run.collisions_per_disk",
+               .hint = "give run.steps or run.time as well",
+               .key = "run.collisions_per_disk"});
+}
+
+/// Where the engine has a time step and that is known to mislead.
+std::optional<SetupNote> misleading_rule(State const& state, EngineRecord const& engine) {
+  if (!engine.has_time_step) return std::nullopt;
+  std::string const reasons = where_time_steps_mislead(state.box, state.agents);
+  if (reasons.empty()) return std::nullopt;
+  return SetupNote{.kind = NoteKind::misleading_rule,
+                   .key = "engine.kind",
+                   .text = fmt::format("with engine.kind = \"{}\" {}, because of its time step; \"exact\" has none",
+                                       engine.name, reasons)};
+}
+
+std::optional<SetupNote> nothing_moves(State const& state, VelocitySettings const& velocities) {
+  if (kinetic_energy(state.agents) > 0.0) return std::nullopt;
+  return SetupNote{.kind = NoteKind::nothing_moves,
+                   .key = "velocities.max",
+                   .text = velocities.max > 0.0 ? "no disk of the start file has a velocity: nothing moves"
+                                                : "velocities.max is 0: nothing moves"};
+}
+
+class DisksKind final : public ModelKind {
+ public:
+  [[nodiscard]] std::unique_ptr<ModelKind> copy() const override { return std::make_unique<DisksKind>(*this); }
+  [[nodiscard]] std::string_view name() const override { return "disks"; }
+  [[nodiscard]] std::string_view documentation() const override { return "Hard disks."; }
+  [[nodiscard]] std::string_view agents_name() const override { return "disks"; }
+  [[nodiscard]] std::string title(Configuration const& configuration) const override {
+    return fmt::format("engine {}", configuration.engine.kind);
+  }
+  [[nodiscard]] std::vector<std::string> value_names(std::string_view /*column*/) const override { return {}; }
+
+  [[nodiscard]] std::vector<SettingTable> tables(Configuration& configuration) override {
+    return {{"disks", "How many disks, how large, and where they start.",
+             [&](SettingVisitor& visitor) { describe(configuration.disks, visitor); }},
+            {"velocities", "How fast the disks are at the start.",
+             [&](SettingVisitor& visitor) { describe(configuration.velocities, visitor); }},
+            {"engine", "How the disks move; of other models the threads.",
+             [&](SettingVisitor& visitor) { describe(configuration.engine, visitor); }}};
+  }
+  [[nodiscard]] bool uses(Configuration const& configuration, std::string_view key) const override {
+    constexpr std::string_view table = "engine.";
+    if (!key.starts_with(table)) return false;
+    return engine_record(configuration.engine.kind).uses(configuration.engine, key.substr(table.size()));
+  }
+  [[nodiscard]] bool uses_threads(Configuration const& configuration) const override {
+    return engine_record(configuration.engine.kind).uses_threads;
+  }
+  [[nodiscard]] bool ends_within_steps(Configuration const& configuration) const override {
+    return !engine_record(configuration.engine.kind).has_time_step;
+  }
+  [[nodiscard]] bool counts_collisions() const override { return true; }
+  [[nodiscard]] std::vector<std::pair<std::string, std::string>> choices(
+      Configuration const& configuration) const override {
+    return {{"engine", configuration.engine.kind}};
+  }
+
+  [[nodiscard]] std::vector<MemoryDemand> memory(Configuration const& configuration) const override {
+    auto const disks = static_cast<double>(configuration.disks.count.value_or(0));
+    auto const cells = static_cast<double>(configuration.engine.cells.value_or(0));
+    double const bytes_per_cell = engine_record(configuration.engine.kind).bytes_per_cell;
+    return {{fmt::format("{:.0f} disks", disks), "disks.count", bytes_per_disk(configuration) * disks, "use fewer disks"},
+            {fmt::format("a grid of {0:.0f} × {0:.0f} cells", cells), "engine.cells", bytes_per_cell * cells * cells,
+             "leave engine.cells out, or use fewer"}};
+  }
+  [[nodiscard]] double expected_bytes(Configuration const& configuration, std::size_t /*agents*/) const override {
+    double bytes = 0.0;
+    for (MemoryDemand const& demand : memory(configuration)) bytes += demand.bytes;
+    return bytes;
+  }
+
+  void check(Configuration const& configuration) const override {
+    static_cast<void>(engine_record(configuration.engine.kind));
+  }
+  void build(Setup& setup, SetupOptions const& options) const override;
+
+ private:
+  static double bytes_per_disk(Configuration const& configuration) {
+    EngineRecord const& engine = engine_record(configuration.engine.kind);
+    CheckpointSettings const& checkpoint = configuration.checkpoint;
+    bool const has_checkpoints = checkpoint.every_seconds > 0.0 || checkpoint.every_steps > 0 || checkpoint.keep_last;
+    return engine.bytes_per_disk + (has_checkpoints ? engine.bytes_per_disk_of_checkpoint : 0.0);
+  }
+};
+
+/// The start, or another one in its place with a note, where it is slow and not to be made.
+State random_or_lattice_start(Setup& setup, SetupOptions const& options) {
+  Configuration const& configuration = setup.configuration;
+  Box const box = make_box(configuration.box);
+  std::uint64_t const seed = configuration.run.seed;
+  DisksSettings disks = configuration.disks;
+  bool const may_be_slow = options.on_slow_start && disks.count.value_or(0) >= many_agents;
+  double const attempts = may_be_slow ? expected_attempts(box, disks, seed) : 0.0;
+  if (!makes_start(attempts, "disks.start", options, setup.notes)) {
+    disks.start = StartKind::triangular;
+    try {
+      return make_start(box, disks, seed);
+    } catch (Error const&) {
+      // Very unequal disks may fit at random and on no lattice of the largest: then there is nothing else to check.
+      setup.notes.pop_back();
+    }
+  }
+  return make_start(box, configuration.disks, seed);
+}
+
+State start_of(Setup& setup, SetupOptions const& options) {
+  if (options.start) return *options.start;
+  Configuration& configuration = setup.configuration;
+  if (!configuration.disks.file.empty()) {
+    setup.start_file = options.directory / configuration.disks.file;
+    return start_from_file(configuration, setup.start_file, options.is_given);
+  }
+  State state = random_or_lattice_start(setup, options);
+  draw_velocities(state, configuration.velocities);
+  return state;
+}
+
+void DisksKind::build(Setup& setup, SetupOptions const& options) const {
+  Configuration& configuration = setup.configuration;
+  RunSettings const& run = configuration.run;
+  State state = start_of(setup, options);
+  if (configuration.engine.speed) require_bounded_step(configuration.engine, state);
+  resolve(configuration);
+  EngineSettings settings = configuration.engine;
+  settings.threads = options.threads.value_or(settings.threads);
+  EngineRecord const& record = engine_record(settings.kind);
+  require_clock(state, setup.start_file, settings);
+  require_collisions(run, state);
+  std::unique_ptr<Engine> engine = engine_for(state, setup.start_file, settings);
+  require_short_substeps(settings, state);
+  if (auto note = misleading_rule(state, record)) setup.notes.push_back(*std::move(note));
+  if (auto note = nothing_moves(state, configuration.velocities)) setup.notes.push_back(*std::move(note));
+  setup.cost_of_move = record.cost_of_move(settings, state);
+  std::unique_ptr<EngineFor<HardDisks>> advancing = std::move(engine);
+  bool const ends_by_collisions_only = !run.steps && !run.time;
+  if (ends_by_collisions_only) {
+    advancing = std::make_unique<PatientEngine>(std::move(advancing), patience_for(state));
+  }
+  auto simulation = std::make_unique<DiskSimulation>(std::move(advancing), std::move(state));
+  simulation->observe(configuration.observe, {.halts_moves = record.has_time_step});
+  setup.simulation = std::move(simulation);
+}
+
+}  // namespace
+
+std::unique_ptr<ModelKind> disks_kind() { return std::make_unique<DisksKind>(); }
+
+}  // namespace gridlock

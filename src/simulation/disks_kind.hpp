@@ -1,0 +1,12 @@
+#pragma once
+
+#include <memory>
+
+#include "gridlock/simulation/setup.hpp"
+
+namespace gridlock {
+
+/// Hard disks, with the tables [disks], [velocities] and [engine].
+std::unique_ptr<ModelKind> disks_kind();
+
+}  // namespace gridlock

@@ -1,0 +1,128 @@
+#include "gridlock/simulation/setup.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <iterator>
+#include <set>
+#include <utility>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/core/saturating.hpp"
+#include "gridlock/simulation/world_simulation.hpp"
+#include "simulation/check.hpp"
+#include "simulation/slow_start.hpp"
+
+namespace gridlock {
+
+namespace {
+
+constexpr std::uint64_t default_steps = 10'000;
+
+}  // namespace
+
+bool makes_start(double attempts, std::string const& key, SetupOptions const& options, std::vector<SetupNote>& notes) {
+  constexpr double least_attempts = 3e7;
+  constexpr double seconds_per_attempt = 1.5e-7;
+  double const seconds = attempts * seconds_per_attempt;
+  if (attempts < least_attempts || options.on_slow_start(seconds)) return true;
+  notes.push_back({.kind = NoteKind::start_not_tried,
+                   .key = key,
+                   .text = fmt::format("the random start was not tried, since that takes about {:.0f} s; "
+                                       "gridlock run will tell whether all find room",
+                                       seconds)});
+  return false;
+}
+
+Setup set_up(SettingsFile const& file, SetupOptions const& options) {
+  Configuration configuration = read_configuration(file);
+  try {
+    SetupOptions known = options;
+    // A file named on the command line is meant from where the user stands, one named in the TOML file from there.
+    auto const location = file.location("disks.file");
+    bool const is_from_command_line = location && location->line == 0;
+    if (!is_from_command_line) known.directory = file.directory();
+    known.is_given = [&](std::string_view key) { return file.is_given(key); };
+    return set_up(std::move(configuration), known);
+  } catch (Error const& error) {
+    throw file.locate(error);
+  }
+}
+
+Setup set_up(Configuration configuration, SetupOptions const& options) {
+  check(configuration, options.is_given);
+  Setup setup;
+  setup.notes = unused_settings(configuration, options.is_given);
+  setup.configuration = std::move(configuration);
+  // What is run is decided: the settings of other models would only fill its resolved configuration.
+  setup.configuration.models.keep_only(setup.configuration.model.kind);
+  RunSettings& run = setup.configuration.run;
+  if (!run.steps && !run.time && !run.collisions_per_disk) run.steps = default_steps;
+  setup.configuration.kind().build(setup, options);
+  check_end(setup);
+  std::ranges::move(frames_beyond_end(setup), std::back_inserter(setup.notes));
+  return setup;
+}
+
+StopCondition stop_condition_of(Setup const& setup) {
+  RunSettings const& run = setup.configuration.run;
+  Clock const clock = setup.simulation->clock();
+  StopCondition stop_condition;
+  if (run.steps) stop_condition.step = saturating_sum(clock.step, *run.steps);
+  if (run.time) stop_condition.time = clock.time + *run.time;
+  if (run.collisions_per_disk) {
+    double const pairs = *run.collisions_per_disk * static_cast<double>(setup.simulation->agents()) / 2.0;
+    stop_condition.pair_collisions = static_cast<std::uint64_t>(std::ceil(pairs));
+  }
+  return stop_condition;
+}
+
+RunPlan plan_of(Setup const& setup) {
+  return {.stop_condition = stop_condition_of(setup),
+          .sample_every = setup.configuration.observe.every,
+          .equilibration = setup.configuration.observe.equilibration};
+}
+
+State const& disks_of(Setup const& setup) {
+  auto const* const disks = dynamic_cast<DiskSimulation const*>(setup.simulation.get());
+  assert(disks != nullptr);
+  return disks->world();
+}
+
+namespace {
+
+/// What is told of one note that some of the runs have; nothing where it is not worth it.
+std::optional<std::string> text_of(std::vector<SetupNote> const& alike, std::size_t runs) {
+  SetupNote const& first = alike.front();
+  bool const has_one_text = std::ranges::all_of(alike, [&](SetupNote const& note) { return note.text == first.text; });
+  bool const is_of_all = alike.size() == runs;
+  if (first.kind != NoteKind::unused_setting) {
+    return is_of_all && has_one_text ? first.text : fmt::format("{} of {} runs: {}", alike.size(), runs, first.text);
+  }
+  if (!is_of_all || std::ranges::all_of(alike, &SetupNote::is_default)) return std::nullopt;
+  return has_one_text ? first.text : fmt::format("{} has no effect in any run", first.key);
+}
+
+}  // namespace
+
+std::vector<std::string> notes_on(std::vector<std::vector<SetupNote>> const& runs) {
+  std::vector<std::string> texts;
+  std::set<std::pair<NoteKind, std::string>> told;
+  for (std::vector<SetupNote> const& run : runs) {
+    for (SetupNote const& candidate : run) {
+      if (!told.emplace(candidate.kind, candidate.key).second) continue;
+      std::vector<SetupNote> alike;
+      for (std::vector<SetupNote> const& other : runs) {
+        std::ranges::copy_if(other, std::back_inserter(alike), [&](SetupNote const& note) {
+          return note.kind == candidate.kind && note.key == candidate.key;
+        });
+      }
+      if (auto text = text_of(alike, runs.size())) texts.push_back(*std::move(text));
+    }
+  }
+  return texts;
+}
+
+}  // namespace gridlock

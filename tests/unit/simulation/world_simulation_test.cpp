@@ -1,0 +1,82 @@
+#include "gridlock/simulation/world_simulation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "gridlock/simulation/model_simulation.hpp"
+#include "gridlock/simulation/simulate.hpp"
+#include "models/epidemic.hpp"
+
+namespace gridlock {
+namespace {
+
+/// What a run writes to its series, by name, and its curves.
+RunRecord record_of(std::string const& text) {
+  gridlock::Setup const setup =
+      set_up(SettingsFile::from_text(text + "\nrun.steps = 60\nobserve = { every = 10, structure_every = 2 }", "run.toml"));
+  Run run(*setup.simulation, plan_of(setup));
+  run.go_on();
+  return run.record();
+}
+
+TEST(WorldSimulation, MeasuresTheSameOfTheColloidAsOfTheDisksOfAnEngine) {
+  std::string const disks = "disks = { count = 100, packing_fraction = 0.6 }";
+  RunRecord const of_engine = record_of("box.edge = \"periodic\"\n" + disks);
+  RunRecord const of_model = record_of("box.edge = \"periodic\"\nmodel.kind = \"colloid\"\ncolloid." + disks);
+  ASSERT_EQ(of_engine.state_hash, of_model.state_hash);
+  for (char const* name : {"mean_displacement", "mean_squared_displacement", "centre_displacement", "kinetic_energy",
+                           "mean_speed", "velocity_autocorrelation"}) {
+    EXPECT_EQ(of_engine.series.numbers(name), of_model.series.numbers(name)) << name;
+  }
+  ASSERT_EQ(of_model.series.numbers("global_bond_orientation_order").size(), 7U);
+  EXPECT_NEAR(of_engine.series.numbers("global_bond_orientation_order").back(),
+              of_model.series.numbers("global_bond_orientation_order").back(), 1e-12);
+  auto const correlation = [](RunRecord const& record) {
+    auto const found = std::ranges::find(record.distributions, "pair_correlation", &Distribution::name);
+    return found == record.distributions.end() ? std::vector<double>() : found->columns_of_values[1];
+  };
+  EXPECT_FALSE(correlation(of_engine).empty());
+  EXPECT_EQ(correlation(of_engine), correlation(of_model)) << "pairs are counted, so their order does not matter";
+}
+
+bool has_column(Simulation const& simulation, std::string const& name) {
+  auto const columns = simulation.columns();
+  return std::ranges::find(columns, name, &ColumnInfo::name) != columns.end();
+}
+
+TEST(WorldSimulation, MeasuresWhatTheColumnsOfTheAgentsAllow) {
+  ModelSimulation<Epidemic> const walled({}, Box(1.0, 1.0, Edge::wall), 1);
+  EXPECT_TRUE(has_column(walled, "mean_displacement"));
+  EXPECT_TRUE(has_column(walled, "velocity_autocorrelation"));
+  EXPECT_FALSE(has_column(walled, "kinetic_energy")) << "walkers have no mass";
+  EXPECT_FALSE(has_column(walled, "collision_rate")) << "nobody counts collisions";
+  ModelSimulation<Epidemic> const periodic({}, Box(1.0, 1.0, Edge::periodic), 1);
+  EXPECT_FALSE(has_column(periodic, "mean_displacement")) << "nobody knows how often a walker has gone around";
+}
+
+/// Walkers to the right that call something else by the name of an observable.
+struct Namesake {
+  static constexpr std::string_view name = "namesake";
+  static constexpr Schedule schedule = Schedule::synchronous;
+  using Agents = Population<X, Y>;
+  [[nodiscard]] double cutoff() const { return 0.1; }
+  [[nodiscard]] double time_step() const { return 1.0; }
+  void start(World<Namesake>& world) const { world.agents.add(1.0, 0.5); }
+  void turn(Turn<Namesake>& self) const { self.move_by({0.5, 0.0}); }
+  void observe(World<Namesake> const&, Observations& seen) const { seen.add("mean_displacement", 42.0); }
+};
+
+TEST(WorldSimulation, KeepsWhatAModelObservesWhereAnObservableHasTheSameName) {
+  ModelSimulation<Namesake> simulation({}, Box(20.0, 1.0, Edge::wall), 1);
+  Run run(simulation, {.stop_condition = {.step = 4}, .sample_every = 1});
+  run.go_on();
+  EXPECT_EQ(run.record().series.numbers("mean_displacement"), std::vector<double>(5, 42.0));
+  EXPECT_TRUE(has_column(simulation, "local_bond_orientation_order"));
+}
+
+}  // namespace
+}  // namespace gridlock
