@@ -32,7 +32,7 @@ State lattice(std::uint64_t n) {
     double const velocity_x = random.normal();
     double const velocity_y = random.normal();
     state.agents.add((static_cast<double>(i % columns) + 0.5) * step, (static_cast<double>(i / columns) + 0.5) * step,
-                    velocity_x, velocity_y, 0.5, 1.0, 0, 0);
+                     velocity_x, velocity_y, 0.5, 1.0, 0, 0);
   }
   return state;
 }

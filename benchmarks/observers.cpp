@@ -29,7 +29,8 @@ void race_at(std::size_t n) {
   configuration.observe.every = steps;
   configuration.observe.structure_every = 0;
   Setup const setup = set_up(configuration);
-  auto const alone = std::make_shared<Alone>(Alone{disks_of(setup), make_engine(configuration.engine, disks_of(setup)), {}});
+  auto const alone =
+      std::make_shared<Alone>(Alone{disks_of(setup), make_engine(configuration.engine, disks_of(setup)), {}});
   RunPlan const plan = plan_of(setup);
   auto const simulation = std::make_shared<DiskSimulation>(Setup(setup));
   auto const run = std::make_shared<Run>(*simulation, plan);

@@ -27,7 +27,7 @@ inline State rows_of_disks(std::uint64_t columns, std::uint64_t rows, double pac
     Vector const v{random.normal(), random.normal()};
     sum = sum + v;
     state.agents.add((static_cast<double>(i % columns) + shift) * side / static_cast<double>(columns),
-                    (static_cast<double>(row) + 0.5) * side / static_cast<double>(rows), v.x, v.y, 0.5, 1.0, 0, 0);
+                     (static_cast<double>(row) + 0.5) * side / static_cast<double>(rows), v.x, v.y, 0.5, 1.0, 0, 0);
   }
   for (double& v : state.agents.column<VelocityX>()) v -= sum.x / static_cast<double>(n);
   for (double& v : state.agents.column<VelocityY>()) v -= sum.y / static_cast<double>(n);

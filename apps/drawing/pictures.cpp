@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numeric>
@@ -18,6 +19,7 @@
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/table.hpp"
 #include "gridlock/io/xyz.hpp"
+#include "gridlock/observe/observable.hpp"
 #include "gridlock/simulation/setup.hpp"
 #include "gridlock/workspace/result_files.hpp"
 #include "simulation/kind_names.hpp"
@@ -147,11 +149,12 @@ void draw_start(Artist& artist, Setup const& setup) {
   std::uint64_t const cells = setup.configuration.engine.cells.value_or(0);
   // A grid finer than the disks would hide them.
   bool const shows_grid = cells > 0 && cells <= 40;
-  artist.disks("start", disks_of(setup),
-               {.colouring = shows_grid ? Colouring::neighbourhood : Colouring::radius,
-                .columns = shows_grid ? cells : 0,
-                .rows = shows_grid ? cells : 0,
-                .title = fmt::format("start, φ = {:.4g}", covered_area(disks_of(setup).agents) / disks_of(setup).box.area())});
+  artist.disks(
+      "start", disks_of(setup),
+      {.colouring = shows_grid ? Colouring::neighbourhood : Colouring::radius,
+       .columns = shows_grid ? cells : 0,
+       .rows = shows_grid ? cells : 0,
+       .title = fmt::format("start, φ = {:.4g}", covered_area(disks_of(setup).agents) / disks_of(setup).box.area())});
 }
 
 /// The disks at the end, coloured by how far they have come.
@@ -227,8 +230,8 @@ void draw_run(Artist& artist, std::string const& colour) {
   }
   draw_start(artist, setup);
   // The paper's mark of jamming, of its rule between its walls.
-  bool const is_as_in_paper = disks_of(setup).box.edge() == Edge::wall &&
-                              !setup.configuration.kind().ends_within_steps(setup.configuration);
+  bool const is_as_in_paper =
+      disks_of(setup).box.edge() == Edge::wall && !setup.configuration.kind().ends_within_steps(setup.configuration);
   Plot displacement{.name = "displacement",
                     .title = "Mean displacement from the start",
                     .x = {.label = axis_label("time")},
@@ -312,18 +315,18 @@ std::vector<PlotCurve> curves_against(std::string const& axis, std::string const
   return curves;
 }
 
-/// What a sweep is drawn for: a few observables of disks; a model has few, none of them these, and all are drawn.
+/// What a sweep is drawn for: what the model itself observes, and a few observables that every model can have.
 std::vector<std::string> drawn_observables(Table const& means) {
-  std::vector<std::string> observables;
-  std::vector<std::string> all;
+  constexpr std::array headlines{"mean_displacement", "compressibility_factor", "wall_pressure", "collision_rate",
+                                 "halted_fraction"};
+  std::vector<ColumnInfo> const observed = observed_columns();
+  std::vector<std::string> drawn;
   for (std::string const& name : means.names()) {
-    if (means.contains(name + "_error")) all.push_back(name);
+    if (!means.contains(name + "_error")) continue;
+    bool const is_of_model = std::ranges::find(observed, name, &ColumnInfo::name) == observed.end();
+    if (is_of_model || std::ranges::find(headlines, name) != headlines.end()) drawn.push_back(name);
   }
-  for (char const* name :
-       {"mean_displacement", "compressibility_factor", "wall_pressure", "collision_rate", "halted_fraction"}) {
-    if (means.contains(name)) observables.emplace_back(name);
-  }
-  return observables.empty() ? all : observables;
+  return drawn;
 }
 
 /// How many runs stand behind a point.

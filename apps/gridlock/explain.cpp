@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,19 +15,18 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/nearest_name.hpp"
 #include "gridlock/simulation/configuration.hpp"
-#include "gridlock/simulation/simulate.hpp"
+#include "gridlock/simulation/run.hpp"
 #include "verbs.hpp"
 
 namespace gridlock::cli {
 
 namespace {
 
-/// What a run of disks writes to series.csv, between walls, where it measures most.
+/// What is written to series.csv: the clock of every run, and all observables.
 std::vector<ColumnInfo> measured_columns() {
-  Configuration configuration;
-  configuration.disks.count = 1;
-  configuration.run.steps = 0;
-  return simulate(set_up(configuration)).series_columns;
+  std::vector<ColumnInfo> columns = clock_columns();
+  std::ranges::move(observed_columns(), std::back_inserter(columns));
+  return columns;
 }
 
 std::string explained(ColumnInfo const& column) {

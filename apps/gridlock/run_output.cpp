@@ -75,11 +75,12 @@ bool is_headline(gridlock::NamedEstimate const& result) {
   return std::ranges::find(headlines, result.name) != std::end(headlines);
 }
 
-/// The headlines of the disks; a model has few results, none of them there, and all are shown.
+/// What the model itself observes, and the headlines of the rest.
 void print_results(gridlock::RunRecord const& record) {
-  bool const has_headlines = std::ranges::any_of(record.results, is_headline);
+  std::vector<gridlock::ColumnInfo> const observed = gridlock::observed_columns();
   for (gridlock::NamedEstimate const& result : record.results) {
-    if (!has_headlines || is_headline(result)) print_estimate(result);
+    bool const is_of_model = std::ranges::find(observed, result.name, &gridlock::ColumnInfo::name) == observed.end();
+    if (is_of_model || is_headline(result)) print_estimate(result);
   }
 }
 

@@ -113,9 +113,8 @@ class MeasurementsInProgress {
         Configuration configuration = timing_configuration(study, disks, k);
         key_ += to_toml(describing(configuration));
         Setup const setup = set_up(configuration);
-        measurements_.push_back({.start = disks_of(setup),
-                                 .engine = setup.configuration.engine,
-                                 .cost = {.disks = disks, .k = k}});
+        measurements_.push_back(
+            {.start = disks_of(setup), .engine = setup.configuration.engine, .cost = {.disks = disks, .k = k}});
       }
     }
     std::vector<Measurement> restored = measurements_;

@@ -29,7 +29,8 @@ void visit_kind(SettingVisitor& visitor, std::string& kind) {
   static std::string const documentation = [] {
     std::string text;
     for (EngineRecord const& record : registry()) {
-      text += fmt::format("{}\"{}\" {}", text.empty() ? "How the disks move: " : ", ", record.name, record.documentation);
+      text +=
+          fmt::format("{}\"{}\" {}", text.empty() ? "How the disks move: " : ", ", record.name, record.documentation);
     }
     return text + ".";
   }();

@@ -101,9 +101,10 @@ EngineRecord exact_record() {
           .has_time_step = false,
           .bytes_per_disk = 320.0,
           .bytes_per_disk_of_checkpoint = 139.0,
-          .uses = [](EngineSettings const& /*settings*/, std::string_view setting) {
-            return setting == "kind" || setting == "time_step" || setting == "speed" || setting == "audit_every";
-          },
+          .uses =
+              [](EngineSettings const& /*settings*/, std::string_view setting) {
+                return setting == "kind" || setting == "time_step" || setting == "speed" || setting == "audit_every";
+              },
           .cost_of_move = [](EngineSettings const& /*settings*/, State const& /*state*/) { return 1.0; },
           .make = [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
             return std::make_unique<ExactEngine>(settings, state);

@@ -176,9 +176,10 @@ EngineRecord tiled_record() {
           .uses_threads = true,
           .bytes_per_disk = 232.0,
           .bytes_per_disk_of_checkpoint = 19.0,
-          .uses = [](EngineSettings const& /*settings*/, std::string_view setting) {
-            return setting != "audit_every" && setting != "grid" && setting != "cells";
-          },
+          .uses =
+              [](EngineSettings const& /*settings*/, std::string_view setting) {
+                return setting != "audit_every" && setting != "grid" && setting != "cells";
+              },
           .cost_of_move = [](EngineSettings const& /*settings*/, State const& /*state*/) { return 1.0; },
           .make = [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
             return std::make_unique<TiledEngine>(settings, state);

@@ -12,12 +12,15 @@ namespace gridlock {
 
 // Pairs and neighbours of disks, on a grid of choice.
 
-inline PointsInBox centres(State const& state) { return {state.box, state.agents.column<X>(), state.agents.column<Y>()}; }
+inline PointsInBox centres(State const& state) {
+  return {state.box, state.agents.column<X>(), state.agents.column<Y>()};
+}
 
 /// A grid of all disks of a state, cut so that a 3×3 block holds every neighbour nearer than `cutoff`.
 template <NeighbourGrid Grid = PackedGrid>
 Grid grid_for_cutoff(State const& state, double cutoff) {
-  return {layout_for_cutoff(state.box, cutoff, state.agents.size()), state.agents.column<X>(), state.agents.column<Y>()};
+  return {layout_for_cutoff(state.box, cutoff, state.agents.size()), state.agents.column<X>(),
+          state.agents.column<Y>()};
 }
 
 /// As for_each_pair(PointsInBox, …): i > j are rows of the population.

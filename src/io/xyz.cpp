@@ -455,7 +455,7 @@ class XyzReader {
                    fmt::format("use ids below {}, or leave the column out", most_slots));
       }
       bool const is_new = frame_.state.agents.add_as(row.id, row.position.x, row.position.y, row.velocity.x,
-                                                    row.velocity.y, row.radius, row.mass, row.image_x, row.image_y);
+                                                     row.velocity.y, row.radius, row.mass, row.image_x, row.image_y);
       if (!is_new) refuse_row(row, fmt::format("the id {} is given twice", row.id), "");
       last = &row;
     }

@@ -1,9 +1,11 @@
 #include "gridlock/observe/observable.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
+#include "gridlock/core/state.hpp"
 #include "gridlock/observe/bond_orientation.hpp"
 #include "gridlock/observe/displacement.hpp"
 #include "gridlock/observe/energy.hpp"
@@ -77,6 +79,17 @@ std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const&
   });
   for (auto const& observable : observables) observable->begin(start);
   return observables;
+}
+
+std::vector<ColumnInfo> observed_columns() {
+  State state{.box = Box(1.0, 1.0, Edge::wall), .agents = {}, .clock = {}, .seed = 0};
+  state.agents.add(0.5, 0.5, 1.0, 0.0, 0.1, 1.0, 0, 0);
+  Counters const counters;
+  std::vector<ColumnInfo> columns;
+  for (auto const& observable : make_observables({}, {state, counters})) {
+    std::ranges::move(observable->columns(), std::back_inserter(columns));
+  }
+  return columns;
 }
 
 }  // namespace gridlock

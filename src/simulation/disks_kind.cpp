@@ -206,7 +206,6 @@ bool can_collide(State const& state) {
   return false;
 }
 
-
 /// Refuses a run whose disks never collide, where nothing else ends it.
 void require_collisions(RunSettings const& run, State const& state) {
   if (run.steps || run.time || can_collide(state)) return;
@@ -274,9 +273,10 @@ class DisksKind final : public ModelKind {
     auto const disks = static_cast<double>(configuration.disks.count.value_or(0));
     auto const cells = static_cast<double>(configuration.engine.cells.value_or(0));
     double const bytes_per_cell = engine_record(configuration.engine.kind).bytes_per_cell;
-    return {{fmt::format("{:.0f} disks", disks), "disks.count", bytes_per_disk(configuration) * disks, "use fewer disks"},
-            {fmt::format("a grid of {0:.0f} × {0:.0f} cells", cells), "engine.cells", bytes_per_cell * cells * cells,
-             "leave engine.cells out, or use fewer"}};
+    return {
+        {fmt::format("{:.0f} disks", disks), "disks.count", bytes_per_disk(configuration) * disks, "use fewer disks"},
+        {fmt::format("a grid of {0:.0f} × {0:.0f} cells", cells), "engine.cells", bytes_per_cell * cells * cells,
+         "leave engine.cells out, or use fewer"}};
   }
   [[nodiscard]] double expected_bytes(Configuration const& configuration, std::size_t /*agents*/) const override {
     double bytes = 0.0;

@@ -23,7 +23,8 @@ double patience_for(State const& state);
 /// How long it has waited is not serialized: a run that is resumed waits anew, and only one that fails depends on it.
 class PatientEngine final : public EngineFor<HardDisks> {
  public:
-  PatientEngine(std::unique_ptr<EngineFor<HardDisks>> engine, double patience) : engine_(std::move(engine)), patience_(patience) {}
+  PatientEngine(std::unique_ptr<EngineFor<HardDisks>> engine, double patience)
+      : engine_(std::move(engine)), patience_(patience) {}
 
   /// Errors: RunFailure also where no collision comes for that long.
   void advance(State& state, Counters& counters, StopCondition const& stop_condition) override;

@@ -27,6 +27,10 @@ char const* to_text(RunStatus status) {
   return "failed";
 }
 
+std::vector<ColumnInfo> clock_columns() {
+  return {{"step", "", "Whole time steps since the clock was started."}, {"time", "time", "Physical time."}};
+}
+
 void serialize(Archive& archive, Extent& extent) {
   archive.visit("steps", extent.steps);
   archive.visit("time", extent.time);
@@ -38,7 +42,7 @@ Run::Run(Simulation& simulation, RunPlan const& plan)
       plan_(plan),
       rate_limiter_(plan.seconds_per_look),
       first_(simulation.clock()),
-      columns_{{"step", "", "Whole time steps since the clock was started."}, {"time", "time", "Physical time."}} {
+      columns_(clock_columns()) {
   if (std::isfinite(plan_.stop_condition.time))
     require_countable_end(plan_.stop_condition.time, simulation_.time_step());
   std::ranges::move(simulation_.columns(), std::back_inserter(columns_));

@@ -36,7 +36,7 @@ std::string state_hash_of(Outcome const& outcome) {
 TEST(OwnProgram, ChecksRunsShowsAndExportsItsModel) {
   Workplace const workplace;
   write(workplace / "town.toml", schelling_toml);
-  expect_says(own(workplace.path(), {"check", "town.toml"}), "model schelling: 100 agents");
+  expect_says(own(workplace.path(), {"check", "town.toml"}), "100 agents, periodic box 1 × 1, model schelling");
   expect_says(own(workplace.path(), {"run", "town.toml", "--set", "trajectory.every=20", "--pictures", "-o", "town"}),
               "finished 40 steps of 100 agents");
   EXPECT_TRUE(fs::exists(workplace / "town/left.svg"));

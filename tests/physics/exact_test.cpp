@@ -61,8 +61,8 @@ State maxwellian_between_walls(std::uint64_t columns, std::uint64_t rows, double
   for (std::uint64_t i = 0; i < columns * rows; ++i) {
     RandomStream random(13, 0, i, Purpose::start_velocity);
     state.agents.add((static_cast<double>(i % columns) + 0.5) * spacing,
-                    (static_cast<double>(i / columns) + 0.5) * spacing, random.normal(), random.normal(), 0.5, 1.0, 0,
-                    0);
+                     (static_cast<double>(i / columns) + 0.5) * spacing, random.normal(), random.normal(), 0.5, 1.0, 0,
+                     0);
   }
   return state;
 }
@@ -349,7 +349,7 @@ TEST(ExactPhysics, DiluteDisksDiffuseAsKineticTheorySays) {
     std::vector<Vector> places;
     for (std::size_t i = 0; i < state.agents.size(); ++i) {
       places.push_back(position(state.agents, i) + Vector{state.agents.column<ImageX>()[i] * state.box.width(),
-                                                         state.agents.column<ImageY>()[i] * state.box.height()});
+                                                          state.agents.column<ImageY>()[i] * state.box.height()});
     }
     return places;
   };

@@ -199,7 +199,7 @@ TEST_P(ExactProperty, DependsOnlyOnIdsNotOnRows) {
     std::size_t const i = (n * 11 + 3) % ordered.agents.size();  // 11 divides none of the numbers of disks
     Disks const& d = ordered.agents;
     ASSERT_TRUE(shuffled.agents.add_as(d.ids()[i], d.column<X>()[i], d.column<Y>()[i], d.column<VelocityX>()[i],
-                                      d.column<VelocityY>()[i], d.column<Radius>()[i], d.column<Mass>()[i], 0, 0));
+                                       d.column<VelocityY>()[i], d.column<Radius>()[i], d.column<Mass>()[i], 0, 0));
   }
   State a = ordered;
   State b = shuffled;
@@ -217,7 +217,7 @@ TEST(ExactManyDisks, KeepTheirDistanceAndTheirBitsHoweverTheRunIsCut) {
     RandomStream random(1, 0, i, Purpose::start_velocity);
     Vector const v = random.in_unit_disk();
     state.agents.add((static_cast<double>(i % 150) + 0.5) * 1.2, (static_cast<double>(i / 150) + 0.5) * 160.0 / 140.0,
-                    v.x, v.y, 0.5, 1.0, 0, 0);
+                     v.x, v.y, 0.5, 1.0, 0, 0);
   }
   State cut = state;
   Counters counters;

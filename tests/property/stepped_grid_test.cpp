@@ -180,7 +180,7 @@ TEST(SteppedRows, TheOrderOfTheRowsDoesNotMatter) {
     Vector const p = position(plain.agents, row);
     Vector const v = velocity(plain.agents, row);
     ASSERT_TRUE(reversed.agents.add_as(plain.agents.ids()[row], p.x, p.y, v.x, v.y, plain.agents.column<Radius>()[row],
-                                      plain.agents.column<Mass>()[row], 0, 0));
+                                       plain.agents.column<Mass>()[row], 0, 0));
   }
   State forward = plain;
   Counters counters;

@@ -104,8 +104,8 @@ State with_rows_shuffled(State const& state, std::uint64_t seed) {
   Disks const& d = state.agents;
   for (std::size_t const i : rows) {
     EXPECT_TRUE(shuffled.agents.add_as(d.ids()[i], d.column<X>()[i], d.column<Y>()[i], d.column<VelocityX>()[i],
-                                      d.column<VelocityY>()[i], d.column<Radius>()[i], d.column<Mass>()[i],
-                                      d.column<ImageX>()[i], d.column<ImageY>()[i]));
+                                       d.column<VelocityY>()[i], d.column<Radius>()[i], d.column<Mass>()[i],
+                                       d.column<ImageX>()[i], d.column<ImageY>()[i]));
   }
   return shuffled;
 }

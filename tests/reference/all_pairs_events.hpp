@@ -96,7 +96,8 @@ class AllPairsEvents {
     for (std::size_t i = 0; i < state.agents.size(); ++i) {
       int crossed_x = 0;
       int crossed_y = 0;
-      Vector const p = state.box.wrap(position(state.agents, i) + time * velocity(state.agents, i), crossed_x, crossed_y);
+      Vector const p =
+          state.box.wrap(position(state.agents, i) + time * velocity(state.agents, i), crossed_x, crossed_y);
       state.agents.column<X>()[i] = p.x;
       state.agents.column<Y>()[i] = p.y;
       state.agents.column<ImageX>()[i] += crossed_x;

@@ -20,7 +20,8 @@ namespace gridlock {
 class AgentsView {
  public:
   template <class... Columns>
-  AgentsView(Population<Columns...> const& agents)  // NOLINT(google-explicit-constructor): what takes a view takes agents
+  AgentsView(
+      Population<Columns...> const& agents)  // NOLINT(google-explicit-constructor): what takes a view takes agents
       : ids_(agents.ids()), columns_{{Columns::name, agents.template column<Columns>()}...} {}
 
   [[nodiscard]] std::size_t size() const { return ids_.size(); }

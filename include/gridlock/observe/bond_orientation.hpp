@@ -46,9 +46,7 @@ class BondOrientation final : public AveragingObservable {
  public:
   explicit BondOrientation(std::uint64_t every) : schedule_(every) {}
 
-  [[nodiscard]] Requirements requirements(Box const& /*box*/) const override {
-    return {.columns = {X::name, Y::name}};
-  }
+  [[nodiscard]] Requirements requirements(Box const& /*box*/) const override { return {.columns = {X::name, Y::name}}; }
   void begin(Snapshot const& start) override;
   void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override;
   void serialize(Archive& archive) override;

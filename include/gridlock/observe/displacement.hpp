@@ -59,7 +59,7 @@ class Displacement final : public Observable {
   std::vector<Site> sites_;
   std::array<Block, agent_blocks> length_{};          ///< Σ |u| of the last sample, in units of the side
   std::array<Block, agent_blocks> squared_length_{};  ///< Σ u² of the last sample
-  Block centre_;                                     ///< |Σ u| of the last sample, in units of the side
+  Block centre_;                                      ///< |Σ u| of the last sample, in units of the side
 };
 
 }  // namespace gridlock

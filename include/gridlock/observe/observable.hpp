@@ -125,4 +125,7 @@ struct DynamicsTraits {
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
                                                           DynamicsTraits const& dynamics = {});
 
+/// The columns of all of them, as they are for disks between walls, where most is measured.
+std::vector<ColumnInfo> observed_columns();
+
 }  // namespace gridlock

@@ -42,9 +42,7 @@ class PairCorrelation final : public Observable {
   PairCorrelation(std::uint64_t every, double range, std::uint64_t bins)
       : schedule_(every), range_(range), bins_(bins) {}
 
-  [[nodiscard]] Requirements requirements(Box const& /*box*/) const override {
-    return {.columns = {X::name, Y::name}};
-  }
+  [[nodiscard]] Requirements requirements(Box const& /*box*/) const override { return {.columns = {X::name, Y::name}}; }
   [[nodiscard]] std::vector<ColumnInfo> columns() const override { return {}; }
   void begin(Snapshot const& start) override;
   void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override;

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "gridlock/core/vector.hpp"
 #include "gridlock/core/disks.hpp"
+#include "gridlock/core/vector.hpp"
 #include "gridlock/observe/block_average.hpp"
 #include "gridlock/observe/id_index.hpp"
 #include "gridlock/observe/observable.hpp"

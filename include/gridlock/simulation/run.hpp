@@ -72,6 +72,9 @@ class Writer {
   virtual void serialize(Archive& archive) = 0;
 };
 
+/// The columns of every series: step and time.
+std::vector<ColumnInfo> clock_columns();
+
 /// How far a simulation runs, and how often it is sampled and reported.
 struct RunPlan {
   StopCondition stop_condition;

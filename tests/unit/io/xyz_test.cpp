@@ -31,9 +31,9 @@ State state_of(std::size_t count, std::uint64_t seed, Edge edge) {
   state.seed = random.bits();
   for (std::size_t i = 0; i < count; ++i) {
     state.agents.add(random.uniform() * state.box.width(), random.uniform() * state.box.height(), random.normal(),
-                    1e-200 * random.normal(), 1e-3 * (1.0 + static_cast<double>(random.below(3))),
-                    1.0 + random.uniform(), static_cast<std::int32_t>(random.bits()),
-                    static_cast<std::int32_t>(random.bits()));
+                     1e-200 * random.normal(), 1e-3 * (1.0 + static_cast<double>(random.below(3))),
+                     1.0 + random.uniform(), static_cast<std::int32_t>(random.bits()),
+                     static_cast<std::int32_t>(random.bits()));
   }
   return state;
 }
@@ -83,7 +83,7 @@ TEST(Xyz, ReadsBackZerosWithASignAndNumbersAtTheEndsOfTheRange) {
   State state;
   double const largest = std::numeric_limits<double>::max();
   state.agents.add(-0.0, 5e-324, largest, -largest, std::numeric_limits<double>::min(), largest,
-                  std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max());
+                   std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max());
   EXPECT_EQ(hash(written_and_read(state)), hash(state));
 }
 

@@ -93,7 +93,8 @@ TEST(ModelSimulation, AveragesEveryObservationUnderItsNameAlsoWhereItResumes) {
   gridlock::Run run(whole, plan);
   run.go_on();
   // At steps 1 to 4 the last one is at 1.5, 2, 2.5 and 3, the first one is 2 ahead of it.
-  EXPECT_EQ(told_of(whole), "agents 3.000000, least_x 2.250000, most_x 4.250000, mean_displacement 0.447214, "
+  EXPECT_EQ(told_of(whole),
+            "agents 3.000000, least_x 2.250000, most_x 4.250000, mean_displacement 0.447214, "
             "mean_squared_displacement 4.000000, centre_displacement 0.447214, global_bond_orientation_order 1.000000, "
             "local_bond_orientation_order 1.000000, steps 12, rests 0, ");
   ModelSimulation<Walkers> begun({}, box, 1);

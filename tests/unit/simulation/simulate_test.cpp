@@ -9,8 +9,8 @@
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/workspace/sweep.hpp"
-#include "unit/io/temporary_directory.hpp"
 #include "simulation/patient_engine.hpp"
+#include "unit/io/temporary_directory.hpp"
 
 namespace {
 

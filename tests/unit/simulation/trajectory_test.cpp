@@ -102,10 +102,12 @@ TEST(Trajectory, OfARunThatWasInterruptedIsTheSame) {
 TEST(Trajectory, OfAnotherRunIsNotContinued) {
   TemporaryDirectory const directory;
   Configuration configuration = setup_with_frames().configuration;
-  run_in(directory.path(), set_up(configuration), {.on_progress = [](Progress const&) { return false; }, .on_note = {}, .threads = {}});
+  run_in(directory.path(), set_up(configuration),
+         {.on_progress = [](Progress const&) { return false; }, .on_note = {}, .threads = {}});
   TemporaryDirectory const other;
   configuration.run.seed = 2;
-  run_in(other.path(), set_up(configuration), {.on_progress = [](Progress const&) { return false; }, .on_note = {}, .threads = {}});
+  run_in(other.path(), set_up(configuration),
+         {.on_progress = [](Progress const&) { return false; }, .on_note = {}, .threads = {}});
   std::filesystem::copy_file(other / "trajectory.h5", directory / "trajectory.h5",
                              std::filesystem::copy_options::overwrite_existing);
   for (auto const& entry : std::filesystem::directory_iterator(directory.path())) {

@@ -86,8 +86,8 @@ TEST_P(Interrupted, ResumedAfterEveryChunkItEndsWithTheSameBitsAsARunNeverInterr
   Configuration const configuration = configuration_of(GetParam());
   RunRecord const whole = run_in(directory / "whole", set_up(configuration));
   ASSERT_EQ(whole.status, RunStatus::finished);
-  RunRecord record =
-      run_in(directory / "parts", set_up(configuration), {.on_progress = stopping_after(1), .on_note = {}, .threads = {}});
+  RunRecord record = run_in(directory / "parts", set_up(configuration),
+                            {.on_progress = stopping_after(1), .on_note = {}, .threads = {}});
   int interruptions = 0;
   while (record.status == RunStatus::interrupted && ++interruptions < 100) {
     record = resume_in(directory / "parts", {.on_progress = stopping_after(1), .on_note = {}, .threads = {}});

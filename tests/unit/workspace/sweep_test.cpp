@@ -271,7 +271,8 @@ TEST_F(SweepDirectory, AnInterruptedRunResumesOnAnotherNumberOfThreads) {
   std::string const long_run = "disks.count = 100\nrun.steps = 400\nobserve.every = 10\nengine.kind = \"tiled\"\n";
   std::uint64_t const whole = run_in(place_ / "whole", set_up(SettingsFile::from_text(long_run, "whole"))).state_hash;
   fs::path const runs = place_ / "runs";
-  run_in(runs / "seed=1", set_up(SettingsFile::from_text(long_run + "run.seed = 1\nengine.threads = 7\n", "part")), {.on_progress = [](Progress const& progress) { return progress.steps < 100; }});
+  run_in(runs / "seed=1", set_up(SettingsFile::from_text(long_run + "run.seed = 1\nengine.threads = 7\n", "part")),
+         {.on_progress = [](Progress const& progress) { return progress.steps < 100; }});
   write_file(place_ / "plan.json", "{}");
   EXPECT_EQ(sweep(long_run + "[sweep]\nrun.seed = [1]\n").failures, 0U);
   EXPECT_EQ(read_summary(runs / "seed=1")->state_hash, whole);
