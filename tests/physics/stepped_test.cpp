@@ -94,7 +94,7 @@ TEST_P(SteppedPhysics, TheVirialChangesByFlightPairsAndWallsToTheLastDigits) {
     constexpr std::uint64_t steps = 1000;
     engine->advance(state, counters, {.step = steps});
     for (std::uint64_t step = 0; step < steps; ++step) rule.step();
-    ASSERT_EQ(position(state.agents, 7), (Vector{rule.agents[7].x, rule.agents[7].y})) << "not the same trajectory";
+    ASSERT_EQ(position(state.agents, 7), (Vector{rule.disks[7].x, rule.disks[7].y})) << "not the same trajectory";
     double const change = rule.flight_virial + counters.pair_virial + rule.wall_virial;
     EXPECT_NEAR(rule.virial() - before, change, 1e-12 * rule.flight_virial);
     EXPECT_GT(rule.flight_virial, 100.0) << "nothing happened";
