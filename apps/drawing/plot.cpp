@@ -185,7 +185,7 @@ PixelSize png_size(std::filesystem::path const& file) {
   };
   if (bytes.size() < 24 || std::string_view(bytes).substr(0, signature.size()) != signature || number_at(16) == 0 ||
       number_at(20) == 0) {
-    throw RunFailure(fmt::format("{} cannot be laid into a plot: it is no PNG", file.string()));
+    throw RunFailure(fmt::format("{} cannot be put into a plot: it is not a PNG file", file.string()));
   }
   return {number_at(16), number_at(20)};
 }

@@ -87,7 +87,7 @@ ExitCode check(ConfigurationOptions const& options) {
   } else {
     check_all(gridlock::plan_sweep(settings));
   }
-  fmt::print("{} is good\n", options.file);
+  fmt::print("{} can be run\n", options.file);
   return ExitCode::good;
 }
 

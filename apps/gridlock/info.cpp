@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 nlohmann::ordered_json read_summary(fs::path const& path) {
   auto summary = nlohmann::ordered_json::parse(gridlock::read_file(path), nullptr, false);
   if (!summary.is_object() || !summary.contains("state_hash")) {
-    throw gridlock::Error({.what = summary.is_discarded() ? "this is no JSON" : "this is no summary of a run",
+    throw gridlock::Error({.what = summary.is_discarded() ? "this is not JSON" : "this is not the summary of a run",
                            .hint = "the file was changed or cut off; run again",
                            .file = path.string()});
   }
@@ -106,7 +106,7 @@ void print_unfinished_run(fs::path const& directory) {
   std::size_t const start = end == std::string::npos ? 0 : log.rfind('\n', end) + 1;
   fmt::print("a run of gridlock in {} without results yet; the last line of its log is\n  {}\n", directory.string(),
              log.substr(start, end + 1 - start));
-  fmt::print("{} resume {} goes on where no process works on it\n", program_name(), directory.string());
+  fmt::print("continue with: {} resume {}, unless a process is working on it\n", program_name(), directory.string());
 }
 
 ExitCode info(fs::path const& path) {

@@ -38,7 +38,7 @@ std::optional<gridlock::Shard> shard_of(std::string const& text) {
   bool const is_read = slash != std::string::npos && read(std::string_view(text).substr(0, slash), shard.number) &&
                        read(std::string_view(text).substr(slash + 1), shard.count);
   if (!is_read || shard.number < 1 || shard.number > shard.count) {
-    throw gridlock::Error({.what = fmt::format("\"{}\" is no shard", text),
+    throw gridlock::Error({.what = fmt::format("\"{}\" is not a shard", text),
                            .hint = "--shard 2/8 is the second of eight parts",
                            .key = "--shard"});
   }
@@ -100,7 +100,7 @@ ExitCode sweep(SweepOptions const& options) {
         result.failures, plan.runs.size());
   }
   if (result.interruptions > 0) {
-    fmt::print(stderr, "{} of {} runs were stopped early; the same command{} goes on with them in {}\n",
+    fmt::print(stderr, "{} of {} runs were stopped early; the same command{} continues them in {}\n",
                result.interruptions, plan.runs.size(), options.output.overwrites ? " without --overwrite" : "",
                directory.string());
   }

@@ -136,7 +136,7 @@ Problem usage_problem(CLI::App const& app, CLI::ParseError const& error, std::st
   if (!extras.empty())
     return is_option(extras.front()) ? unknown_option(verb, extras) : extra_word(verb, extras.front());
   if (!app.remaining().empty()) {
-    return {.what = fmt::format("\"{}\" stands before the verb", app.remaining().front()),
+    return {.what = fmt::format("\"{}\" comes before the verb", app.remaining().front()),
             .hint = fmt::format("options come after it: {} {}", command(verb), app.remaining().front())};
   }
   if (dynamic_cast<CLI::ArgumentMismatch const*>(&error) != nullptr) return wrong_number_of_values(verb, error.what());

@@ -120,7 +120,7 @@ void serialize(Archive& archive, StudyOutcome& outcome) {
 SiteList square_sites_to_walls(double side, std::uint64_t count, double radius) {
   auto const rows = static_cast<std::uint64_t>(std::llround(std::sqrt(static_cast<double>(count))));
   if (rows * rows != count || rows < 2) {
-    throw Error({.what = fmt::format("{} disks are no square of at least two rows", count),
+    throw Error({.what = fmt::format("{} is not the square of a number of rows, at least 2", count),
                  .hint = "use a square number, such as the paper's 841",
                  .key = "disks.count"});
   }

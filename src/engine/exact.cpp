@@ -57,7 +57,7 @@ void require_room_between_walls(State const& state, double rounding) {
     if (!is_stuck_in_x && !is_stuck_in_y) continue;
     throw Error(
         {.what = fmt::format("disk {} of diameter {} touches two opposite walls of the box of {} × {} and moves "
-                             "({}, {}): it would bounce without end and time would stand still",
+                             "({}, {}): it would bounce without end while no time passes",
                              state.agents.ids()[i], diameter, state.box.width(), state.box.height(), v.x, v.y),
          .hint = "use a larger box or a smaller disk, or let it move along the walls only",
          .key = "disks"});
@@ -149,7 +149,7 @@ void ExactEngine::advance(State& state, Counters& counters, StopCondition const&
   bool const ends_by_collisions_only =
       stop_condition.step == StopCondition{}.step && !std::isfinite(stop_condition.time);
   if (ends_by_collisions_only && !dynamics_->can_collide()) {
-    throw RunFailure("no two disks can ever collide, so the collisions asked for would be waited for forever");
+    throw RunFailure("no two disks can ever collide, so the collisions asked for would never come");
   }
   while (!stop_condition.is_reached(state.clock, counters.pair_collisions)) {
     double const target = std::min(next_step_time_, stop_condition.time);

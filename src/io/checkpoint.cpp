@@ -267,7 +267,7 @@ void save_in_parts(SerializeAll const& serialize, Take take) {
 /// What follows the header, once header and checksum have been found right.
 std::string_view payload_of(std::string_view bytes, std::string const& name) {
   if (bytes.size() < header_size || !bytes.starts_with(magic)) {
-    refuse(name, "it is no checkpoint, or only the beginning of one", "");
+    refuse(name, "it is not a checkpoint, or only the beginning of one", "");
   }
   std::uint32_t version = 0;
   std::memcpy(&version, bytes.data() + magic.size(), sizeof version);

@@ -90,7 +90,7 @@ void collect_lists(TomlValue const& table, std::string const& prefix, std::strin
     if (member.is_table()) {
       collect_lists(member, key, outer, lists, problems);
     } else if (!is_usable_key(key)) {
-      report(member.key_location, fmt::format("{} in [{}] is no setting", in_quotes(key), outer),
+      report(member.key_location, fmt::format("{} in [{}] is not a setting", in_quotes(key), outer),
              "write dotted keys, as in disks.packing_fraction = [0.5, 0.6]");
     } else if (member.kind != Kind::array) {
       report(member.location, fmt::format("{} in [{}] is {}, but must be a list", key, outer, in_words(member)),
@@ -153,7 +153,7 @@ void SettingsFile::set(std::string_view assignment) {
 
 void SettingsFile::set(std::string_view key, std::string_view value, SettingLocation const& where) {
   if (!is_usable_key(key)) {
-    throw Error(problem_at(where, "", fmt::format("{} is no key of a setting", in_quotes(key)),
+    throw Error(problem_at(where, "", fmt::format("{} is not the key of a setting", in_quotes(key)),
                            "write the table, a dot and the setting, as in disks.packing_fraction"));
   }
   TomlValue* table = &content_->root;

@@ -144,7 +144,8 @@ std::string hint_for(std::string_view description) {
   if (description.find("parsing floating-point") != std::string_view::npos) {
     return "numbers have a digit on both sides of the point: 0.5, 1.0, 5e-3";
   }
-  if (description.find("parsing string") != std::string_view::npos) return "text stands between two quotes on one line";
+  if (description.find("parsing string") != std::string_view::npos)
+    return "a text is written between two quotes, on one line";
   return "settings are lines of TOML, as in count = 841 under [disks]";
 }
 
@@ -182,7 +183,7 @@ TomlValue parse_toml(std::string_view text, std::string const& file) {
     return convert(toml::parse(text, file), lines, 0);
   } catch (toml::parse_error const& error) {
     SettingLocation const where = lines.at(error.source().begin);
-    throw Error(Problem{.what = fmt::format("this is no TOML: {}", error.description()),
+    throw Error(Problem{.what = fmt::format("this is not TOML: {}", error.description()),
                         .hint = hint_for(error.description()),
                         .file = where.file,
                         .line = where.line,

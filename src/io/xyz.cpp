@@ -434,7 +434,7 @@ class XyzReader {
       split(line_, words);
       if (words.empty()) continue;
       bool const is_count = words.size() == 1 && parse_number<std::uint64_t>(words[0].text);
-      refuse(fmt::format("the file goes on after its {} disks", count),
+      refuse(fmt::format("the file continues after its {} disks", count),
              is_count ? "it holds more than one frame: keep the one to start from" : "is the first line wrong?", 1);
     }
   }

@@ -83,12 +83,11 @@ void describe(DisksSettings& settings, SettingVisitor& visitor) {
                  .most = most_magnitude,
                  .default_note = "from disks.packing_fraction"},
                 settings.radius);
-  visit_enum(
-      visitor,
-      {.key = "start",
-       .documentation = "Where the disks stand at first: on a square or triangular lattice fitted to the box, at "
-                        "random without overlap, or as a file says."},
-      starts, settings.start);
+  visit_enum(visitor,
+             {.key = "start",
+              .documentation = "Where the disks start: on a square or triangular lattice fitted to the box, at "
+                               "random without overlap, or as a file says."},
+             starts, settings.start);
   visitor.visit({.key = "file",
                  .documentation = "Extended XYZ file to start from, relative to the configuration; implies start = "
                                   "\"file\", and box, radii and velocities come from it.",
@@ -96,7 +95,7 @@ void describe(DisksSettings& settings, SettingVisitor& visitor) {
                 settings.file);
   visitor.visit_tables(
       {.key = "species",
-       .documentation = "The kinds of disk in a mixture, dealt out at random.",
+       .documentation = "The kinds of disks in a mixture, assigned at random.",
        .default_note = "equal disks of mass 1"},
       settings.species.size(), [&](std::size_t count) { settings.species.resize(count); },
       [&](std::size_t k, SettingVisitor& inner) { describe(settings.species[k], inner); });

@@ -158,7 +158,7 @@ Error too_large_for_lattice(DisksSettings const& settings, Box const& box, Kinds
     hint += fmt::format(", or disks.start = \"{}\", which reaches {}", is_square ? "triangular" : "square",
                         size_in_words(settings, box, kinds, largest_on_other));
   }
-  return Error({.what = fmt::format("{} {} of packing fraction {:.6g} (radius {:.6g}) cannot stand on a {} lattice in "
+  return Error({.what = fmt::format("{} {} of packing fraction {:.6g} (radius {:.6g}) do not fit on a {} lattice in "
                                     "this box: the largest is {} (radius {})",
                                     count, count == 1 ? "disk" : "disks", packing_fraction_for(radius, box, kinds),
                                     radius, is_square ? "square" : "triangular",

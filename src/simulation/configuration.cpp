@@ -71,7 +71,7 @@ void describe(CheckpointSettings& settings, SettingVisitor& visitor) {
   visitor.visit(
       {.key = "every_seconds",
        .unit = "s of real time",
-       .documentation = "How often a run saves itself, so that gridlock resume can go on from there; 0 for never.",
+       .documentation = "How often a run saves itself, so that gridlock resume can continue from there; 0 for never.",
        .least = 0.0},
       settings.every_seconds);
   visitor.visit({.key = "every_steps",

@@ -74,7 +74,7 @@ void take_sizes(State& state, bool has_radii, DisksSettings& settings) {
                    .key = "disks.file"});
     }
     if (!settings.species.empty()) {
-      throw Error({.what = "the start file has no radii, and species are dealt to lattice and random starts only",
+      throw Error({.what = "the start file has no radii, and species are assigned in lattice and random starts only",
                    .hint = "add columns radius:R:1 and masses:R:1 to the file, or leave disks.species out",
                    .key = "disks.species"});
     }

@@ -21,7 +21,7 @@ constexpr double most_steps = 9007199254740992.0;
 
 std::uint64_t whole_steps(double steps) {
   if (steps >= 0.0 && steps <= most_steps && steps == std::floor(steps)) return static_cast<std::uint64_t>(steps);
-  throw Error({.what = fmt::format("{} is no number of steps", steps),
+  throw Error({.what = fmt::format("{} is not a number of steps", steps),
                .hint = "use whole numbers, 0 or above",
                .key = "trajectory.steps"});
 }
@@ -30,7 +30,7 @@ std::uint64_t steps_until(double time, double time_step) {
   // A time meant as a multiple of the step must not miss it for a rounding.
   double const steps = std::ceil(time / time_step * (1.0 - 1e-12));
   if (time >= 0.0 && steps <= most_steps) return static_cast<std::uint64_t>(steps);
-  throw Error({.what = fmt::format("{} is no time a run of steps of {} reaches", time, time_step),
+  throw Error({.what = fmt::format("{} is not a time that a run with steps of {} reaches", time, time_step),
                .hint = "use times after the start of the run, 0 or above",
                .key = "trajectory.times"});
 }

@@ -202,7 +202,7 @@ class RunInDirectory {
     if (trajectory_ && last_stop) trajectory_->restore(simulation_, first_step, *last_stop);
     if (restored->note.empty()) saved_at_ = simulation_.clock();
     if (!restored->note.empty()) log_.warn(fmt::format("{}; going back to the previous one", restored->note));
-    log_.info(fmt::format("gridlock {} goes on from step {} of {}", version(), simulation_.clock().step,
+    log_.info(fmt::format("gridlock {} continues from step {} of {}", version(), simulation_.clock().step,
                           restored->file.filename().string()));
   }
 
@@ -377,7 +377,7 @@ void set_length(SettingsFile& file, RunLength const& length) {
                                      directory.string())});
   }
   throw Error(
-      {.what = fmt::format("the run in {} is finished and kept no checkpoint to go on from", directory.string()),
+      {.what = fmt::format("the run in {} is finished and kept no checkpoint to continue from", directory.string()),
        .hint = fmt::format("run {} in another directory with a longer run.steps",
                            (directory / configuration_name).string())});
 }
@@ -436,7 +436,7 @@ void open_run_directory(std::filesystem::path const& directory, bool overwrites)
                                std::filesystem::exists(directory / configuration_name, ignored);
     throw Error({.what = fmt::format("{} holds {} already", directory.string(), is_unfinished ? "a run" : "results"),
                  .hint = is_unfinished
-                             ? "go on with it by gridlock resume, name another directory with -o, or add --overwrite"
+                             ? "continue it with gridlock resume, name another directory with -o, or add --overwrite"
                              : "name another directory with -o, or add --overwrite",
                  .key = "-o"});
   }

@@ -138,7 +138,7 @@ std::vector<Mistake> const mistakes_in_settings{
      {"1e-60", "velocity"}},
     {"DiskThatFillsItsBox",
      "[disks]\ncount = 1\npacking_fraction = 0.7853981633974483\n[engine]\nkind = \"exact\"\n",
-     {"disk 0", "two opposite walls", "time would stand still"}},
+     {"disk 0", "two opposite walls", "while no time passes"}},
     {"FractionsBelowOne",
      "[disks]\nspecies = [{fraction = 0.5}, {fraction = 0.2, size_ratio = 1.4}]\n",
      {"0.7", "bad.toml:2", "fraction"}},

@@ -100,7 +100,7 @@ TEST(Sweep, RefusesAShardThatIsNone) {
   for (char const* shard : {"0/2", "3/2", "1", "a/b", "1/0", "1/2/3"}) {
     Outcome const outcome = in(workplace.path(), {"sweep", "s.toml", "-o", "out", "--shard", shard});
     EXPECT_EQ(outcome.exit_code, 2) << shard;
-    EXPECT_NE(outcome.err.find("is no shard"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("is not a shard"), std::string::npos) << outcome.err;
   }
   EXPECT_FALSE(fs::exists(workplace / "out"));
 }

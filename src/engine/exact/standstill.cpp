@@ -45,12 +45,12 @@ void Dynamics::require_time_to_pass() {
     }
     MovingDisk const& disk = disks_[most_hit];
     if (passed * speed < most_hits * least_displacement) {
-      throw RunFailure(fmt::format(
-          "time {}: time stands still: disk {} at ({:.6g}, {:.6g}) was hit {} times in a time of {:.3g}, for it "
-          "is in contact on all sides and has no free way\n  hint: give the disks more room, by a lower "
-          "packing fraction or a larger box",
-          last_event(), id_of(most_hit), disk.x + disk.velocity_x * now_, disk.y + disk.velocity_y * now_, most_hits,
-          passed));
+      throw RunFailure(
+          fmt::format("time {}: no time passes: disk {} at ({:.6g}, {:.6g}) was hit {} times in a time of {:.3g}: it "
+                      "is in contact on all sides and cannot move\n  hint: give the disks more space, by a lower "
+                      "packing fraction or a larger box",
+                      last_event(), id_of(most_hit), disk.x + disk.velocity_x * now_, disk.y + disk.velocity_y * now_,
+                      most_hits, passed));
     }
   }
   bool const is_suspicious = passed * speed < static_cast<double>(watch_.looks * events_per_look) * least_displacement;

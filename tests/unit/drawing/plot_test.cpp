@@ -269,7 +269,7 @@ TEST(Plot, LaysAPngIntoThePictureWithItsShapeKept) {
   EXPECT_TRUE(failure_of([&] {
                 plot.insets.at(0).file = "series.csv";
                 draw_plot(plot, directory.path());
-              }).find("no PNG") != std::string::npos);
+              }).find("not a PNG") != std::string::npos);
 }
 
 TEST(Plot, CanBeDrawnAgainFromItsScriptWhereverTheDirectoryGoes) {

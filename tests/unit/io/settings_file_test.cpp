@@ -304,9 +304,9 @@ INSTANTIATE_TEST_SUITE_P(
         {"WordWithoutQuotes", "[box]\nedge = wall", 8,
          "could not determine value type | a word has to stand in quotes"},
         {"PointWithoutDigit", "[box]\nside = .5", 8, "a digit on both sides of the point"},
-        {"NoValue", "[box]\nside", 5, "this is no TOML"},
-        {"OpenHeader", "[box", 5, "this is no TOML"},
-        {"OpenText", "[box]\nedge = \"wall", 13, "this is no TOML"},
+        {"NoValue", "[box]\nside", 5, "this is not TOML"},
+        {"OpenHeader", "[box", 5, "this is not TOML"},
+        {"OpenText", "[box]\nedge = \"wall", 13, "this is not TOML"},
         {"IntegerTooLarge", "[run]\nseed = 18446744073709551615", 28,
          "whole numbers of TOML end at 9223372036854775807 (2⁶³ − 1); a seed above that"},
         {"SeedBeyondTheProgram", "[run]\nseed = \"18446744073709551616\"", 8,
@@ -317,7 +317,7 @@ INSTANTIATE_TEST_SUITE_P(
         {"DecimalComma", "[box]\nside = 0,7", 9, "numbers have a decimal point and no comma"},
         {"DecimalCommaInQuotes", "[box]\nside = \"0,7\"", 8, "numbers have a decimal point and no comma"},
         {"CommaInCount", "[disks]\ncount = 1,000", 10, "no comma, as in 0.7 and 10_000"},
-        {"NotText", "\xff\xfe\x01", 1, "this is no TOML"},
+        {"NotText", "\xff\xfe\x01", 1, "this is not TOML"},
     }),
     [](auto const& given) { return std::string(given.param.name); });
 
@@ -328,11 +328,11 @@ TEST(SettingsFile, SetIsRefusedWithTheAssignmentItself) {
   };
   for (Case const& c : std::vector<Case>{
            {"disks.count", "\"disks.count\" sets nothing"},
-           {"=3", "\"\" is no key"},
-           {"disks..count=3", "\"disks..count\" is no key"},
-           {".count=3", "is no key"},
-           {"disks.=3", "is no key"},
-           {"disks count=3", "is no key"},
+           {"=3", "\"\" is not the key"},
+           {"disks..count=3", "\"disks..count\" is not the key"},
+           {".count=3", "is not the key"},
+           {"disks.=3", "is not the key"},
+           {"disks count=3", "is not the key"},
            {"disks.cuont=3", "there is no setting \"cuont\" in [disks]"},
            {"count=3", "there is no setting \"count\""},
            {"disks.count=many", "disks.count is the text \"many\", but must be a whole number"},
@@ -489,7 +489,7 @@ disks.packing_fraction = [0.2]
   EXPECT_EQ(problems[0].column, 12);
   EXPECT_EQ(problems[1].what, "disks.count in [sweep] is an empty list");
   EXPECT_EQ(problems[2].what, "disks.packing_fraction is given twice in [sweep]");
-  EXPECT_EQ(problems[3].what, "\"disks count\" in [sweep] is no setting");
+  EXPECT_EQ(problems[3].what, "\"disks count\" in [sweep] is not a setting");
   SettingsFile value = SettingsFile::from_text("sweep = 3", "sweep.toml");
   EXPECT_EQ(problems_of([&] { value.take_lists("sweep"); }).at(0).what, "sweep is 3, but must be a table of lists");
 }

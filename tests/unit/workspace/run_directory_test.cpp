@@ -211,7 +211,7 @@ TEST(RunDirectory, KeepsALogOverInterruptions) {
   std::smatch step;
   ASSERT_TRUE(std::regex_search(log, step, std::regex("interrupted at step ([0-9]+) "))) << log;
   for (std::string const& word : {std::string("begins"), fmt::format("checkpoint at step {}\n", step[1].str()),
-                                  fmt::format("goes on from step {} of", step[1].str()), std::string("finished")}) {
+                                  fmt::format("continues from step {} of", step[1].str()), std::string("finished")}) {
     EXPECT_NE(log.find(word), std::string::npos) << word << " in\n" << log;
   }
 }
