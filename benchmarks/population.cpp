@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "gridlock/core/random.hpp"
-#include "gridlock/grid/packed_grid.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/model/model.hpp"
 #include "measure.hpp"
 

@@ -58,7 +58,8 @@ def link_chapters(app, docname, source):
 
 def write_api_pages(app):
     """Writes a page for each folder of include/gridlock, with every header of the folder. Git ignores these pages."""
-    headers = sorted(path.relative_to(repository / "include") for path in repository.glob("include/gridlock/**/*.hpp"))
+    headers = sorted(path.relative_to(repository / "include") for path in repository.glob("include/gridlock/**/*.hpp")
+                     if path.parent.name != "detail")
     pages = docs / "reference" / "api"
     pages.mkdir(exist_ok=True)
     wanted = {}

@@ -10,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
+#include "gridlock/core/detail/time_step_rule.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/core/time_step_rule.hpp"
-#include "gridlock/grid/packed_layout.hpp"
+#include "gridlock/grid/detail/packed_layout.hpp"
 #include "gridlock/lattice/start.hpp"
 #include "gridlock/model/model.hpp"
 

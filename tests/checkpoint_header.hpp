@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "gridlock/io/checkpoint.hpp"
+#include "io/checkpoint.hpp"
 
 namespace gridlock::test {
 

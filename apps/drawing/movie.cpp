@@ -15,9 +15,9 @@
 #include "drawing/frame_picture.hpp"
 #include "drawing/process.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
-#include "gridlock/workspace/result_files.hpp"
+#include "io/file.hpp"
 #include "simulation/kind_names.hpp"
+#include "workspace/result_files.hpp"
 
 namespace gridlock {
 

@@ -15,7 +15,7 @@
 #include "drawing/colour.hpp"
 #include "drawing/neighbourhood_colour.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
+#include "io/file.hpp"
 
 namespace gridlock {
 

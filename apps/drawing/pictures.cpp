@@ -21,8 +21,8 @@
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/observe/observable.hpp"
 #include "gridlock/simulation/setup.hpp"
-#include "gridlock/workspace/result_files.hpp"
 #include "simulation/kind_names.hpp"
+#include "workspace/result_files.hpp"
 
 namespace gridlock {
 

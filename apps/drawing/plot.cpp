@@ -13,7 +13,7 @@
 #include "drawing/colour.hpp"
 #include "drawing/process.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
+#include "io/file.hpp"
 #include "io/markup.hpp"
 
 namespace gridlock {

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/nearest_name.hpp"
 #include "gridlock/simulation/configuration.hpp"
 #include "gridlock/simulation/run.hpp"
+#include "io/nearest_name.hpp"
 #include "verbs.hpp"
 
 namespace gridlock::cli {

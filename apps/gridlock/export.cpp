@@ -5,9 +5,9 @@
 #include <map>
 #include <memory>
 
-#include "gridlock/io/file.hpp"
-#include "gridlock/workspace/result_files.hpp"
+#include "io/file.hpp"
 #include "verbs.hpp"
+#include "workspace/result_files.hpp"
 
 namespace gridlock::cli {
 

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
 #include "gridlock/io/h5md.hpp"
 #include "gridlock/io/table.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/workspace/run_directory.hpp"
+#include "io/file.hpp"
 #include "verbs.hpp"
 
 namespace gridlock::cli {

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "gridlock/io/nearest_name.hpp"
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/simulation/configuration.hpp"
+#include "io/nearest_name.hpp"
 #include "verbs.hpp"
 
 namespace gridlock::cli {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "gridlock/grid/linked_grid.hpp"
+#include "grid/linked_grid.hpp"
 #include "gridlock/grid/validate.hpp"
 #include "study/figures.hpp"
 

@@ -12,12 +12,12 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
-#include "gridlock/workspace/result_files.hpp"
 #include "gridlock/workspace/run_directory.hpp"
+#include "io/file.hpp"
 #include "study/figure_5.hpp"
 #include "study/figures.hpp"
 #include "workspace/job_pool.hpp"
+#include "workspace/result_files.hpp"
 
 namespace gridlock {
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/checkpoint.hpp"
-#include "gridlock/io/file.hpp"
 #include "gridlock/workspace/run_directory.hpp"
+#include "io/checkpoint.hpp"
+#include "io/file.hpp"
 
 namespace gridlock {
 

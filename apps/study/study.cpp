@@ -6,7 +6,7 @@
 #include <cmath>
 #include <exception>
 
-#include "gridlock/workspace/result_files.hpp"
+#include "workspace/result_files.hpp"
 
 namespace gridlock {
 

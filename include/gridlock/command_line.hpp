@@ -8,6 +8,12 @@ namespace gridlock {
 /// are then run like those that are shipped. Link with `gridlock::command_line`. Prints results to standard output,
 /// and errors, notes and progress to standard error. Throws nothing. Returns the exit code for main(): 0 for success,
 /// 1 for a run that failed or was stopped, 2 for input that cannot be used.
+///
+/// ```cpp
+/// int main(int argc, char** argv) {
+///   return gridlock::command_line(argc, argv);
+/// }
+/// ```
 int command_line(int argc, char** argv);
 
 }  // namespace gridlock

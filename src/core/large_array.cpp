@@ -1,4 +1,4 @@
-#include "gridlock/core/large_array.hpp"
+#include "gridlock/core/detail/large_array.hpp"
 
 #include <atomic>
 #include <cstddef>

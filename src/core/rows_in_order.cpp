@@ -1,4 +1,4 @@
-#include "gridlock/core/rows_in_order.hpp"
+#include "gridlock/core/detail/rows_in_order.hpp"
 
 #include <algorithm>
 #include <cassert>

@@ -1,4 +1,4 @@
-#include "gridlock/core/thread_pool.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 
 #include <algorithm>
 #include <atomic>

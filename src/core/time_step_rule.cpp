@@ -1,4 +1,4 @@
-#include "gridlock/core/time_step_rule.hpp"
+#include "gridlock/core/detail/time_step_rule.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "engine/turn.hpp"
-#include "gridlock/core/large_array.hpp"
-#include "gridlock/core/rows_in_order.hpp"
+#include "gridlock/core/detail/large_array.hpp"
+#include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/core/state.hpp"
 #include "gridlock/engine/engine.hpp"
-#include "gridlock/grid/neighbour_grid.hpp"
+#include "gridlock/grid/detail/neighbour_grid.hpp"
 
 namespace gridlock {
 

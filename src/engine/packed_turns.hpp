@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "grid/lane_bits.hpp"
-#include "gridlock/grid/packed_grid.hpp"
-#include "gridlock/grid/packed_layout.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
+#include "gridlock/grid/detail/packed_layout.hpp"
 #include "turn.hpp"
 
 namespace gridlock {

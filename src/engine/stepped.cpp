@@ -9,8 +9,8 @@
 #include <string_view>
 
 #include "engine/hot_disks.hpp"
+#include "grid/linked_grid.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/grid/linked_grid.hpp"
 #include "gridlock/grid/validate.hpp"
 #include "packed_turns.hpp"
 #include "turn.hpp"

@@ -2,10 +2,10 @@
 
 #include <vector>
 
-#include "gridlock/core/thread_pool.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/cell_layout.hpp"
-#include "gridlock/grid/tiling.hpp"
+#include "gridlock/grid/detail/tiling.hpp"
 
 namespace gridlock {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "gridlock/grid/packed_grid.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
 
 namespace gridlock {
 

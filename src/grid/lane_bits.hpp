@@ -1,7 +1,7 @@
 #pragma once
 
-#include "gridlock/grid/float4.hpp"
-#include "gridlock/grid/packed_grid.hpp"
+#include "gridlock/grid/detail/float4.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
 
 #if defined(__SSE2__)
 #include <emmintrin.h>

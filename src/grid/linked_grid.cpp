@@ -1,9 +1,9 @@
-#include "gridlock/grid/linked_grid.hpp"
+#include "grid/linked_grid.hpp"
 
 #include <algorithm>
 
 #include "grid/require.hpp"
-#include "gridlock/grid/neighbour_grid.hpp"
+#include "gridlock/grid/detail/neighbour_grid.hpp"
 
 namespace gridlock {
 

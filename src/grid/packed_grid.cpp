@@ -1,11 +1,11 @@
-#include "gridlock/grid/packed_grid.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
 
 #include <mutex>
 #include <string>
 
 #include "grid/require.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/grid/neighbour_grid.hpp"
+#include "gridlock/grid/detail/neighbour_grid.hpp"
 
 namespace gridlock {
 

@@ -1,4 +1,4 @@
-#include "gridlock/grid/packed_layout.hpp"
+#include "gridlock/grid/detail/packed_layout.hpp"
 
 #include <algorithm>
 #include <cmath>

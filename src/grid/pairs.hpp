@@ -3,10 +3,10 @@
 #include <cstddef>
 #include <utility>
 
+#include "grid/linked_grid.hpp"
 #include "gridlock/core/state.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/grid/detail/point_pairs.hpp"
-#include "gridlock/grid/linked_grid.hpp"
-#include "gridlock/grid/packed_grid.hpp"
 
 namespace gridlock {
 

@@ -1,4 +1,4 @@
-#include "gridlock/grid/tiling.hpp"
+#include "gridlock/grid/detail/tiling.hpp"
 
 #include <algorithm>
 #include <array>

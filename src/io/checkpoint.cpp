@@ -1,4 +1,4 @@
-#include "gridlock/io/checkpoint.hpp"
+#include "io/checkpoint.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
+#include "io/file.hpp"
 
 namespace gridlock {
 

@@ -13,10 +13,11 @@
 
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
 #include "gridlock/io/xyz.hpp"
+#include "io/file.hpp"
 #include "io/h5md_layout.hpp"
 #include "io/text.hpp"
+#include "io/xyz_writer.hpp"
 
 namespace gridlock {
 

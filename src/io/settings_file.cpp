@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "gridlock/io/file.hpp"
+#include "io/file.hpp"
 #include "io/settings_reader.hpp"
 #include "io/text.hpp"
 #include "io/toml_tree.hpp"

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "gridlock/io/nearest_name.hpp"
+#include "io/nearest_name.hpp"
 #include "io/text.hpp"
 
 namespace gridlock {

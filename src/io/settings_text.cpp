@@ -4,8 +4,8 @@
 #include <limits>
 #include <utility>
 
-#include "gridlock/io/nearest_name.hpp"
 #include "gridlock/io/settings_file.hpp"
+#include "io/nearest_name.hpp"
 #include "io/settings_reader.hpp"
 #include "io/text.hpp"
 #include "io/toml_tree.hpp"

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
+#include "io/file.hpp"
 #include "io/text.hpp"
 
 namespace gridlock {

@@ -1,3 +1,5 @@
+#include "io/xyz_writer.hpp"
+
 #include <fmt/format.h>
 #include <tbb/parallel_pipeline.h>
 

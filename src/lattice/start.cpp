@@ -9,9 +9,9 @@
 #include <optional>
 
 #include "core/magnitude.hpp"
+#include "grid/linked_grid.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
-#include "gridlock/grid/linked_grid.hpp"
 
 namespace gridlock {
 

@@ -1,4 +1,4 @@
-#include "gridlock/model/cell_order.hpp"
+#include "gridlock/model/detail/cell_order.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -1,4 +1,4 @@
-#include "gridlock/model/checks.hpp"
+#include "gridlock/model/detail/checks.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,4 +1,4 @@
-#include "gridlock/model/find_neighbours.hpp"
+#include "gridlock/model/detail/find_neighbours.hpp"
 
 #include "model/find_neighbours_kernels.hpp"
 

@@ -1,4 +1,4 @@
-#include "gridlock/model/verify.hpp"
+#include "gridlock/model/detail/verify.hpp"
 
 #include <fmt/format.h>
 

@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "core/magnitude.hpp"
+#include "core/saturating.hpp"
+#include "gridlock/core/detail/time_step_rule.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/core/saturating.hpp"
-#include "gridlock/core/time_step_rule.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/simulation/world_simulation.hpp"
 #include "simulation/countable_time.hpp"

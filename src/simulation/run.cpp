@@ -9,8 +9,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/saturating.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/core/saturating.hpp"
 #include "simulation/countable_time.hpp"
 
 namespace gridlock {

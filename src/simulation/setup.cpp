@@ -9,8 +9,8 @@
 #include <set>
 #include <utility>
 
+#include "core/saturating.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/core/saturating.hpp"
 #include "gridlock/simulation/world_simulation.hpp"
 #include "simulation/check.hpp"
 #include "simulation/slow_start.hpp"

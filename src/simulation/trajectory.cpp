@@ -8,8 +8,8 @@
 #include <sstream>
 #include <utility>
 
+#include "core/saturating.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/core/saturating.hpp"
 #include "simulation/settings_difference.hpp"
 
 namespace gridlock {

@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/checkpoint.hpp"
-#include "gridlock/io/file.hpp"
-#include "gridlock/workspace/result_files.hpp"
 #include "gridlock/workspace/run_directory.hpp"
 #include "gridlock/workspace/sweep.hpp"
+#include "io/checkpoint.hpp"
+#include "io/file.hpp"
 #include "simulation/settings_difference.hpp"
+#include "workspace/result_files.hpp"
 #include "workspace/sweep_plan.hpp"
 #include "workspace/sweep_tables.hpp"
 

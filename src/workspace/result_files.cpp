@@ -1,4 +1,4 @@
-#include "gridlock/workspace/result_files.hpp"
+#include "workspace/result_files.hpp"
 
 #include <fmt/format.h>
 
@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
 #include "gridlock/workspace/run_directory.hpp"
+#include "io/file.hpp"
 
 namespace gridlock {
 

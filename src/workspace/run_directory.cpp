@@ -15,14 +15,12 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/checkpoint.hpp"
-#include "gridlock/io/file.hpp"
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/simulation/trajectory.hpp"
-#include "gridlock/workspace/result_files.hpp"
 #include "simulation/expected_work.hpp"
 #include "simulation/settings_difference.hpp"
+#include "workspace/result_files.hpp"
 #include "workspace/run_log.hpp"
 
 namespace gridlock {

@@ -7,7 +7,7 @@
 #include <system_error>
 #include <utility>
 
-#include "gridlock/io/file.hpp"
+#include "io/file.hpp"
 
 namespace gridlock {
 

@@ -15,13 +15,13 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
-#include "gridlock/workspace/result_files.hpp"
 #include "gridlock/workspace/run_directory.hpp"
+#include "io/file.hpp"
 #include "simulation/expected_work.hpp"
 #include "simulation/memory.hpp"
 #include "simulation/settings_difference.hpp"
 #include "workspace/job_pool.hpp"
+#include "workspace/result_files.hpp"
 #include "workspace/sweep_plan.hpp"
 #include "workspace/sweep_tables.hpp"
 

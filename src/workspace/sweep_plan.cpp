@@ -15,11 +15,11 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
 #include "gridlock/simulation/configuration.hpp"
-#include "gridlock/workspace/result_files.hpp"
+#include "io/file.hpp"
 #include "io/text.hpp"
 #include "simulation/settings_difference.hpp"
+#include "workspace/result_files.hpp"
 
 namespace gridlock {
 

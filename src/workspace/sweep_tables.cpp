@@ -10,7 +10,7 @@
 #include <set>
 #include <utility>
 
-#include "gridlock/workspace/result_files.hpp"
+#include "workspace/result_files.hpp"
 
 namespace gridlock {
 

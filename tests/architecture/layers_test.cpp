@@ -163,6 +163,53 @@ TEST(PublicHeaders, IncludeNothingButThePublicHeadersAndTheStandardLibrary) {
   }
 }
 
+/// Every header that some header outside of detail/ includes, directly or through others, as "gridlock/grid/detail/tiling.hpp".
+std::set<std::string> headers_of_users() {
+  std::vector<fs::path> open;
+  for (Source const& source : sources_under("include/gridlock", true)) {
+    if (source.name.find("/detail/") == std::string::npos) open.push_back(source.path);
+  }
+  for (Source const& source : sources_under("models", false)) open.push_back(source.path);
+  std::set<std::string> found;
+  while (!open.empty()) {
+    fs::path const path = open.back();
+    open.pop_back();
+    for (Include const& include : includes_of(path)) {
+      bool const is_ours = include.is_quoted && include.text.rfind("gridlock/", 0) == 0;
+      if (is_ours && found.insert(include.text).second)
+        open.push_back(fs::path(GRIDLOCK_SOURCE_DIR) / "include" / include.text);
+    }
+  }
+  return found;
+}
+
+TEST(PublicHeaders, HaveNoDetailsThatOnlyTheLibraryNeeds) {
+  std::set<std::string> const needed = headers_of_users();
+  std::size_t details = 0;
+  for (Source const& source : sources_under("include/gridlock", true)) {
+    if (source.name.find("/detail/") == std::string::npos) continue;
+    ++details;
+    EXPECT_TRUE(needed.contains(source.name.substr(std::string("include/").size())))
+        << source.name << ": no header of users includes it, so it belongs into src/";
+  }
+  EXPECT_GT(details, 0U);
+}
+
+TEST(PublicHeaders, AreEnoughForTheProgramsOfUsers) {
+  std::size_t includes = 0;
+  for (std::string const folder : {"examples", "tests/own_program", "tests/package"}) {
+    for (Source const& source : sources_under(folder, false)) {
+      for (Include const& include : includes_of(source.path)) {
+        if (!include.is_quoted) continue;
+        ++includes;
+        EXPECT_EQ(include.text.rfind("gridlock/", 0), 0U) << source.name << ":" << include.line << "  " << include.text;
+        EXPECT_EQ(include.text.find("/detail/"), std::string::npos) << source.name << ":" << include.line;
+      }
+    }
+  }
+  EXPECT_GT(includes, 0U);
+}
+
 TEST(PublicHeaders, AreGuardedAndNameTheirNamespace) {
   for (Source const& source : sources_under("include/gridlock", true)) {
     std::ifstream file(source.path);

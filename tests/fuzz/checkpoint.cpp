@@ -1,7 +1,7 @@
 // What a checkpoint may hold: the bytes of a file as they are, and as the content of a file whose checksum is right, which
 // only a mistake of ours or an attack can produce. The first byte says which engine is restored.
 
-#include "gridlock/io/checkpoint.hpp"
+#include "io/checkpoint.hpp"
 
 #include <cstddef>
 #include <cstdint>

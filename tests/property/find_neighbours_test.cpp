@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "gridlock/core/random.hpp"
-#include "gridlock/model/cell_order.hpp"
+#include "gridlock/model/detail/cell_order.hpp"
 #include "model/find_neighbours_kernels.hpp"
 
 namespace gridlock {

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "grid/linked_grid.hpp"
 #include "grid/pairs.hpp"
 #include "gridlock/core/random.hpp"
-#include "gridlock/grid/linked_grid.hpp"
 #include "gridlock/grid/validate.hpp"
 
 namespace gridlock {

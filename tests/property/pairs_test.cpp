@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "grid/candidate_pairs.hpp"
+#include "grid/linked_grid.hpp"
 #include "gridlock/core/random.hpp"
-#include "gridlock/grid/linked_grid.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/grid/neighbour_search.hpp"
-#include "gridlock/grid/packed_grid.hpp"
 
 namespace gridlock {
 namespace {

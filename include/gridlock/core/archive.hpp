@@ -15,6 +15,17 @@ namespace gridlock {
 /// function serves both directions, so that what is saved and what is restored cannot drift apart. Errors while
 /// restoring: Error for a name that is missing or of another type; a serialize() that restores checks what its members
 /// must satisfy together (lengths that agree, numbers in range) and throws Error too, since a file can hold anything.
+///
+/// ```cpp
+/// struct Sum {
+///   double value = 0.0;
+///   std::vector<double> terms;
+///   void serialize(Archive& archive) {
+///     archive.visit("value", value);
+///     archive.visit("terms", terms);
+///   }
+/// };
+/// ```
 class Archive {
  public:
   Archive() = default;

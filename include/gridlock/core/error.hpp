@@ -21,6 +21,14 @@ struct Problem {
 std::string to_text(Problem const& problem);
 
 /// The user's input cannot be used; carries every problem found, not only the first. Exit code 2 of the command line.
+///
+/// ```cpp
+/// try {
+///   throw Error({.what = "the temperature is -1", .hint = "use a number above 0", .key = "gas.temperature"});
+/// } catch (Error const& error) {
+///   for (Problem const& problem : error.problems()) std::string const text = to_text(problem);
+/// }
+/// ```
 class Error : public std::runtime_error {
  public:
   explicit Error(Problem problem);

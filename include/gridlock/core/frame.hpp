@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "gridlock/core/box.hpp"
+#include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/core/population.hpp"
-#include "gridlock/core/rows_in_order.hpp"
 #include "gridlock/core/world.hpp"
 
 namespace gridlock {
@@ -32,6 +32,13 @@ struct FrameColumn {
 ///
 /// Rows are in the order of the Ids, so that two frames of the same agents are the same whatever the order of the rows
 /// in memory was.
+///
+/// ```cpp
+/// Population<X, Y> points;
+/// points.add(0.25, 0.5);
+/// Frame const frame = frame_of(Box(1.0, 1.0, Edge::wall), Clock{}, 7, points);
+/// FrameColumn const* const x = frame.find("x");
+/// ```
 struct Frame {
   Box box;
   Clock clock;

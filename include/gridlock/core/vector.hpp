@@ -3,6 +3,12 @@
 namespace gridlock {
 
 /// A point or displacement in the plane, in the length unit of the box.
+///
+/// ```cpp
+/// Vector const a{1.0, 2.0};
+/// Vector const b = 2.0 * a - Vector{0.5, 0.0};  // (1.5, 4)
+/// double const squared_distance = squared_length(b - a);
+/// ```
 struct Vector {
   double x = 0.0;
   double y = 0.0;

@@ -18,6 +18,12 @@ namespace gridlock {
 /// A point outside a periodic box is in the cell of its image inside, a point outside walls in the nearest cell.
 ///
 /// Errors: no column or row, or more than 2³¹ cells, throws Error.
+///
+/// ```cpp
+/// CellLayout const layout = layout_for_cutoff(Box(10.0, 10.0, Edge::periodic), 1.0, 500);
+/// int const cell = layout.cell_of({0.5, 9.5});
+/// layout.for_each_cell_in_block(cell, 1, 1, [](int neighbour) { /* nine cells */ });
+/// ```
 class CellLayout {
  public:
   CellLayout() = default;

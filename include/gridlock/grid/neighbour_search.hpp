@@ -5,18 +5,20 @@
 #include <utility>
 
 #include "gridlock/core/box.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/grid/detail/point_pairs.hpp"
-#include "gridlock/grid/packed_grid.hpp"
 
 namespace gridlock {
 
 /// Who is nearer than a cutoff to whom, among any points of a box.
 ///
-///     std::vector<double> const x{0.1, 0.9, 0.5};
-///     std::vector<double> const y{0.5, 0.5, 0.5};
-///     gridlock::NeighbourSearch const search({1.0, 1.0, gridlock::Edge::periodic}, 0.3, x, y);
-///     search.for_each_pair([](std::size_t i, std::size_t j, gridlock::Vector separation) { /* r_j − r_i */ });
-///     search.for_each_neighbour(0, [](std::size_t j, gridlock::Vector separation) { /* r_j − r_0 */ });
+/// ```cpp
+/// std::vector<double> const x{0.1, 0.9, 0.5};
+/// std::vector<double> const y{0.5, 0.5, 0.5};
+/// NeighbourSearch const search(Box(1.0, 1.0, Edge::periodic), 0.3, x, y);
+/// search.for_each_pair([](std::size_t i, std::size_t j, Vector separation) { /* r_j − r_i */ });
+/// search.for_each_neighbour(0, [](std::size_t j, Vector separation) { /* r_j − r_0 */ });
+/// ```
 ///
 /// A separation is measured in double precision, the minimum image in a periodic box; |separation| < cutoff. Coordinates
 /// may be any finite numbers: outside a periodic box they stand for the image inside, outside walls for themselves, which

@@ -26,6 +26,11 @@ std::vector<std::filesystem::path> exported_files(H5mdReader const& trajectory, 
 
 /// Writes the frames of a trajectory in another format; returns exported_files().
 /// Errors: Error for damage, RunFailure where a file cannot be written. Cost: one frame in memory.
+///
+/// ```cpp
+/// H5mdReader const trajectory("trajectory.h5");
+/// export_trajectory(trajectory, {.format = ExportFormat::vtk, .file = "frames.pvd", .every = 10});
+/// ```
 std::vector<std::filesystem::path> export_trajectory(H5mdReader const& trajectory, ExportSettings const& settings);
 
 }  // namespace gridlock

@@ -36,6 +36,17 @@ struct SettingList {
 ///
 /// Nothing but TOML is known here; what may be given, with type, unit and bounds, the visited settings say themselves.
 /// A value, cheap to copy: a sweep copies the file and sets other values on each copy.
+///
+/// ```cpp
+/// SettingsFile file = SettingsFile::from_path("gas.toml");
+/// file.set("gas.temperature=2");
+/// double temperature = 1.0;
+/// file.read_into([&](SettingVisitor& visitor) {
+///   visitor.enter("gas", "The gas.");
+///   visitor.visit({.key = "temperature", .documentation = "How hot it is."}, temperature);
+///   visitor.leave();
+/// });
+/// ```
 class SettingsFile {
  public:
   /// Nothing given.

@@ -7,20 +7,16 @@
 
 #include "gridlock/core/frame.hpp"
 #include "gridlock/core/state.hpp"
-#include "gridlock/io/file.hpp"
 
 namespace gridlock {
 
-/// Appends a frame of any population as extended XYZ, which ASE and OVITO read; frames one after the other make a film.
+/// Writes a frame of any population as extended XYZ, which ASE and OVITO read: what the columns of disks are called stands
+/// below, all others keep their names.
 ///
 /// The first column, `type`, names the kind of the agent: A, B, C … by the column "species", or else by radius and mass,
 /// the smallest first; A for all agents without either, X for all where there are more than 20 kinds. It is not called
 /// `species`, which ASE allows for chemical symbols only.
-/// Contract: the frame has the columns x and y.
-void append_xyz(Frame const& frame, AtomicFile& file);
-
-/// Writes a frame as extended XYZ: what the columns of disks are called stands below, all others keep their names.
-/// Errors: RunFailure.
+/// Contract: the frame has the columns x and y. Errors: RunFailure.
 void write_xyz(Frame const& frame, std::filesystem::path const& path);
 
 /// Writes a state as extended XYZ with every bit that hash() covers.
@@ -53,6 +49,11 @@ struct XyzFrame {
 /// Errors: Error with line and column for anything damaged, not orthogonal, not in the plane, not finite or ambiguous;
 /// never a crash, and never more memory than a small multiple of the file's size.
 /// Not checked: that disks lie inside the box and do not overlap; validate() does.
+///
+/// ```cpp
+/// State const state = read_xyz("final.xyz").state;
+/// write_xyz(state, "copy.xyz");  // the same bits
+/// ```
 XyzFrame read_xyz(std::filesystem::path const& path);
 
 /// read_xyz() of a text; `name` stands for the file in errors.

@@ -11,13 +11,13 @@
 #include <utility>
 #include <vector>
 
-#include "gridlock/core/rows_in_order.hpp"
-#include "gridlock/core/thread_pool.hpp"
+#include "gridlock/core/detail/rows_in_order.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/engine/engine.hpp"
-#include "gridlock/grid/tiling.hpp"
-#include "gridlock/grid/update_order.hpp"
-#include "gridlock/model/cell_order.hpp"
-#include "gridlock/model/checks.hpp"
+#include "gridlock/grid/detail/tiling.hpp"
+#include "gridlock/grid/detail/update_order.hpp"
+#include "gridlock/model/detail/cell_order.hpp"
+#include "gridlock/model/detail/checks.hpp"
 #include "gridlock/model/mutable_world.hpp"
 #include "gridlock/model/turn.hpp"
 

@@ -11,11 +11,11 @@
 #include <utility>
 #include <vector>
 
-#include "gridlock/core/look_ahead.hpp"
-#include "gridlock/grid/packed_grid.hpp"
-#include "gridlock/model/checks.hpp"
-#include "gridlock/model/motion.hpp"
-#include "gridlock/model/verify.hpp"
+#include "gridlock/core/detail/look_ahead.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
+#include "gridlock/model/detail/checks.hpp"
+#include "gridlock/model/detail/motion.hpp"
+#include "gridlock/model/detail/verify.hpp"
 #include "gridlock/model/world.hpp"
 
 namespace gridlock {
@@ -26,6 +26,17 @@ namespace gridlock {
 /// one after the other, or 90 ns where they are known beforehand.
 /// Errors: RunFailure, in every build, for an Id that is not alive, a birth or move to a point outside the box, a search
 /// beyond the model's cutoff, and an event that is not declared.
+///
+/// ```cpp
+/// struct Pairs {
+///   using Agents = Population<X, Y>;
+///   void step(MutableWorld<Pairs>& world) const {
+///     Id const first = world.agent_in_row(0);
+///     auto const second = world.nearest(world.position(first), 0.1, first);
+///     if (second) world.remove(*second);
+///   }
+/// };
+/// ```
 template <class Model>
 class MutableWorld {
  public:

@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "gridlock/grid/packed_grid.hpp"
-#include "gridlock/model/checks.hpp"
-#include "gridlock/model/deferred_commands.hpp"
-#include "gridlock/model/find_neighbours.hpp"
-#include "gridlock/model/motion.hpp"
-#include "gridlock/model/verify.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
+#include "gridlock/model/detail/checks.hpp"
+#include "gridlock/model/detail/deferred_commands.hpp"
+#include "gridlock/model/detail/find_neighbours.hpp"
+#include "gridlock/model/detail/motion.hpp"
+#include "gridlock/model/detail/verify.hpp"
 
 namespace gridlock {
 
@@ -82,6 +82,18 @@ struct Neighbourhood {
 /// come at the end of the step, in an order that the state alone decides.
 /// Errors: RunFailure, in every build, for an agent that leaves the box, a search beyond the model's cutoff and an event
 /// that is not declared.
+///
+/// ```cpp
+/// struct Walkers {
+///   static constexpr Schedule schedule = Schedule::sequential;
+///   using Agents = Population<X, Y>;
+///   void turn(Turn<Walkers>& self) const {
+///     RandomStream random = self.random();
+///     self.move_by(0.01 * random.in_unit_disk());
+///     self.for_each_neighbour(0.1, [](Neighbour<Walkers> const& other) { other.kill(); });
+///   }
+/// };
+/// ```
 template <class Model>
 class Turn {
  public:

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/exact/moving_disk.hpp"
-#include "gridlock/core/large_array.hpp"
+#include "gridlock/core/detail/large_array.hpp"
 
 namespace gridlock::exact {
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "engine/exact/saved_disks.hpp"
-#include "gridlock/core/rows_in_order.hpp"
+#include "gridlock/core/detail/rows_in_order.hpp"
 
 namespace gridlock::exact {
 

@@ -10,7 +10,7 @@
 #include "engine/exact/moving_disk.hpp"
 #include "engine/exact/prediction.hpp"
 #include "engine/exact/slot_cells.hpp"
-#include "gridlock/core/large_array.hpp"
+#include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/state.hpp"
 #include "gridlock/engine/engine.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "engine/exact/moving_disk.hpp"
 #include "engine/exact/slot_cells.hpp"
-#include "gridlock/core/look_ahead.hpp"
+#include "gridlock/core/detail/look_ahead.hpp"
 
 namespace gridlock::exact {
 

@@ -7,7 +7,7 @@
 
 #include "engine/exact/moving_disk.hpp"
 #include "gridlock/core/box.hpp"
-#include "gridlock/core/large_array.hpp"
+#include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 
 namespace gridlock::exact {

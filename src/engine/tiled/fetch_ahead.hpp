@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "engine/turn.hpp"
-#include "gridlock/core/look_ahead.hpp"
-#include "gridlock/grid/packed_grid.hpp"
-#include "gridlock/grid/tiling.hpp"
+#include "gridlock/core/detail/look_ahead.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
+#include "gridlock/grid/detail/tiling.hpp"
 
 namespace gridlock {
 

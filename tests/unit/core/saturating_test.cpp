@@ -1,4 +1,4 @@
-#include "gridlock/core/saturating.hpp"
+#include "core/saturating.hpp"
 
 #include <gtest/gtest.h>
 

@@ -11,7 +11,7 @@
 
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
+#include "io/file.hpp"
 #include "simulation/kind_names.hpp"
 #include "unit/io/markup_document.hpp"
 #include "unit/io/temporary_directory.hpp"

@@ -10,7 +10,7 @@
 #include "drawing/picture.hpp"
 #include "drawing/plot.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
+#include "io/file.hpp"
 #include "unit/io/markup_document.hpp"
 #include "unit/io/temporary_directory.hpp"
 

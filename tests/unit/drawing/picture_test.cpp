@@ -17,7 +17,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/grid/cell_layout.hpp"
-#include "gridlock/io/file.hpp"
+#include "io/file.hpp"
 #include "unit/drawing/number_in_png.hpp"
 #include "unit/io/markup_document.hpp"
 #include "unit/io/temporary_directory.hpp"

@@ -14,9 +14,9 @@
 #include "drawing/frame_picture.hpp"
 #include "drawing/movie.hpp"
 #include "gridlock/core/disks.hpp"
-#include "gridlock/io/file.hpp"
 #include "gridlock/io/table.hpp"
 #include "gridlock/workspace/run_directory.hpp"
+#include "io/file.hpp"
 #include "unit/io/markup_document.hpp"
 #include "unit/io/temporary_directory.hpp"
 

@@ -12,7 +12,7 @@
 #include "drawing/colour.hpp"
 #include "drawing/picture.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
+#include "io/file.hpp"
 #include "unit/drawing/number_in_png.hpp"
 #include "unit/io/markup_document.hpp"
 #include "unit/io/temporary_directory.hpp"

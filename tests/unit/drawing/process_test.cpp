@@ -8,7 +8,7 @@
 #include <csignal>
 #include <string>
 
-#include "gridlock/io/file.hpp"
+#include "io/file.hpp"
 #include "unit/io/temporary_directory.hpp"
 
 namespace gridlock {

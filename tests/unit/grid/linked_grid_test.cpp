@@ -1,4 +1,4 @@
-#include "gridlock/grid/linked_grid.hpp"
+#include "grid/linked_grid.hpp"
 
 #include <gtest/gtest.h>
 

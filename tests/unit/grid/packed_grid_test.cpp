@@ -1,4 +1,4 @@
-#include "gridlock/grid/packed_grid.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "grid/linked_grid.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/grid/linked_grid.hpp"
-#include "gridlock/grid/packed_grid.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
 
 namespace gridlock {
 namespace {

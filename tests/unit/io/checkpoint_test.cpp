@@ -1,4 +1,4 @@
-#include "gridlock/io/checkpoint.hpp"
+#include "io/checkpoint.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -11,7 +11,7 @@
 #include "checkpoint_header.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/state.hpp"
-#include "gridlock/io/file.hpp"
+#include "io/file.hpp"
 
 namespace {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "gridlock/core/disks.hpp"
-#include "gridlock/io/file.hpp"
 #include "gridlock/io/table.hpp"
+#include "io/file.hpp"
 #include "unit/io/temporary_directory.hpp"
 
 namespace gridlock {

@@ -1,4 +1,4 @@
-#include "gridlock/io/file.hpp"
+#include "io/file.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

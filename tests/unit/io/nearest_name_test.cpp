@@ -1,4 +1,4 @@
-#include "gridlock/io/nearest_name.hpp"
+#include "io/nearest_name.hpp"
 
 #include <gtest/gtest.h>
 

@@ -11,7 +11,7 @@
 #include <ostream>
 
 #include "gridlock/core/random.hpp"
-#include "gridlock/io/file.hpp"
+#include "io/file.hpp"
 #include "unit/io/damage.hpp"
 #include "unit/io/temporary_directory.hpp"
 

@@ -15,7 +15,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
-#include "gridlock/io/file.hpp"
+#include "io/file.hpp"
 #include "unit/io/damage.hpp"
 #include "unit/io/temporary_directory.hpp"
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "gridlock/io/checkpoint.hpp"
+#include "io/checkpoint.hpp"
 
 namespace gridlock {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "gridlock/io/checkpoint.hpp"
+#include "io/checkpoint.hpp"
 #include "unit/observe/hand_built.hpp"
 
 namespace gridlock {

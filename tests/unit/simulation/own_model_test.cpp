@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <string>
 
-#include "gridlock/io/file.hpp"
 #include "gridlock/simulation/register_model.hpp"
 #include "gridlock/workspace/run_directory.hpp"
 #include "gridlock/workspace/sweep.hpp"
+#include "io/file.hpp"
 
 namespace gridlock {
 namespace {

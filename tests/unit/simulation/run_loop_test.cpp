@@ -10,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
-#include "gridlock/io/checkpoint.hpp"
 #include "gridlock/simulation/model_simulation.hpp"
 #include "gridlock/simulation/run.hpp"
+#include "io/checkpoint.hpp"
 
 namespace gridlock {
 namespace {

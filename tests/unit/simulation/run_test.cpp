@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "gridlock/core/saturating.hpp"
+#include "core/saturating.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/simulation/simulate.hpp"
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "core/saturating.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/core/saturating.hpp"
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/workspace/sweep.hpp"

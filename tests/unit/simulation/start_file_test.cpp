@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/simulation/configuration.hpp"
@@ -18,6 +17,7 @@
 #include "gridlock/simulation/trajectory.hpp"
 #include "gridlock/workspace/run_directory.hpp"
 #include "gridlock/workspace/sweep.hpp"
+#include "io/file.hpp"
 #include "simulation/expected_work.hpp"
 #include "simulation/memory.hpp"
 #include "unit/io/temporary_directory.hpp"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
 #include "gridlock/workspace/run_directory.hpp"
+#include "io/file.hpp"
 #include "unit/io/temporary_directory.hpp"
 
 namespace gridlock {

@@ -13,8 +13,8 @@
 #include "drawing/plot.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
-#include "gridlock/io/file.hpp"
 #include "gridlock/io/table.hpp"
+#include "io/file.hpp"
 #include "unit/io/markup_document.hpp"
 #include "unit/io/temporary_directory.hpp"
 

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
 #include "gridlock/io/h5md.hpp"
 #include "gridlock/io/table.hpp"
 #include "gridlock/workspace/run_directory.hpp"
+#include "io/file.hpp"
 #include "unit/io/temporary_directory.hpp"
 
 namespace gridlock {

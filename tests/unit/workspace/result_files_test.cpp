@@ -1,4 +1,4 @@
-#include "gridlock/workspace/result_files.hpp"
+#include "workspace/result_files.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <string>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
 #include "gridlock/workspace/run_directory.hpp"
+#include "io/file.hpp"
 #include "unit/io/temporary_directory.hpp"
 
 namespace gridlock {

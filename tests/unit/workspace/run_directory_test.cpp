@@ -11,8 +11,8 @@
 #include <string>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
 #include "gridlock/io/h5md.hpp"
+#include "io/file.hpp"
 
 namespace {
 

@@ -15,11 +15,11 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/io/file.hpp"
 #include "gridlock/io/table.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/simulation/register_model.hpp"
 #include "gridlock/workspace/run_directory.hpp"
+#include "io/file.hpp"
 #include "simulation/expected_work.hpp"
 #include "simulation/memory.hpp"
 #include "unit/io/temporary_directory.hpp"

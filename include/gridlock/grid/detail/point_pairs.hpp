@@ -5,7 +5,7 @@
 #include <span>
 
 #include "gridlock/core/box.hpp"
-#include "gridlock/grid/neighbour_grid.hpp"
+#include "gridlock/grid/detail/neighbour_grid.hpp"
 
 namespace gridlock {
 

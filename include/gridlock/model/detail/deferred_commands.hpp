@@ -6,8 +6,8 @@
 #include <tuple>
 #include <vector>
 
-#include "gridlock/core/look_ahead.hpp"
-#include "gridlock/core/rows_in_order.hpp"
+#include "gridlock/core/detail/look_ahead.hpp"
+#include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/model/world.hpp"
 
 namespace gridlock {

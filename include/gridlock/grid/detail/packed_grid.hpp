@@ -12,10 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include "gridlock/core/large_array.hpp"
-#include "gridlock/core/look_ahead.hpp"
+#include "gridlock/core/detail/large_array.hpp"
+#include "gridlock/core/detail/look_ahead.hpp"
 #include "gridlock/grid/cell_layout.hpp"
-#include "gridlock/grid/float4.hpp"
+#include "gridlock/grid/detail/float4.hpp"
 
 namespace gridlock {
 

@@ -4,7 +4,7 @@
 #include <tuple>
 #include <type_traits>
 
-#include "gridlock/core/large_array.hpp"
+#include "gridlock/core/detail/large_array.hpp"
 
 namespace gridlock {
 

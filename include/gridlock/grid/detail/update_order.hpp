@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "gridlock/grid/packed_grid.hpp"
-#include "gridlock/grid/tiling.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
+#include "gridlock/grid/detail/tiling.hpp"
 
 namespace gridlock {
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/population.hpp"
-#include "gridlock/core/thread_pool.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 
 namespace gridlock {

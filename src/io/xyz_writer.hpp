@@ -1,0 +1,11 @@
+#pragma once
+
+#include "gridlock/core/frame.hpp"
+#include "io/file.hpp"
+
+namespace gridlock {
+
+/// Appends a frame as write_xyz() writes it; frames one after the other make a film.
+void append_xyz(Frame const& frame, AtomicFile& file);
+
+}  // namespace gridlock
