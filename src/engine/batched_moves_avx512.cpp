@@ -208,121 +208,17 @@ GRIDLOCK_AVX512 inline __mmask8 near_slots(Sight const& sight, Block const& own,
 std::size_t count_of(unsigned bits) { return static_cast<std::size_t>(std::popcount(bits)); }
 std::size_t first_of(unsigned bits) { return static_cast<std::size_t>(std::countr_zero(bits)); }
 
-}  // namespace
-
-/// Turns of disks without a common neighbour, eight at a time.
-///
-///     turns         0 1 2 3 4 5 6 7         where they would come to, how far they see
-///     candidates    0 0 2 3 3 3 6 7 │ 7     whom they may meet: few, most turns one or none
-///                   8 at a time             in which sub-step a turn meets a candidate, if at all
-///     turns         0 1 2 3 4 5 6 7         how far they come
-///
-/// The same operations in the same order as in one turn after the other, so that they round alike.
-class BatchedMoves {
+/// Whom the disks of a batch meet: the candidates of all turns one after the other, eight of them looked at at a time.
+class Meetings {
  public:
-  BatchedMoves(PackedTurns& turns, std::span<std::uint32_t const> rows)
-      : turns_(turns), view_(turns.view_), grid_(turns.grid_), rows_(rows) {}
-
-  GRIDLOCK_AVX512 void take(Counters& counters, std::vector<std::uint32_t>& not_local) {
-    bool const are_many = rows_.size() > lanes;
-    Course const first = aim(0);
-    Course const last = are_many ? aim(lanes) : first;
-    Turns const all = (1U << rows_.size()) - 1U;
-    Turns const local = all & (first.local | last.local << lanes);
-    Turns const far_from_edge = local & (first.far_from_edge | last.far_from_edge << lanes);
-    Turns const together = turns_.fits_one_block_ ? far_from_edge : without_more_blocks(far_from_edge);
-    Turns const alone = local & ~together;
-    look_around(together);
-    __m512i const free_substeps = find_partners(first, last);
-    auto const substeps = static_cast<std::uint32_t>(view_.substeps);
-    Turns const halted =
-        together & _mm512_cmplt_epu32_mask(free_substeps, _mm512_set1_epi32(static_cast<int>(substeps)));
-    Turns staying = go(0, first, _mm512_castsi512_si256(free_substeps));
-    if (are_many) staying |= go(lanes, last, _mm512_extracti32x8_epi32(free_substeps, 1)) << lanes;
-    for (std::size_t l = 0; l < rows_.size(); ++l) {
-      if (!(together >> l & 1U)) continue;
-      view_.disks[rows_[l]].position = turning_.position[l];
-      PackedGrid::place_within_cell(*turning_.block[l], turning_.slot[l], {turning_.local_x[l], turning_.local_y[l]});
-      std::uint32_t const trials = std::min(turning_.free_substeps[l] + 1, substeps);
-      counters.distance_checks += std::uint64_t{turning_.candidates[l]} * trials;
-    }
-    // In the order of the turns, on which sums of floating point numbers depend.
-    for (Turns left = halted | alone; left != 0; left &= left - 1) {
-      std::size_t const l = first_of(left);
-      if (halted >> l & 1U) {
-        collide(view_, rows_[l], turning_.partner[l], counters);
-      } else {
-        turns_.take(turns_.prepare(rows_[l]), counters);
-      }
-    }
-    for (Turns left = together & ~staying; left != 0; left &= left - 1) {
-      std::uint32_t const i = rows_[first_of(left)];
-      grid_.move(i, view_.disks[i].position);
-    }
-    for (Turns left = all & ~local; left != 0; left &= left - 1) not_local.push_back(rows_[first_of(left)]);
-    counters.moves += count_of(together);
-    counters.halted_moves += count_of(halted);
-  }
-
- private:
-  /// Where eight disks from turn `first` on are bound for.
-  GRIDLOCK_AVX512 Course aim(std::size_t first) {
-    Turning& t = turning_;
-    Rows rows;
-    for (std::size_t l = 0; l < lanes; ++l) {
-      rows[l] = rows_[std::min(first + l, rows_.size() - 1)];
-      t.block[first + l] = &grid_.block_of(rows[l]);
-      t.slot[first + l] = grid_.slot_of(rows[l]);
-    }
-    Motion const disk = motion_of(view_.disks.data(), rows);
-    __m512d const radius = radii_of(view_.disks.data(), rows);
-    Cells const cells = cells_of(&t.block[first]);
-    __m512d const duration = _mm512_set1_pd(turns_.duration_);
-    __m512d const squared_speed = squared_length(disk.velocity.x, disk.velocity.y);
-    __m512d const contact = _mm512_add_pd(radius, _mm512_set1_pd(turns_.cutoff_.contact(0.0)));
-
-    // is_local()
-    __m512d const room =
-        _mm512_sub_pd(_mm512_sub_pd(_mm512_set1_pd(turns_.room_), contact), _mm512_set1_pd(turns_.cutoff_.rounding()));
-    __m512d const squared_displacement = _mm512_mul_pd(_mm512_mul_pd(squared_speed, duration), duration);
-    __mmask8 const has_room = _mm512_cmp_pd_mask(room, _mm512_setzero_pd(), _CMP_GT_OQ);
-    Turns const local = _mm512_mask_cmp_pd_mask(has_room, squared_displacement, _mm512_mul_pd(room, room), _CMP_LE_OQ);
-
-    // find_near()
-    __m512d const squared_cutoff =
-        _mm512_add_pd(_mm512_mul_pd(contact, contact),
-                      _mm512_mul_pd(_mm512_set1_pd(turns_.duration_ * turns_.duration_), squared_speed));
-    __m512d const limit = _mm512_mul_pd(squared_cutoff, _mm512_set1_pd(turns_.limit_per_area_));
-    _mm256_store_ps(&t.limit[first], _mm256_add_ps(_mm512_cvtpd_ps(limit), _mm256_set1_ps(turns_.limit_error_)));
-    __m512d const end_x = _mm512_add_pd(disk.position.x, _mm512_mul_pd(duration, disk.velocity.x));
-    __m512d const end_y = _mm512_add_pd(disk.position.y, _mm512_mul_pd(duration, disk.velocity.y));
-    store_local(&t.local_x[first], in_cells(end_x, turns_.layout_.columns_per_length(), cells.columns),
-                grid_.local_width());
-    store_local(&t.local_y[first], in_cells(end_y, turns_.layout_.rows_per_length(), cells.rows), grid_.local_height());
-
-    __m512d const substep = _mm512_set1_pd(view_.substep);
-    return {.from = disk.position,
-            .displacement = {_mm512_mul_pd(substep, disk.velocity.x), _mm512_mul_pd(substep, disk.velocity.y)},
-            .radius = radius,
-            .cells = cells,
-            .local = local,
-            .far_from_edge = is_inner(cells.columns, turns_.inner_columns_) & is_inner(cells.rows, turns_.inner_rows_)};
-  }
-
-  [[nodiscard]] Turns without_more_blocks(Turns turns) const {
-    for (Turns left = turns; left != 0; left &= left - 1) {
-      Block const& home = *turning_.block[first_of(left)];
-      if (PackedTurns::has_further_blocks(turns_.around_of(home))) turns &= ~(left & -left);
-    }
-    return turns;
-  }
+  Meetings(TurnView const& view, PackedGrid const& grid, std::span<std::uint32_t const> rows, Turning& turning)
+      : view_(view), grid_(grid), rows_(rows), turning_(turning) {}
 
   /// Whom these turns, which are far from the edge, may meet.
   GRIDLOCK_AVX512 void look_around(Turns turns) {
-    PackedGrid const& grid = grid_;
-    auto const stride = static_cast<std::int32_t>(&grid.block_at(0, 1) - &grid.block_at(0, 0));
-    float const w = grid.local_width();
-    float const h = grid.local_height();
+    auto const stride = static_cast<std::int32_t>(&grid_.block_at(0, 1) - &grid_.block_at(0, 0));
+    float const w = grid_.local_width();
+    float const h = grid_.local_height();
     FourBlocks const before{each_four_times(w, 0, -w, w), each_four_times(h, h, h, 0),
                             where_blocks_are(-stride - 1, -stride, -stride + 1, -1)};
     FourBlocks const behind{each_four_times(-w, w, 0, -w), each_four_times(0, -h, -h, -h),
@@ -414,6 +310,7 @@ class BatchedMoves {
     return free_substeps;
   }
 
+ private:
   /// The choice of Partner::consider(), of disks that are first met in different sub-steps.
   [[nodiscard]] bool is_met_before_others(std::size_t l, std::uint32_t disk, std::uint64_t substep,
                                           double squared) const {
@@ -421,6 +318,126 @@ class BatchedMoves {
     if (substep != t.free_substeps[l]) return substep < t.free_substeps[l];
     if (squared != t.nearest[l]) return squared < t.nearest[l];
     return view_.disks[disk].rank < view_.disks[t.partner[l]].rank;
+  }
+
+  TurnView const& view_;
+  PackedGrid const& grid_;
+  std::span<std::uint32_t const> rows_;
+  Turning& turning_;
+  Candidates candidates_;
+};
+
+}  // namespace
+
+/// Turns of disks without a common neighbour, eight at a time.
+///
+///     turns         0 1 2 3 4 5 6 7         where they would come to, how far they see
+///     candidates    0 0 2 3 3 3 6 7 │ 7     whom they may meet: few, most turns one or none
+///                   8 at a time             in which sub-step a turn meets a candidate, if at all
+///     turns         0 1 2 3 4 5 6 7         how far they come
+///
+/// The same operations in the same order as in one turn after the other, so that they round alike.
+class BatchedMoves {
+ public:
+  BatchedMoves(PackedTurns& turns, std::span<std::uint32_t const> rows)
+      : turns_(turns),
+        view_(turns.view_),
+        grid_(turns.grid_),
+        rows_(rows),
+        meetings_(turns.view_, turns.grid_, rows, turning_) {}
+
+  GRIDLOCK_AVX512 void take(Counters& counters, std::vector<std::uint32_t>& not_local) {
+    bool const are_many = rows_.size() > lanes;
+    Course const first = aim(0);
+    Course const last = are_many ? aim(lanes) : first;
+    Turns const all = (1U << rows_.size()) - 1U;
+    Turns const local = all & (first.local | last.local << lanes);
+    Turns const far_from_edge = local & (first.far_from_edge | last.far_from_edge << lanes);
+    Turns const together = turns_.fits_one_block_ ? far_from_edge : without_more_blocks(far_from_edge);
+    Turns const alone = local & ~together;
+    meetings_.look_around(together);
+    __m512i const free_substeps = meetings_.find_partners(first, last);
+    auto const substeps = static_cast<std::uint32_t>(view_.substeps);
+    Turns const halted =
+        together & _mm512_cmplt_epu32_mask(free_substeps, _mm512_set1_epi32(static_cast<int>(substeps)));
+    Turns staying = go(0, first, _mm512_castsi512_si256(free_substeps));
+    if (are_many) staying |= go(lanes, last, _mm512_extracti32x8_epi32(free_substeps, 1)) << lanes;
+    for (std::size_t l = 0; l < rows_.size(); ++l) {
+      if (!(together >> l & 1U)) continue;
+      view_.disks[rows_[l]].position = turning_.position[l];
+      PackedGrid::place_within_cell(*turning_.block[l], turning_.slot[l], {turning_.local_x[l], turning_.local_y[l]});
+      std::uint32_t const trials = std::min(turning_.free_substeps[l] + 1, substeps);
+      counters.distance_checks += std::uint64_t{turning_.candidates[l]} * trials;
+    }
+    // In the order of the turns, on which sums of floating point numbers depend.
+    for (Turns left = halted | alone; left != 0; left &= left - 1) {
+      std::size_t const l = first_of(left);
+      if (halted >> l & 1U) {
+        collide(view_, rows_[l], turning_.partner[l], counters);
+      } else {
+        turns_.take(turns_.prepare(rows_[l]), counters);
+      }
+    }
+    for (Turns left = together & ~staying; left != 0; left &= left - 1) {
+      std::uint32_t const i = rows_[first_of(left)];
+      grid_.move(i, view_.disks[i].position);
+    }
+    for (Turns left = all & ~local; left != 0; left &= left - 1) not_local.push_back(rows_[first_of(left)]);
+    counters.moves += count_of(together);
+    counters.halted_moves += count_of(halted);
+  }
+
+ private:
+  /// Where eight disks from turn `first` on are bound for.
+  GRIDLOCK_AVX512 Course aim(std::size_t first) {
+    Turning& t = turning_;
+    Rows rows;
+    for (std::size_t l = 0; l < lanes; ++l) {
+      rows[l] = rows_[std::min(first + l, rows_.size() - 1)];
+      t.block[first + l] = &grid_.block_of(rows[l]);
+      t.slot[first + l] = grid_.slot_of(rows[l]);
+    }
+    Motion const disk = motion_of(view_.disks.data(), rows);
+    __m512d const radius = radii_of(view_.disks.data(), rows);
+    Cells const cells = cells_of(&t.block[first]);
+    __m512d const duration = _mm512_set1_pd(turns_.duration_);
+    __m512d const squared_speed = squared_length(disk.velocity.x, disk.velocity.y);
+    __m512d const contact = _mm512_add_pd(radius, _mm512_set1_pd(turns_.cutoff_.contact(0.0)));
+
+    // is_local()
+    __m512d const room =
+        _mm512_sub_pd(_mm512_sub_pd(_mm512_set1_pd(turns_.room_), contact), _mm512_set1_pd(turns_.cutoff_.rounding()));
+    __m512d const squared_displacement = _mm512_mul_pd(_mm512_mul_pd(squared_speed, duration), duration);
+    __mmask8 const has_room = _mm512_cmp_pd_mask(room, _mm512_setzero_pd(), _CMP_GT_OQ);
+    Turns const local = _mm512_mask_cmp_pd_mask(has_room, squared_displacement, _mm512_mul_pd(room, room), _CMP_LE_OQ);
+
+    // find_near()
+    __m512d const squared_cutoff =
+        _mm512_add_pd(_mm512_mul_pd(contact, contact),
+                      _mm512_mul_pd(_mm512_set1_pd(turns_.duration_ * turns_.duration_), squared_speed));
+    __m512d const limit = _mm512_mul_pd(squared_cutoff, _mm512_set1_pd(turns_.limit_per_area_));
+    _mm256_store_ps(&t.limit[first], _mm256_add_ps(_mm512_cvtpd_ps(limit), _mm256_set1_ps(turns_.limit_error_)));
+    __m512d const end_x = _mm512_add_pd(disk.position.x, _mm512_mul_pd(duration, disk.velocity.x));
+    __m512d const end_y = _mm512_add_pd(disk.position.y, _mm512_mul_pd(duration, disk.velocity.y));
+    store_local(&t.local_x[first], in_cells(end_x, turns_.layout_.columns_per_length(), cells.columns),
+                grid_.local_width());
+    store_local(&t.local_y[first], in_cells(end_y, turns_.layout_.rows_per_length(), cells.rows), grid_.local_height());
+
+    __m512d const substep = _mm512_set1_pd(view_.substep);
+    return {.from = disk.position,
+            .displacement = {_mm512_mul_pd(substep, disk.velocity.x), _mm512_mul_pd(substep, disk.velocity.y)},
+            .radius = radius,
+            .cells = cells,
+            .local = local,
+            .far_from_edge = is_inner(cells.columns, turns_.inner_columns_) & is_inner(cells.rows, turns_.inner_rows_)};
+  }
+
+  [[nodiscard]] Turns without_more_blocks(Turns turns) const {
+    for (Turns left = turns; left != 0; left &= left - 1) {
+      Block const& home = *turning_.block[first_of(left)];
+      if (PackedTurns::has_further_blocks(turns_.around_of(home))) turns &= ~(left & -left);
+    }
+    return turns;
   }
 
   /// Moves eight disks from turn `first` on as far as they come; returns which stay in their cells.
@@ -449,7 +466,7 @@ class BatchedMoves {
   PackedGrid& grid_;
   std::span<std::uint32_t const> rows_;
   Turning turning_;
-  Candidates candidates_;
+  Meetings meetings_;
 };
 
 bool can_take_batch_with_avx512() { return has_avx512(); }

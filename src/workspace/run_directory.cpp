@@ -18,6 +18,8 @@
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/simulation/trajectory.hpp"
+#include "io/checkpoint.hpp"
+#include "io/file.hpp"
 #include "simulation/expected_work.hpp"
 #include "simulation/settings_difference.hpp"
 #include "workspace/result_files.hpp"

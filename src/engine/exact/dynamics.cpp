@@ -30,11 +30,6 @@ double power_of_two_below(double value) {
   return std::ldexp(1.0, exponent - 1);
 }
 
-double nearest_image(double d, double side) {
-  if (d > 0.5 * side) return d - side;
-  return d < -0.5 * side ? d + side : d;
-}
-
 /// Applies a permutation, element i going to place new_place[i], without a second array.
 template <class Array>
 void permute(Array& values, std::vector<Index> new_place) {
@@ -77,7 +72,7 @@ void Dynamics::read_disks(State const& state) {
   }
   bool const is_mixture = size_ > 0 && !(are_all_equal(radius) && are_all_equal(mass));
   double const cutoff = 2.0 * radius_range(disks).largest;
-  cells_ = SlotCells(size_ > 0 ? layout_for_cutoff(box_, cutoff, size_) : CellLayout(box_, 1, 1), box_);
+  grid_ = SlotGrid(size_ > 0 ? layout_for_cutoff(box_, cutoff, size_) : CellLayout(box_, 1, 1), box_);
   disks_.reserve(size_ + 1);
   image_.reserve(size_);
   for (std::uint32_t rank = 0; rank < size_; ++rank) {
@@ -93,10 +88,10 @@ void Dynamics::read_disks(State const& state) {
             .partner = vertical_border,
             .partner_collision_count = 0,
             .collision_count = 0,
-            .column = cells_.column_of(p.x),
-            .row = cells_.row_of(p.y),
+            .column = grid_.column_of(p.x),
+            .row = grid_.row_of(p.y),
             .rank = rank};
-    cells_.insert(rank, disk.column, disk.row);
+    grid_.insert(rank, disk.column, disk.row);
     image_.push_back({disks.column<ImageX>()[row], disks.column<ImageY>()[row]});
     if (is_mixture) {
       radius_.push_back(radius[row]);
@@ -114,13 +109,13 @@ void Dynamics::refresh_prediction_input() {
   prediction_input_ = {.disks = disks_.data(),
                        .radius = radius_.empty() ? nullptr : radius_.data(),
                        .equal_radius = equal_radius_,
-                       .slots = cells_.slots(),
-                       .row_stride = cells_.row_stride(),
-                       .capacity = cells_.capacity(),
-                       .column_edges = cells_.column_edges(),
-                       .row_edges = cells_.row_edges(),
-                       .columns = cells_.columns(),
-                       .rows = cells_.rows(),
+                       .slots = grid_.slots(),
+                       .row_stride = grid_.row_stride(),
+                       .capacity = grid_.capacity(),
+                       .column_edges = grid_.column_edges(),
+                       .row_edges = grid_.row_edges(),
+                       .columns = grid_.columns(),
+                       .rows = grid_.rows(),
                        .width = box_.width(),
                        .height = box_.height(),
                        .is_periodic = box_.is_periodic()};
@@ -133,7 +128,7 @@ void Dynamics::choose_epoch() {
     squared_speeds += disks_[i].velocity_x * disks_[i].velocity_x + disks_[i].velocity_y * disks_[i].velocity_y;
   }
   if (!(squared_speeds > 0.0)) return;
-  double const cell = std::max(box_.width() / cells_.columns(), box_.height() / cells_.rows());
+  double const cell = std::max(box_.width() / grid_.columns(), box_.height() / grid_.rows());
   epoch_length_ = power_of_two_below(2.0 * cell / std::sqrt(squared_speeds / static_cast<double>(size_)));
 }
 
@@ -147,15 +142,15 @@ void Dynamics::start_epoch() {
 void Dynamics::sort_disks_by_cell() {
   std::vector<Index> new_name(size_, no_disk);
   Index next = 0;
-  for (std::int32_t row = 0; row < cells_.rows(); ++row) {
-    for (std::int32_t column = 0; column < cells_.columns(); ++column) {
-      Index const* const slots = cells_.cell(column, row);
-      for (std::size_t k = 0; k < cells_.capacity(); ++k) {
+  for (std::int32_t row = 0; row < grid_.rows(); ++row) {
+    for (std::int32_t column = 0; column < grid_.columns(); ++column) {
+      Index const* const slots = grid_.slots_of(column, row);
+      for (std::size_t k = 0; k < grid_.capacity(); ++k) {
         if (slots[k] != no_disk) new_name[slots[k]] = next++;
       }
     }
   }
-  cells_.rename(new_name);
+  grid_.rename(new_name);
   for (MovingDisk& disk : disks_) {
     if (disk.partner < vertical_border) disk.partner = new_name[disk.partner];
   }
@@ -229,8 +224,8 @@ void Dynamics::fetch_ahead() {
     });
   }
   do {
-    pipeline_.step(disks_.data(), cells_, size_);
-    pipeline_.step(disks_.data(), cells_, size_);
+    pipeline_.step(disks_.data(), grid_, size_);
+    pipeline_.step(disks_.data(), grid_, size_);
   } while (pipeline_.waiting() > most_waiting);
 }
 
@@ -272,12 +267,7 @@ void Dynamics::collide(Index i, Index j, Counters& counters) {
   MovingDisk& b = disks_[j];
   double const w_x = b.velocity_x - a.velocity_x;
   double const w_y = b.velocity_y - a.velocity_y;
-  double d_x = (b.x - a.x) + w_x * now_;
-  double d_y = (b.y - a.y) + w_y * now_;
-  if (box_.is_periodic()) {
-    d_x = nearest_image(d_x, box_.width());
-    d_y = nearest_image(d_y, box_.height());
-  }
+  auto const [d_x, d_y] = box_.displacement_inside({}, {(b.x - a.x) + w_x * now_, (b.y - a.y) + w_y * now_});
   double const mass_a = mass_of(i);
   double const mass_b = mass_of(j);
   double const squared_distance = d_x * d_x + d_y * d_y;
@@ -300,7 +290,7 @@ void Dynamics::collide(Index i, Index j, Counters& counters) {
 
 void Dynamics::hit_or_cross_vertical_border(MovingDisk& disk, Index i, Counters& counters) {
   bool const is_rightwards = disk.velocity_x > 0.0;
-  bool const is_last = disk.column == (is_rightwards ? cells_.columns() - 1 : 0);
+  bool const is_last = disk.column == (is_rightwards ? grid_.columns() - 1 : 0);
   if (is_last && !box_.is_periodic()) {
     Counters::Wall const wall = is_rightwards ? Counters::right : Counters::left;
     ++counters.wall_hits[wall];
@@ -310,20 +300,20 @@ void Dynamics::hit_or_cross_vertical_border(MovingDisk& disk, Index i, Counters&
     ++disk.collision_count;
     return;
   }
-  cells_.erase(i, disk.column, disk.row);
+  grid_.erase(i, disk.column, disk.row);
   disk.column += is_rightwards ? 1 : -1;
   if (is_last) {
-    disk.column = is_rightwards ? 0 : cells_.columns() - 1;
+    disk.column = is_rightwards ? 0 : grid_.columns() - 1;
     disk.x -= is_rightwards ? box_.width() : -box_.width();
     image_[i].x += is_rightwards ? 1 : -1;
   }
-  cells_.insert(i, disk.column, disk.row);
-  if (prediction_input_.capacity != cells_.capacity()) refresh_prediction_input();
+  grid_.insert(i, disk.column, disk.row);
+  if (prediction_input_.capacity != grid_.capacity()) refresh_prediction_input();
 }
 
 void Dynamics::hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Counters& counters) {
   bool const is_upwards = disk.velocity_y > 0.0;
-  bool const is_last = disk.row == (is_upwards ? cells_.rows() - 1 : 0);
+  bool const is_last = disk.row == (is_upwards ? grid_.rows() - 1 : 0);
   if (is_last && !box_.is_periodic()) {
     Counters::Wall const wall = is_upwards ? Counters::top : Counters::bottom;
     ++counters.wall_hits[wall];
@@ -333,15 +323,15 @@ void Dynamics::hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Counter
     ++disk.collision_count;
     return;
   }
-  cells_.erase(i, disk.column, disk.row);
+  grid_.erase(i, disk.column, disk.row);
   disk.row += is_upwards ? 1 : -1;
   if (is_last) {
-    disk.row = is_upwards ? 0 : cells_.rows() - 1;
+    disk.row = is_upwards ? 0 : grid_.rows() - 1;
     disk.y -= is_upwards ? box_.height() : -box_.height();
     image_[i].y += is_upwards ? 1 : -1;
   }
-  cells_.insert(i, disk.column, disk.row);
-  if (prediction_input_.capacity != cells_.capacity()) refresh_prediction_input();
+  grid_.insert(i, disk.column, disk.row);
+  if (prediction_input_.capacity != grid_.capacity()) refresh_prediction_input();
 }
 
 void Dynamics::write_at(double t, State& state) const {
@@ -401,11 +391,11 @@ void Dynamics::serialize(Archive& archive) {
 void Dynamics::restore(Archive const& archive, SavedDisks const& saved) {
   archive.require(saved.has_size(size_), "the engine has other disks than the state");
   std::vector<Index> const disks = disks_by_rank();
-  for (Index const i : disks) cells_.erase(i, disks_[i].column, disks_[i].row);
+  for (Index const i : disks) grid_.erase(i, disks_[i].column, disks_[i].row);
   for (std::size_t rank = 0; rank < size_; ++rank) {
     Index const partner = saved.partner[rank];
-    bool const is_inside = saved.column[rank] >= 0 && saved.column[rank] < cells_.columns() && saved.row[rank] >= 0 &&
-                           saved.row[rank] < cells_.rows();
+    bool const is_inside = saved.column[rank] >= 0 && saved.column[rank] < grid_.columns() && saved.row[rank] >= 0 &&
+                           saved.row[rank] < grid_.rows();
     archive.require(is_inside && (partner >= vertical_border || partner < size_) && saved.event_time[rank] >= now_,
                     "a disk waits for an event that cannot be");
     MovingDisk& disk = disks_[disks[rank]];
@@ -421,7 +411,7 @@ void Dynamics::restore(Archive const& archive, SavedDisks const& saved) {
             .row = saved.row[rank],
             .rank = disk.rank};
     image_[disks[rank]] = {saved.image_x[rank], saved.image_y[rank]};
-    cells_.insert(disks[rank], disk.column, disk.row);
+    grid_.insert(disks[rank], disk.column, disk.row);
   }
   epoch_start_ = static_cast<double>(epoch_) * epoch_length_;
   refresh_prediction_input();

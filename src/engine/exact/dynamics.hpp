@@ -9,7 +9,7 @@
 #include "engine/exact/fetch_pipeline.hpp"
 #include "engine/exact/moving_disk.hpp"
 #include "engine/exact/prediction.hpp"
-#include "engine/exact/slot_cells.hpp"
+#include "engine/exact/slot_grid.hpp"
 #include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/state.hpp"
 #include "gridlock/engine/engine.hpp"
@@ -99,7 +99,7 @@ class Dynamics {
   Box box_;
   std::size_t size_ = 0;
   LargeArray<MovingDisk> disks_;  // and one more behind them that no prediction ever chooses
-  SlotCells cells_;
+  SlotGrid grid_;
   Calendar calendar_;
   PredictionInput prediction_input_{};
   Predictor predictor_{};

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "engine/exact/moving_disk.hpp"
-#include "engine/exact/slot_cells.hpp"
+#include "engine/exact/slot_grid.hpp"
 #include "gridlock/core/detail/look_ahead.hpp"
 
 namespace gridlock::exact {
@@ -29,12 +29,12 @@ class FetchPipeline {
   void enter(Index disk, double time) { waiting_[entered_++ % waiting_.size()] = {time, disk}; }
 
   /// Moves every event on by one place.
-  void step(MovingDisk const* disks, SlotCells const& cells, std::size_t last_disk) {
+  void step(MovingDisk const* disks, SlotGrid const& grid, std::size_t last_disk) {
     if (taken_ == entered_) return;
     prefetch(&disks[at(0).disk]);
     if (taken_ >= 4) fetch_partner(disks, at(4));
-    if (taken_ >= 8) fetch_cells(disks, cells, at(8));
-    if (taken_ >= 12) fetch_disks(cells, disks, at(12), last_disk);
+    if (taken_ >= 8) fetch_cells(disks, grid, at(8));
+    if (taken_ >= 12) fetch_disks(grid, disks, at(12), last_disk);
     ++taken_;
   }
 
@@ -63,7 +63,7 @@ class FetchPipeline {
     entry.rows = 3;
     prefetch(&disks[entry.partner]);
   }
-  static void fetch_cells(MovingDisk const* disks, SlotCells const& cells, Entry& entry) {
+  static void fetch_cells(MovingDisk const* disks, SlotGrid const& grid, Entry& entry) {
     if (entry.rows == 0) return;
     MovingDisk const& disk = disks[entry.disk];
     MovingDisk const& partner = disks[entry.partner];
@@ -76,20 +76,20 @@ class FetchPipeline {
     entry.row = disk.row - 1 + std::min(up, 0);
     entry.columns = 3 + std::abs(across);
     entry.rows = 3 + std::abs(up);
-    Index const* run = cells.cell(entry.column, entry.row);
+    Index const* run = grid.slots_of(entry.column, entry.row);
     // Wide registers read a slot or four more than the cells have.
-    std::size_t const last = static_cast<std::size_t>(entry.columns + 1) * cells.capacity() - 1;
-    for (std::int32_t row = 0; row < entry.rows; ++row, run += cells.row_stride()) {
+    std::size_t const last = static_cast<std::size_t>(entry.columns + 1) * grid.capacity() - 1;
+    for (std::int32_t row = 0; row < entry.rows; ++row, run += grid.row_stride()) {
       prefetch(run);
       prefetch(run + last);
     }
   }
-  static void fetch_disks(SlotCells const& cells, MovingDisk const* disks, Entry const& entry, std::size_t last_disk) {
+  static void fetch_disks(SlotGrid const& grid, MovingDisk const* disks, Entry const& entry, std::size_t last_disk) {
     if (entry.rows == 0) return;
-    Index const* run = cells.cell(entry.column, entry.row);
-    for (std::int32_t row = 0; row < entry.rows; ++row, run += cells.row_stride()) {
+    Index const* run = grid.slots_of(entry.column, entry.row);
+    for (std::int32_t row = 0; row < entry.rows; ++row, run += grid.row_stride()) {
       Index const* cell = run;
-      for (std::int32_t column = 0; column < entry.columns; ++column, cell += cells.capacity()) {
+      for (std::int32_t column = 0; column < entry.columns; ++column, cell += grid.capacity()) {
         // Few cells hold more than two disks. An empty slot asks for the spare disk at the end, which is always there:
         // cheaper than a branch.
         prefetch(&disks[std::min<std::size_t>(cell[0], last_disk)]);

@@ -12,7 +12,7 @@ struct PredictionInput {
   MovingDisk const* disks;
   double const* radius;  ///< of each disk; nullptr while all are equal
   double equal_radius;
-  Index const* slots;  ///< of SlotCells
+  Index const* slots;  ///< of SlotGrid
   std::size_t row_stride;
   std::size_t capacity;
   double const* column_edges;

@@ -1,4 +1,4 @@
-#include "engine/exact/slot_cells.hpp"
+#include "engine/exact/slot_grid.hpp"
 
 #include <cassert>
 
@@ -18,7 +18,7 @@ std::vector<double> edges(int count, double side) {
 
 }  // namespace
 
-SlotCells::SlotCells(CellLayout const& layout, Box const& box)
+SlotGrid::SlotGrid(CellLayout const& layout, Box const& box)
     : layout_(layout),
       is_periodic_(box.is_periodic()),
       columns_(layout.columns()),
@@ -28,9 +28,9 @@ SlotCells::SlotCells(CellLayout const& layout, Box const& box)
       column_edges_(edges(columns_, box.width())),
       row_edges_(edges(rows_, box.height())) {}
 
-void SlotCells::insert(Index disk, std::int32_t column, std::int32_t row) {
+void SlotGrid::insert(Index disk, std::int32_t column, std::int32_t row) {
   for (;;) {
-    Index* const first = slots_.data() + place_of(column, row);
+    Index* const first = slots_.data() + first_slot_of(column, row);
     Index* const empty = std::find(first, first + capacity_, no_disk);
     if (empty != first + capacity_) {
       *empty = disk;
@@ -41,8 +41,8 @@ void SlotCells::insert(Index disk, std::int32_t column, std::int32_t row) {
   if (is_periodic_ && is_at_edge(column, row)) copy_to_ghosts(column, row);
 }
 
-void SlotCells::erase(Index disk, std::int32_t column, std::int32_t row) {
-  Index* const first = slots_.data() + place_of(column, row);
+void SlotGrid::erase(Index disk, std::int32_t column, std::int32_t row) {
+  Index* const first = slots_.data() + first_slot_of(column, row);
   Index* const found = std::find(first, first + capacity_, disk);
   assert(found != first + capacity_);
   // The last of the cell takes its place: the first slots of a cell are the ones in use.
@@ -52,24 +52,24 @@ void SlotCells::erase(Index disk, std::int32_t column, std::int32_t row) {
   if (is_periodic_ && is_at_edge(column, row)) copy_to_ghosts(column, row);
 }
 
-void SlotCells::rename(std::vector<Index> const& new_name) {
+void SlotGrid::rename(std::vector<Index> const& new_number) {
   for (Index& slot : slots_) {
-    if (slot != no_disk) slot = new_name[slot];
+    if (slot != no_disk) slot = new_number[slot];
   }
 }
 
-void SlotCells::copy_to_ghosts(std::int32_t column, std::int32_t row) {
+void SlotGrid::copy_to_ghosts(std::int32_t column, std::int32_t row) {
   // Each image of the cell that lies in the ring of ghosts; in a box one cell wide it has images on both sides.
-  Index const* const original = slots_.data() + place_of(column, row);
+  Index const* const original = slots_.data() + first_slot_of(column, row);
   for (std::int32_t const r : {row - rows_, row, row + rows_}) {
     for (std::int32_t const c : {column - columns_, column, column + columns_}) {
       bool const is_ghost = (r != row || c != column) && r >= -1 && r <= rows_ && c >= -1 && c <= columns_;
-      if (is_ghost) std::copy_n(original, capacity_, slots_.data() + place_of(c, r));
+      if (is_ghost) std::copy_n(original, capacity_, slots_.data() + first_slot_of(c, r));
     }
   }
 }
 
-void SlotCells::double_capacity() {
+void SlotGrid::double_capacity() {
   std::size_t const old_capacity = capacity_;
   std::size_t const cells = (slots_.size() - slack) / old_capacity;
   LargeArray<Index> wider(cells * old_capacity * 2 + slack, no_disk);

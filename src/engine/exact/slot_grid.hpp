@@ -12,8 +12,8 @@
 
 namespace gridlock::exact {
 
-/// A uniform grid whose cells hold the names of their disks in a few fixed slots, so that the candidates of a
-/// prediction are three short runs of memory.
+/// A grid whose cells hold the numbers of their disks in a few fixed slots, so that the candidates of a prediction are
+/// three short runs of memory.
 ///
 ///     ┌────┬────┬────┬────┐   one row of slots: 3 cells × 4 slots = 48 bytes in a run
 ///     │ ·· │ 07 │ 3· │ ·· │   dotted: empty. The outermost cells are ghosts: copies of the other side in a
@@ -22,10 +22,10 @@ namespace gridlock::exact {
 /// Cells with a side in [σ, √2 σ) hold at most four centres of hard disks of diameter σ. Where disks are smaller or cells
 /// larger, a cell that runs full doubles the slots of all.
 /// Cost: insert, erase O(slots per cell).
-class SlotCells {
+class SlotGrid {
  public:
-  SlotCells() = default;
-  SlotCells(CellLayout const& layout, Box const& box);
+  SlotGrid() = default;
+  SlotGrid(CellLayout const& layout, Box const& box);
 
   [[nodiscard]] std::int32_t columns() const { return columns_; }
   [[nodiscard]] std::int32_t rows() const { return rows_; }
@@ -39,19 +39,19 @@ class SlotCells {
   /// Slots from one row of cells to the next.
   [[nodiscard]] std::size_t row_stride() const { return stride_ * capacity_; }
   [[nodiscard]] Index const* slots() const { return slots_.data(); }
-  /// The first slot of a cell; column −1 and `columns`, row −1 and `rows` are the ghosts. Behind the last slot there
+  /// The slots of a cell; column −1 and `columns`, row −1 and `rows` are the ghosts. Behind the last slot there
   /// are more than a vector register of empty ones, so that wide loads stay in bounds.
-  [[nodiscard]] Index const* cell(std::int32_t column, std::int32_t row) const {
-    return slots_.data() + place_of(column, row);
+  [[nodiscard]] Index const* slots_of(std::int32_t column, std::int32_t row) const {
+    return slots_.data() + first_slot_of(column, row);
   }
 
   void insert(Index disk, std::int32_t column, std::int32_t row);
   void erase(Index disk, std::int32_t column, std::int32_t row);
-  /// Replaces every name i by new_name[i].
-  void rename(std::vector<Index> const& new_name);
+  /// Disk i is called new_number[i] from now on.
+  void rename(std::vector<Index> const& new_number);
 
  private:
-  [[nodiscard]] std::size_t place_of(std::int32_t column, std::int32_t row) const {
+  [[nodiscard]] std::size_t first_slot_of(std::int32_t column, std::int32_t row) const {
     return (static_cast<std::size_t>(row + 1) * stride_ + static_cast<std::size_t>(column + 1)) * capacity_;
   }
   [[nodiscard]] bool is_at_edge(std::int32_t column, std::int32_t row) const {

@@ -1,4 +1,4 @@
-#include "engine/exact/slot_cells.hpp"
+#include "engine/exact/slot_grid.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,19 +11,19 @@
 namespace gridlock::exact {
 namespace {
 
-std::vector<Index> disks_in(SlotCells const& cells, std::int32_t column, std::int32_t row) {
-  Index const* const cell = cells.cell(column, row);
+std::vector<Index> disks_in(SlotGrid const& grid, std::int32_t column, std::int32_t row) {
+  Index const* const cell = grid.slots_of(column, row);
   std::vector<Index> found;
-  for (std::size_t k = 0; k < cells.capacity(); ++k) {
+  for (std::size_t k = 0; k < grid.capacity(); ++k) {
     if (cell[k] != no_disk) found.push_back(cell[k]);
   }
   return found;
 }
 
-TEST(SlotCells, HoldWhatASetHoldsInTheFirstSlotsOfEachCellAndOfItsGhosts) {
+TEST(SlotGrid, HoldsWhatASetHoldsInTheFirstSlotsOfEachCellAndOfItsGhosts) {
   constexpr std::int32_t side = 3;
   Box const box(3.0, 3.0, Edge::periodic);
-  SlotCells cells(CellLayout(box, side, side), box);
+  SlotGrid grid(CellLayout(box, side, side), box);
   std::vector<std::set<Index>> expected(side * side);
   RandomStream random(7, 0, 0, Purpose::start_position);
   for (int step = 0; step < 3000; ++step) {
@@ -31,24 +31,24 @@ TEST(SlotCells, HoldWhatASetHoldsInTheFirstSlotsOfEachCellAndOfItsGhosts) {
     auto const place =
         std::ranges::find_if(expected, [&](auto const& in_cell) { return in_cell.contains(disk); }) - expected.begin();
     if (place < side * side) {
-      cells.erase(disk, static_cast<std::int32_t>(place) % side, static_cast<std::int32_t>(place) / side);
+      grid.erase(disk, static_cast<std::int32_t>(place) % side, static_cast<std::int32_t>(place) / side);
       expected[static_cast<std::size_t>(place)].erase(disk);
     } else {
       auto const cell = static_cast<std::int32_t>(random.uniform() * side * side);
-      cells.insert(disk, cell % side, cell / side);
+      grid.insert(disk, cell % side, cell / side);
       expected[static_cast<std::size_t>(cell)].insert(disk);
     }
     for (std::int32_t row = -1; row <= side; ++row) {
       for (std::int32_t column = -1; column <= side; ++column) {
         auto const original = static_cast<std::size_t>((row + side) % side * side + (column + side) % side);
-        std::vector<Index> const found = disks_in(cells, column, row);
+        std::vector<Index> const found = disks_in(grid, column, row);
         ASSERT_EQ(std::set<Index>(found.begin(), found.end()), expected[original]) << "step " << step;
-        ASSERT_TRUE(found.empty() || cells.cell(column, row)[found.size() - 1] != no_disk)
+        ASSERT_TRUE(found.empty() || grid.slots_of(column, row)[found.size() - 1] != no_disk)
             << "a hole in cell " << column << ", " << row << " at step " << step;
       }
     }
   }
-  EXPECT_GT(cells.capacity(), 4U) << "no cell ran full: the test does not see the slots double";
+  EXPECT_GT(grid.capacity(), 4U) << "no cell ran full: the test does not see the slots double";
 }
 
 }  // namespace

@@ -1,0 +1,110 @@
+#include "workspace/sweep_directory.hpp"
+
+#include <fmt/format.h>
+
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include "io/file.hpp"
+#include "simulation/settings_difference.hpp"
+#include "workspace/result_files.hpp"
+#include "workspace/sweep_plan.hpp"
+
+namespace gridlock {
+
+namespace {
+
+Error in_the_way(std::string what) {
+  return Error({.what = std::move(what),
+                .hint = "name another directory with -o, or add --overwrite to run everything again",
+                .key = "-o"});
+}
+
+}  // namespace
+
+bool SweepDirectory::is_ours(std::size_t run) const {
+  return !settings_.shard || run % settings_.shard->count == settings_.shard->number - 1;
+}
+
+std::filesystem::path SweepDirectory::directory_of(std::size_t run) const {
+  return gridlock::directory_of(settings_.directory, plan_.runs[run]);
+}
+
+bool SweepDirectory::is_there(std::size_t run) const {
+  std::error_code ignored;
+  return !settings_.overwrites && std::filesystem::exists(directory_of(run) / "config.resolved.toml", ignored);
+}
+
+std::optional<RunSummary> SweepDirectory::recorded(std::size_t run) const {
+  return is_there(run) ? read_summary(directory_of(run)) : std::nullopt;
+}
+
+std::optional<Error> SweepDirectory::refusal_of(std::size_t run, Setup const& setup) const {
+  if (!is_there(run)) return std::nullopt;
+  std::string const reason = difference_from_recorded(run, setup);
+  if (reason.empty()) return std::nullopt;
+  return in_the_way(fmt::format("{} was run with other settings: {}", directory_of(run).string(), reason));
+}
+
+/// What the directory of the run says of another run; empty where it is this one, on whatever number of threads it was
+/// begun: the share of the cores that a run gets is another in another sweep.
+std::string SweepDirectory::difference_from_recorded(std::size_t run, Setup const& setup) const {
+  std::filesystem::path const file = directory_of(run) / "config.resolved.toml";
+  SettingTexts texts;
+  try {
+    texts = setting_texts(read_file(file), file.string());
+  } catch (Error const& error) {
+    return error.problems().front().what;
+  }
+  auto const difference = find_difference(texts, setting_texts(resolved_configuration(setup), ""));
+  if (difference) return to_text(*difference, "it", "this sweep");
+  auto const summary = recorded(run);
+  return summary && summary->start_hash != setup.simulation->state_hash() ? "it began from another state" : "";
+}
+
+void SweepDirectory::require_same_base() const {
+  if (settings_.overwrites || !is_of_sweep()) return;
+  SweepPlan recorded;
+  try {
+    recorded = read_plan(settings_.directory);
+  } catch (Error const&) {
+    return;  // it is written again, and what runs there are is checked one by one
+  }
+  std::set<std::string> swept(plan_.keys.begin(), plan_.keys.end());
+  swept.insert(recorded.keys.begin(), recorded.keys.end());
+  auto const difference = find_difference(recorded.base, plan_.base, swept);
+  if (difference) {
+    throw in_the_way(fmt::format("{} holds a sweep of other settings: {}", settings_.directory.string(),
+                                 to_text(*difference, "it", "this one")));
+  }
+}
+
+bool SweepDirectory::is_of_sweep() const {
+  std::error_code ignored;
+  return std::filesystem::exists(settings_.directory / sweep_plan_name, ignored);
+}
+
+void SweepDirectory::open() const {
+  if (is_of_sweep()) {
+    make_output_directory(settings_.directory);
+  } else {
+    open_run_directory(settings_.directory, settings_.overwrites);
+  }
+}
+
+void SweepDirectory::forget_old_results() const {
+  if (!settings_.overwrites) return;
+  // Results of something else; a sweep that is there already keeps the runs of other shards.
+  if (!is_of_sweep()) remove_results(settings_.directory);
+  // What is to be made anew is gone at once, so that an interruption leaves no old runs among the new ones.
+  std::error_code ignored;
+  for (std::size_t run = 0; run < plan_.runs.size(); ++run) {
+    if (!is_ours(run)) continue;
+    for (char const* name : {"summary.json", "config.resolved.toml"}) {
+      std::filesystem::remove(directory_of(run) / name, ignored);
+    }
+  }
+}
+
+}  // namespace gridlock
