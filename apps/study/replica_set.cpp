@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "study/seed_statistics.hpp"
+#include "observe/mean_over_runs.hpp"
 
 namespace gridlock {
 
@@ -106,7 +106,7 @@ std::vector<double> ReplicaResult::of_each_seed(std::function<double(StudyOutcom
 }
 
 Estimate ReplicaResult::over_seeds(std::function<double(StudyOutcome const&)> const& value) const {
-  return mean_over_seeds(of_each_seed(value));
+  return mean_over_runs(of_each_seed(value));
 }
 
 Estimate ReplicaResult::displacement(std::size_t sample) const {

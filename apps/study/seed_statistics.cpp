@@ -2,22 +2,8 @@
 
 #include <array>
 #include <cassert>
-#include <cmath>
 
 namespace gridlock {
-
-Estimate mean_over_seeds(std::span<double const> values) {
-  assert(!values.empty());
-  double const n = static_cast<double>(values.size());
-  double sum = 0.0;
-  for (double const value : values) sum += value;
-  Estimate estimate{.value = sum / n};
-  if (values.size() < 2) return estimate;
-  double squares = 0.0;
-  for (double const value : values) squares += (value - estimate.value) * (value - estimate.value);
-  estimate.error = std::sqrt(squares / (n * (n - 1.0)));
-  return estimate;
-}
 
 double three_sigma(std::size_t degrees_of_freedom) {
   assert(degrees_of_freedom >= 1);

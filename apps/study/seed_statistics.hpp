@@ -1,15 +1,8 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
-
-#include "gridlock/observe/estimate.hpp"
 
 namespace gridlock {
-
-/// Mean and standard error of equally good values, s/√n with the n − 1 scatter; the error is absent for a single one.
-/// Contract: not empty (asserted).
-Estimate mean_over_seeds(std::span<double const> values);
 
 /// How many standard errors chance alone exceeds in 0.27 % of all cases, as three do for a well-known error: Student's t,
 /// since an error from the scatter of few values is itself uncertain. 235.8 for one degree of freedom, towards 3.

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 
+#include "observe/mean_over_runs.hpp"
 #include "study/figures.hpp"
 #include "study/seed_statistics.hpp"
 
@@ -90,10 +91,10 @@ Comparison compare(ReplicaResult const& by_id, ReplicaResult const& by_tile, Rep
   std::vector<double> const there = by_tile.of_each_seed(value);
   std::vector<double> differences;
   for (std::size_t k = 0; k < here.size(); ++k) differences.push_back(there[k] - here[k]);
-  return {.by_id = mean_over_seeds(here),
-          .by_tile = mean_over_seeds(there),
-          .reference = mean_over_seeds(reference.of_each_seed(value)),
-          .difference = mean_over_seeds(differences),
+  return {.by_id = mean_over_runs(here),
+          .by_tile = mean_over_runs(there),
+          .reference = mean_over_runs(reference.of_each_seed(value)),
+          .difference = mean_over_runs(differences),
           .seeds = here.size()};
 }
 
@@ -183,7 +184,7 @@ Table curves_of(Study const& study) {
                                 replica_set.time_step,     result.step(sample) * replica_set.time_step};
         for (auto const values : {&StudyOutcome::displacements, &StudyOutcome::centre_displacements,
                                   &StudyOutcome::displacements_about_centre}) {
-          Estimate const estimate = mean_over_seeds(
+          Estimate const estimate = mean_over_runs(
               result.of_each_seed([&](StudyOutcome const& outcome) { return (outcome.*values)[sample]; }));
           cells.emplace_back(estimate.value);
           cells.emplace_back(estimate.error.value_or(std::nan("")));

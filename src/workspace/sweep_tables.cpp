@@ -10,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "observe/mean_over_runs.hpp"
 #include "workspace/result_files.hpp"
 
 namespace gridlock {
@@ -88,12 +89,11 @@ double error_by_runs(std::vector<Estimate> const& runs) {
 Estimate mean_over(std::vector<Estimate> const& runs) {
   if (runs.empty()) return {.value = not_measured};
   if (runs.size() == 1) return runs.front();
-  double const count = static_cast<double>(runs.size());
-  double mean = 0.0;
-  for (Estimate const& run : runs) mean += run.value / count;
-  double squares = 0.0;
-  for (Estimate const& run : runs) squares += (run.value - mean) * (run.value - mean);
-  return {mean, std::max(std::sqrt(squares / (count * (count - 1.0))), error_by_runs(runs))};
+  std::vector<double> values;
+  for (Estimate const& run : runs) values.push_back(run.value);
+  Estimate mean = mean_over_runs(values);
+  mean.error = std::max(*mean.error, error_by_runs(runs));
+  return mean;
 }
 
 }  // namespace

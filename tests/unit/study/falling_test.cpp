@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gridlock/core/random.hpp"
-#include "study/seed_statistics.hpp"
+#include "observe/mean_over_runs.hpp"
 
 namespace gridlock {
 namespace {
@@ -26,7 +26,7 @@ std::vector<MeanOfRuns> simulated(std::vector<double> const& truths, double scat
   for (double const truth : truths) {
     std::vector<double> of_runs(runs);
     std::ranges::generate(of_runs, [&] { return truth * (1.0 + scatter * random.normal()); });
-    values.push_back({.mean = mean_over_seeds(of_runs), .runs = runs});
+    values.push_back({.mean = mean_over_runs(of_runs), .runs = runs});
   }
   return values;
 }

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <vector>
 
 namespace gridlock {
 namespace {
@@ -26,20 +25,6 @@ TEST(ThreeSigma, IsExceededByChanceAsOftenAsThreeStandardDeviationsOfANormalDist
   for (std::size_t degrees = 1; degrees <= 60; ++degrees) {
     EXPECT_NEAR(chance_beyond(three_sigma(degrees), static_cast<double>(degrees)) / expected, 1.0, 0.02) << degrees;
   }
-}
-
-TEST(MeanOverSeeds, HasTheTextbookStandardError) {
-  std::vector<double> const values{1.0, 2.0, 3.0, 6.0};
-  Estimate const estimate = mean_over_seeds(values);
-  EXPECT_DOUBLE_EQ(estimate.value, 3.0);
-  // Squared deviations 4 + 1 + 0 + 9, over n (n − 1) = 12.
-  ASSERT_TRUE(estimate.error);
-  EXPECT_DOUBLE_EQ(*estimate.error, std::sqrt(14.0 / 12.0));
-}
-
-TEST(MeanOverSeeds, ClaimsNoErrorForOneSeed) {
-  EXPECT_FALSE(mean_over_seeds(std::vector{0.3}).error);
-  EXPECT_EQ(mean_over_seeds(std::vector{0.3}).value, 0.3);
 }
 
 }  // namespace
