@@ -10,7 +10,7 @@
 
 #include "drawing/picture.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/observe/bond_orientation.hpp"
+#include "observe/bond_orientation.hpp"
 
 namespace gridlock {
 

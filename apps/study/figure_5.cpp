@@ -10,7 +10,7 @@
 #include <optional>
 #include <utility>
 
-#include "gridlock/simulation/rate_limiter.hpp"
+#include "gridlock/simulation/detail/rate_limiter.hpp"
 #include "study/distance_checks.hpp"
 #include "study/power_law.hpp"
 

@@ -1,4 +1,4 @@
-#include "gridlock/observe/id_index.hpp"
+#include "observe/id_index.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -6,14 +6,14 @@
 #include <utility>
 
 #include "gridlock/core/state.hpp"
-#include "gridlock/observe/bond_orientation.hpp"
-#include "gridlock/observe/displacement.hpp"
-#include "gridlock/observe/energy.hpp"
-#include "gridlock/observe/pair_correlation.hpp"
-#include "gridlock/observe/pressure.hpp"
-#include "gridlock/observe/rates.hpp"
-#include "gridlock/observe/speed.hpp"
-#include "gridlock/observe/velocity_autocorrelation.hpp"
+#include "observe/bond_orientation.hpp"
+#include "observe/displacement.hpp"
+#include "observe/energy.hpp"
+#include "observe/pair_correlation.hpp"
+#include "observe/pressure.hpp"
+#include "observe/rates.hpp"
+#include "observe/speed.hpp"
+#include "observe/velocity_autocorrelation.hpp"
 
 namespace gridlock {
 

@@ -1,4 +1,4 @@
-#include "gridlock/observe/observable_set.hpp"
+#include "gridlock/observe/detail/observable_set.hpp"
 
 #include <algorithm>
 #include <iterator>

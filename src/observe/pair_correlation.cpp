@@ -1,4 +1,4 @@
-#include "gridlock/observe/pair_correlation.hpp"
+#include "observe/pair_correlation.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "gridlock/observe/pressure.hpp"
+#include "observe/pressure.hpp"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "gridlock/observe/temperature.hpp"
+#include "observe/temperature.hpp"
 
 namespace gridlock {
 

@@ -1,10 +1,10 @@
-#include "gridlock/observe/speed.hpp"
+#include "observe/speed.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "gridlock/observe/temperature.hpp"
+#include "observe/temperature.hpp"
 
 namespace gridlock {
 

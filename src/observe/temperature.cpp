@@ -1,4 +1,4 @@
-#include "gridlock/observe/temperature.hpp"
+#include "observe/temperature.hpp"
 
 #include <algorithm>
 

@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/simulation/trajectory.hpp"
 #include "simulation/countable_time.hpp"
 #include "simulation/memory.hpp"
+#include "simulation/trajectory.hpp"
 
 namespace gridlock {
 

@@ -1,4 +1,4 @@
-#include "gridlock/simulation/model_kind.hpp"
+#include "gridlock/simulation/detail/model_kind.hpp"
 
 #include <fmt/format.h>
 

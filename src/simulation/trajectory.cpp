@@ -1,4 +1,4 @@
-#include "gridlock/simulation/trajectory.hpp"
+#include "simulation/trajectory.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

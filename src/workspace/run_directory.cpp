@@ -17,11 +17,11 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/xyz.hpp"
-#include "gridlock/simulation/trajectory.hpp"
 #include "io/checkpoint.hpp"
 #include "io/file.hpp"
 #include "simulation/expected_work.hpp"
 #include "simulation/settings_difference.hpp"
+#include "simulation/trajectory.hpp"
 #include "workspace/result_files.hpp"
 #include "workspace/run_log.hpp"
 

@@ -17,6 +17,16 @@ namespace gridlock {
 ///
 /// A column is there where the model has one of that name and type. Valid as long as no agent is born, dies or moves to
 /// another row. Cost: O(columns) to make, and to look up a column; ask for a column once, outside of loops.
+///
+/// ```cpp
+/// #include "gridlock/core/disks.hpp"
+///
+/// Population<X, Y> points;
+/// points.add(0.25, 0.5);
+/// AgentsView const view(points);
+/// std::span<double const> const x = view.column<X>();
+/// bool const have_radii = view.has("radius");  // false
+/// ```
 class AgentsView {
  public:
   template <class... Columns>

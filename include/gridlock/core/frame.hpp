@@ -34,6 +34,8 @@ struct FrameColumn {
 /// in memory was.
 ///
 /// ```cpp
+/// #include "gridlock/core/disks.hpp"
+///
 /// Population<X, Y> points;
 /// points.add(0.25, 0.5);
 /// Frame const frame = frame_of(Box(1.0, 1.0, Edge::wall), Clock{}, 7, points);

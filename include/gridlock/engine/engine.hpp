@@ -151,6 +151,15 @@ EngineRecord const& engine_record(std::string_view kind);
 
 /// Makes the engine named by settings.kind for a valid state.
 /// Errors: Error naming the setting for an unknown kind, or for a set-up the engine cannot treat rightly.
+///
+/// ```cpp
+/// #include "gridlock/lattice/start.hpp"
+///
+/// State state = make_start(Box(1.0, 1.0, Edge::wall), {.count = 100, .packing_fraction = 0.5}, 1);
+/// draw_velocities(state, {});
+/// Counters counters;
+/// make_engine({.kind = "tiled"}, state)->advance(state, counters, {.step = 1000});
+/// ```
 std::unique_ptr<Engine> make_engine(EngineSettings const& settings, State const& state);
 
 /// The kinds make_engine() knows.

@@ -19,7 +19,7 @@ struct Tolerance {
 ///
 /// ```cpp
 /// State state{.box = Box(1.0, 1.0, Edge::wall)};
-/// state.disks.add(0.5, 0.5, 0.0, 0.0, 0.1, 1.0, 0, 0);
+/// state.agents.add(0.5, 0.5, 0.0, 0.0, 0.1, 1.0, 0, 0);
 /// validate(state);
 /// double const overlap = largest_overlap(state);  // 0
 /// ```

@@ -16,7 +16,7 @@
 #include "gridlock/model/detail/checks.hpp"
 #include "gridlock/model/detail/motion.hpp"
 #include "gridlock/model/detail/verify.hpp"
-#include "gridlock/model/world.hpp"
+#include "gridlock/model/detail/world.hpp"
 
 namespace gridlock {
 

@@ -10,6 +10,12 @@
 namespace gridlock {
 
 /// What a model says of its world at one moment: names and numbers, the same names at every moment.
+///
+/// ```cpp
+/// Observations now;
+/// now.add("temperature", 1.5, "Mean kinetic energy.");
+/// double const value = now.entries().front().value;
+/// ```
 class Observations {
  public:
   struct Entry {

@@ -9,6 +9,17 @@
 namespace gridlock {
 
 /// An observable whose every column is averaged over the samples that count: a derived class only measures.
+///
+/// ```cpp
+/// struct Crowding : AveragingObservable {
+///   Requirements requirements(Box const&) const override { return {}; }
+///   void begin(Snapshot const&) override { reset({{"crowding", "1/length²", "Agents per area."}}); }
+///   void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override {
+///     row[0] = static_cast<double>(now.agents.size()) / now.box.area();
+///     if (counts_for_average) average(0, row[0]);
+///   }
+/// };
+/// ```
 class AveragingObservable : public Observable {
  public:
   [[nodiscard]] std::vector<ColumnInfo> columns() const override { return columns_; }

@@ -26,6 +26,13 @@ namespace gridlock {
 /// Cost: O(1) a sample, constant memory (about 0.5 KiB).
 /// Source: H. Flyvbjerg & H. G. Petersen, Error estimates on averages of correlated data (1989),
 /// doi:10.1063/1.457480.
+///
+/// ```cpp
+/// BlockAverage average;
+/// for (double const pressure : {1.1, 0.9, 1.2, 1.0}) average.add(pressure);
+/// double const mean = average.estimate()->value;
+/// double const error = average.estimate()->error.value_or(0.0);
+/// ```
 class BlockAverage {
  public:
   static constexpr std::size_t most_blocks = 32;

@@ -64,6 +64,17 @@ inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 ///
 /// The run calls begin() once, then sample() at every sampled moment in the order of time (the start may be one), then
 /// results() and distributions(). The state may be reordered between samples; Ids keep their meaning.
+///
+/// ```cpp
+/// State state{.box = Box(1.0, 1.0, Edge::wall)};
+/// state.agents.add(0.5, 0.5, 1.0, 0.0, 0.1, 1.0, 0, 0);
+/// Counters const counters;
+/// for (auto const& observable : make_observables({}, Snapshot(state, counters))) {
+///   std::vector<double> row(observable->columns().size());
+///   observable->begin(Snapshot(state, counters));
+///   observable->sample(Snapshot(state, counters), row, true);
+/// }
+/// ```
 class Observable {
  public:
   Observable() = default;

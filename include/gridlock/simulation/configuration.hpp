@@ -9,8 +9,8 @@
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/lattice/start.hpp"
 #include "gridlock/observe/observable.hpp"
-#include "gridlock/simulation/model_kind.hpp"
-#include "gridlock/simulation/trajectory_settings.hpp"
+#include "gridlock/simulation/detail/model_kind.hpp"
+#include "gridlock/simulation/detail/trajectory_settings.hpp"
 
 namespace gridlock {
 
@@ -40,6 +40,13 @@ struct ModelSettings {
 void describe(ModelSettings& settings, SettingVisitor& visitor);
 
 /// Everything a run is made from, one member per table of the TOML file.
+///
+/// ```cpp
+/// Configuration configuration;
+/// configuration.disks = {.count = 100, .packing_fraction = 0.5, .start = StartKind::triangular};
+/// configuration.engine.kind = "tiled";
+/// configuration.run.steps = 200;
+/// ```
 struct Configuration {
   BoxSettings box;
   ModelSettings model;

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "gridlock/simulation/model_kind.hpp"
+#include "gridlock/simulation/detail/model_kind.hpp"
 #include "gridlock/simulation/model_simulation.hpp"
 #include "gridlock/simulation/setup.hpp"
 
@@ -140,6 +140,21 @@ class ModelKindOf final : public AgentsKind {
 
 /// From now on the program can run, resume, sweep and draw this model by its name (`model.kind`), as those of the folder
 /// models/. To be called before there are other threads. Errors: Error where a model of that name is known already.
+///
+/// ```cpp
+/// struct Walkers {
+///   static constexpr std::string_view name = "walkers";
+///   static constexpr std::string_view documentation = "Points that walk at random.";
+///   static constexpr Schedule schedule = Schedule::synchronous;
+///   using Agents = Population<X, Y>;
+///   double cutoff() const { return 0.1; }
+///   double time_step() const { return 1.0; }
+///   void start(World<Walkers>& world) const { world.agents.add(0.5, 0.5); }
+///   void turn(Turn<Walkers>& self) const { self.move_by({0.01, 0.0}); }
+///   void describe(SettingVisitor&) {}
+/// };
+/// inline void know_walkers() { register_model<Walkers>(); }
+/// ```
 template <class Model>
 void register_model() {
   register_model(std::make_unique<detail::ModelKindOf<Model>>());

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "gridlock/io/table.hpp"
-#include "gridlock/simulation/rate_limiter.hpp"
+#include "gridlock/simulation/detail/rate_limiter.hpp"
 #include "gridlock/simulation/simulation.hpp"
 
 namespace gridlock {
@@ -112,6 +112,14 @@ struct RunRecord {
 /// simulation and of the series depend neither on how often progress is reported nor on interruptions, nor, up to the
 /// sample at the end, on how long the run is.
 /// The simulation must outlive the run.
+///
+/// ```cpp
+/// auto const run_to = [](Simulation& simulation, std::uint64_t step) {
+///   Run run(simulation, {.stop_condition = {.step = step}, .sample_every = 10});
+///   run.go_on([](Progress const& progress) { return progress.seconds < 60.0; });
+///   return run.record().series.numbers("time");
+/// };
+/// ```
 class Run {
  public:
   Run(Simulation& simulation, RunPlan const& plan);

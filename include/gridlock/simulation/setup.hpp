@@ -70,6 +70,12 @@ struct SetupOptions {
 /// Errors: Error with the place in the file of everything that is wrong: keys, types, bounds, and set-ups that cannot
 /// exist or that the engine cannot treat rightly.
 /// Cost: with on_slow_start about a second more for random starts of 25,000 disks or more.
+///
+/// ```cpp
+/// Setup const setup = set_up(SettingsFile::from_path("scenes/paper.toml"));
+/// for (SetupNote const& note : setup.notes) std::string const text = note.text;
+/// double const dt = setup.simulation->time_step();
+/// ```
 Setup set_up(SettingsFile const& file, SetupOptions const& options = {});
 
 /// The same from a configuration made in code; relative file names are taken from the current directory.

@@ -21,6 +21,13 @@ using RunResult = RunResultOf<HardDisks>;
 /// The bits of world and series do not depend on how often progress is reported.
 /// Errors: none for a run that breaks: it ends as RunStatus::failed with what there is. std::bad_cast for a set-up of
 /// another model.
+///
+/// ```cpp
+/// Configuration configuration;
+/// configuration.run.steps = 200;
+/// RunResult const result = simulate(set_up(configuration));
+/// std::vector<double> const energy = result.series.numbers("kinetic_energy");
+/// ```
 template <class Model = HardDisks>
 RunResultOf<Model> simulate(Setup setup, OnProgress const& on_progress = {}) {
   auto& simulation = dynamic_cast<WorldSimulation<Model>&>(*setup.simulation);

@@ -18,6 +18,15 @@ namespace gridlock {
 /// What a run advances: agents of any kind, the rule that moves them and what is measured of them.
 ///
 /// The loop of a run, its directory, trajectories, checkpoints, sweeps and the command line know nothing else.
+///
+/// ```cpp
+/// auto const mean_x = [](Simulation& simulation) {
+///   simulation.advance({.step = simulation.clock().step + 100});
+///   double sum = 0.0;
+///   for (double const x : simulation.view().column<X>()) sum += x;
+///   return sum / static_cast<double>(simulation.agents());
+/// };
+/// ```
 class Simulation {
  public:
   Simulation() = default;

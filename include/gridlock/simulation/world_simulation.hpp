@@ -8,12 +8,19 @@
 
 #include "gridlock/core/world.hpp"
 #include "gridlock/engine/engine.hpp"
-#include "gridlock/observe/observable_set.hpp"
+#include "gridlock/observe/detail/observable_set.hpp"
 #include "gridlock/simulation/simulation.hpp"
 
 namespace gridlock {
 
 /// A world of any model, the engine that advances it and what is measured of it.
+///
+/// ```cpp
+/// auto const fastest = [](DiskSimulation& simulation) {
+///   simulation.advance({.step = 100});
+///   return largest_speed(simulation.world().agents);
+/// };
+/// ```
 template <class Model>
 class WorldSimulation : public Simulation {
  public:

@@ -1,4 +1,4 @@
-#include "gridlock/observe/bond_orientation.hpp"
+#include "observe/bond_orientation.hpp"
 
 #include <gtest/gtest.h>
 

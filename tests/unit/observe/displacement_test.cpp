@@ -1,4 +1,4 @@
-#include "gridlock/observe/displacement.hpp"
+#include "observe/displacement.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "gridlock/observe/energy.hpp"
+#include "observe/energy.hpp"
 
 #include <gtest/gtest.h>
 

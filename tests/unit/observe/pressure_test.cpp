@@ -1,4 +1,4 @@
-#include "gridlock/observe/pressure.hpp"
+#include "observe/pressure.hpp"
 
 #include <gtest/gtest.h>
 

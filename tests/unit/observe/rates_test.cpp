@@ -1,4 +1,4 @@
-#include "gridlock/observe/rates.hpp"
+#include "observe/rates.hpp"
 
 #include <gtest/gtest.h>
 

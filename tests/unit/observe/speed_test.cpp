@@ -1,4 +1,4 @@
-#include "gridlock/observe/speed.hpp"
+#include "observe/speed.hpp"
 
 #include <gtest/gtest.h>
 

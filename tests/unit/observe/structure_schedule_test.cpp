@@ -1,4 +1,4 @@
-#include "gridlock/observe/structure_schedule.hpp"
+#include "observe/structure_schedule.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "gridlock/observe/velocity_autocorrelation.hpp"
+#include "observe/velocity_autocorrelation.hpp"
 
 #include <gtest/gtest.h>
 

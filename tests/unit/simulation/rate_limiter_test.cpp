@@ -1,4 +1,4 @@
-#include "gridlock/simulation/rate_limiter.hpp"
+#include "gridlock/simulation/detail/rate_limiter.hpp"
 
 #include <gtest/gtest.h>
 

@@ -14,12 +14,12 @@
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/simulation/configuration.hpp"
 #include "gridlock/simulation/simulate.hpp"
-#include "gridlock/simulation/trajectory.hpp"
 #include "gridlock/workspace/run_directory.hpp"
 #include "gridlock/workspace/sweep.hpp"
 #include "io/file.hpp"
 #include "simulation/expected_work.hpp"
 #include "simulation/memory.hpp"
+#include "simulation/trajectory.hpp"
 #include "unit/io/temporary_directory.hpp"
 #include "workspace/sweep_tables.hpp"
 

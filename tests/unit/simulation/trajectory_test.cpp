@@ -1,4 +1,4 @@
-#include "gridlock/simulation/trajectory.hpp"
+#include "simulation/trajectory.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 
 #include "gridlock/core/detail/look_ahead.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
-#include "gridlock/model/world.hpp"
+#include "gridlock/model/detail/world.hpp"
 
 namespace gridlock {
 

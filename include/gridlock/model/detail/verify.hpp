@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "gridlock/model/world.hpp"
+#include "gridlock/model/detail/world.hpp"
 
 namespace gridlock {
 

@@ -8,8 +8,8 @@
 
 #include "gridlock/core/frame.hpp"
 #include "gridlock/io/h5md.hpp"
+#include "gridlock/simulation/detail/trajectory_settings.hpp"
 #include "gridlock/simulation/run.hpp"
-#include "gridlock/simulation/trajectory_settings.hpp"
 
 namespace gridlock {
 

@@ -5,7 +5,7 @@
 
 #include "gridlock/core/state.hpp"
 #include "gridlock/observe/averaging_observable.hpp"
-#include "gridlock/observe/structure_schedule.hpp"
+#include "observe/structure_schedule.hpp"
 
 namespace gridlock {
 

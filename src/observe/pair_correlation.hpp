@@ -7,7 +7,7 @@
 #include "gridlock/core/disks.hpp"
 #include "gridlock/observe/block_average.hpp"
 #include "gridlock/observe/observable.hpp"
-#include "gridlock/observe/structure_schedule.hpp"
+#include "observe/structure_schedule.hpp"
 
 namespace gridlock {
 

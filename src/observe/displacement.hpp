@@ -7,8 +7,8 @@
 
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/disks.hpp"
-#include "gridlock/observe/id_index.hpp"
 #include "gridlock/observe/observable.hpp"
+#include "observe/id_index.hpp"
 
 namespace gridlock {
 
