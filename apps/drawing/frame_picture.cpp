@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/unwrapped.hpp"
 #include "drawing/picture.hpp"
 #include "gridlock/core/error.hpp"
 #include "observe/bond_orientation.hpp"
@@ -40,23 +41,26 @@ State disks_of(Frame const& frame, double mark) {
   return state;
 }
 
+/// The coordinates of the agents of a frame, or how often they have crossed edges: 0 where the frame does not say.
+std::vector<Vector> vectors_of(Frame const& frame, std::string const& x_name, std::string const& y_name) {
+  std::vector<double> const x = numbers_or(frame, x_name, 0.0), y = numbers_or(frame, y_name, 0.0);
+  std::vector<Vector> vectors;
+  for (std::size_t i = 0; i < frame.size(); ++i) vectors.push_back({x[i], y[i]});
+  return vectors;
+}
+
 /// How far each agent has come since the first frame; nan for one that was not there.
 std::vector<double> displacements(Frame const& first, Frame const& frame) {
-  auto const along = [&](char const* name, char const* image, double side) {
-    std::vector<double> const then = numbers_of(first, name), now = numbers_of(frame, name);
-    std::vector<double> const image_then = numbers_or(first, image, 0.0), image_now = numbers_or(frame, image, 0.0);
-    std::vector<double> displacement(frame.size(), std::nan(""));
-    for (std::size_t i = 0; i < frame.size(); ++i) {
-      auto const found = std::ranges::lower_bound(first.ids, frame.ids[i]);
-      if (found == first.ids.end() || *found != frame.ids[i]) continue;
-      auto const j = static_cast<std::size_t>(found - first.ids.begin());
-      displacement[i] = now[i] - then[j] + side * (image_now[i] - image_then[j]);
-    }
-    return displacement;
-  };
-  std::vector<double> result = along("x", "image_x", frame.box.width());
-  std::vector<double> const y = along("y", "image_y", frame.box.height());
-  for (std::size_t i = 0; i < result.size(); ++i) result[i] = std::sqrt(result[i] * result[i] + y[i] * y[i]);
+  auto const then = vectors_of(first, "x", "y"), now = vectors_of(frame, "x", "y");
+  auto const image_then = vectors_of(first, "image_x", "image_y"), image_now = vectors_of(frame, "image_x", "image_y");
+  std::vector<double> result(frame.size(), std::nan(""));
+  for (std::size_t i = 0; i < frame.size(); ++i) {
+    auto const found = std::ranges::lower_bound(first.ids, frame.ids[i]);
+    if (found == first.ids.end() || *found != frame.ids[i]) continue;
+    auto const j = static_cast<std::size_t>(found - first.ids.begin());
+    Vector const moved = unwrapped_displacement(frame.box, then[j], now[i], image_now[i] - image_then[j]);
+    result[i] = std::sqrt(squared_length(moved));
+  }
   return result;
 }
 

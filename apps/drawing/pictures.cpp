@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/unwrapped.hpp"
 #include "drawing/frame_picture.hpp"
 #include "drawing/labels.hpp"
 #include "drawing/picture.hpp"
@@ -103,8 +104,7 @@ std::vector<double> displacements(State const& start, State const& state) {
     std::size_t const then = start.agents.index_of(state.agents.ids()[i]);
     if (then == Disks::not_found) continue;
     Vector const edges = image(state.agents, i) - image(start.agents, then);
-    Vector const u = position(state.agents, i) - position(start.agents, then) +
-                     Vector{edges.x * state.box.width(), edges.y * state.box.height()};
+    Vector const u = unwrapped_displacement(state.box, position(start.agents, then), position(state.agents, i), edges);
     values[i] = std::sqrt(squared_length(u)) / state.box.side();
   }
   return values;

@@ -13,6 +13,7 @@
 #include "gridlock/workspace/run_directory.hpp"
 #include "io/file.hpp"
 #include "verbs.hpp"
+#include "workspace/summary.hpp"
 
 namespace gridlock::cli {
 
@@ -20,23 +21,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-nlohmann::ordered_json read_summary(fs::path const& path) {
-  auto summary = nlohmann::ordered_json::parse(gridlock::read_file(path), nullptr, false);
-  if (!summary.is_object() || !summary.contains("state_hash")) {
-    throw gridlock::Error({.what = summary.is_discarded() ? "this is not JSON" : "this is not the summary of a run",
-                           .hint = "the file was changed or cut off; run again",
-                           .file = path.string()});
-  }
-  return summary;
-}
-
 bool is_there(fs::path const& path) {
   std::error_code ignored;
   return fs::exists(path, ignored);
 }
 
 void print_run(fs::path const& file) {
-  auto const summary = read_summary(file);
+  auto const summary = gridlock::read_summary_json(file);
   fmt::print("a run of gridlock in {}\n", file.has_parent_path() ? file.parent_path().string() : ".");
   for (auto const& [key, entry] : summary.items()) {
     if (entry.is_object() && entry.contains("value") && entry["value"].is_number()) {

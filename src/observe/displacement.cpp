@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <span>
 
+#include "core/unwrapped.hpp"
+
 namespace gridlock {
 
 std::vector<ColumnInfo> Displacement::columns() const {
@@ -70,7 +72,7 @@ void Displacement::sample(Snapshot const& now, std::span<double> row, bool) {
     Site const& from = sites_[place];
     double const crossed_x = static_cast<double>(image_x[i]) - static_cast<double>(from.image_x);
     double const crossed_y = static_cast<double>(image_y[i]) - static_cast<double>(from.image_y);
-    Vector const moved{x[i] - from.x + crossed_x * box.width(), y[i] - from.y + crossed_y * box.height()};
+    Vector const moved = unwrapped_displacement(box, {from.x, from.y}, {x[i], y[i]}, {crossed_x, crossed_y});
     double const squared = squared_length(moved);
     std::size_t const block = rows_.block_of(place, agent_blocks);
     length_[block].add({std::sqrt(squared) / box.side(), 1.0});

@@ -24,6 +24,7 @@
 #include "simulation/trajectory.hpp"
 #include "workspace/result_files.hpp"
 #include "workspace/run_log.hpp"
+#include "workspace/summary.hpp"
 
 namespace gridlock {
 
@@ -34,7 +35,6 @@ using Json = nlohmann::ordered_json;
 constexpr char const* configuration_name = "config.resolved.toml";
 constexpr char const* trajectory_name = "trajectory.h5";
 constexpr char const* begun_trajectory_name = "trajectory.h5.part";
-constexpr char const* summary_name = "summary.json";
 
 Json to_json(std::vector<Count> const& counts) {
   Json json = Json::object();
@@ -320,17 +320,6 @@ class RunInDirectory {
   std::optional<Clock> saved_at_;  ///< where the newest checkpoint is of
 };
 
-std::uint64_t hash_in(Json const& json, char const* key) {
-  return std::stoull(json.at(key).get<std::string>(), nullptr, 16);
-}
-
-RunStatus status_in(Json const& json) {
-  for (RunStatus const status : {RunStatus::finished, RunStatus::interrupted, RunStatus::failed}) {
-    if (json.at("status") == to_text(status)) return status;
-  }
-  return RunStatus::failed;
-}
-
 std::string resolved(Configuration configuration, bool starts_from_file) {
   if (starts_from_file) configuration.disks.file = "start.xyz";
   return to_toml(describing(configuration));
@@ -462,43 +451,6 @@ RunRecord resume_in(std::filesystem::path const& directory, RunHooks const& hook
 
 RunRecord lengthen_in(std::filesystem::path const& directory, RunLength const& length, RunHooks const& hooks) {
   return go_on_in(directory, length, hooks);
-}
-
-std::optional<RunSummary> read_summary(std::filesystem::path const& directory) {
-  std::filesystem::path const path = directory / summary_name;
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) return std::nullopt;
-  require_regular_file(path);
-  std::string const text = read_file(path);
-  try {
-    Json const json = Json::parse(text);
-    if (json.contains("ending") && !json.contains("status")) {
-      throw Error(
-          {.what = fmt::format("{} was written by an earlier version of gridlock: it has \"ending\" for \"status\"",
-                               path.string()),
-           .hint = "use that version, or run again in another directory",
-           .file = path.string()});
-    }
-    RunSummary summary{.status = status_in(json),
-                       .failure = json.value("failure", ""),
-                       .start_hash = hash_in(json, "start_hash"),
-                       .state_hash = hash_in(json, "state_hash"),
-                       .seconds = json.at("timing").at("seconds").get<double>(),
-                       .results = {}};
-    for (auto const& [name, entry] : json.items()) {
-      if (!entry.is_object() || !entry.contains("value")) continue;
-      Estimate estimate{.value = entry.at("value").get<double>(), .error = std::nullopt};
-      if (!entry.at("error").is_null()) estimate.error = entry.at("error").get<double>();
-      summary.results.push_back({name, estimate, entry.value("unit", "")});
-    }
-    return summary;
-  } catch (Error const&) {
-    throw;
-  } catch (std::exception const& error) {
-    throw Error({.what = fmt::format("{} is damaged: {}", path.string(), error.what()),
-                 .hint = "remove it, and gridlock resume writes it again",
-                 .file = path.string()});
-  }
 }
 
 }  // namespace gridlock
