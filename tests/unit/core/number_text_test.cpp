@@ -23,7 +23,9 @@ TEST(NumberText, IsThatOfFmt) {
   for (int n = 0; n < 20000; ++n) {
     auto const bits = random.below(std::uint64_t{1} << 32) << 32 | random.below(std::uint64_t{1} << 32);
     auto const any = std::bit_cast<double>(bits);
-    if (any == any) EXPECT_EQ(number_text(any), fmt::format("{}", any));
+    if (any == any) {
+      EXPECT_EQ(number_text(any), fmt::format("{}", any));
+    }
     double const usual = 1e5 * (random.uniform() - 0.5);
     EXPECT_EQ(number_text(usual), fmt::format("{}", usual));
   }
