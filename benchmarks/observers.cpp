@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "gridlock/engine/engine.hpp"
@@ -28,11 +29,11 @@ void race_at(std::size_t n) {
   configuration.run.steps = 1'000'000;
   configuration.observe.every = steps;
   configuration.observe.structure_every = 0;
-  Setup const setup = set_up(configuration);
+  Setup setup = set_up(configuration);
   auto const alone =
       std::make_shared<Alone>(Alone{disks_of(setup), make_engine(configuration.engine, disks_of(setup)), {}});
   RunPlan const plan = plan_of(setup);
-  auto const simulation = std::make_shared<DiskSimulation>(Setup(setup));
+  std::shared_ptr<Simulation> const simulation = std::move(setup.simulation);
   auto const run = std::make_shared<Run>(*simulation, plan);
   auto const target = std::make_shared<std::uint64_t>(0);
   auto const items = static_cast<double>(n * steps);

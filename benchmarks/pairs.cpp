@@ -75,9 +75,9 @@ Contestant grid_contestant(std::string name, State const& start, double cutoff) 
           .run =
               [=] {
                 *sum = {};
-                for (double& x : state->disks.column<X>()) x += *sign * 0.02 * cutoff;
+                for (double& x : state->agents.column<X>()) x += *sign * 0.02 * cutoff;
                 *sign = -*sign;
-                grid->move_all(state->disks.column<X>(), state->disks.column<Y>());
+                grid->move_all(state->agents.column<X>(), state->agents.column<Y>());
                 for_each_pair(*state, *grid, cutoff, [&](std::size_t, std::size_t, Vector separation) {
                   ++sum->pairs;
                   sum->squared_distances += squared_length(separation);
@@ -97,13 +97,13 @@ Contestant literal_contestant(State const& start, double cutoff) {
           .run =
               [=] {
                 *sum = {};
-                for (double& x : state->disks.column<X>()) x += *sign * 0.02 * cutoff;
+                for (double& x : state->agents.column<X>()) x += *sign * 0.02 * cutoff;
                 *sign = -*sign;
-                grid->move_all(state->disks.column<X>(), state->disks.column<Y>());
-                for (std::size_t i = 0; i < state->disks.size(); ++i) {
-                  Vector const here = position(state->disks, i);
+                grid->move_all(state->agents.column<X>(), state->agents.column<Y>());
+                for (std::size_t i = 0; i < state->agents.size(); ++i) {
+                  Vector const here = position(state->agents, i);
                   grid->for_each_in_block(grid->cell_of(i), 1, 1, [&](std::size_t j) {
-                    Vector const separation = position(state->disks, j) - here;
+                    Vector const separation = position(state->agents, j) - here;
                     if (j == i || !(squared_length(separation) < cutoff * cutoff)) return;
                     sum->pairs += j < i ? 1 : 0;
                     sum->squared_distances += squared_length(separation);
