@@ -48,7 +48,8 @@ MemoryDemand series_of(Configuration const& configuration) {
   // Where another length ends the run, most of the steps may never come.
   bool const is_as_long = !configuration.run.time && !configuration.run.collisions_per_disk;
   std::uint64_t const steps = is_as_long ? configuration.run.steps.value_or(0) : 0;
-  auto const rows = static_cast<double>(steps / std::max<std::uint64_t>(1, configuration.observe.every));
+  std::uint64_t const samples = steps / std::max<std::uint64_t>(1, configuration.observe.every);
+  auto const rows = static_cast<double>(samples);
   return {fmt::format("a series of {:.0f} samples", rows), "observe.every", bytes_per_row * rows,
           "use a larger observe.every, or fewer run.steps"};
 }
