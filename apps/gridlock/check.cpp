@@ -45,8 +45,8 @@ void print_setup(gridlock::Setup const& setup) {
              sizes_in_words(simulation), in_words(simulation.box()), kind.title(configuration), simulation.time_step());
 }
 
-void print_notes(std::vector<std::vector<gridlock::SetupNote>> const& notes) {
-  for (std::string const& note : gridlock::notes_on(notes)) fmt::print(stderr, "note: {}\n", note);
+void print_notes(std::vector<std::vector<gridlock::Event>> const& notes) {
+  for (std::string const& note : gridlock::texts_of(notes)) fmt::print(stderr, "note: {}\n", note);
 }
 
 /// Everything but a random start that takes long.
@@ -57,7 +57,7 @@ gridlock::Setup set_up_soon(gridlock::SettingsFile const& settings) {
 /// Sets up every run of a sweep; what is wrong with any of them comes at the end.
 void check_all(gridlock::SweepPlan const& plan) {
   std::vector<gridlock::Problem> problems;
-  std::vector<std::vector<gridlock::SetupNote>> notes;
+  std::vector<std::vector<gridlock::Event>> notes;
   for (gridlock::SweepRun const& run : plan.runs) {
     try {
       gridlock::Setup const setup = set_up_soon(run.settings);

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <string>
 #include <string_view>
+#include <variant>
 
 #include "drawing/pictures.hpp"
 
@@ -45,6 +46,19 @@ Json to_json(gridlock::Progress const& progress) {
           {"seconds_left", progress.seconds_left()},
           {"agent_steps_per_second", progress.agent_steps_per_second},
           {"observables", observables}};
+}
+
+Json to_json(gridlock::Event const& event) {
+  Json values = Json::object();
+  for (auto const& named : event.values) {
+    std::visit([&](auto const& value) { values[named.first] = value; }, named.second);
+  }
+  return {{"event", gridlock::to_text(event.kind)},
+          {"severity", gridlock::to_text(event.severity)},
+          {"step", event.step},
+          {"key", event.key},
+          {"values", values},
+          {"text", gridlock::to_text(event)}};
 }
 
 /// The first observables of the last sample that have a value, as far as they fit into a line.
@@ -111,11 +125,15 @@ gridlock::RunHooks RunOutput::hooks() {
     print_progress(progress);
     return !StopSignals::is_stop_asked();
   };
-  hooks.on_note = [this](gridlock::LogLine const& line) {
-    bool const is_warning = line.level == gridlock::LogLevel::warning;
-    bool const is_note = line.level == gridlock::LogLevel::note && !is_quiet_;
+  hooks.on_event = [this](gridlock::Event const& event) {
+    if (writes_json_) {
+      print_line(to_json(event));
+      return;
+    }
+    bool const is_warning = event.severity == gridlock::Severity::warning;
+    bool const is_note = event.severity == gridlock::Severity::note && !is_quiet_;
     if (!is_verbose_ && !is_warning && !is_note) return;
-    fmt::print(stderr, "{}{}\n", is_warning ? "warning: " : is_note ? "note: " : "", line.text);
+    fmt::print(stderr, "{}{}\n", is_warning ? "warning: " : is_note ? "note: " : "", gridlock::to_text(event));
   };
   return hooks;
 }

@@ -92,13 +92,15 @@ End end_of(Setup const& setup) {
 }
 
 void note_frames_beyond(char const* key, char const* unit, std::vector<double> const& asked_for, double end,
-                        std::vector<SetupNote>& notes) {
+                        std::vector<Event>& notes) {
   auto const beyond = std::ranges::count_if(asked_for, [&](double at) { return at > end; });
   if (beyond == 0) return;
-  notes.push_back({.kind = NoteKind::frames_beyond_end,
+  notes.push_back({.kind = EventKind::frames_beyond_end,
                    .key = key,
-                   .text = fmt::format("{} of {} in {} lie{} beyond the end of the run at {} {:.6g}: no frame there",
-                                       beyond, asked_for.size(), key, beyond == 1 ? "s" : "", unit, end)});
+                   .values = {{"beyond", static_cast<std::uint64_t>(beyond)},
+                              {"asked_for", static_cast<std::uint64_t>(asked_for.size())},
+                              {"unit", std::string(unit)},
+                              {"end", end}}});
 }
 
 /// The names of the columns a frame will have.
@@ -132,16 +134,18 @@ void check_end(Setup const& setup) {
   if (run.time) require_countable_end(simulation.clock().time + *run.time, simulation.time_step());
 }
 
-std::vector<SetupNote> unused_settings(Configuration const& configuration, IsGiven const& is_given) {
+std::vector<Event> unused_settings(Configuration const& configuration, IsGiven const& is_given) {
   ModelKind const& kind = configuration.kind();
   std::string const model = fmt::format("model.kind = \"{}\"", configuration.model.kind);
-  std::vector<SetupNote> notes;
+  std::vector<Event> notes;
   auto const look_at = [&](std::string key, bool is_default) {
     if (kind.uses(configuration, key) || !is_given(key)) return;
     bool const is_of_engine = key.starts_with("engine.") && !kind.choices(configuration).empty();
     std::string const choice = is_of_engine ? fmt::format("engine.kind = \"{}\"", configuration.engine.kind) : model;
-    std::string text = fmt::format("{} has no effect with {}", key, choice);
-    notes.push_back({NoteKind::unused_setting, std::move(key), std::move(text), is_default});
+    notes.push_back({.kind = EventKind::unused_setting,
+                     .key = std::move(key),
+                     .values = {{"choice", choice}},
+                     .is_default = is_default});
   };
   for (EngineSetting const& setting : settings_of(configuration.engine)) {
     look_at(fmt::format("engine.{}", setting.name), setting.is_default);
@@ -150,8 +154,8 @@ std::vector<SetupNote> unused_settings(Configuration const& configuration, IsGiv
   return notes;
 }
 
-std::vector<SetupNote> frames_beyond_end(Setup const& setup) {
-  std::vector<SetupNote> notes;
+std::vector<Event> frames_beyond_end(Setup const& setup) {
+  std::vector<Event> notes;
   TrajectorySettings const& trajectory = setup.configuration.trajectory;
   End const end = end_of(setup);
   note_frames_beyond("trajectory.steps", "step", trajectory.steps, end.step, notes);

@@ -18,9 +18,9 @@ void check_end(Setup const& setup);
 
 /// Notes on settings that were given although nothing of the run depends on them; of a configuration before it is resolved,
 /// which makes the default of what was left out look like a choice.
-std::vector<SetupNote> unused_settings(Configuration const& configuration, IsGiven const& is_given);
+std::vector<Event> unused_settings(Configuration const& configuration, IsGiven const& is_given);
 
 /// Notes on frames beyond the end of the run.
-std::vector<SetupNote> frames_beyond_end(Setup const& setup);
+std::vector<Event> frames_beyond_end(Setup const& setup);
 
 }  // namespace gridlock

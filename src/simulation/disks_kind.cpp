@@ -215,22 +215,18 @@ void require_collisions(RunSettings const& run, State const& state) {
 }
 
 /// Where the engine has a time step and that is known to mislead.
-std::optional<SetupNote> misleading_rule(State const& state, EngineRecord const& engine) {
+std::optional<Event> misleading_rule(State const& state, EngineRecord const& engine) {
   if (!engine.has_time_step) return std::nullopt;
   std::string const reasons = where_time_steps_mislead(state.box, state.agents);
   if (reasons.empty()) return std::nullopt;
-  return SetupNote{.kind = NoteKind::misleading_rule,
-                   .key = "engine.kind",
-                   .text = fmt::format("with engine.kind = \"{}\" {}, because of its time step; \"exact\" has none",
-                                       engine.name, reasons)};
+  return Event{.kind = EventKind::misleading_rule,
+               .key = "engine.kind",
+               .values = {{"choice", fmt::format("engine.kind = \"{}\"", engine.name)}, {"reasons", reasons}}};
 }
 
-std::optional<SetupNote> nothing_moves(State const& state, VelocitySettings const& velocities) {
+std::optional<Event> nothing_moves(State const& state, VelocitySettings const& velocities) {
   if (kinetic_energy(state.agents) > 0.0) return std::nullopt;
-  return SetupNote{.kind = NoteKind::nothing_moves,
-                   .key = "velocities.max",
-                   .text = velocities.max > 0.0 ? "no disk of the start file has a velocity: nothing moves"
-                                                : "velocities.max is 0: nothing moves"};
+  return Event{.kind = EventKind::nothing_moves, .key = velocities.max > 0.0 ? "disks.file" : "velocities.max"};
 }
 
 class DisksKind final : public ModelKind {

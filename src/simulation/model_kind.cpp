@@ -84,7 +84,7 @@ void AgentsKind::build(Setup& setup, SetupOptions const& options) const {
                            .verify_every = configuration.model.verify_every},
                           configuration.observe, notes);
   for (std::string const& text : notes) {
-    setup.notes.push_back({.kind = NoteKind::misleading_rule, .key = "model.kind", .text = text});
+    setup.notes.push_back({.kind = EventKind::misleading_rule, .key = "model.kind", .values = {{"text", text}}});
   }
 }
 

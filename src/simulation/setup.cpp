@@ -6,7 +6,6 @@
 #include <cassert>
 #include <cmath>
 #include <iterator>
-#include <set>
 #include <utility>
 
 #include "core/saturating.hpp"
@@ -23,16 +22,12 @@ constexpr std::uint64_t default_steps = 10'000;
 
 }  // namespace
 
-bool makes_start(double attempts, std::string const& key, SetupOptions const& options, std::vector<SetupNote>& notes) {
+bool makes_start(double attempts, std::string const& key, SetupOptions const& options, std::vector<Event>& notes) {
   constexpr double least_attempts = 3e7;
   constexpr double seconds_per_attempt = 1.5e-7;
   double const seconds = attempts * seconds_per_attempt;
   if (attempts < least_attempts || options.on_slow_start(seconds)) return true;
-  notes.push_back({.kind = NoteKind::start_not_tried,
-                   .key = key,
-                   .text = fmt::format("the random start was not tried, since that takes about {:.0f} s; "
-                                       "gridlock run will tell whether all find room",
-                                       seconds)});
+  notes.push_back({.kind = EventKind::start_not_tried, .key = key, .values = {{"seconds", seconds}}});
   return false;
 }
 
@@ -89,40 +84,6 @@ State const& disks_of(Setup const& setup) {
   auto const* const disks = dynamic_cast<DiskSimulation const*>(setup.simulation.get());
   assert(disks != nullptr);
   return disks->world();
-}
-
-namespace {
-
-/// What is told of one note that some of the runs have; nothing where it is not worth it.
-std::optional<std::string> text_of(std::vector<SetupNote> const& alike, std::size_t runs) {
-  SetupNote const& first = alike.front();
-  bool const has_one_text = std::ranges::all_of(alike, [&](SetupNote const& note) { return note.text == first.text; });
-  bool const is_of_all = alike.size() == runs;
-  if (first.kind != NoteKind::unused_setting) {
-    return is_of_all && has_one_text ? first.text : fmt::format("{} of {} runs: {}", alike.size(), runs, first.text);
-  }
-  if (!is_of_all || std::ranges::all_of(alike, &SetupNote::is_default)) return std::nullopt;
-  return has_one_text ? first.text : fmt::format("{} has no effect in any run", first.key);
-}
-
-}  // namespace
-
-std::vector<std::string> notes_on(std::vector<std::vector<SetupNote>> const& runs) {
-  std::vector<std::string> texts;
-  std::set<std::pair<NoteKind, std::string>> told;
-  for (std::vector<SetupNote> const& run : runs) {
-    for (SetupNote const& candidate : run) {
-      if (!told.emplace(candidate.kind, candidate.key).second) continue;
-      std::vector<SetupNote> alike;
-      for (std::vector<SetupNote> const& other : runs) {
-        std::ranges::copy_if(other, std::back_inserter(alike), [&](SetupNote const& note) {
-          return note.kind == candidate.kind && note.key == candidate.key;
-        });
-      }
-      if (auto text = text_of(alike, runs.size())) texts.push_back(*std::move(text));
-    }
-  }
-  return texts;
 }
 
 }  // namespace gridlock

@@ -42,20 +42,16 @@ Json to_json(std::vector<Count> const& counts) {
   return json;
 }
 
-/// What was audited, for run.log; nothing where no audit was asked for.
-std::optional<std::string> audits_text(std::vector<Count> const& counts) {
-  auto const count = [&](char const* name) -> std::optional<std::uint64_t> {
-    auto const found = std::ranges::find(counts, name, &Count::name);
-    return found == counts.end() ? std::nullopt : std::optional(found->value);
-  };
-  auto const audits = count("audits");
-  if (!audits) return std::nullopt;
-  if (*audits == 0) return "no audit was due: there were fewer pair collisions than engine.audit_every";
-  bool const looks_for_missed_events = count("audits_for_missed_events") == audits;
-  return fmt::format("{} audits found no overlap{}", *audits,
-                     looks_for_missed_events ? " and no missed event"
-                                             : "; for missed events they look among few disks only, not here");
+/// What was audited; nothing where no audit was asked for.
+std::optional<Event> audit_event(std::vector<Count> const& counts) {
+  Event event{.kind = EventKind::audited, .severity = Severity::info};
+  for (Count const& count : counts) {
+    if (count.name.starts_with("audits")) event.values.emplace_back(count.name, count.value);
+  }
+  return event.values.empty() ? std::nullopt : std::optional(event);
 }
+
+std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 Table to_table(Distribution const& distribution) {
   Table table;
@@ -152,7 +148,7 @@ class RunInDirectory {
         setup_(std::move(setup)),
         start_hash_(setup_.simulation->state_hash()),
         hooks_(hooks),
-        log_(directory_, hooks.on_note),
+        log_(directory_, hooks.on_event),
         configuration_(std::move(configuration)),
         plan_(plan_of(setup_)),
         simulation_(*setup_.simulation),
@@ -179,12 +175,20 @@ class RunInDirectory {
     }
     if (!setup_.start_file.empty()) write_xyz(simulation_.frame(), directory_ / "start.xyz");
     write_file(directory_ / configuration_name, configuration_);
-    for (std::string const& note : notes_on({setup_.notes})) log_.note(note);
+    for (Event const& note : setup_.notes) {
+      if (!note.is_default) log_.write(note);
+    }
     Configuration const& configuration = setup_.configuration;
     ModelKind const& kind = configuration.kind();
-    log_.info(fmt::format("gridlock {} begins: {}, {} {}, seed {}, start hash {:016x}", version(),
-                          kind.title(configuration), simulation_.agents(), kind.agents_name(), configuration.run.seed,
-                          start_hash_));
+    log_.write({.kind = EventKind::begun,
+                .severity = Severity::info,
+                .step = simulation_.clock().step,
+                .values = {{"version", version()},
+                           {"title", kind.title(configuration)},
+                           {"agents", static_cast<std::uint64_t>(simulation_.agents())},
+                           {"agents_name", std::string(kind.agents_name())},
+                           {"seed", configuration.run.seed},
+                           {"start_hash", hash_text(start_hash_)}}});
   }
 
   /// Nothing but run.log and trajectory.h5 changes, and those only after `require`, which may refuse what was restored.
@@ -195,15 +199,22 @@ class RunInDirectory {
     std::error_code ignored;
     std::filesystem::remove(directory_ / begun_trajectory_name, ignored);
     if (!restored) {
-      log_.info("there is no checkpoint: the run begins again from its start");
+      log_.write({.kind = EventKind::began_again, .severity = Severity::info});
       return;
     }
     auto const last_stop = run_.last_stop();
     if (trajectory_ && last_stop) trajectory_->restore(simulation_, first_step, *last_stop);
     if (restored->note.empty()) saved_at_ = simulation_.clock();
-    if (!restored->note.empty()) log_.warn(fmt::format("{}; going back to the previous one", restored->note));
-    log_.info(fmt::format("gridlock {} continues from step {} of {}", version(), simulation_.clock().step,
-                          restored->file.filename().string()));
+    if (!restored->note.empty()) {
+      log_.write({.kind = EventKind::checkpoint_damaged,
+                  .severity = Severity::warning,
+                  .step = simulation_.clock().step,
+                  .values = {{"why", restored->note}}});
+    }
+    log_.write({.kind = EventKind::resumed,
+                .severity = Severity::info,
+                .step = simulation_.clock().step,
+                .values = {{"version", version()}, {"file", restored->file.filename().string()}}});
   }
 
   void require_below_length() const {
@@ -219,10 +230,10 @@ class RunInDirectory {
   double take_length() {
     double const equilibration = run_.fit_equilibration();
     if (equilibration != setup_.configuration.observe.equilibration) {
-      log_.note(fmt::format(
-          "observe.equilibration is {:.4g} of the new length, so that averages leave out the samples that they "
-          "have left out so far",
-          equilibration));
+      log_.write({.kind = EventKind::equilibration_fitted,
+                  .step = simulation_.clock().step,
+                  .key = "observe.equilibration",
+                  .values = {{"equilibration", equilibration}}});
     }
     return equilibration;
   }
@@ -234,12 +245,18 @@ class RunInDirectory {
     // Without a summary the run is one that was interrupted, whichever of the two lengths a kill leaves it.
     std::filesystem::remove(directory_ / summary_name, ignored);
     write_file(directory_ / configuration_name, configuration_);
-    log_.info(fmt::format("lengthened to {}", length));
+    log_.write({.kind = EventKind::lengthened,
+                .severity = Severity::info,
+                .step = simulation_.clock().step,
+                .values = {{"length", length}}});
   }
 
   RunRecord carry_out() {
     std::uint64_t const threads = threads_of(setup_.configuration, hooks_.threads);
-    log_.info(fmt::format("on {} thread{}", threads, threads == 1 ? "" : "s"));
+    log_.write({.kind = EventKind::threads_chosen,
+                .severity = Severity::info,
+                .step = simulation_.clock().step,
+                .values = {{"threads", threads}}});
     CheckpointClock checkpoints(setup_.configuration.checkpoint);
     RunStatus const status =
         run_.go_on(hooks_.on_progress, {.is_due = [&](std::uint64_t steps) { return checkpoints.is_due(steps); },
@@ -266,9 +283,14 @@ class RunInDirectory {
                                                 : remove_checkpoints(directory_);
     }
     remove_leftovers(directory_);
-    if (auto const audits = audits_text(record.counts)) log_.info(*audits);
-    log_.info(fmt::format("{} at step {} after {:.1f} s, state hash {:016x}{}{}", to_text(status), record.clock.step,
-                          record.seconds, record.state_hash, record.failure.empty() ? "" : ": ", record.failure));
+    if (auto const audits = audit_event(record.counts)) log_.write(*audits);
+    log_.write({.kind = EventKind::ended,
+                .severity = Severity::info,
+                .step = record.clock.step,
+                .values = {{"status", to_text(record.status)},
+                           {"seconds", record.seconds},
+                           {"state_hash", hash_text(record.state_hash)},
+                           {"failure", record.failure}}});
     return record;
   }
 
@@ -294,12 +316,15 @@ class RunInDirectory {
     Clock const clock = simulation_.clock();
     if (saved_at_ == clock) return;
     auto const warn = [&](std::string const& why) {
-      log_.warn(fmt::format("no checkpoint at step {}: {}", clock.step, why));
+      log_.write({.kind = EventKind::checkpoint_failed,
+                  .severity = Severity::warning,
+                  .step = clock.step,
+                  .values = {{"why", why}}});
     };
     try {
       write_checkpoint(directory_, [&](Archive& archive) { serialize(archive); });
       saved_at_ = clock;
-      log_.info(fmt::format("checkpoint at step {}", clock.step));
+      log_.write({.kind = EventKind::checkpoint_written, .severity = Severity::info, .step = clock.step});
     } catch (RunFailure const& failure) {
       warn(failure.what());
     } catch (std::bad_alloc const&) {

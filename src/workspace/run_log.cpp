@@ -11,18 +11,18 @@
 
 namespace gridlock {
 
-RunLog::RunLog(std::filesystem::path const& directory, std::function<void(LogLine const&)> on_note)
-    : path_(directory / "run.log"), on_note_(std::move(on_note)) {}
+RunLog::RunLog(std::filesystem::path const& directory, std::function<void(Event const&)> on_event)
+    : path_(directory / "run.log"), on_event_(std::move(on_event)) {}
 
-void RunLog::write(LogLevel level, std::string const& text) {
+void RunLog::write(Event const& event) {
   if (!file_.is_open()) {
     // A pipe would wait for its reader.
     std::error_code ignored;
     if (std::filesystem::exists(path_, ignored)) require_regular_file(path_);
     file_.open(path_, std::ios::app);
   }
-  file_ << fmt::format("{:%Y-%m-%dT%H:%M:%SZ}  {}\n", fmt::gmtime(std::time(nullptr)), text) << std::flush;
-  if (on_note_) on_note_({level, text});
+  file_ << fmt::format("{:%Y-%m-%dT%H:%M:%SZ}  {}\n", fmt::gmtime(std::time(nullptr)), to_text(event)) << std::flush;
+  if (on_event_) on_event_(event);
 }
 
 }  // namespace gridlock

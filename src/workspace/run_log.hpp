@@ -14,17 +14,14 @@ namespace gridlock {
 class RunLog {
  public:
   /// The file is opened at the first line.
-  RunLog(std::filesystem::path const& directory, std::function<void(LogLine const&)> on_note);
+  RunLog(std::filesystem::path const& directory, std::function<void(Event const&)> on_event);
 
-  void write(LogLevel level, std::string const& text);
-  void info(std::string const& text) { write(LogLevel::info, text); }
-  void note(std::string const& text) { write(LogLevel::note, text); }
-  void warn(std::string const& text) { write(LogLevel::warning, text); }
+  void write(Event const& event);
 
  private:
   std::filesystem::path path_;
   std::ofstream file_;
-  std::function<void(LogLine const&)> on_note_;
+  std::function<void(Event const&)> on_event_;
 };
 
 }  // namespace gridlock

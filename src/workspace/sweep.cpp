@@ -81,7 +81,7 @@ class SweepInProgress {
   SweepOutcome carry_out(std::size_t run, JobPool const& job_pool, std::function<bool(double)> const& report) {
     Prospect const& prospect = setup_.prospects()[run];
     RunHooks const hooks{.on_progress = [&](Progress const& progress) { return report(progress.fraction); },
-                         .on_note = {},
+                         .on_event = {},
                          .threads = prospect.threads};
     try {
       // Others that share the directory may have been faster.

@@ -29,11 +29,11 @@ SweepSetup::SweepSetup(SweepPlan const& plan, SweepSettings const& settings, Swe
 }
 
 std::vector<std::string> SweepSetup::notes() const {
-  std::vector<std::vector<SetupNote>> notes;
+  std::vector<std::vector<Event>> notes;
   for (auto const& run : notes_) {
     if (run) notes.push_back(*run);
   }
-  return notes_on(notes);
+  return texts_of(notes);
 }
 
 void SweepSetup::set_up_all() {

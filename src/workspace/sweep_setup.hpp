@@ -51,7 +51,7 @@ class SweepSetup {
   std::vector<SweepOutcome> outcomes_;
   std::vector<std::optional<Error>> errors_;
   std::vector<Prospect> prospects_;
-  std::vector<std::optional<std::vector<SetupNote>>> notes_;  ///< of the runs that can be set up
+  std::vector<std::optional<std::vector<Event>>> notes_;  ///< of the runs that can be set up
   std::mutex mutex_;
   std::optional<Error> is_in_the_way_;
 };

@@ -13,39 +13,18 @@
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/simulation/configuration.hpp"
+#include "gridlock/simulation/event.hpp"
 #include "gridlock/simulation/run.hpp"
 #include "gridlock/simulation/simulation.hpp"
 
 namespace gridlock {
-
-/// What a note on a set-up is about.
-enum class NoteKind {
-  unused_setting,     ///< a setting was given on which nothing of the run depends
-  misleading_rule,    ///< the engine has a time step where that is known to mislead
-  frames_beyond_end,  ///< frames are asked for that lie beyond the end of the run
-  nothing_moves,      ///< no disk has a velocity
-  start_not_tried,    ///< the start takes long and was left out
-};
-
-/// Something worth telling of a set-up that can be run all the same.
-struct SetupNote {
-  NoteKind kind = NoteKind::unused_setting;
-  std::string key;  ///< the setting to look at
-  std::string text;
-  bool is_default = false;  ///< an unused setting with the value it has anyway, as in a resolved configuration
-};
-
-/// What to tell of the notes of several runs. Unused settings are told of where they are unused in every run and one run
-/// gives another value than the default: a sweep over engines sets what only some of them need. Of other notes it is told in
-/// how many runs they hold.
-std::vector<std::string> notes_on(std::vector<std::vector<SetupNote>> const& runs);
 
 /// A run about to start: the simulation, and the configuration with every choice made, so that it gives the same bits again.
 struct Setup {
   Configuration configuration;
   std::unique_ptr<Simulation> simulation;  ///< nothing where SetupOptions::on_slow_start has left the start out
   std::filesystem::path start_file;        ///< the file the state was read from; empty for any other start
-  std::vector<SetupNote> notes;
+  std::vector<Event> notes;
   double cost_of_move = 1.0;  ///< expected, in moves on cells chosen from the sizes
 };
 
@@ -73,7 +52,7 @@ struct SetupOptions {
 ///
 /// ```cpp
 /// Setup const setup = set_up(SettingsFile::from_path("scenes/paper.toml"));
-/// for (SetupNote const& note : setup.notes) std::string const text = note.text;
+/// for (Event const& note : setup.notes) std::string const text = to_text(note);
 /// double const dt = setup.simulation->time_step();
 /// ```
 Setup set_up(SettingsFile const& file, SetupOptions const& options = {});

@@ -39,20 +39,11 @@ class DirectoryLock {
   int descriptor_ = -1;
 };
 
-/// How much a line of run.log matters: `info` to those who read the log, `note` and `warning` to everybody.
-enum class LogLevel { info, note, warning };
-
-/// A line of run.log, without its time.
-struct LogLine {
-  LogLevel level = LogLevel::info;
-  std::string text;
-};
-
 /// Who wants to know what of a run in a directory.
 struct RunHooks {
   OnProgress on_progress;
-  std::function<void(LogLine const&)> on_note;  ///< called for every line of run.log
-  std::optional<std::uint64_t> threads;         ///< in place of engine.threads; left out: as configured
+  std::function<void(Event const&)> on_event;  ///< called for every line of run.log
+  std::optional<std::uint64_t> threads;        ///< in place of engine.threads; left out: as configured
 };
 
 /// Runs a set-up in a directory of its own, which holds from the first step on

@@ -87,7 +87,7 @@ TEST(Trajectory, OfARunThatWasInterruptedIsTheSame) {
   TemporaryDirectory const parts;
   run_in(whole.path(), setup_with_frames());
   run_in(parts.path(), setup_with_frames(),
-         {.on_progress = [](Progress const& p) { return p.steps < 25; }, .on_note = {}, .threads = {}});
+         {.on_progress = [](Progress const& p) { return p.steps < 25; }, .on_event = {}, .threads = {}});
   // As after a kill that lost the newest checkpoint: the file is ahead of the run.
   for (auto const& entry : std::filesystem::directory_iterator(parts.path())) {
     if (entry.path().filename().string().find("checkpoint") != std::string::npos) std::filesystem::remove(entry.path());
@@ -103,11 +103,11 @@ TEST(Trajectory, OfAnotherRunIsNotContinued) {
   TemporaryDirectory const directory;
   Configuration configuration = setup_with_frames().configuration;
   run_in(directory.path(), set_up(configuration),
-         {.on_progress = [](Progress const&) { return false; }, .on_note = {}, .threads = {}});
+         {.on_progress = [](Progress const&) { return false; }, .on_event = {}, .threads = {}});
   TemporaryDirectory const other;
   configuration.run.seed = 2;
   run_in(other.path(), set_up(configuration),
-         {.on_progress = [](Progress const&) { return false; }, .on_note = {}, .threads = {}});
+         {.on_progress = [](Progress const&) { return false; }, .on_event = {}, .threads = {}});
   std::filesystem::copy_file(other / "trajectory.h5", directory / "trajectory.h5",
                              std::filesystem::copy_options::overwrite_existing);
   for (auto const& entry : std::filesystem::directory_iterator(directory.path())) {
@@ -119,7 +119,7 @@ TEST(Trajectory, OfAnotherRunIsNotContinued) {
 /// A run that was interrupted after step 25, with frames of the steps 0, 10 and 20.
 void leave_half_a_run(std::filesystem::path const& directory) {
   OnProgress const stop = [](Progress const& p) { return p.steps < 25; };
-  run_in(directory, setup_with_frames(), {.on_progress = stop, .on_note = {}, .threads = {}});
+  run_in(directory, setup_with_frames(), {.on_progress = stop, .on_event = {}, .threads = {}});
 }
 
 std::string refusal_to_resume(std::filesystem::path const& directory) {
@@ -148,7 +148,7 @@ TEST(Trajectory, ThatLacksFramesOrWasCutOffIsRefusedBeforeTheRunIsResumed) {
   leave_half_a_run(directory.path());
   TemporaryDirectory const shorter;
   run_in(shorter.path(), setup_with_frames(),
-         {.on_progress = [](Progress const& p) { return p.steps < 5; }, .on_note = {}, .threads = {}});
+         {.on_progress = [](Progress const& p) { return p.steps < 5; }, .on_event = {}, .threads = {}});
   std::filesystem::copy(directory / "trajectory.h5", directory / "whole.h5");
   auto const replace_by = [&](std::filesystem::path const& file) {
     std::filesystem::copy(file, directory / "trajectory.h5", std::filesystem::copy_options::overwrite_existing);

@@ -132,12 +132,12 @@ TEST_P(Lengthened, WithoutSamplesLeftOutHasTheAveragesOfTheLongRunToo) {
 TEST_P(Lengthened, AndInterruptedAllTheTimeItEndsWithTheSameBits) {
   TemporaryDirectory const directory;
   run_in(directory / "parts", set_up(settings_of(GetParam(), "[run]\nsteps = 47")));
-  RunStatus status =
-      lengthen_in(directory / "parts", {.steps = 110}, {.on_progress = stopping_after(1), .on_note = {}, .threads = {}})
-          .status;
+  RunStatus status = lengthen_in(directory / "parts", {.steps = 110},
+                                 {.on_progress = stopping_after(1), .on_event = {}, .threads = {}})
+                         .status;
   int interruptions = 0;
   for (; status == RunStatus::interrupted && interruptions < 100; ++interruptions) {
-    status = resume_in(directory / "parts", {.on_progress = stopping_after(1), .on_note = {}, .threads = {}}).status;
+    status = resume_in(directory / "parts", {.on_progress = stopping_after(1), .on_event = {}, .threads = {}}).status;
   }
   EXPECT_GT(interruptions, 5);
   run_at_one_go(directory / "parts", directory / "whole");
@@ -219,7 +219,7 @@ std::string refusal(std::function<void()> const& action) {
 TEST(Lengthening, OfARunThatWasInterruptedGoesOnToTheNewLength) {
   TemporaryDirectory const directory;
   run_in(directory / "parts", set_up(settings_of(exact, "[run]\nsteps = 47")),
-         {.on_progress = stopping_after(1), .on_note = {}, .threads = {}});
+         {.on_progress = stopping_after(1), .on_event = {}, .threads = {}});
   EXPECT_EQ(lengthen_in(directory / "parts", {.steps = 110}).steps, 110U);
   // Nothing was averaged yet, so the share left out is that of a run so long.
   run_in(directory / "long", set_up(settings_of(exact, "[run]\nsteps = 110")));
@@ -230,8 +230,8 @@ TEST(Lengthening, SaysWhichShareOfTheNewLengthIsLeftOutOfAverages) {
   TemporaryDirectory const directory;
   run_in(directory / "a", set_up(settings_of(exact, "[run]\nsteps = 50")));
   std::vector<std::string> notes;
-  lengthen_in(directory / "a", {.steps = 200}, {.on_progress = {}, .on_note = [&](LogLine const& line) {
-                                                  if (line.level == LogLevel::note) notes.push_back(line.text);
+  lengthen_in(directory / "a", {.steps = 200}, {.on_progress = {}, .on_event = [&](Event const& event) {
+                                                  if (event.severity == Severity::note) notes.push_back(to_text(event));
                                                 }});
   // Of 50 steps a fifth were left out, up to step 10: a twentieth of 200.
   EXPECT_NE(read_file(directory / "a" / "config.resolved.toml").find("equilibration = 0.05\n"), std::string::npos);

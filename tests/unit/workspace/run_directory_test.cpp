@@ -87,10 +87,10 @@ TEST_P(Interrupted, ResumedAfterEveryChunkItEndsWithTheSameBitsAsARunNeverInterr
   RunRecord const whole = run_in(directory / "whole", set_up(configuration));
   ASSERT_EQ(whole.status, RunStatus::finished);
   RunRecord record = run_in(directory / "parts", set_up(configuration),
-                            {.on_progress = stopping_after(1), .on_note = {}, .threads = {}});
+                            {.on_progress = stopping_after(1), .on_event = {}, .threads = {}});
   int interruptions = 0;
   while (record.status == RunStatus::interrupted && ++interruptions < 100) {
-    record = resume_in(directory / "parts", {.on_progress = stopping_after(1), .on_note = {}, .threads = {}});
+    record = resume_in(directory / "parts", {.on_progress = stopping_after(1), .on_event = {}, .threads = {}});
   }
   EXPECT_GE(interruptions, 14);
   expect_same(whole, record);
@@ -187,10 +187,10 @@ TEST(RunDirectory, ThatAnotherProcessWorksInIsRefused) {
 TEST(RunDirectory, RefusesACheckpointOfAnotherConfiguration) {
   Directory const directory;
   OnProgress const stop = [](Progress const&) { return false; };
-  run_in(directory / "a", set_up(small()), {.on_progress = stop, .on_note = {}, .threads = {}});
+  run_in(directory / "a", set_up(small()), {.on_progress = stop, .on_event = {}, .threads = {}});
   Configuration other = small();
   other.run.seed = 2;
-  run_in(directory / "b", set_up(other), {.on_progress = stop, .on_note = {}, .threads = {}});
+  run_in(directory / "b", set_up(other), {.on_progress = stop, .on_event = {}, .threads = {}});
   fs::copy(directory / "a" / "checkpoint.gridlock", directory / "b" / "checkpoint.gridlock",
            fs::copy_options::overwrite_existing);
   EXPECT_NE(refusal([&] { resume_in(directory / "b"); }).find("configuration"), std::string::npos);
@@ -201,7 +201,7 @@ TEST(RunDirectory, KeepsALogOverInterruptions) {
   std::vector<std::string> notes;
   run_in(directory / "a", set_up(small()),
          {.on_progress = stopping_after(2),
-          .on_note = [&](LogLine const& line) { notes.push_back(line.text); },
+          .on_event = [&](Event const& event) { notes.push_back(to_text(event)); },
           .threads = {}});
   resume_in(directory / "a");
   ASSERT_GE(notes.size(), 3U);
@@ -237,7 +237,7 @@ TEST(RunDirectory, SaysHowOftenTheExactEngineAuditedItselfOverInterruptions) {
       "disks = { count = 49, packing_fraction = 0.5 }\nengine = { kind = \"exact\", audit_every = 10 }\n"
       "run.steps = 60\nobserve.every = 5\n",
       "run.toml");
-  run_in(directory / "a", set_up(file), {.on_progress = stopping_after(3), .on_note = {}, .threads = {}});
+  run_in(directory / "a", set_up(file), {.on_progress = stopping_after(3), .on_event = {}, .threads = {}});
   RunRecord const record = resume_in(directory / "a");
   std::uint64_t const audits = count_of(record, "audits");
   EXPECT_GT(audits, 3U);
@@ -265,7 +265,7 @@ TEST(RunDirectory, SaysWhereAnAuditDoesNotLookForMissedEvents) {
 }
 
 std::vector<std::string> notes_of(std::string const& text) {
-  return notes_on({set_up(SettingsFile::from_text(text, "run.toml")).notes});
+  return texts_of({set_up(SettingsFile::from_text(text, "run.toml")).notes});
 }
 
 TEST(UnusedSettings, AreNoted) {
@@ -289,12 +289,12 @@ TEST(UnusedSettings, AreNoted) {
 
 TEST(UnusedSettings, OfRunsWithDifferentReasonsHaveNoEffectInAnyRun) {
   auto const notes = [](std::vector<std::string> const& kinds) {
-    std::vector<std::vector<SetupNote>> runs;
+    std::vector<std::vector<Event>> runs;
     for (std::string const& kind : kinds) {
       runs.push_back(
           set_up(SettingsFile::from_text("engine = { threads = 2, kind = \"" + kind + "\" }", "run.toml")).notes);
     }
-    return notes_on(runs);
+    return texts_of(runs);
   };
   using Notes = std::vector<std::string>;
   EXPECT_EQ(notes({"stepped", "exact"}), Notes{"engine.threads has no effect in any run"});
@@ -317,7 +317,7 @@ TEST(UnusedSettings, StandInTheLogOfTheRun) {
   EXPECT_NE(log.find("engine.threads has no effect"), std::string::npos) << log;
 }
 
-TEST(SetupNotes, NameExactWhereTheRuleWithATimeStepMisleads) {
+TEST(SetupEvents, NameExactWhereTheRuleWithATimeStepMisleads) {
   std::string const periodic = "disks.packing_fraction = 0.5\nbox.edge = \"periodic\"\nengine.kind = ";
   for (char const* kind : {"stepped", "tiled"}) {
     auto const notes = notes_of(periodic + "\"" + kind + "\"");
@@ -335,7 +335,7 @@ TEST(SetupNotes, NameExactWhereTheRuleWithATimeStepMisleads) {
   EXPECT_EQ(both.size(), 1U) << "one note on one engine";
 }
 
-TEST(SetupNotes, NameTheEngineExactAlsoForTheModelOfThePapersRule) {
+TEST(SetupEvents, NameTheEngineExactAlsoForTheModelOfThePapersRule) {
   for (std::string const kind : {"colloid", "colloid_tiled"}) {
     std::string const model = "model.kind = \"" + kind + "\"\nrun.steps = 5\n" + kind + ".disks.packing_fraction = ";
     auto const both = notes_of(model + "0.74\nbox.edge = \"periodic\"");
@@ -348,7 +348,7 @@ TEST(SetupNotes, NameTheEngineExactAlsoForTheModelOfThePapersRule) {
   }
 }
 
-TEST(SetupNotes, TellOfASlowRandomStartThatWasNotTried) {
+TEST(SetupEvents, TellOfASlowRandomStartThatWasNotTried) {
   // Half a minute of tries; a lattice of the same disks stands in, and everything else is checked.
   SettingsFile const file =
       SettingsFile::from_text("disks = { count = 100_000, packing_fraction = 0.535, start = \"random\" }", "run.toml");
@@ -361,10 +361,10 @@ TEST(SetupNotes, TellOfASlowRandomStartThatWasNotTried) {
   EXPECT_EQ(setup.simulation->agents(), 100'000U);
   EXPECT_EQ(setup.configuration.disks.start, StartKind::random);
   ASSERT_EQ(setup.notes.size(), 1U);
-  EXPECT_EQ(setup.notes[0].text.rfind("the random start was not tried", 0), 0U) << setup.notes[0].text;
+  EXPECT_EQ(to_text(setup.notes[0]).rfind("the random start was not tried", 0), 0U) << to_text(setup.notes[0]);
 }
 
-TEST(SetupNotes, DoNotTellOfARandomStartThatIsSoonFound) {
+TEST(SetupEvents, DoNotTellOfARandomStartThatIsSoonFound) {
   SettingsFile const file =
       SettingsFile::from_text("disks = { count = 30_000, packing_fraction = 0.45, start = \"random\" }", "run.toml");
   auto const setup = set_up(file, {.on_slow_start = [](double) {
@@ -375,7 +375,7 @@ TEST(SetupNotes, DoNotTellOfARandomStartThatIsSoonFound) {
   EXPECT_EQ(setup.simulation->state_hash(), set_up(file).simulation->state_hash());
 }
 
-TEST(SetupNotes, TellOfFramesThatLieBeyondTheEnd) {
+TEST(SetupEvents, TellOfFramesThatLieBeyondTheEnd) {
   auto const notes = notes_of("run.steps = 20\ntrajectory = { steps = [5, 20, 21, 500], times = [1e3] }");
   ASSERT_EQ(notes.size(), 2U);
   EXPECT_EQ(notes[0], "2 of 4 in trajectory.steps lie beyond the end of the run at step 20: no frame there");
@@ -388,35 +388,35 @@ TEST(SetupNotes, TellOfFramesThatLieBeyondTheEnd) {
   EXPECT_EQ(notes_of("model.kind = \"epidemic\"\nrun.steps = 20\ntrajectory.steps = [21]").size(), 1U);
 }
 
-TEST(SetupNotes, TellWhereNothingMoves) {
+TEST(SetupEvents, TellWhereNothingMoves) {
   using Notes = std::vector<std::string>;
   EXPECT_EQ(notes_of("velocities.max = 0"), Notes{"velocities.max is 0: nothing moves"});
 }
 
-TEST(SetupNotes, OfSeveralRunsSayHowManyTheyAreOf) {
+TEST(SetupEvents, OfSeveralRunsSayHowManyTheyAreOf) {
   auto const note = [](char const* text) {
-    return std::vector<SetupNote>{{.kind = NoteKind::misleading_rule, .key = "engine.kind", .text = text}};
+    return std::vector<Event>{{.kind = EventKind::misleading_rule, .key = "engine.kind", .values = {{"text", text}}}};
   };
   using Notes = std::vector<std::string>;
-  EXPECT_EQ(notes_on({note("a"), {}, note("b")}), Notes{"2 of 3 runs: a"});
-  EXPECT_EQ(notes_on({note("a"), note("a")}), Notes{"a"});
-  EXPECT_EQ(notes_on({note("a"), note("b")}), Notes{"2 of 2 runs: a"});
+  EXPECT_EQ(texts_of({note("a"), {}, note("b")}), Notes{"2 of 3 runs: a"});
+  EXPECT_EQ(texts_of({note("a"), note("a")}), Notes{"a"});
+  EXPECT_EQ(texts_of({note("a"), note("b")}), Notes{"2 of 2 runs: a"});
 }
 
-TEST(SetupNotes, ComeWithTheirLevel) {
+TEST(SetupEvents, ComeWithTheirLevel) {
   Directory const directory;
   std::vector<std::string> notes;
   run_in(directory / "a",
          set_up(SettingsFile::from_text("disks.count = 9\nvelocities.max = 0\nrun.steps = 2", "run.toml")),
-         {.on_progress = {}, .on_note = [&](LogLine const& line) {
-            if (line.level == LogLevel::note) notes.push_back(line.text);
+         {.on_progress = {}, .on_event = [&](Event const& event) {
+            if (event.severity == Severity::note) notes.push_back(to_text(event));
           }});
   EXPECT_EQ(notes, std::vector<std::string>{"velocities.max is 0: nothing moves"});
 }
 
 TEST(RunDirectory, ACheckpointThatIsAPipeIsRefusedAndNotWaitedFor) {
   Directory const directory;
-  run_in(directory / "a", set_up(small()), {.on_progress = stopping_after(2), .on_note = {}, .threads = {}});
+  run_in(directory / "a", set_up(small()), {.on_progress = stopping_after(2), .on_event = {}, .threads = {}});
   fs::remove(directory / "a" / "checkpoint.gridlock");
   ASSERT_EQ(mkfifo((directory / "a" / "checkpoint.gridlock").c_str(), 0600), 0);
   std::string const text = refusal([&] { resume_in(directory / "a"); });

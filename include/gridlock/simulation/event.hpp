@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace gridlock {
+
+/// How much an event matters: `info` to those who read run.log, `note` and `warning` to everybody.
+enum class Severity { info, note, warning };
+
+/// What an event is about.
+enum class EventKind {
+  // A set-up that can be run all the same.
+  unused_setting,     ///< a setting was given on which nothing of the run depends
+  misleading_rule,    ///< the engine has a time step where that is known to mislead
+  frames_beyond_end,  ///< frames are asked for that lie beyond the end of the run
+  nothing_moves,      ///< no disk has a velocity
+  start_not_tried,    ///< the start takes long and was left out
+  // A run in a directory.
+  begun,
+  began_again,  ///< from the start, since there is no checkpoint
+  resumed,
+  threads_chosen,
+  lengthened,
+  equilibration_fitted,  ///< to a new length, so that averages leave out what they have left out so far
+  checkpoint_written,
+  checkpoint_failed,   ///< it could not be written, and the run goes on
+  checkpoint_damaged,  ///< the newest one; the one before is used
+  audited,
+  ended,
+};
+
+using EventValue = std::variant<std::uint64_t, double, std::string>;
+
+/// Something worth telling of a set-up or a run, in values; to_text() says it in words.
+///
+/// ```cpp
+/// Event const event{.kind = EventKind::checkpoint_written, .severity = Severity::info, .step = 100};
+/// std::string const words = to_text(event);  // "checkpoint at step 100"
+/// ```
+struct Event {
+  EventKind kind = EventKind::unused_setting;
+  Severity severity = Severity::note;
+  std::uint64_t step = 0;  ///< of the clock, when it happened
+  std::string key = {};    ///< the setting to look at, where there is one
+  std::vector<std::pair<std::string, EventValue>> values = {};
+  bool is_default = false;  ///< an unused setting with the value it has anyway, as in a resolved configuration
+};
+
+/// The name of a kind, "unused_setting"; and of a severity, "note".
+std::string_view to_text(EventKind kind);
+std::string_view to_text(Severity severity);
+
+/// An event in words, without its severity.
+std::string to_text(Event const& event);
+
+/// What to tell of the events of several set-ups. Unused settings are told of where they are unused in every run and one run
+/// gives another value than the default: a sweep over engines sets what only some of them need. Of other events it is told
+/// in how many runs they hold.
+std::vector<std::string> texts_of(std::vector<std::vector<Event>> const& runs);
+
+}  // namespace gridlock

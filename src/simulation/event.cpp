@@ -1,0 +1,185 @@
+#include "gridlock/simulation/event.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <optional>
+#include <set>
+
+namespace gridlock {
+
+namespace {
+
+constexpr std::array<std::string_view, 16> kind_texts{"unused_setting",
+                                                      "misleading_rule",
+                                                      "frames_beyond_end",
+                                                      "nothing_moves",
+                                                      "start_not_tried",
+                                                      "begun",
+                                                      "began_again",
+                                                      "resumed",
+                                                      "threads_chosen",
+                                                      "lengthened",
+                                                      "equilibration_fitted",
+                                                      "checkpoint_written",
+                                                      "checkpoint_failed",
+                                                      "checkpoint_damaged",
+                                                      "audited",
+                                                      "ended"};
+
+EventValue const* find(Event const& event, std::string_view name) {
+  auto const found =
+      std::ranges::find(event.values, name, [](auto const& value) { return std::string_view(value.first); });
+  return found == event.values.end() ? nullptr : &found->second;
+}
+
+/// A value of that name; an empty one where there is none of that type.
+template <class Value>
+Value value_of(Event const& event, std::string_view name) {
+  EventValue const* const value = find(event, name);
+  Value const* const typed = value == nullptr ? nullptr : std::get_if<Value>(value);
+  return typed == nullptr ? Value() : *typed;
+}
+
+/// Reads the values of an event for its text.
+struct Values {
+  Event const& event;
+  [[nodiscard]] std::uint64_t count(std::string_view name) const { return value_of<std::uint64_t>(event, name); }
+  [[nodiscard]] double number(std::string_view name) const { return value_of<double>(event, name); }
+  [[nodiscard]] std::string word(std::string_view name) const { return value_of<std::string>(event, name); }
+};
+
+std::string text_of_setup(Event const& event) {
+  Values const of{event};
+  switch (event.kind) {
+    case EventKind::unused_setting:
+      return fmt::format("{} has no effect with {}", event.key, of.word("choice"));
+    case EventKind::misleading_rule:
+      if (find(event, "text") != nullptr) return of.word("text");
+      return fmt::format("with {} {}, because of its time step; \"exact\" has none", of.word("choice"),
+                         of.word("reasons"));
+    case EventKind::frames_beyond_end:
+      return fmt::format("{} of {} in {} lie{} beyond the end of the run at {} {:.6g}: no frame there",
+                         of.count("beyond"), of.count("asked_for"), event.key, of.count("beyond") == 1 ? "s" : "",
+                         of.word("unit"), of.number("end"));
+    case EventKind::nothing_moves:
+      return event.key == "disks.file" ? "no disk of the start file has a velocity: nothing moves"
+                                       : "velocities.max is 0: nothing moves";
+    default:
+      return fmt::format(
+          "the random start was not tried, since that takes about {:.0f} s; gridlock run will tell "
+          "whether all find room",
+          of.number("seconds"));
+  }
+}
+
+std::string text_of_audits(Values const& of) {
+  if (of.count("audits") == 0) return "no audit was due: there were fewer pair collisions than engine.audit_every";
+  bool const looks_for_missed_events = of.count("audits_for_missed_events") == of.count("audits");
+  return fmt::format("{} audits found no overlap{}", of.count("audits"),
+                     looks_for_missed_events ? " and no missed event"
+                                             : "; for missed events they look among few disks only, not here");
+}
+
+std::string text_of_checkpoint(Event const& event) {
+  Values const of{event};
+  if (event.kind == EventKind::checkpoint_written) return fmt::format("checkpoint at step {}", event.step);
+  if (event.kind == EventKind::checkpoint_failed) {
+    return fmt::format("no checkpoint at step {}: {}", event.step, of.word("why"));
+  }
+  return fmt::format("{}; going back to the previous one", of.word("why"));
+}
+
+std::string text_of_end(Event const& event) {
+  Values const of{event};
+  std::string const failure = of.word("failure");
+  return fmt::format("{} at step {} after {:.1f} s, state hash {}{}{}", of.word("status"), event.step,
+                     of.number("seconds"), of.word("state_hash"), failure.empty() ? "" : ": ", failure);
+}
+
+}  // namespace
+
+std::string_view to_text(EventKind kind) { return kind_texts[static_cast<std::size_t>(kind)]; }
+
+std::string_view to_text(Severity severity) {
+  switch (severity) {
+    case Severity::info:
+      return "info";
+    case Severity::note:
+      return "note";
+    case Severity::warning:
+      break;
+  }
+  return "warning";
+}
+
+std::string to_text(Event const& event) {
+  Values const of{event};
+  switch (event.kind) {
+    case EventKind::begun:
+      return fmt::format("gridlock {} begins: {}, {} {}, seed {}, start hash {}", of.word("version"), of.word("title"),
+                         of.count("agents"), of.word("agents_name"), of.count("seed"), of.word("start_hash"));
+    case EventKind::began_again:
+      return "there is no checkpoint: the run begins again from its start";
+    case EventKind::resumed:
+      return fmt::format("gridlock {} continues from step {} of {}", of.word("version"), event.step, of.word("file"));
+    case EventKind::threads_chosen:
+      return fmt::format("on {} thread{}", of.count("threads"), of.count("threads") == 1 ? "" : "s");
+    case EventKind::lengthened:
+      return fmt::format("lengthened to {}", of.word("length"));
+    case EventKind::equilibration_fitted:
+      return fmt::format(
+          "observe.equilibration is {:.4g} of the new length, so that averages leave out the samples that "
+          "they have left out so far",
+          of.number("equilibration"));
+    case EventKind::checkpoint_written:
+    case EventKind::checkpoint_failed:
+    case EventKind::checkpoint_damaged:
+      return text_of_checkpoint(event);
+    case EventKind::audited:
+      return text_of_audits(of);
+    case EventKind::ended:
+      return text_of_end(event);
+    default:
+      return text_of_setup(event);
+  }
+}
+
+namespace {
+
+/// What is told of one event that some of the runs have; nothing where it is not worth it.
+std::optional<std::string> text_of(std::vector<Event> const& alike, std::size_t runs) {
+  Event const& first = alike.front();
+  std::string const text = to_text(first);
+  bool const has_one_text = std::ranges::all_of(alike, [&](Event const& event) { return to_text(event) == text; });
+  bool const is_of_all = alike.size() == runs;
+  if (first.kind != EventKind::unused_setting) {
+    return is_of_all && has_one_text ? text : fmt::format("{} of {} runs: {}", alike.size(), runs, text);
+  }
+  if (!is_of_all || std::ranges::all_of(alike, &Event::is_default)) return std::nullopt;
+  return has_one_text ? text : fmt::format("{} has no effect in any run", first.key);
+}
+
+}  // namespace
+
+std::vector<std::string> texts_of(std::vector<std::vector<Event>> const& runs) {
+  std::vector<std::string> texts;
+  std::set<std::pair<EventKind, std::string>> told;
+  for (std::vector<Event> const& run : runs) {
+    for (Event const& candidate : run) {
+      if (!told.emplace(candidate.kind, candidate.key).second) continue;
+      std::vector<Event> alike;
+      for (std::vector<Event> const& other : runs) {
+        std::ranges::copy_if(other, std::back_inserter(alike), [&](Event const& event) {
+          return event.kind == candidate.kind && event.key == candidate.key;
+        });
+      }
+      if (auto text = text_of(alike, runs.size())) texts.push_back(*std::move(text));
+    }
+  }
+  return texts;
+}
+
+}  // namespace gridlock
