@@ -48,7 +48,7 @@ void race_at(std::size_t n) {
                          .run =
                              [=] {
                                *target += steps;
-                               run->go_on([&](Progress const& progress) { return progress.steps < *target; });
+                               run->advance([&](Progress const& progress) { return progress.steps < *target; });
                              },
                          .result = [=] { return simulation->state_hash(); }});
   race("observers", n, 0.7, 5, std::move(contestants));

@@ -44,7 +44,7 @@ struct Rumour {
 int main() {
   ModelSimulation<Rumour> simulation({}, Box(1.0, 1.0, Edge::periodic), 1, {.threads = 2, .verify_every = 10});
   Run run(simulation, {.stop_condition = {.step = 200}, .sample_every = 10});
-  run.go_on();
+  run.advance();
   std::printf("%g of 500 know; state hash %016llx\n", run.record().series.numbers("informed").back(),
               static_cast<unsigned long long>(simulation.state_hash()));
 }

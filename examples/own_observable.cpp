@@ -34,7 +34,7 @@ int main() {
   auto& simulation = dynamic_cast<gridlock::DiskSimulation&>(*setup.simulation);
   simulation.observe(std::make_unique<LargestSpeed>());
   gridlock::Run run(simulation, gridlock::plan_of(setup));
-  run.go_on();
+  run.advance();
   for (auto const& [name, estimate, unit] : run.record().results) {
     if (name == "mean_speed" || name == "largest_speed") {
       std::printf("%s %.3f ± %.3f %s\n", name.c_str(), estimate.value, estimate.error.value_or(0.0), unit.c_str());

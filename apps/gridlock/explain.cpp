@@ -34,6 +34,18 @@ std::string explained(ColumnInfo const& column) {
                      column.unit.empty() ? "a pure number" : "in " + column.unit);
 }
 
+/// The table of docs/reference/observables.md.
+std::string observables_markdown() {
+  std::string text = "| column | unit | meaning |\n|---|---|---|\n";
+  for (ColumnInfo const& column : measured_columns()) {
+    std::string meaning;
+    for (char const letter : column.documentation)
+      meaning += letter == '|' ? std::string("\\|") : std::string(1, letter);
+    text += fmt::format("| `{}` | {} | {} |\n", column.name, column.unit, meaning);
+  }
+  return text;
+}
+
 /// What is measured: one column, or all of them for "observables"; empty for another key.
 std::string explained_observables(std::string_view key) {
   std::string text;
@@ -122,14 +134,17 @@ void add_explain(CLI::App& app, ExitCode& exit_code) {
   verb->add_option("KEY", options->key,
                    "A setting such as disks.packing_fraction, a table such as disks, a column such as mean_speed, or "
                    "observables for every column");
-  verb->add_flag("--markdown", options->as_markdown, "All settings as the reference page in docs/");
+  verb->add_flag("--markdown", options->as_markdown, "All settings, or observables, as the reference pages in docs/");
   verb->callback([options, &exit_code] {
     Configuration configuration;
-    fmt::print("{}", options->as_markdown
-                         ? "# Settings\n\nEvery setting of a configuration, as `gridlock explain --markdown` "
-                           "prints them.\n\n" +
-                               reference_markdown(describing(configuration))
-                         : explained(options->key));
+    if (options->as_markdown && options->key == "observables") {
+      fmt::print("{}", observables_markdown());
+    } else if (options->as_markdown) {
+      fmt::print("# Settings\n\nEvery setting of a configuration, as `gridlock explain --markdown` prints them.\n\n{}",
+                 reference_markdown(describing(configuration)));
+    } else {
+      fmt::print("{}", explained(options->key));
+    }
     exit_code = ExitCode::good;
   });
 }

@@ -142,7 +142,7 @@ class Steps {
     for (std::uint32_t const i : rows) grid_.toggle_mark(i);
     // A local disk is short of a contact distance in the whole step, so in each sub-step too.
     turns_.take_batch(rows, result.counters, result.too_fast_for_tile);
-    ahead.go_on(rows.size());
+    ahead.advance(rows.size());
   }
 
   void take_late(std::uint32_t i, TileResult& result) {

@@ -50,9 +50,9 @@ Run::Run(Simulation& simulation, RunPlan const& plan)
   for (std::size_t k = 1; k < columns_.size(); ++k) series_.add_column(columns_[k].name, std::vector<double>{});
 }
 
-RunStatus Run::go_on(OnProgress const& on_progress, Callback const& callback) {
+RunStatus Run::advance(OnProgress const& on_progress, Callback const& callback) {
   seconds_before_ = seconds_;
-  went_on_ = std::chrono::steady_clock::now();
+  resumed_at_ = std::chrono::steady_clock::now();
   status_ = RunStatus::interrupted;
   try {
     while (true) {
@@ -103,7 +103,7 @@ bool Run::advance_one_chunk(OnProgress const& on_progress, Callback const& callb
 }
 
 void Run::note_time() {
-  seconds_ = seconds_before_ + std::chrono::duration<double>(std::chrono::steady_clock::now() - went_on_).count();
+  seconds_ = seconds_before_ + std::chrono::duration<double>(std::chrono::steady_clock::now() - resumed_at_).count();
 }
 
 bool Run::has_reached_end() const {

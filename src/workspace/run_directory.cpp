@@ -259,7 +259,7 @@ class RunInDirectory {
                 .values = {{"threads", threads}}});
     CheckpointClock checkpoints(setup_.configuration.checkpoint);
     RunStatus const status =
-        run_.go_on(hooks_.on_progress, {.is_due = [&](std::uint64_t steps) { return checkpoints.is_due(steps); },
+        run_.advance(hooks_.on_progress, {.is_due = [&](std::uint64_t steps) { return checkpoints.is_due(steps); },
                                         .call =
                                             [&](std::uint64_t steps) {
                                               save();
@@ -400,7 +400,7 @@ bool are_same(RunSettings const& old, RunLength const& length) {
   return old.steps == length.steps && old.time == length.time && old.collisions_per_disk == length.collisions_per_disk;
 }
 
-RunRecord go_on_in(std::filesystem::path const& directory, std::optional<RunLength> length, RunHooks const& hooks) {
+RunRecord continue_in(std::filesystem::path const& directory, std::optional<RunLength> length, RunHooks const& hooks) {
   std::filesystem::path const path = directory / configuration_name;
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) {
@@ -471,11 +471,11 @@ RunRecord run_in(std::filesystem::path const& directory, Setup setup, RunHooks c
 }
 
 RunRecord resume_in(std::filesystem::path const& directory, RunHooks const& hooks) {
-  return go_on_in(directory, std::nullopt, hooks);
+  return continue_in(directory, std::nullopt, hooks);
 }
 
 RunRecord lengthen_in(std::filesystem::path const& directory, RunLength const& length, RunHooks const& hooks) {
-  return go_on_in(directory, length, hooks);
+  return continue_in(directory, length, hooks);
 }
 
 }  // namespace gridlock

@@ -45,6 +45,9 @@ TEST(Explain, ThePageOfObservablesSaysWhatTheProgramSays) {
     EXPECT_NE(page.find(row), std::string::npos) << "missing in docs/reference/observables.md: " << row;
   }
   EXPECT_EQ(names, series.substr(0, series.find('\n')));
+  std::string const table = gridlock::test::gridlock({"explain", "observables", "--markdown"}, workplace.path()).out;
+  EXPECT_GT(table.size(), 1000U);
+  EXPECT_NE(page.find(table), std::string::npos) << "docs/reference/observables.md does not have the table\n" << table;
   auto const summary = nlohmann::json::parse(text_of(workplace / "out/summary.json"));
   for (auto const& [key, entry] : summary.items()) {
     EXPECT_NE(page.find("`" + key + "`"), std::string::npos) << "missing in docs/reference/observables.md: " << key;

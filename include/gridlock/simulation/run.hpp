@@ -116,7 +116,7 @@ struct RunRecord {
 /// ```cpp
 /// auto const run_to = [](Simulation& simulation, std::uint64_t step) {
 ///   Run run(simulation, {.stop_condition = {.step = step}, .sample_every = 10});
-///   run.go_on([](Progress const& progress) { return progress.seconds < 60.0; });
+///   run.advance([](Progress const& progress) { return progress.seconds < 60.0; });
 ///   return run.record().series.numbers("time");
 /// };
 /// ```
@@ -126,7 +126,7 @@ class Run {
 
   /// Advances the simulation until the stop condition holds, on_progress asks to stop or an invariant breaks. May be
   /// called again after an interruption.
-  RunStatus go_on(OnProgress const& on_progress = {}, Callback const& callback = {});
+  RunStatus advance(OnProgress const& on_progress = {}, Callback const& callback = {});
 
   /// Lets someone look on from now on; it must outlive the run.
   void add(Writer& writer) { writers_.push_back(&writer); }
@@ -168,9 +168,9 @@ class Run {
   std::optional<Extent> first_averaged_;  ///< at the first sample that is not
   std::vector<double> last_row_;
   std::vector<Writer*> writers_;
-  double seconds_ = 0.0;  ///< real time of all calls of go_on()
+  double seconds_ = 0.0;  ///< real time of all calls of advance()
   double seconds_before_ = 0.0;
-  std::chrono::steady_clock::time_point went_on_;
+  std::chrono::steady_clock::time_point resumed_at_;
   RunStatus status_ = RunStatus::interrupted;
   std::string failure_;
   std::vector<ColumnInfo> columns_;

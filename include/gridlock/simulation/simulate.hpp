@@ -32,7 +32,7 @@ template <class Model = HardDisks>
 RunResultOf<Model> simulate(Setup setup, OnProgress const& on_progress = {}) {
   auto& simulation = dynamic_cast<WorldSimulation<Model>&>(*setup.simulation);
   Run run(simulation, plan_of(setup));
-  run.go_on(on_progress);
+  run.advance(on_progress);
   return {run.record(), simulation.world(), simulation.counters()};
 }
 

@@ -25,7 +25,7 @@ class FetchAhead {
   FetchAhead(PackedGrid const& grid, TurnView const& view, std::vector<std::uint32_t> const& rank)
       : grid_(grid), disks_(view.disks.data()), rank_(rank.data()), is_worth_it_(view.disks.size() > few_disks) {}
 
-  /// The tiles that follow, nullptr where there is none; go_on() will be told of about `turns` turns before they are due.
+  /// The tiles that follow, nullptr where there is none; advance() will be told of about `turns` turns before they are due.
   void aim(Tiling::Tile const* next, Tiling::Tile const* after_next, std::size_t turns) {
     if (!is_worth_it_) return;
     disk_walk_ = walk_of(next);
@@ -34,8 +34,8 @@ class FetchAhead {
   }
 
   /// While so many turns are taken.
-  void go_on(std::size_t turns) {
-    disk_walk_.go_on(cells_a_turn_ * turns, [this](int column, int row) {
+  void advance(std::size_t turns) {
+    disk_walk_.advance(cells_a_turn_ * turns, [this](int column, int row) {
       PackedGrid::Block const& block = grid_.block_at(column, row);
       // Empty slots name disks that were here before: asking for one too many costs less than a branch.
       for (std::uint32_t const disk : block.agent) prefetch(&disks_[disk]);
@@ -43,7 +43,7 @@ class FetchAhead {
       grid_.prefetch(block.agent[0]);
       prefetch(&rank_[block.agent[0]]);
     });
-    block_walk_.go_on(cells_a_turn_ * turns, [this](int column, int row) { prefetch(&grid_.block_at(column, row)); });
+    block_walk_.advance(cells_a_turn_ * turns, [this](int column, int row) { prefetch(&grid_.block_at(column, row)); });
   }
 
  private:
@@ -57,7 +57,7 @@ class FetchAhead {
     }
 
     template <class Visit>
-    void go_on(std::size_t cells, Visit visit) {
+    void advance(std::size_t cells, Visit visit) {
       auto left = static_cast<int>(cells);
       while (left > 0 && row < end_row) {
         int const end = std::min(end_column, column + left);

@@ -91,7 +91,7 @@ TEST(ModelSimulation, AveragesEveryObservationUnderItsNameAlsoWhereItResumes) {
   RunPlan const plan{.stop_condition = {.step = 4}, .sample_every = 1};
   ModelSimulation<Walkers> whole({}, box, 1);
   gridlock::Run run(whole, plan);
-  run.go_on();
+  run.advance();
   // At steps 1 to 4 the last one is at 1.5, 2, 2.5 and 3, the first one is 2 ahead of it.
   EXPECT_EQ(told_of(whole),
             "agents 3.000000, least_x 2.250000, most_x 4.250000, mean_displacement 0.447214, "
@@ -99,7 +99,7 @@ TEST(ModelSimulation, AveragesEveryObservationUnderItsNameAlsoWhereItResumes) {
             "local_bond_orientation_order 1.000000, steps 12, rests 0, ");
   ModelSimulation<Walkers> begun({}, box, 1);
   gridlock::Run interrupted(begun, {.stop_condition = {.step = 2}, .sample_every = 1});
-  interrupted.go_on();
+  interrupted.advance();
   ModelSimulation<Walkers> resumed({}, box, 1);
   from_checkpoint(to_checkpoint([&](Archive& archive) { begun.serialize(archive); }), "saved",
                   [&](Archive& archive) { resumed.serialize(archive); });
@@ -113,7 +113,7 @@ Steps sampled(gridlock::Run const& run) { return std::get<Steps>(run.record().se
 TEST(RunLoop, ARunGivenInTimeEndsWithTheStepThatReachesItAndIsSampledThere) {
   Ticking simulation;
   gridlock::Run run(simulation, {.stop_condition = {.time = 3.5}, .sample_every = 5});
-  EXPECT_EQ(run.go_on(), RunStatus::finished);
+  EXPECT_EQ(run.advance(), RunStatus::finished);
   EXPECT_EQ(simulation.clock().step, 7U);
   EXPECT_EQ(sampled(run), (Steps{0, 5, 7}));
 }
@@ -121,20 +121,20 @@ TEST(RunLoop, ARunGivenInTimeEndsWithTheStepThatReachesItAndIsSampledThere) {
 TEST(RunLoop, SamplesOfARunThatStartsLaterAreMultiplesFromItsStart) {
   Ticking simulation({.step = 1003, .time = 20.0});
   gridlock::Run run(simulation, {.stop_condition = {.step = 1026}, .sample_every = 10});
-  run.go_on();
+  run.advance();
   EXPECT_EQ(sampled(run), (Steps{1003, 1013, 1023, 1026}));
 }
 
 TEST(RunLoop, AveragesLeaveOutTheStartAndTheEquilibration) {
   Ticking whole;
-  gridlock::Run(whole, {.stop_condition = {.step = 100}, .sample_every = 10}).go_on();
+  gridlock::Run(whole, {.stop_condition = {.step = 100}, .sample_every = 10}).advance();
   EXPECT_EQ(whole.averaged, (Steps{10, 20, 30, 40, 50, 60, 70, 80, 90, 100}));
   Ticking half;
-  gridlock::Run(half, {.stop_condition = {.step = 100}, .sample_every = 10, .equilibration = 0.5}).go_on();
+  gridlock::Run(half, {.stop_condition = {.step = 100}, .sample_every = 10, .equilibration = 0.5}).advance();
   EXPECT_EQ(half.averaged, (Steps{60, 70, 80, 90, 100}));
   Ticking none;
   gridlock::Run run(none, {.stop_condition = {.step = 0}, .sample_every = 10});
-  run.go_on();
+  run.advance();
   EXPECT_EQ(sampled(run), (Steps{0}));
   EXPECT_EQ(none.averaged, Steps{}) << "the start of a run without a step is no average of anything";
 }
@@ -144,7 +144,7 @@ TEST(RunLoop, TheShareThatIsDoneCountsFromTheStartOfTheRun) {
     Ticking simulation({.step = 1000, .time = 80.0});
     gridlock::Run run(simulation, {.stop_condition = stop_condition, .sample_every = 10, .seconds_per_look = 3600.0});
     std::vector<double> seen;
-    run.go_on([&](Progress const& progress) {
+    run.advance([&](Progress const& progress) {
       seen.push_back(progress.fraction);
       return true;
     });
@@ -159,7 +159,7 @@ TEST(RunLoop, TheRealTimeOfAResumedRunIncludesThatBefore) {
   Ticking first;
   RunPlan const plan{.stop_condition = {.step = 1'000'000'000}, .sample_every = 1000, .seconds_per_look = 0.0};
   gridlock::Run begun(first, plan);
-  begun.go_on([](Progress const& progress) { return progress.seconds < 0.02; });
+  begun.advance([](Progress const& progress) { return progress.seconds < 0.02; });
   double const before = begun.record().seconds;
   ASSERT_GT(before, 0.0);
   std::string const saved = to_checkpoint([&](Archive& archive) { begun.serialize(archive); });
@@ -167,7 +167,7 @@ TEST(RunLoop, TheRealTimeOfAResumedRunIncludesThatBefore) {
   gridlock::Run resumed(second, plan);
   from_checkpoint(saved, "saved", [&](Archive& archive) { resumed.serialize(archive); });
   EXPECT_EQ(resumed.record().seconds, before);
-  resumed.go_on([](Progress const&) { return false; });
+  resumed.advance([](Progress const&) { return false; });
   EXPECT_GE(resumed.record().seconds, before);
 }
 

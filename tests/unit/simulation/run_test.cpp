@@ -40,11 +40,11 @@ TEST_P(RunOfEveryEngine, IsStoppedWithinAChunkAndGoesOnToTheSameBits) {
   RunResult const whole = simulate(setup_of(GetParam()));
   WatchedRun watched(GetParam());
   gridlock::Run run(watched.simulation, watched.plan);
-  EXPECT_EQ(run.go_on([](Progress const& progress) { return progress.steps < 7; }), RunStatus::interrupted);
+  EXPECT_EQ(run.advance([](Progress const& progress) { return progress.steps < 7; }), RunStatus::interrupted);
   EXPECT_EQ(watched.simulation.clock().step, 7U);
-  EXPECT_EQ(run.go_on([](Progress const& progress) { return progress.steps < 53; }), RunStatus::interrupted);
+  EXPECT_EQ(run.advance([](Progress const& progress) { return progress.steps < 53; }), RunStatus::interrupted);
   EXPECT_EQ(watched.simulation.clock().step, 53U);
-  EXPECT_EQ(run.go_on(), RunStatus::finished);
+  EXPECT_EQ(run.advance(), RunStatus::finished);
   EXPECT_EQ(run.record().state_hash, whole.state_hash);
   EXPECT_EQ(std::get<std::vector<double>>(run.record().series.column("mean_displacement")),
             std::get<std::vector<double>>(whole.series.column("mean_displacement")));
@@ -54,7 +54,7 @@ TEST_P(RunOfEveryEngine, ReportsEveryStepOfAChunkOnce) {
   WatchedRun watched(GetParam());
   gridlock::Run run(watched.simulation, watched.plan);
   std::vector<std::uint64_t> seen;
-  run.go_on([&](Progress const& progress) {
+  run.advance([&](Progress const& progress) {
     EXPECT_EQ(progress.clock.step, progress.steps);
     seen.push_back(progress.steps);
     return true;
@@ -78,7 +78,7 @@ TEST_P(RunOfEveryEngine, CallsBackWithinAChunkWithItsDisksUpToDate) {
                                 EXPECT_EQ(steps, 13U);
                                 EXPECT_EQ(watched.simulation.state_hash(), hash_after_13);
                               }};
-  EXPECT_EQ(run.go_on({}, callback), RunStatus::finished);
+  EXPECT_EQ(run.advance({}, callback), RunStatus::finished);
   EXPECT_EQ(times, 1);
   EXPECT_EQ(run.record().state_hash, whole.state_hash);
 }
@@ -87,13 +87,13 @@ TEST_P(RunOfEveryEngine, ThrowsOnWhatTheListenerThrowsAndCanGoOn) {
   RunResult const whole = simulate(setup_of(GetParam()));
   WatchedRun watched(GetParam());
   gridlock::Run run(watched.simulation, watched.plan);
-  EXPECT_THROW(run.go_on([](Progress const& progress) {
+  EXPECT_THROW(run.advance([](Progress const& progress) {
     if (progress.steps == 5) throw std::logic_error("of the listener");
     return true;
   }),
                std::logic_error);
   EXPECT_EQ(watched.simulation.clock().step, 5U);
-  EXPECT_EQ(run.go_on(), RunStatus::finished);
+  EXPECT_EQ(run.advance(), RunStatus::finished);
   EXPECT_EQ(run.record().state_hash, whole.state_hash);
 }
 
@@ -130,7 +130,7 @@ TEST_P(RunOfEveryEngine, ThatStartsAtALaterStepEndsAfterTheLastFrameOfItsWriter)
                                 return false;
                               },
                           .call = {}};
-  EXPECT_EQ(run.go_on({}, watchdog), RunStatus::finished);
+  EXPECT_EQ(run.advance({}, watchdog), RunStatus::finished);
   EXPECT_EQ(simulation.clock().step, 1100U);
   EXPECT_EQ(writer.writes, 1);
 }
@@ -141,7 +141,7 @@ INSTANTIATE_TEST_SUITE_P(Engines, RunOfEveryEngine, testing::ValuesIn(engine_kin
 TEST(Run, ReportsNoSampleBeforeTheFirstAfterTheStart) {
   WatchedRun watched("stepped");
   gridlock::Run run(watched.simulation, watched.plan);
-  run.go_on([&](Progress const& progress) {
+  run.advance([&](Progress const& progress) {
     // A report that comes with the end of a chunk comes before its sample.
     EXPECT_EQ(progress.last_sample.empty(), progress.steps <= 40) << progress.steps;
     if (!progress.last_sample.empty()) {
@@ -167,7 +167,7 @@ TEST(Run, OfExactIsInterruptedWithinALongStepAndTakesNoSampleThere) {
   plan.seconds_per_look = 0.0;
   gridlock::Run run(simulation, plan);
   int within_a_step = 0;
-  while (run.go_on([](Progress const&) { return false; }) == RunStatus::interrupted) {
+  while (run.advance([](Progress const&) { return false; }) == RunStatus::interrupted) {
     double const steps = simulation.clock().time / simulation.time_step();
     if (steps != std::floor(steps)) ++within_a_step;
   }
@@ -185,7 +185,7 @@ TEST(Run, LooksNoMoreOftenThanPlanned) {
   watched.plan.seconds_per_look = 3600.0;
   gridlock::Run run(watched.simulation, watched.plan);
   std::vector<std::uint64_t> seen;
-  run.go_on([&](Progress const& progress) {
+  run.advance([&](Progress const& progress) {
     seen.push_back(progress.steps);
     return true;
   });

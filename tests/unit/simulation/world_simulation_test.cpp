@@ -19,7 +19,7 @@ RunRecord record_of(std::string const& text) {
   gridlock::Setup const setup = set_up(
       SettingsFile::from_text(text + "\nrun.steps = 60\nobserve = { every = 10, structure_every = 2 }", "run.toml"));
   gridlock::Run run(*setup.simulation, plan_of(setup));
-  run.go_on();
+  run.advance();
   return run.record();
 }
 
@@ -75,7 +75,7 @@ struct Namesake {
 TEST(WorldSimulation, KeepsWhatAModelObservesWhereAnObservableHasTheSameName) {
   ModelSimulation<Namesake> simulation({}, Box(20.0, 1.0, Edge::wall), 1);
   gridlock::Run run(simulation, {.stop_condition = {.step = 4}, .sample_every = 1});
-  run.go_on();
+  run.advance();
   EXPECT_EQ(run.record().series.numbers("mean_displacement"), std::vector<double>(5, 42.0));
   EXPECT_TRUE(has_column(simulation, "local_bond_orientation_order"));
 }
