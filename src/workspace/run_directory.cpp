@@ -260,15 +260,15 @@ class RunInDirectory {
     CheckpointClock checkpoints(setup_.configuration.checkpoint);
     RunStatus const status =
         run_.advance(hooks_.on_progress, {.is_due = [&](std::uint64_t steps) { return checkpoints.is_due(steps); },
-                                        .call =
-                                            [&](std::uint64_t steps) {
-                                              save();
-                                              checkpoints.note(steps);
-                                            },
-                                        .call_at_end =
-                                            [&](std::uint64_t) {
-                                              if (setup_.configuration.checkpoint.keep_last) save();
-                                            }});
+                                          .call =
+                                              [&](std::uint64_t steps) {
+                                                save();
+                                                checkpoints.note(steps);
+                                              },
+                                          .call_at_end =
+                                              [&](std::uint64_t) {
+                                                if (setup_.configuration.checkpoint.keep_last) save();
+                                              }});
     if (status == RunStatus::interrupted) save();
     RunRecord record = run_.record();
     try {
