@@ -13,6 +13,7 @@
 
 #include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
+#include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/detail/tiling.hpp"
 #include "gridlock/grid/detail/update_order.hpp"
@@ -120,7 +121,13 @@ class ModelEngine final : public EngineFor<Model> {
   [[nodiscard]] double time_step_of(World<Model> const& world) const override {
     return gridlock::time_step_of(model_, world);
   }
-  void require_valid(World<Model> const& world) const override { require_inside(world); }
+  void require_valid(World<Model> const& world) const override {
+    try {
+      require_inside(world);
+    } catch (RunFailure const& failure) {
+      throw Error(Problem{.what = failure.what()});
+    }
+  }
   [[nodiscard]] std::vector<Count> counts(World<Model> const& world, Counters const& /*counters*/) const override {
     std::vector<Count> counts;
     for (std::size_t k = 0; k < world.events.size(); ++k) {

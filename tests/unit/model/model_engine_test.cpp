@@ -242,6 +242,14 @@ TEST(ModelEngineOfEvents, KnowsTheAgentsThatCameBetweenTwoCalls) {
   EXPECT_EQ(seen, (std::vector<Id>{0, 2}));
 }
 
+TEST(ModelEngineOfEvents, RefusesARestoredWorldWithAnAgentOutsideTheBoxAsInput) {
+  ModelEngine<Script> const engine({}, Box(1.0, 1.0, Edge::wall), {});
+  World<Script> world = world_of_events({{0.4, 0.5}, {0.9, 0.9}});
+  EXPECT_NO_THROW(engine.require_valid(world));
+  world.agents.column<X>()[1] = 1.5;
+  EXPECT_THROW(engine.require_valid(world), Error);
+}
+
 TEST(MutableWorld, TheNearestIsTheOneOfTheLowerIdAmongEquallyNearAndNeverTheExcepted) {
   World<Script> world = world_of_events({{0.5, 0.5}, {0.625, 0.5}, {0.375, 0.5}, {0.5, 0.6875}});
   ModelEngine<Script>({.script =
