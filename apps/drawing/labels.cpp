@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <iterator>
 #include <utility>
+#include <vector>
+
+#include "gridlock/observe/observable.hpp"
 
 namespace gridlock {
 
@@ -32,6 +35,11 @@ std::string axis_label(std::string_view name) {
   std::string words(name.substr(name.rfind('.') + 1));  // npos + 1 is 0
   std::ranges::replace(words, '_', ' ');
   return words;
+}
+
+bool is_of_model(std::string_view name) {
+  static std::vector<ColumnInfo> const observed = observed_columns();
+  return std::ranges::find(observed, name, &ColumnInfo::name) == observed.end();
 }
 
 }  // namespace gridlock

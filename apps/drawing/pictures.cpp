@@ -319,12 +319,10 @@ std::vector<PlotCurve> curves_against(std::string const& axis, std::string const
 std::vector<std::string> drawn_observables(Table const& means) {
   constexpr std::array headlines{"mean_displacement", "compressibility_factor", "wall_pressure", "collision_rate",
                                  "halted_fraction"};
-  std::vector<ColumnInfo> const observed = observed_columns();
   std::vector<std::string> drawn;
   for (std::string const& name : means.names()) {
     if (!means.contains(name + "_error")) continue;
-    bool const is_of_model = std::ranges::find(observed, name, &ColumnInfo::name) == observed.end();
-    if (is_of_model || std::ranges::find(headlines, name) != headlines.end()) drawn.push_back(name);
+    if (is_of_model(name) || std::ranges::find(headlines, name) != headlines.end()) drawn.push_back(name);
   }
   return drawn;
 }

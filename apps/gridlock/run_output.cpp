@@ -10,6 +10,7 @@
 #include <string_view>
 #include <variant>
 
+#include "drawing/labels.hpp"
 #include "drawing/pictures.hpp"
 
 namespace gridlock::cli {
@@ -91,10 +92,8 @@ bool is_headline(gridlock::NamedEstimate const& result) {
 
 /// What the model itself observes, and the headlines of the rest.
 void print_results(gridlock::RunRecord const& record) {
-  std::vector<gridlock::ColumnInfo> const observed = gridlock::observed_columns();
   for (gridlock::NamedEstimate const& result : record.results) {
-    bool const is_of_model = std::ranges::find(observed, result.name, &gridlock::ColumnInfo::name) == observed.end();
-    if (is_of_model || is_headline(result)) print_estimate(result);
+    if (gridlock::is_of_model(result.name) || is_headline(result)) print_estimate(result);
   }
 }
 
