@@ -11,13 +11,7 @@ file(REMOVE_RECURSE ${WORK_DIRECTORY})
 set(here ${SOURCE_DIRECTORY}/tests/package/grid)
 set(sources ${here}/compare.cpp ${SOURCE_DIRECTORY}/examples/neighbour_search.cpp)
 
-function(run_step)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(NOT result EQUAL 0)
-    message(FATAL_ERROR "${ARGN} failed:\n${output}")
-  endif()
-  message("${output}")
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/run_step.cmake)
 
 # A project is found wanting where its cache knows of a package but ours, or of pkg-config.
 function(require_nothing_else_in build)

@@ -8,13 +8,7 @@ foreach(name BUILD_DIRECTORY SOURCE_DIRECTORY WORK_DIRECTORY GENERATOR COMPILER)
 endforeach()
 file(REMOVE_RECURSE ${WORK_DIRECTORY})
 
-function(run_step)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(NOT result EQUAL 0)
-    message(FATAL_ERROR "${ARGN} failed:\n${output}")
-  endif()
-  message("${output}")
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/run_step.cmake)
 
 # Takes the next block of a language out of the text of a page; NOTFOUND where there is none.
 function(take_block language text_name block_name)
