@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "gridlock/observe/averaging_observable.hpp"
+#include "gridlock/observe/observable.hpp"
 #include "gridlock/simulation/simulate.hpp"
 
 class LargestSpeed final : public gridlock::AveragingObservable {

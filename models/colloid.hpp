@@ -34,6 +34,7 @@ struct ColloidInOrder {
   static constexpr std::string_view documentation =
       order == Schedule::tiled ? "The same, tile by tile on any number of threads: the bits of the engine tiled."
                                : "The paper's hard disks as a model: the bits of the engine stepped.";
+  static constexpr bool keeps_counters = true;
   static constexpr std::array<std::string_view, 3> events{"pair_collisions", "wall_hits", "halted_moves"};
 
   DisksSettings disks{.count = 841, .packing_fraction = 0.5};
@@ -103,6 +104,7 @@ struct ColloidInOrder {
   void turn(Turn<Self>& self) const {
     double const substep = self.time_step() / static_cast<double>(substeps);
     require_short(self, substep);
+    ++self.counters().moves;
     Vector const displacement = substep * velocity(self);
     Vector here = self.position();
     int crossed_x = 0;
@@ -152,15 +154,23 @@ struct ColloidInOrder {
   static bool hits_wall(Turn<Self>& self, Vector trial) {
     if (self.box().is_periodic()) return false;
     double const r = self.template get<Radius>();
-    bool const turns_x = trial.x < r || trial.x > self.box().width() - r;
-    bool const turns_y = trial.y < r || trial.y > self.box().height() - r;
-    Vector const v = velocity(self);
-    if (turns_x || turns_y) {
-      set_velocity(self, {turns_x ? -v.x : v.x, turns_y ? -v.y : v.y});
-      self.count(1);
-      self.count(2);
-    }
-    return turns_x || turns_y;
+    Vector v = velocity(self);
+    bool is_hit = false;
+    auto const reflect = [&](Counters::Wall wall, double& component) {
+      ++self.counters().wall_hits[wall];
+      self.counters().wall_impulse[wall] += 2.0 * self.template get<Mass>() * std::abs(component);
+      component = -component;
+      is_hit = true;
+    };
+    if (trial.x < r) reflect(Counters::left, v.x);
+    if (trial.x > self.box().width() - r) reflect(Counters::right, v.x);
+    if (trial.y < r) reflect(Counters::bottom, v.y);
+    if (trial.y > self.box().height() - r) reflect(Counters::top, v.y);
+    if (!is_hit) return false;
+    set_velocity(self, v);
+    self.count(1);
+    count_halt(self);
+    return true;
   }
 
   static std::optional<Neighbour<Self>> overlapped(Turn<Self> const& self, Vector trial) {
@@ -179,16 +189,24 @@ struct ColloidInOrder {
 
   /// Δv_i = −(2 m_j / (m_i + m_j)) (w·b / b²) b and the opposite impulse for j, with w = v_i − v_j and b = r_j − r_i.
   void collide(Turn<Self>& self, Vector here, Neighbour<Self> const& other) const {
-    self.count(2);
+    count_halt(self);
     Vector const b = self.box().displacement(here, other.position());
     double const approach = dot(velocity(self) - velocity(other), b);
     if (contact == Contact::approaching && !(approach > 0.0)) return;
     double const m_i = self.template get<Mass>();
     double const m_j = other.template get<Mass>();
     double const along = 2.0 * approach / ((m_i + m_j) * squared_length(b));
-    set_velocity(self, velocity(self) + (-m_j * along) * b);
+    Vector const change = (-m_j * along) * b;
+    set_velocity(self, velocity(self) + change);
     set_velocity(other, velocity(other) + (m_i * along) * b);
     self.count(0);
+    ++self.counters().pair_collisions;
+    self.counters().pair_virial -= m_i * dot(b, change);
+  }
+
+  static void count_halt(Turn<Self>& self) {
+    self.count(2);
+    ++self.counters().halted_moves;
   }
 };
 

@@ -20,7 +20,7 @@
 
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/neighbour_search.hpp"
-#include "gridlock/observe/block_average.hpp"
+#include "gridlock/observe/estimate.hpp"
 #include "periodic_systems.hpp"
 
 namespace gridlock::validation {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <numbers>
 
+#include "gridlock/core/disks.hpp"
 #include "gridlock/core/random.hpp"
-#include "gridlock/core/state.hpp"
 #include "gridlock/engine/engine.hpp"
 
 namespace gridlock::validation {

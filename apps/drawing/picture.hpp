@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "gridlock/core/state.hpp"
+#include "gridlock/core/disks.hpp"
 
 namespace gridlock {
 

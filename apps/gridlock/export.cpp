@@ -1,10 +1,9 @@
-#include "gridlock/io/export.hpp"
-
 #include <fmt/format.h>
 
 #include <map>
 #include <memory>
 
+#include "gridlock/io/h5md.hpp"
 #include "io/file.hpp"
 #include "verbs.hpp"
 #include "workspace/result_files.hpp"

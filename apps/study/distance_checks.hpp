@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "gridlock/core/state.hpp"
+#include "gridlock/core/disks.hpp"
 
 namespace gridlock {
 

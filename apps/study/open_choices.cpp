@@ -375,7 +375,7 @@ std::vector<ContactsBesideExact> contacts_beside_exact(Study const& study) {
                           .time_step = time_step,
                           .always = result_of(always),
                           .approaching = result_of(approaching)});
-      if (!reference || reference->engine.kind != "exact") continue;
+      if (!reference || engine_record(reference->engine.kind).has_time_step) continue;
       ReplicaResult const exact(study, *reference);
       if (exact.seeds() > 0) contacts.back().exact = result_of(exact);
     }

@@ -29,8 +29,9 @@ bool differs(RuleBesideExact const& point) {
 double ratio_of(RuleBesideExact const& point) { return point.rule.value / point.exact.value; }
 
 std::optional<PaperEngine> exact_engine(PaperExtent const& extent) {
+  if (!engine_record(extent.engines.front().kind).has_time_step) return std::nullopt;
   for (PaperEngine const& engine : extent.engines) {
-    if (engine.kind == "exact" && extent.engines.front().kind != "exact") return engine;
+    if (!engine_record(engine.kind).has_time_step) return engine;
   }
   return std::nullopt;
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/validate.hpp"
 #include "workspace/job_pool.hpp"
 
@@ -40,7 +41,7 @@ char const* to_text(StartKind start) { return start == StartKind::square ? "squa
 /// What a step of an engine costs beside one of the paper's rule. Exact disks cost by the collision, of which there are
 /// φ g(σ) times as many, g at contact by Enskog's theory; the two numbers are measured, to a third of the cost.
 double relative_cost(Configuration const& configuration) {
-  if (configuration.engine.kind != "exact") return 1.0;
+  if (engine_record(configuration.engine.kind).has_time_step) return 1.0;
   double const density = configuration.disks.packing_fraction.value_or(0.0);
   double const empty = 1.0 - density;
   double const collisions = density * (1.0 - 7.0 / 16.0 * density) / (empty * empty);

@@ -317,7 +317,7 @@ class Meetings {
     Turning const& t = turning_;
     if (substep != t.free_substeps[l]) return substep < t.free_substeps[l];
     if (squared != t.nearest[l]) return squared < t.nearest[l];
-    return view_.disks[disk].rank < view_.disks[t.partner[l]].rank;
+    return view_.disks[disk].id_index < view_.disks[t.partner[l]].id_index;
   }
 
   TurnView const& view_;

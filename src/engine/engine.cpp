@@ -77,6 +77,18 @@ double step_duration(EngineSettings const& settings, State const& state) {
   return settings.time_step * diameter / (speed > 0.0 ? speed : 1.0);
 }
 
+void add(Counters& sum, Counters const& part) {
+  sum.moves += part.moves;
+  sum.halted_moves += part.halted_moves;
+  sum.pair_collisions += part.pair_collisions;
+  sum.distance_checks += part.distance_checks;
+  for (std::size_t wall = 0; wall < 4; ++wall) {
+    sum.wall_hits[wall] += part.wall_hits[wall];
+    sum.wall_impulse[wall] += part.wall_impulse[wall];
+  }
+  sum.pair_virial += part.pair_virial;
+}
+
 void serialize(Archive& archive, Counters& counters) {
   archive.visit("moves", counters.moves);
   archive.visit("halted_moves", counters.halted_moves);

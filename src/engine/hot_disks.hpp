@@ -8,7 +8,7 @@
 #include "engine/turn.hpp"
 #include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
-#include "gridlock/core/state.hpp"
+#include "gridlock/core/disks.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/detail/neighbour_grid.hpp"
 
@@ -21,8 +21,8 @@ class HotDisks {
   HotDisks(State const& state, std::span<std::uint32_t const> order) : disks_(order.size()) {
     Disks const& from = state.agents;
     std::vector<std::uint32_t> const by_id = rows_in_order(from.ids());
-    std::vector<std::uint32_t> rank(by_id.size());
-    for (std::uint32_t n = 0; n < by_id.size(); ++n) rank[by_id[n]] = n;
+    std::vector<std::uint32_t> id_index(by_id.size());
+    for (std::uint32_t n = 0; n < by_id.size(); ++n) id_index[by_id[n]] = n;
     for (std::size_t k = 0; k < order.size(); ++k) {
       std::uint32_t const row = order[k];
       disks_[k] = {.position = position(from, row),
@@ -31,7 +31,7 @@ class HotDisks {
                    .mass = from.column<Mass>()[row],
                    .image_x = from.column<ImageX>()[row],
                    .image_y = from.column<ImageY>()[row],
-                   .rank = rank[row],
+                   .id_index = id_index[row],
                    .row_in_state = row};
     }
   }

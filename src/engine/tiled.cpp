@@ -27,38 +27,26 @@ constexpr std::uint64_t steps_between_sorts = 100;
 
 /// The rows of the state tile by tile and in a tile cell by cell.
 std::vector<std::uint32_t> rows_by_turn(State const& state, CellLayout const& layout, Tiling const& tiling) {
-  std::vector<std::uint32_t> rank(static_cast<std::size_t>(layout.count()));
+  std::vector<std::uint32_t> turn_of_cell(static_cast<std::size_t>(layout.count()));
   std::uint32_t next = 0;
   for (Tiling::Tile const& tile : tiling.tiles()) {
     for (int row = tile.first_row; row < tile.end_row; ++row) {
       for (int column = tile.first_column; column < tile.end_column; ++column) {
-        rank[static_cast<std::size_t>(row) * static_cast<std::size_t>(layout.columns()) +
-             static_cast<std::size_t>(column)] = next++;
+        turn_of_cell[static_cast<std::size_t>(row) * static_cast<std::size_t>(layout.columns()) +
+                     static_cast<std::size_t>(column)] = next++;
       }
     }
   }
   std::size_t const disks = state.agents.size();
-  auto const rank_of = [&](std::size_t i) {
-    return rank[static_cast<std::size_t>(layout.cell_of(position(state.agents, i)))];
+  auto const turn_of = [&](std::size_t i) {
+    return turn_of_cell[static_cast<std::size_t>(layout.cell_of(position(state.agents, i)))];
   };
-  std::vector<std::uint32_t> begin(rank.size() + 1, 0);
-  for (std::size_t i = 0; i < disks; ++i) ++begin[rank_of(i) + 1];
-  for (std::size_t cell = 0; cell < rank.size(); ++cell) begin[cell + 1] += begin[cell];
+  std::vector<std::uint32_t> begin(turn_of_cell.size() + 1, 0);
+  for (std::size_t i = 0; i < disks; ++i) ++begin[turn_of(i) + 1];
+  for (std::size_t cell = 0; cell < turn_of_cell.size(); ++cell) begin[cell + 1] += begin[cell];
   std::vector<std::uint32_t> order(disks);
-  for (std::size_t i = 0; i < disks; ++i) order[begin[rank_of(i)]++] = static_cast<std::uint32_t>(i);
+  for (std::size_t i = 0; i < disks; ++i) order[begin[turn_of(i)]++] = static_cast<std::uint32_t>(i);
   return order;
-}
-
-void add(Counters& sum, Counters const& part) {
-  sum.moves += part.moves;
-  sum.halted_moves += part.halted_moves;
-  sum.pair_collisions += part.pair_collisions;
-  sum.distance_checks += part.distance_checks;
-  for (std::size_t wall = 0; wall < 4; ++wall) {
-    sum.wall_hits[wall] += part.wall_hits[wall];
-    sum.wall_impulse[wall] += part.wall_impulse[wall];
-  }
-  sum.pair_virial += part.pair_virial;
 }
 
 /// What one tile leaves behind in one step; on a cache line of its own, since threads write to it side by side.
@@ -81,8 +69,8 @@ class Steps {
         smallest_radius_(radius_range(state.agents).smallest),
         group_size_(goes_around_box(layout, tiling) ? 1 : PackedTurns::largest_batch),
         results_(tiling.tiles().size()) {
-    rank_.reserve(disks_.size());
-    for (std::size_t k = 0; k < disks_.size(); ++k) rank_.push_back(disks_[k].rank);
+    id_indices_.reserve(disks_.size());
+    for (std::size_t k = 0; k < disks_.size(); ++k) id_indices_.push_back(disks_[k].id_index);
   }
 
   /// All disks take their turns. `for_each(parts, take)` calls take(part) for each, in any order or at once.
@@ -121,10 +109,10 @@ class Steps {
 
   void take_part(Tiling::Part const& part) {
     static thread_local UpdateOrder update_order;
-    FetchAhead ahead(grid_, view_, rank_);
+    FetchAhead ahead(grid_, view_, id_indices_);
     auto const tile = [&](std::size_t k) { return k < part.size() ? &tiling_.tiles()[part[k]] : nullptr; };
     for (std::size_t k = 0; k < part.size(); ++k) {
-      update_order.find(grid_, *tile(k), rank_, [this](PackedGrid::Block const& block) {
+      update_order.find(grid_, *tile(k), id_indices_, [this](PackedGrid::Block const& block) {
         return (block.marks ^ marks_of_turned_) & ((1U << block.count) - 1U);
       });
       ahead.aim(tile(k + 1), tile(k + 2), update_order.size());
@@ -163,8 +151,8 @@ class Steps {
   std::size_t group_size_;
   /// A disk has the mark of its last turn; what a mark says turns around with every step.
   static constexpr unsigned all_slots = (1U << PackedGrid::slots) - 1U;
-  unsigned marks_of_turned_ = 0;     ///< what the marks are of those that have had their turn
-  std::vector<std::uint32_t> rank_;  ///< of DiskInTurn, side by side
+  unsigned marks_of_turned_ = 0;           ///< what the marks are of those that have had their turn
+  std::vector<std::uint32_t> id_indices_;  ///< of DiskInTurn, side by side
   std::vector<TileResult> results_;
 };
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <span>
 
-#include "gridlock/core/state.hpp"
+#include "gridlock/core/disks.hpp"
 #include "gridlock/engine/engine.hpp"
 
 namespace gridlock {
@@ -19,7 +19,7 @@ struct alignas(64) DiskInTurn {
   double mass;
   std::int32_t image_x;
   std::int32_t image_y;
-  std::uint32_t rank;          ///< in the order of the Ids
+  std::uint32_t id_index;      ///< in the order of the Ids
   std::uint32_t row_in_state;  ///< where it came from
 };
 static_assert(sizeof(DiskInTurn) == 64);
@@ -48,7 +48,7 @@ class Partner {
     double const contact = radius_ + other.radius;
     double const distance = squared_length(view_.box.displacement_inside(trial_, other.position));
     if (!(distance < contact * contact)) return;
-    if (distance < nearest_ || (distance == nearest_ && other.rank < view_.disks[partner_].rank)) {
+    if (distance < nearest_ || (distance == nearest_ && other.id_index < view_.disks[partner_].id_index)) {
       nearest_ = distance;
       partner_ = candidate;
     }

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "grid/linked_grid.hpp"
-#include "gridlock/core/state.hpp"
+#include "gridlock/core/disks.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/grid/detail/point_pairs.hpp"
 

@@ -1,5 +1,3 @@
-#include "gridlock/io/export.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/io/h5md.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "io/file.hpp"
 #include "io/h5md_layout.hpp"

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "gridlock/core/state.hpp"
+#include "gridlock/core/disks.hpp"
 #include "io/xyz_lines.hpp"
 
 namespace gridlock::xyz {

@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "gridlock/core/state.hpp"
-#include "gridlock/observe/averaging_observable.hpp"
+#include "gridlock/core/disks.hpp"
+#include "gridlock/observe/observable.hpp"
 #include "observe/structure_schedule.hpp"
 
 namespace gridlock {

@@ -1,5 +1,7 @@
 #include "gridlock/observe/estimate.hpp"
 
+#include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <vector>
 
@@ -38,6 +40,59 @@ void serialize(Archive& archive, std::string_view name, std::span<Block> blocks)
   archive.visit(name, numbers);
   archive.require(numbers.size() == 2 * blocks.size(), "the blocks differ in number");
   for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b] = {.sum = numbers[2 * b], .weight = numbers[2 * b + 1]};
+}
+
+void BlockAverage::add(double value, double weight) {
+  assert(std::isfinite(value) && std::isfinite(weight) && weight > 0.0);
+  if (used_ == 0 || samples_in_last_ == samples_per_block_) open_block();
+  blocks_[used_ - 1].add({.sum = weight * value, .weight = weight});
+  ++samples_in_last_;
+  ++samples_;
+}
+
+void BlockAverage::open_block() {
+  if (used_ == most_blocks) {
+    for (std::size_t b = 0; b < most_blocks / 2; ++b) {
+      blocks_[b] = blocks_[2 * b];
+      blocks_[b].add(blocks_[2 * b + 1]);
+    }
+    used_ = most_blocks / 2;
+    samples_per_block_ *= 2;
+  }
+  blocks_[used_++] = {};
+  samples_in_last_ = 0;
+}
+
+std::vector<double> BlockAverage::block_means() const {
+  std::vector<double> means;
+  for (Block const& block : blocks()) means.push_back(block.sum / block.weight);
+  return means;
+}
+
+void serialize(Archive& archive, std::string_view name, std::span<BlockAverage> averages) {
+  std::vector<Block> blocks;
+  std::vector<std::uint64_t> counts;
+  for (BlockAverage const& average : averages) {
+    blocks.insert(blocks.end(), average.blocks_.begin(), average.blocks_.end());
+    counts.insert(counts.end(),
+                  {average.used_, average.samples_per_block_, average.samples_in_last_, average.samples_});
+  }
+  serialize_inside(archive, name, [&] {
+    serialize(archive, "blocks", blocks);
+    archive.visit("counts", counts);
+  });
+  archive.require(counts.size() == 4 * averages.size(), "the averages differ in number");
+  for (std::size_t k = 0; k < averages.size(); ++k) {
+    BlockAverage& average = averages[k];
+    archive.require(counts[4 * k] <= BlockAverage::most_blocks && counts[4 * k + 1] > 0,
+                    "an average has no such blocks");
+    std::ranges::copy(std::span(blocks).subspan(k * average.blocks_.size(), average.blocks_.size()),
+                      average.blocks_.begin());
+    average.used_ = counts[4 * k];
+    average.samples_per_block_ = counts[4 * k + 1];
+    average.samples_in_last_ = counts[4 * k + 2];
+    average.samples_ = counts[4 * k + 3];
+  }
 }
 
 }  // namespace gridlock

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include "gridlock/core/state.hpp"
+#include "gridlock/core/disks.hpp"
 #include "observe/bond_orientation.hpp"
 #include "observe/displacement.hpp"
 #include "observe/energy.hpp"
@@ -90,6 +90,20 @@ std::vector<ColumnInfo> observed_columns() {
     std::ranges::move(observable->columns(), std::back_inserter(columns));
   }
   return columns;
+}
+
+std::vector<NamedEstimate> AveragingObservable::results() const {
+  std::vector<NamedEstimate> results;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (auto const estimate = averages_[c].estimate())
+      results.push_back({columns_[c].name, *estimate, columns_[c].unit});
+  }
+  return results;
+}
+
+void AveragingObservable::reset(std::vector<ColumnInfo> columns) {
+  columns_ = std::move(columns);
+  averages_.assign(columns_.size(), {});
 }
 
 }  // namespace gridlock

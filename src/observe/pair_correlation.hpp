@@ -5,7 +5,7 @@
 
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/disks.hpp"
-#include "gridlock/observe/block_average.hpp"
+#include "gridlock/observe/estimate.hpp"
 #include "gridlock/observe/observable.hpp"
 #include "observe/structure_schedule.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "gridlock/core/disks.hpp"
-#include "gridlock/observe/averaging_observable.hpp"
+#include "gridlock/observe/observable.hpp"
 
 namespace gridlock {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "gridlock/core/disks.hpp"
-#include "gridlock/observe/averaging_observable.hpp"
+#include "gridlock/observe/observable.hpp"
 
 namespace gridlock {
 

@@ -6,7 +6,7 @@
 
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/vector.hpp"
-#include "gridlock/observe/block_average.hpp"
+#include "gridlock/observe/estimate.hpp"
 #include "gridlock/observe/observable.hpp"
 #include "observe/id_index.hpp"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "gridlock/lattice/start.hpp"
-#include "gridlock/observe/block_average.hpp"
+#include "gridlock/observe/estimate.hpp"
 #include "gridlock/observe/observable.hpp"
 #include "unit/observe/hand_built.hpp"
 

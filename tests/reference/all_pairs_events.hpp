@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "gridlock/core/state.hpp"
+#include "gridlock/core/disks.hpp"
 
 namespace gridlock::reference {
 

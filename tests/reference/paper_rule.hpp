@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "gridlock/core/state.hpp"
+#include "gridlock/core/disks.hpp"
 
 namespace gridlock::reference {
 

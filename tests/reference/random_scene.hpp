@@ -7,8 +7,8 @@
 #include <ostream>
 #include <vector>
 
+#include "gridlock/core/disks.hpp"
 #include "gridlock/core/random.hpp"
-#include "gridlock/core/state.hpp"
 
 namespace gridlock::reference {
 

@@ -6,6 +6,7 @@
 #include "gridlock/core/agents_view.hpp"
 #include "gridlock/core/population.hpp"
 #include "gridlock/core/vector.hpp"
+#include "gridlock/core/world.hpp"
 
 namespace gridlock {
 
@@ -77,5 +78,19 @@ Vector momentum(AgentsView const& agents);
 
 /// Σ π R², the area the agents cover. Contract: they have a radius.
 double covered_area(AgentsView const& agents);
+
+/// Hard disks, the model of the disk engines.
+struct HardDisks {
+  using Agents = Disks;
+};
+
+/// All of the physics of hard disks and nothing else: two equal states have equal futures under the same engine settings.
+///
+/// ```cpp
+/// State state{.box = Box(1.0, 1.0, Edge::wall), .seed = 7};
+/// state.agents.add(0.5, 0.5, 1.0, 0.0, 0.1, 1.0, 0, 0);  // x, y, vx, vy, radius, mass, images
+/// std::uint64_t const identity = hash(state);
+/// ```
+using State = World<HardDisks>;
 
 }  // namespace gridlock

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "gridlock/core/archive.hpp"
+#include "gridlock/core/disks.hpp"
 #include "gridlock/core/setting.hpp"
-#include "gridlock/core/state.hpp"
 
 namespace gridlock {
 
@@ -55,6 +55,8 @@ struct Counters {
   }
 };
 
+/// Adds every count and sum.
+void add(Counters& sum, Counters const& part);
 /// Serializes every count and sum.
 void serialize(Archive& archive, Counters& counters);
 

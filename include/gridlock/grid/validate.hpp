@@ -1,6 +1,6 @@
 #pragma once
 
-#include "gridlock/core/state.hpp"
+#include "gridlock/core/disks.hpp"
 
 namespace gridlock {
 

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "gridlock/core/disks.hpp"
 #include "gridlock/core/frame.hpp"
-#include "gridlock/core/state.hpp"
 
 namespace gridlock {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "gridlock/core/disks.hpp"
 #include "gridlock/core/setting.hpp"
-#include "gridlock/core/state.hpp"
 
 namespace gridlock {
 

@@ -53,7 +53,8 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 ///     std::vector<std::string> notes(World<Model> const&) const;   where its results mislead, of a start
 ///
 /// of which the last five may be left out, and, if it likes, `static constexpr std::array<std::string_view, n>
-/// events`, the names of what it counts. cutoff() and time_step() may take the World they are asked for.
+/// events`, the names of what it counts, and `static constexpr bool keeps_counters = true`: its turns keep Turn::counters(),
+/// and the run measures collision rates and pressures. cutoff() and time_step() may take the World they are asked for.
 ///
 /// In a tiled model nobody looks or goes farther than the cutoff from where its turn began. A model in which a few do says
 /// so in `bool is_local(Turn<Model> const&, double room) const`, with room the shorter side of a cell: those that are not
@@ -105,9 +106,9 @@ class ModelEngine final : public EngineFor<Model> {
       if constexpr (Model::schedule == Schedule::synchronous) {
         step_synchronously(world);
       } else if constexpr (Model::schedule == Schedule::sequential) {
-        step_in_turns(world);
+        step_in_turns(world, counters);
       } else if constexpr (Model::schedule == Schedule::tiled) {
-        step_in_tiles(world);
+        step_in_tiles(world, counters);
       } else {
         MutableWorld<Model> open(world, grid_, cutoff_, is_verified(world));
         model_.step(open);
@@ -284,20 +285,22 @@ class ModelEngine final : public EngineFor<Model> {
   }
 
   /// What the turns of one thread share.
-  Neighbourhood<Model> neighbourhood(World<Model>& world, DeferredCommands<Model>& commands) {
+  Neighbourhood<Model> neighbourhood(World<Model>& world, DeferredCommands<Model>& commands,
+                                     Counters* counters = nullptr) {
     constexpr bool is_synchronous = Model::schedule == Schedule::synchronous;
     return {.world = world,
             .commands = commands,
             .next = is_synchronous ? &values_ : nullptr,
             .grid = is_synchronous ? nullptr : &grid_,
+            .counters = counters,
             .cutoff = cutoff_,
             .time_step = time_step_,
             .is_verified = is_verified(world)};
   }
 
-  void step_in_turns(World<Model>& world) {
+  void step_in_turns(World<Model>& world, Counters& counters) {
     commands_.resize(1);
-    Neighbourhood<Model> around = neighbourhood(world, commands_.front());
+    Neighbourhood<Model> around = neighbourhood(world, commands_.front(), &counters);
     for (std::size_t const row : rows_in_order(world.agents.ids())) {
       Turn<Model> turn(around, row);
       model_.turn(turn);
@@ -305,7 +308,7 @@ class ModelEngine final : public EngineFor<Model> {
     apply_commands<Model>(world, commands_);
   }
 
-  void step_in_tiles(World<Model>& world) {
+  void step_in_tiles(World<Model>& world, Counters& counters) {
     ids_.assign(world.agents.ids().begin(), world.agents.ids().end());
     has_turned_.assign(world.agents.size(), 0);
     // Searches that are compared with a look at everybody have to take turns with everybody.
@@ -316,17 +319,18 @@ class ModelEngine final : public EngineFor<Model> {
     for (Tiling::Round const& round : rounds) parts = std::max(parts, round.size());
     commands_.resize(parts);
     late_.resize(tiling_.tiles().size());
+    tile_counters_.resize(tiling_.tiles().size());
     for (Tiling::Round const& round : rounds) {
       thread_pool_.for_each(round.size(), [&](std::size_t part) {
         for (std::uint32_t const tile : round[part]) take_turns_of_tile(world, tile, commands_[part]);
       });
     }
-    take_late_turns(world);
+    take_late_turns(world, counters);
     apply_commands<Model>(world, commands_);
   }
 
   void take_turns_of_tile(World<Model>& world, std::uint32_t tile, DeferredCommands<Model>& commands) {
-    Neighbourhood<Model> around = neighbourhood(world, commands);
+    Neighbourhood<Model> around = neighbourhood(world, commands, &tile_counters_[tile].counters);
     around.is_confined = true;
     static thread_local UpdateOrder update_order;
     update_order.find(grid_, tiling_.tiles()[tile], ids_, [&](PackedGrid::Block const& block) {
@@ -357,17 +361,24 @@ class ModelEngine final : public EngineFor<Model> {
     }
   }
 
-  /// In the order of the tiles, however many threads have found them.
-  void take_late_turns(World<Model>& world) {
-    Neighbourhood<Model> around = neighbourhood(world, commands_.front());
-    for (std::vector<std::uint32_t>& rows : late_) {
-      for (std::uint32_t const row : rows) {
+  /// In the order of the tiles, however many threads have found them: sums of floating-point numbers depend on it too.
+  void take_late_turns(World<Model>& world, Counters& counters) {
+    for (std::size_t tile = 0; tile < late_.size(); ++tile) {
+      Counters& of_tile = tile_counters_[tile].counters;
+      Neighbourhood<Model> around = neighbourhood(world, commands_.front(), &of_tile);
+      for (std::uint32_t const row : late_[tile]) {
         Turn<Model> turn(around, row);
         model_.turn(turn);
       }
-      rows.clear();
+      late_[tile].clear();
+      if constexpr (keeps_counters<Model>()) add(counters, std::exchange(of_tile, {}));
     }
   }
+
+  /// What happened in one tile in one step; on cache lines of its own, since threads write to them side by side.
+  struct alignas(64) TileCounters {
+    Counters counters;
+  };
 
   Model model_;
   ModelEngineSettings settings_;
@@ -385,6 +396,7 @@ class ModelEngine final : public EngineFor<Model> {
   std::vector<Tiling::Round> rounds_;             ///< tiled: for the thread pool
   std::vector<Id> ids_;                           ///< tiled: of all rows
   std::vector<std::uint8_t> has_turned_;          ///< tiled: by row
+  std::vector<TileCounters> tile_counters_;       ///< tiled
   std::vector<std::vector<std::uint32_t>> late_;  ///< tiled: of each tile the rows of agents that are not local
 };
 

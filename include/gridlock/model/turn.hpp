@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/model/detail/checks.hpp"
 #include "gridlock/model/detail/deferred_commands.hpp"
@@ -17,6 +18,20 @@
 #include "gridlock/model/detail/verify.hpp"
 
 namespace gridlock {
+
+/// Whether the turns of a model keep counters of collisions and impulses. Not for synchronous models, whose turns on
+/// several threads have no order in which floating-point numbers could be summed.
+template <class Model>
+consteval bool keeps_counters() {
+  if constexpr (requires { Model::keeps_counters; }) {
+    static_assert(
+        !Model::keeps_counters || Model::schedule == Schedule::sequential || Model::schedule == Schedule::tiled,
+        "counters are for models that are sequential or tiled");
+    return Model::keeps_counters;
+  } else {
+    return false;
+  }
+}
 
 /// An agent as another one sees it from where it stands.
 template <class Model>
@@ -62,6 +77,7 @@ struct Neighbourhood {
   DeferredCommands<Model>& commands;
   typename World<Model>::Agents::AllValues* next = nullptr;  ///< synchronous: what the agents will be after the step
   PackedGrid* grid = nullptr;                                ///< sequential, tiled: who is where now
+  Counters* counters = nullptr;                              ///< sequential, tiled: of these turns
   double cutoff = 0.0;                                       ///< the model's
   double time_step = 0.0;                                    ///< the model's
   bool is_verified = false;                                  ///< whether searches are compared with a look at everybody
@@ -180,6 +196,9 @@ class Turn {
     }
     ++around_.commands.events[event];
   }
+  /// Moves, collisions, impulses: from these a run measures collision rates and pressures, as for the engines of hard
+  /// disks. For models with `keeps_counters`.
+  [[nodiscard]] Counters& counters() requires(keeps_counters<Model>()) { return *around_.counters; }
 
  private:
   [[nodiscard]] World<Model> const& world() const { return around_.world; }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "gridlock/model/model.hpp"
-#include "gridlock/observe/averaging_observable.hpp"
+#include "gridlock/observe/observable.hpp"
 #include "gridlock/simulation/world_simulation.hpp"
 
 namespace gridlock {
@@ -88,7 +88,7 @@ class ModelSimulation final : public WorldSimulation<Model> {
                   ObserveSettings const& observed)
       : WorldSimulation<Model>(std::make_unique<ModelEngine<Model>>(model, world.box, settings), std::move(world)) {
     this->observe(std::make_unique<ModelObservations<Model>>(model, this->world()));
-    this->observe(observed, {.keeps_counters = false});
+    this->observe(observed, {.keeps_counters = keeps_counters<Model>()});
   }
 
  private:

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "gridlock/core/state.hpp"
+#include "gridlock/core/disks.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/simulation/configuration.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "gridlock/core/state.hpp"
+#include "gridlock/core/disks.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/simulation/run.hpp"
 #include "gridlock/simulation/setup.hpp"

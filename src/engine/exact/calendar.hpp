@@ -17,7 +17,7 @@ struct ScheduledEvent {
 };
 
 /// Calendar queue (R. Brown, Commun. ACM 31, 1220, 1988): the events of one epoch [0, length), handed out in the order of
-/// (time, rank of the disk).
+/// (time, id index of the disk).
 ///
 ///     epoch   ├────────────┼────────────┼────────────┤   groups: unsorted, in chunks of memory
 ///     group                ├─┼─┼─┼─┼─┼─┼─┤               buckets of the open group: short lists
@@ -97,7 +97,7 @@ class Calendar {
 
   static bool is_before(ScheduledEvent const& a, ScheduledEvent const& b, MovingDisk const* disks) {
     if (a.time != b.time) return a.time < b.time;
-    return disks[a.disk].rank < disks[b.disk].rank;
+    return disks[a.disk].id_index < disks[b.disk].id_index;
   }
   void deal(ScheduledEvent event, std::uint32_t bucket) {
     std::uint32_t& head = bucket_heads_[bucket & ((1U << bucket_bits_) - 1)];

@@ -75,8 +75,8 @@ void Dynamics::read_disks(State const& state) {
   grid_ = SlotGrid(size_ > 0 ? layout_for_cutoff(box_, cutoff, size_) : CellLayout(box_, 1, 1), box_);
   disks_.reserve(size_ + 1);
   image_.reserve(size_);
-  for (std::uint32_t rank = 0; rank < size_; ++rank) {
-    std::uint32_t const row = rows[rank];
+  for (std::uint32_t id_index = 0; id_index < size_; ++id_index) {
+    std::uint32_t const row = rows[id_index];
     Vector const p = position(disks, row);
     Vector const v = velocity(disks, row);
     MovingDisk& disk = disks_.emplace_back();
@@ -90,8 +90,8 @@ void Dynamics::read_disks(State const& state) {
             .collision_count = 0,
             .column = grid_.column_of(p.x),
             .row = grid_.row_of(p.y),
-            .rank = rank};
-    grid_.insert(rank, disk.column, disk.row);
+            .id_index = id_index};
+    grid_.insert(id_index, disk.column, disk.row);
     image_.push_back({disks.column<ImageX>()[row], disks.column<ImageY>()[row]});
     if (is_mixture) {
       radius_.push_back(radius[row]);
@@ -339,7 +339,7 @@ void Dynamics::write_at(double t, State& state) const {
   auto const radius = disks.column<Radius>();
   for (std::size_t i = 0; i < size_; ++i) {
     MovingDisk const& disk = disks_[i];
-    std::size_t const row = row_of_.empty() ? disk.rank : row_of_[disk.rank];
+    std::size_t const row = row_of_.empty() ? disk.id_index : row_of_[disk.id_index];
     int crossed_x = 0;
     int crossed_y = 0;
     Vector p = box_.wrap({disk.x + disk.velocity_x * t, disk.y + disk.velocity_y * t}, crossed_x, crossed_y);
@@ -357,22 +357,22 @@ void Dynamics::write_at(double t, State& state) const {
   }
 }
 
-std::vector<Index> Dynamics::disks_by_rank() const {
+std::vector<Index> Dynamics::disks_by_id_index() const {
   std::vector<Index> disks(size_);
-  for (Index i = 0; i < size_; ++i) disks[disks_[i].rank] = i;
+  for (Index i = 0; i < size_; ++i) disks[disks_[i].id_index] = i;
   return disks;
 }
 
 void Dynamics::serialize(Archive& archive) {
   SavedDisks saved;
-  for (Index const i : disks_by_rank()) {
+  for (Index const i : disks_by_id_index()) {
     MovingDisk const& disk = disks_[i];
     saved.x.push_back(disk.x);
     saved.y.push_back(disk.y);
     saved.velocity_x.push_back(disk.velocity_x);
     saved.velocity_y.push_back(disk.velocity_y);
     saved.event_time.push_back(disk.event_time);
-    saved.partner.push_back(disk.partner < vertical_border ? disks_[disk.partner].rank : disk.partner);
+    saved.partner.push_back(disk.partner < vertical_border ? disks_[disk.partner].id_index : disk.partner);
     saved.partner_collision_count.push_back(disk.partner_collision_count);
     saved.collision_count.push_back(disk.collision_count);
     saved.column.push_back(disk.column);
@@ -390,28 +390,28 @@ void Dynamics::serialize(Archive& archive) {
 
 void Dynamics::restore(Archive const& archive, SavedDisks const& saved) {
   archive.require(saved.has_size(size_), "the engine has other disks than the state");
-  std::vector<Index> const disks = disks_by_rank();
+  std::vector<Index> const disks = disks_by_id_index();
   for (Index const i : disks) grid_.erase(i, disks_[i].column, disks_[i].row);
-  for (std::size_t rank = 0; rank < size_; ++rank) {
-    Index const partner = saved.partner[rank];
-    bool const is_inside = saved.column[rank] >= 0 && saved.column[rank] < grid_.columns() && saved.row[rank] >= 0 &&
-                           saved.row[rank] < grid_.rows();
-    archive.require(is_inside && (partner >= vertical_border || partner < size_) && saved.event_time[rank] >= now_,
+  for (std::size_t id_index = 0; id_index < size_; ++id_index) {
+    Index const partner = saved.partner[id_index];
+    bool const is_inside = saved.column[id_index] >= 0 && saved.column[id_index] < grid_.columns() &&
+                           saved.row[id_index] >= 0 && saved.row[id_index] < grid_.rows();
+    archive.require(is_inside && (partner >= vertical_border || partner < size_) && saved.event_time[id_index] >= now_,
                     "a disk waits for an event that cannot be");
-    MovingDisk& disk = disks_[disks[rank]];
-    disk = {.x = saved.x[rank],
-            .y = saved.y[rank],
-            .velocity_x = saved.velocity_x[rank],
-            .velocity_y = saved.velocity_y[rank],
-            .event_time = saved.event_time[rank],
+    MovingDisk& disk = disks_[disks[id_index]];
+    disk = {.x = saved.x[id_index],
+            .y = saved.y[id_index],
+            .velocity_x = saved.velocity_x[id_index],
+            .velocity_y = saved.velocity_y[id_index],
+            .event_time = saved.event_time[id_index],
             .partner = partner < vertical_border ? disks[partner] : partner,
-            .partner_collision_count = saved.partner_collision_count[rank],
-            .collision_count = saved.collision_count[rank],
-            .column = saved.column[rank],
-            .row = saved.row[rank],
-            .rank = disk.rank};
-    image_[disks[rank]] = {saved.image_x[rank], saved.image_y[rank]};
-    grid_.insert(disks[rank], disk.column, disk.row);
+            .partner_collision_count = saved.partner_collision_count[id_index],
+            .collision_count = saved.collision_count[id_index],
+            .column = saved.column[id_index],
+            .row = saved.row[id_index],
+            .id_index = disk.id_index};
+    image_[disks[id_index]] = {saved.image_x[id_index], saved.image_y[id_index]};
+    grid_.insert(disks[id_index], disk.column, disk.row);
   }
   epoch_start_ = static_cast<double>(epoch_) * epoch_length_;
   refresh_prediction_input();

@@ -11,7 +11,7 @@
 #include "engine/exact/prediction.hpp"
 #include "engine/exact/slot_grid.hpp"
 #include "gridlock/core/detail/large_array.hpp"
-#include "gridlock/core/state.hpp"
+#include "gridlock/core/disks.hpp"
 #include "gridlock/engine/engine.hpp"
 
 namespace gridlock::exact {
@@ -72,7 +72,7 @@ class Dynamics {
  private:
   void read_disks(State const& state);
   void choose_epoch();
-  [[nodiscard]] std::vector<Index> disks_by_rank() const;
+  [[nodiscard]] std::vector<Index> disks_by_id_index() const;
   void start_epoch();
   void sort_disks_by_cell();
   void refresh_prediction_input();
@@ -92,7 +92,7 @@ class Dynamics {
   void require_time_to_pass();
   void audit_overlaps() const;
   void audit_missed_events() const;
-  [[nodiscard]] Id id_of(Index i) const { return ids_.empty() ? disks_[i].rank : ids_[disks_[i].rank]; }
+  [[nodiscard]] Id id_of(Index i) const { return ids_.empty() ? disks_[i].id_index : ids_[disks_[i].id_index]; }
   [[nodiscard]] double radius_of(Index i) const { return radius_.empty() ? equal_radius_ : radius_[i]; }
   [[nodiscard]] double mass_of(Index i) const { return mass_.empty() ? equal_mass_ : mass_[i]; }
 
@@ -115,8 +115,9 @@ class Dynamics {
     std::int32_t y;
   };
   LargeArray<Image> image_;
-  std::vector<Id> ids_;                // by rank; empty where the Ids are the ranks
-  std::vector<std::uint32_t> row_of_;  // row in the state, by rank; empty where the rows are in the order of the Ids
+  std::vector<Id> ids_;  // by id index; empty where the Ids are the indices
+  std::vector<std::uint32_t>
+      row_of_;  // row in the state, by id index; empty where the rows are in the order of the Ids
 
   bool fetches_ahead_ = false;  // the disks are too many for the cache
   std::uint32_t seen_bucket_ = 0;
@@ -133,7 +134,7 @@ class Dynamics {
     std::uint64_t epoch = 0;
     double now = 0.0;
     std::uint64_t looks = 0;
-    std::vector<std::uint32_t> collision_counts;  ///< by rank; empty where there is no suspicion yet
+    std::vector<std::uint32_t> collision_counts;  ///< by id index; empty where there is no suspicion yet
   };
   Watch watch_;
 };

@@ -21,7 +21,7 @@ inline constexpr Index no_disk = std::numeric_limits<Index>::max();
 /// disk is ever brought up to date, and a prediction reads this one cache line of each neighbour and nothing else.
 ///
 ///     byte  0   8   16          24          32          40       44                       48               52      56   60
-///           x   y   velocity_x  velocity_y  event_time  partner  partner_collision_count  collision_count  column  row  rank
+///           x   y   velocity_x  velocity_y  event_time  partner  partner_collision_count  collision_count  column  row  id_index
 struct alignas(64) MovingDisk {
   double x;
   double y;
@@ -34,7 +34,7 @@ struct alignas(64) MovingDisk {
   std::uint32_t collision_count;  ///< how often this disk's velocity has changed
   std::int32_t column;
   std::int32_t row;
-  std::uint32_t rank;  ///< place in the order of Ids; breaks ties
+  std::uint32_t id_index;  ///< place in the order of Ids; breaks ties
 };
 static_assert(sizeof(MovingDisk) == 64);
 

@@ -30,7 +30,7 @@ class Earliest {
     double const time = now_ + (wait > 0.0 ? wait : 0.0);
     if (!(time < other.event_time)) return;
     bool const is_tie = time == best_.time && best_.partner < vertical_border;
-    if (time < best_.time || (is_tie && other.rank < s_.disks[best_.partner].rank)) best_ = {time, j};
+    if (time < best_.time || (is_tie && other.id_index < s_.disks[best_.partner].id_index)) best_ = {time, j};
   }
 
   [[nodiscard]] Prediction best() const { return best_; }

@@ -41,7 +41,7 @@ struct Prediction {
 /// there again; no_disk where there is none.
 /// The 3×3 block of cells is enough, for leaving its cell is an event as well.
 /// Every implementation gives the same bits: the same operations on each candidate in the same order, no contraction,
-/// ties to the lower rank.
+/// ties to the lower Id.
 using Predict = Prediction (*)(PredictionInput const& prediction_input, Index i, double now, Index apart);
 
 Prediction predict_scalar(PredictionInput const& prediction_input, Index i, double now, Index apart);

@@ -177,7 +177,8 @@ GRIDLOCK_AVX512 inline Prediction first_event(PredictionInput const& s, Index i,
       for (unsigned rest = firsts; rest != 0; rest &= rest - 1U) {
         Index const j = names[std::countr_zero(rest)];
         bool const is_tie = earliest == best.time && best.partner < vertical_border;
-        if (earliest < best.time || (is_tie && s.disks[j].rank < s.disks[best.partner].rank)) best = {earliest, j};
+        if (earliest < best.time || (is_tie && s.disks[j].id_index < s.disks[best.partner].id_index))
+          best = {earliest, j};
       }
     } else {
       // Which of the two is earlier is a coin toss: no branch may depend on it, or the processor could not begin with

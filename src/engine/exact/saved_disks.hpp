@@ -10,10 +10,10 @@
 
 namespace gridlock::exact {
 
-/// The disks of a dynamics by rank, in columns: how they outlive the process.
+/// The disks of a dynamics by id index, in columns: how they outlive the process.
 struct SavedDisks {
   std::vector<double> x, y, velocity_x, velocity_y, event_time;
-  std::vector<std::uint32_t> partner;  ///< by rank, or a border
+  std::vector<std::uint32_t> partner;  ///< by id index, or a border
   std::vector<std::uint32_t> partner_collision_count, collision_count;
   std::vector<std::int32_t> column, row, image_x, image_y;
 

@@ -37,7 +37,7 @@ void Dynamics::require_time_to_pass() {
     std::uint32_t most_hits = 0;
     Index most_hit = 0;
     for (Index i = 0; i < size_; ++i) {
-      std::uint32_t const hits = disks_[i].collision_count - watch_.collision_counts[disks_[i].rank];
+      std::uint32_t const hits = disks_[i].collision_count - watch_.collision_counts[disks_[i].id_index];
       if (hits > most_hits) {
         most_hits = hits;
         most_hit = i;
@@ -57,7 +57,7 @@ void Dynamics::require_time_to_pass() {
   watch_ = {.epoch = epoch_, .now = now_, .looks = 0, .collision_counts = {}};
   if (!is_suspicious) return;
   watch_.collision_counts.resize(size_);
-  for (Index i = 0; i < size_; ++i) watch_.collision_counts[disks_[i].rank] = disks_[i].collision_count;
+  for (Index i = 0; i < size_; ++i) watch_.collision_counts[disks_[i].id_index] = disks_[i].collision_count;
 }
 
 }  // namespace gridlock::exact

@@ -22,8 +22,11 @@ namespace gridlock {
 /// Only blocks of the next tile and its ring are read, which no other thread touches in this round.
 class FetchAhead {
  public:
-  FetchAhead(PackedGrid const& grid, TurnView const& view, std::vector<std::uint32_t> const& rank)
-      : grid_(grid), disks_(view.disks.data()), rank_(rank.data()), is_worth_it_(view.disks.size() > few_disks) {}
+  FetchAhead(PackedGrid const& grid, TurnView const& view, std::vector<std::uint32_t> const& id_indices)
+      : grid_(grid),
+        disks_(view.disks.data()),
+        id_indices_(id_indices.data()),
+        is_worth_it_(view.disks.size() > few_disks) {}
 
   /// The tiles that follow, nullptr where there is none; advance() will be told of about `turns` turns before they are due.
   void aim(Tiling::Tile const* next, Tiling::Tile const* after_next, std::size_t turns) {
@@ -41,7 +44,7 @@ class FetchAhead {
       for (std::uint32_t const disk : block.agent) prefetch(&disks_[disk]);
       // Sixteen to a line, and neighbours were side by side when the disks were sorted.
       grid_.prefetch(block.agent[0]);
-      prefetch(&rank_[block.agent[0]]);
+      prefetch(&id_indices_[block.agent[0]]);
     });
     block_walk_.advance(cells_a_turn_ * turns, [this](int column, int row) { prefetch(&grid_.block_at(column, row)); });
   }
@@ -86,7 +89,7 @@ class FetchAhead {
 
   PackedGrid const& grid_;
   DiskInTurn const* disks_;
-  std::uint32_t const* rank_;
+  std::uint32_t const* id_indices_;
   bool is_worth_it_;
   Walk disk_walk_;
   Walk block_walk_;

@@ -1,5 +1,3 @@
-#include "gridlock/core/state.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,8 @@
 #include <cmath>
 #include <set>
 #include <vector>
+
+#include "gridlock/core/disks.hpp"
 
 namespace gridlock {
 namespace {

@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "checkpoint_header.hpp"
+#include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/core/state.hpp"
 #include "io/file.hpp"
 
 namespace {

@@ -1,5 +1,3 @@
-#include "gridlock/io/export.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -7,6 +5,7 @@
 #include <vector>
 
 #include "gridlock/core/disks.hpp"
+#include "gridlock/io/h5md.hpp"
 #include "gridlock/io/table.hpp"
 #include "io/file.hpp"
 #include "unit/io/temporary_directory.hpp"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
-#include "gridlock/model/observations.hpp"
+#include "gridlock/model/model.hpp"
 
 namespace gridlock {
 namespace {

@@ -1,5 +1,3 @@
-#include "gridlock/observe/block_average.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <vector>
 
 #include "gridlock/core/random.hpp"
+#include "gridlock/observe/estimate.hpp"
 
 namespace gridlock {
 namespace {

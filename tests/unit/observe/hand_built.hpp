@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "gridlock/core/disks.hpp"
 #include "gridlock/core/random.hpp"
-#include "gridlock/core/state.hpp"
 #include "gridlock/observe/observable.hpp"
 
 /// States and runs written down by hand, for tests of observables.

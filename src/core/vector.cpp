@@ -1,4 +1,4 @@
-#include "gridlock/core/direction.hpp"
+#include "gridlock/core/vector.hpp"
 
 #include <array>
 #include <cmath>
