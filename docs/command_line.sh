@@ -8,12 +8,12 @@ program=${1:?usage: docs/command_line.sh PROGRAM}
 cat <<'PAGE'
 # Command line
 
-`gridlock VERB` does one thing. This page is what `gridlock VERB --help` prints, for every verb.
+`gridlock COMMAND` does one thing. This page is what `gridlock COMMAND --help` prints, for every command.
 
 | exit code | meaning |
 |---|---|
 | 0 | The command did what it was asked to do. |
-| 1 | A run failed or was stopped. Results up to that moment are written. |
+| 1 | A run failed or was stopped. The results so far are written. |
 | 2 | The input cannot be used. Nothing was written. |
 
 Messages go to the standard error stream, results to the standard output. Ctrl-C and SIGTERM stop a run, a sweep or the study
@@ -23,4 +23,4 @@ PAGE
 
 section() { printf '\n## `%s`\n\n```text\n%s\n```\n' "gridlock${1:+ $1}" "$("$program" $1 --help)"; }
 section ""
-for verb in $("$program" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do section "$verb"; done
+for command in $("$program" --help | sed -n '/^Commands:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do section "$command"; done

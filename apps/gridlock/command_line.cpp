@@ -33,6 +33,7 @@ ExitCode run_command_line(int argc, char** argv) {
   if (argc > 0) cli::set_program_name(std::filesystem::path(argv[0]).filename().string());
   CLI::App app{"gridlock: simulates many agents that interact only with nearby neighbours", cli::program_name()};
   app.set_version_flag("--version", std::string("gridlock ") + gridlock::version());
+  app.get_formatter()->label("SUBCOMMAND", "COMMAND");
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::help);
   ExitCode exit_code = ExitCode::good;
@@ -48,6 +49,7 @@ ExitCode run_command_line(int argc, char** argv) {
   cli::add_export(app, exit_code);
   cli::add_movie(app, exit_code);
   refuse_empty_values(app);
+  for (CLI::App* const command : app.get_subcommands({})) command->group("Commands");
   app.footer(fmt::format("Start with:  {0} paper --quick    or    {0} explain", cli::program_name()));
   try {
     app.parse(argc, argv);

@@ -42,7 +42,7 @@ void add_export(CLI::App& app, ExitCode& exit_code) {
   verb->add_option("PATH", options->path, "Directory of a run, or a trajectory (.h5)")->required();
   verb->add_option("--to", options->format, "xyz (OVITO, ASE), vtk (ParaView) or csv")
       ->required()
-      ->check(CLI::IsMember({"xyz", "vtk", "csv"}));
+      ->check(one_of({"xyz", "vtk", "csv"}));
   verb->add_option("-o,--output", options->output, "File to write; left out: beside the trajectory")->type_name("FILE");
   verb->add_option("--every", options->every, "Export every N-th frame")->check(whole_number(1));
   verb->callback([options, &exit_code] {

@@ -90,7 +90,7 @@ void print_trajectory(fs::path const& path) {
   fmt::print("  observables: {}\n  written by gridlock {}\n", fmt::join(observables, ", "), settings.version);
 }
 
-/// A run that goes on or was stopped has a log, and no summary yet.
+/// A run in progress, or one that was stopped, has a log, and no summary yet.
 void print_unfinished_run(fs::path const& directory) {
   std::string const log = gridlock::read_file(directory / "run.log");
   std::size_t const end = log.find_last_not_of('\n');
@@ -116,7 +116,7 @@ ExitCode info(fs::path const& path) {
   } else if (path.extension() == ".xyz") {
     print_frame(path);
   } else {
-    throw gridlock::Error({.what = is_there(path) ? fmt::format("{} is nothing that gridlock writes", path.string())
+    throw gridlock::Error({.what = is_there(path) ? fmt::format("{} is not a file that Gridlock wrote", path.string())
                                                   : fmt::format("there is no {}", path.string()),
                            .hint = "name the directory of a run or sweep, an .xyz, .csv or .h5 file"});
   }

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <charconv>
 #include <system_error>
 #include <utility>
@@ -37,6 +39,14 @@ CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
 
 CLI::Validator not_empty() {
   return {[](std::string const& text) { return text.empty() ? std::string("must not be empty") : std::string(); }, ""};
+}
+
+CLI::Validator one_of(std::vector<std::string> const& words) {
+  return {[=](std::string const& text) {
+            if (std::ranges::find(words, text) != words.end()) return std::string();
+            return fmt::format("must be one of {}, but is {}", fmt::join(words, ", "), text);
+          },
+          fmt::format("{{{}}}", fmt::join(words, ","))};
 }
 
 void ConfigurationOptions::add_to(CLI::App& verb) {

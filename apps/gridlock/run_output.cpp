@@ -97,7 +97,7 @@ void print_results(gridlock::RunRecord const& record) {
   }
 }
 
-/// How to go on, unless somebody has taken the run away meanwhile.
+/// How to continue, unless another process has taken the run over meanwhile.
 std::string resume_text(std::filesystem::path const& directory) {
   std::error_code ignored;
   if (!std::filesystem::exists(directory / "config.resolved.toml", ignored)) {

@@ -10,7 +10,7 @@
 
 namespace gridlock::cli {
 
-/// What the verbs that carry out one run say while it goes on and when it has ended.
+/// What the commands that carry out one run print during the run and when it has ended.
 class RunOutput {
  public:
   void add_to(CLI::App& verb);
@@ -30,7 +30,7 @@ class RunOutput {
   bool is_verbose_ = false;
   bool writes_json_ = false;
   double last_json_ = -1.0;  ///< seconds into the run
-  // While the run goes on.
+  // During the run.
   std::optional<StopSignals> signals_;
   std::optional<ProgressLine> line_;
 };

@@ -32,7 +32,7 @@ std::vector<std::string> long_names(CLI::App const& verb) {
   return names;
 }
 
-/// What a user calls an option: "time-step" for --time-step, and "threads" for -j, which means --threads in other verbs.
+/// What a user calls an option: "time-step" for --time-step, and "threads" for -j, which means --threads in other commands.
 std::string name_of(CLI::App const& verb, std::string const& option) {
   std::string name = option.substr(option.find_first_not_of('-'));
   if (name.size() > 1) return name;
@@ -54,7 +54,7 @@ std::string setting_like(std::string_view name) {
   return found == last_parts.end() ? "" : keys[static_cast<std::size_t>(found - last_parts.begin())];
 }
 
-/// `--time-step 0.1` for a verb that has no such option.
+/// `--time-step 0.1` for a command that has no such option.
 Problem unknown_option(CLI::App const& verb, std::vector<std::string> const& extras) {
   std::string_view const word = extras.front();
   std::size_t const equals = word.find('=');
@@ -115,33 +115,61 @@ Problem wrong_value(CLI::App const& verb, std::string_view said) {
   return {.what = what, .hint = help_of(verb), .key = name};
 }
 
-Problem unknown_verb(CLI::App const& app, std::string const& word, std::string const& said) {
-  std::vector<std::string> verbs;
-  for (CLI::App const* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
-  std::string const nearest = nearest_name(word, verbs);
+/// "--to: must be xyz, vtk or csv, but is foo" of our validators, without the colon.
+Problem refused_value(CLI::App const& verb, std::string const& said) {
+  std::size_t const colon = said.find(": ");
+  if (colon == std::string::npos) return {.what = said, .hint = help_of(verb)};
+  std::string const name = said.substr(0, colon);
+  return {.what = fmt::format("{} {}", name, said.substr(colon + 2)), .hint = help_of(verb), .key = name};
+}
+
+/// "FILE is required".
+Problem missing_argument(CLI::App const& verb, std::string const& said) {
+  std::string const name = said.substr(0, said.find(' '));
+  return {.what = fmt::format("{} needs {}", command(verb), name), .hint = help_of(verb), .key = name};
+}
+
+/// "--quiet excludes --verbose".
+Problem opposed_options(CLI::App const& verb, std::string const& said) {
+  constexpr std::string_view middle = " excludes ";
+  std::size_t const at = said.find(middle);
+  if (at == std::string::npos) return {.what = said, .hint = help_of(verb)};
+  std::string const first = said.substr(0, at);
+  std::string const second = said.substr(at + middle.size());
+  return {.what = fmt::format("{} and {} cannot be given together", first, second),
+          .hint = fmt::format("leave one of them out; {}", help_of(verb)),
+          .key = first};
+}
+
+Problem unknown_command(CLI::App const& app, std::string const& word) {
+  std::vector<std::string> commands;
+  for (CLI::App const* verb : app.get_subcommands({})) commands.push_back(verb->get_name());
+  std::string const nearest = nearest_name(word, commands);
   std::string const help = fmt::format("{} --help explains them", program_name());
-  return {.what = word.empty()      ? program_name() + " needs a verb"
-                  : is_option(word) ? said
-                                    : fmt::format("there is no verb \"{}\"", word),
-          .hint = nearest.empty() ? fmt::format("the verbs are {}; {}", fmt::join(verbs, ", "), help)
+  return {.what = word.empty()      ? program_name() + " needs a command"
+                  : is_option(word) ? fmt::format("{} needs a command before {}", program_name(), word)
+                                    : fmt::format("there is no command \"{}\"", word),
+          .hint = nearest.empty() ? fmt::format("the commands are {}; {}", fmt::join(commands, ", "), help)
                                   : fmt::format("did you mean {} {}?", program_name(), nearest)};
 }
 
 }  // namespace
 
 Problem usage_problem(CLI::App const& app, CLI::ParseError const& error, std::string const& first_word) {
-  if (app.get_subcommands().empty()) return unknown_verb(app, first_word, error.what());
+  if (app.get_subcommands().empty()) return unknown_command(app, first_word);
   CLI::App const& verb = *app.get_subcommands().front();
   std::vector<std::string> const extras = verb.remaining();
   if (!extras.empty())
     return is_option(extras.front()) ? unknown_option(verb, extras) : extra_word(verb, extras.front());
   if (!app.remaining().empty()) {
-    return {.what = fmt::format("\"{}\" comes before the verb", app.remaining().front()),
+    return {.what = fmt::format("\"{}\" comes before the command", app.remaining().front()),
             .hint = fmt::format("options come after it: {} {}", command(verb), app.remaining().front())};
   }
   if (dynamic_cast<CLI::ArgumentMismatch const*>(&error) != nullptr) return wrong_number_of_values(verb, error.what());
   if (dynamic_cast<CLI::ConversionError const*>(&error) != nullptr) return wrong_value(verb, error.what());
-  return {.what = error.what(), .hint = help_of(verb)};
+  if (dynamic_cast<CLI::RequiredError const*>(&error) != nullptr) return missing_argument(verb, error.what());
+  if (dynamic_cast<CLI::ExcludesError const*>(&error) != nullptr) return opposed_options(verb, error.what());
+  return refused_value(verb, error.what());
 }
 
 }  // namespace gridlock::cli

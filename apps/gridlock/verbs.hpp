@@ -12,14 +12,14 @@
 
 namespace gridlock::cli {
 
-/// What a verb ends with, as the shell sees it.
+/// Exit code of a command.
 enum class ExitCode : int {
   good = 0,
-  run_failed = 1,  ///< the run failed or was stopped; what there is has been written
+  run_failed = 1,  ///< the run failed or was stopped; its partial results have been written
   bad_input = 2,   ///< the user's input cannot be used; nothing was written
 };
 
-/// Each adds its verb to the command line; parsing it runs the verb and leaves how it ended in `exit_code`.
+/// Each adds its command to the command line; parsing it runs the command and leaves how it ended in `exit_code`.
 void add_run(CLI::App& app, ExitCode& exit_code);
 void add_resume(CLI::App& app, ExitCode& exit_code);
 void add_sweep(CLI::App& app, ExitCode& exit_code);
@@ -38,6 +38,8 @@ void set_program_name(std::string name);
 
 /// Accepts whole numbers in a range. CLI11's own validators speak of floating-point ranges and take −1 for 2⁶⁴ − 1.
 CLI::Validator whole_number(std::uint64_t least, std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
+/// Accepts one of a few words.
+CLI::Validator one_of(std::vector<std::string> const& words);
 /// Refuses an empty text.
 CLI::Validator not_empty();
 

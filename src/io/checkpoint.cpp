@@ -264,10 +264,12 @@ void save_in_parts(SerializeAll const& serialize, Take take) {
       {.what = fmt::format("cannot use the checkpoint {}: {}", name, why), .hint = std::move(hint), .file = name});
 }
 
+constexpr char const* again_hint = "put back a copy of the file, or start the run again with --overwrite";
+
 /// What follows the header, once header and checksum have been found right.
 std::string_view payload_of(std::string_view bytes, std::string const& name) {
   if (bytes.size() < header_size || !bytes.starts_with(magic)) {
-    refuse(name, "it is not a checkpoint, or only the beginning of one", "");
+    refuse(name, "it is not a checkpoint, or only the beginning of one", again_hint);
   }
   std::uint32_t version = 0;
   std::memcpy(&version, bytes.data() + magic.size(), sizeof version);
@@ -277,7 +279,7 @@ std::string_view payload_of(std::string_view bytes, std::string const& name) {
   }
   std::string_view const payload = bytes.substr(header_size);
   if (checksum_of(payload) != bytes.substr(checksum_offset, header_size - checksum_offset)) {
-    refuse(name, "it is damaged: its checksum is wrong", "");
+    refuse(name, "it is damaged: its checksum is wrong", again_hint);
   }
   return payload;
 }

@@ -183,7 +183,9 @@ bool SettingsReader::read_count(TomlValue const& value, std::string const& path,
     return false;
   }
   if (!read) {
-    report_type(value, path, with_unit("a whole number, 0 or above", info), whole_number_instead_of(value));
+    std::string const expected = info.least > 0.0 ? fmt::format("a whole number, at least {}", info.least)
+                                                  : std::string("a whole number, 0 or above");
+    report_type(value, path, with_unit(expected, info), whole_number_instead_of(value));
     return false;
   }
   if (!is_within_bounds(value, path, info, static_cast<double>(*read))) return false;
@@ -227,7 +229,7 @@ void SettingsReader::visit(SettingInfo const& info, std::string& value) {
   if (auto text = as_text(*given)) {
     value = std::move(*text);
   } else {
-    report_type(*given, path_of(info.key), "a text", "texts stand in quotes");
+    report_type(*given, path_of(info.key), "a text", "write texts in quotes");
   }
 }
 

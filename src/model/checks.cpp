@@ -72,9 +72,9 @@ void throw_long_displacement(std::uint64_t step, Id agent, Vector displacement, 
 void throw_far_search(FarSearch const& search) {
   bool const is_elsewhere = search.agent && !(search.point == search.position);
   throw RunFailure(
-      fmt::format("step {}: {} searches within {} of {}{}, but the model declares that it looks {} far\n  hint: this "
+      fmt::format("step {}: {} searches within {} of {}{}, but the model declares a cutoff of {}\n  hint: this "
                   "is a mistake of "
-                  "the model: let cutoff() return the largest distance at which an agent looks for others",
+                  "the model: let cutoff() return the largest distance at which an agent searches for others",
                   search.step, in_words(search.agent), search.cutoff, in_words(search.point),
                   is_elsewhere ? fmt::format(" from {}", in_words(search.position)) : "", search.declared));
 }
@@ -97,7 +97,7 @@ void throw_not_alive(std::uint64_t step, Id agent) {
 
 void throw_bad_step(std::uint64_t step, double cutoff, double time_step) {
   throw RunFailure(
-      fmt::format("step {}: the model looks {} far and its time step is {}\n  hint: this is a mistake of the "
+      fmt::format("step {}: the model has a cutoff of {} and a time step of {}\n  hint: this is a mistake of the "
                   "model: cutoff() and time_step() have to return finite numbers above 0",
                   step, cutoff, time_step));
 }

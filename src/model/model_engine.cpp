@@ -18,10 +18,10 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model) 
   }
   double const shorter = std::min(box.width(), box.height());
   if (!box.is_periodic() || 2.0 * cutoff <= shorter) return;
-  throw Error({.what = fmt::format("agents that look {:.6g} far could see two images of another in a periodic box with "
-                                   "a side of {:.6g}",
-                                   cutoff, shorter),
-               .hint = "use a box with sides of at least twice the cutoff, or walls",
+  throw Error({.what = fmt::format("the cutoff of the model {}, {:.6g}, is more than half a side of the periodic box, "
+                                   "{:.6g}: an agent could meet two images of another",
+                                   model, cutoff, shorter),
+               .hint = fmt::format("use a box with sides of at least {:.6g}, a smaller cutoff, or walls", 2.0 * cutoff),
                .key = std::string(model)});
 }
 

@@ -1,4 +1,4 @@
-// A program with a model of its own has every verb for it, and the shipped program says why it cannot run such a model.
+// A program with a model of its own has every command for it, and the shipped program says why it cannot run such a model.
 #include <gtest/gtest.h>
 
 #include <chrono>

@@ -122,7 +122,7 @@ inline void wait_for(fs::path const& file) {
   ASSERT_TRUE(fs::exists(file)) << file;
 }
 
-/// What stands in a directory, without the output the tests redirect.
+/// What is in a directory, without the output the tests redirect.
 inline std::vector<std::string> contents(fs::path const& directory) {
   std::vector<std::string> names;
   for (auto const& entry : fs::directory_iterator(directory)) {

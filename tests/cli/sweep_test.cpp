@@ -195,7 +195,7 @@ TEST(Collect, RefusesADirectoryWithoutASweep) {
   EXPECT_FALSE(fs::exists(workplace / "out"));
 }
 
-/// Replaces one text by another wherever it stands in a file.
+/// Replaces one text by another wherever it is in a file.
 void replace_in(fs::path const& file, std::string const& from, std::string const& to) {
   std::string text = text_of(file);
   ASSERT_NE(text.find(from), std::string::npos) << file;

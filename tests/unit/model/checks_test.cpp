@@ -89,7 +89,7 @@ TYPED_TEST(EveryScheduleOfTurns, RefusesADisplacementAsLongAsTheBox) {
 TYPED_TEST(EveryScheduleOfTurns, RefusesASearchBeyondTheDeclaredCutoff) {
   auto const ignore = [](auto const&) {};
   this->expect_failure([&](auto& self) { self.for_each_neighbour(0.5, ignore); },
-                       "searches within 0.5 of (0.5, 0.5), but the model declares that it looks 0.1 far");
+                       "searches within 0.5 of (0.5, 0.5), but the model declares a cutoff of 0.1");
   this->expect_failure([&](auto& self) { self.for_each_neighbour(-0.1, ignore); }, "searches within -0.1");
   this->expect_failure([&](auto& self) { self.for_each_neighbour(nan, ignore); }, "searches within nan");
   this->expect_failure([&](auto& self) { self.for_each_neighbour({nan, 0.5}, 0.1, ignore); }, "nan");
@@ -179,7 +179,7 @@ struct Stepping {
 
 TEST(ModelEngine, RefusesATimeStepThatIsNoPositiveNumber) {
   for (double const step : {nan, 0.0, -1.0, infinity}) {
-    EXPECT_NE(failure_of(Stepping{.step = step}, Box(1.0, 1.0, Edge::wall)).find("time step is"), std::string::npos)
+    EXPECT_NE(failure_of(Stepping{.step = step}, Box(1.0, 1.0, Edge::wall)).find("time step of"), std::string::npos)
         << step;
   }
 }
@@ -213,7 +213,7 @@ TEST(MutableWorld, RefusesBirthsAndMovesOutsideTheBox) {
 TEST(MutableWorld, RefusesSearchesBeyondTheDeclaredCutoff) {
   EXPECT_NE(failure_of_events([](auto& world) {
               static_cast<void>(world.nearest({0.5, 0.5}, 0.2));
-            }).find("searches within 0.2 of (0.5, 0.5), but the model declares that it looks 0.1 far"),
+            }).find("searches within 0.2 of (0.5, 0.5), but the model declares a cutoff of 0.1"),
             std::string::npos);
   EXPECT_NE(failure_of_events([](auto& world) {
               world.for_each_neighbour({nan, 0.5}, 0.1, [](Id) {});

@@ -209,7 +209,7 @@ TEST(ModelEngineInTiles, TakesLateTurnsOnceAStepAndTellsTheShorterSideOfACell) {
   }
 }
 
-/// A world in the hands of the test.
+/// A world that the test changes.
 struct Script {
   static constexpr std::string_view name = "script";
   static constexpr Schedule schedule = Schedule::events;
