@@ -39,7 +39,7 @@ std::map<std::string, std::set<std::string>> const allowed{
 
 struct Include {
   int line;
-  std::string text;  ///< what stands between the quotes or brackets
+  std::string text;  ///< what is between the quotes or brackets
   bool is_quoted;
 };
 
