@@ -19,12 +19,12 @@
 namespace gridlock {
 
 /// The hard disks of J.-X. Shen's paper as a model like any other: the bits are those of the engine `stepped` in the
-/// order of the Ids and those of `tiled` tile by tile, so that the engines prove the model interface and the other way
-/// round. The engines are faster; this is the rule on one page.
+/// order of the Ids and those of `tiled` tile by tile, so that the engines prove the model interface and vice
+/// versa. The engines are faster; this is the rule on one page.
 ///
 /// In its turn a disk tries `substeps` steps of v dt/substeps. One that would cross a wall turns that component of v back
-/// and ends the turn. One that would overlap a disk ends it too, and the two scatter elastically along the line between
-/// their present centres; of several the disk scatters off the one nearest to the point it tried, ties to the lower Id.
+/// and ends the turn. One that would overlap a disk ends it too, and the two collide elastically along the line between
+/// their present centres; of several the disk collides with the one nearest to the point it tried, ties to the lower Id.
 template <Schedule order>
 struct ColloidInOrder {
   using Self = ColloidInOrder;
@@ -52,9 +52,10 @@ struct ColloidInOrder {
                    .least_is_allowed = false},
                   step_length);
     visitor.visit({.key = "substeps", .documentation = "Moves tried in a turn.", .least = 1, .most = 1e6}, substeps);
-    visit_enum(visitor,
-               {.key = "contact", .documentation = "Who scatters: every pair that meets, or pairs that approach."},
-               contacts, contact);
+    visit_enum(
+        visitor,
+        {.key = "contact", .documentation = "Which pairs collide: every pair that meets, or only pairs that approach."},
+        contacts, contact);
     visitor.enter("disks", "How many disks, how large, and where they start.");
     gridlock::describe(disks, visitor);
     visitor.leave();

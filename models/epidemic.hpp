@@ -66,8 +66,9 @@ struct Epidemic {
     rate("infection_rate", "β, for each infected agent within the radius.", infection_rate);
     rate("recovery_rate", "γ, of each infected agent.", recovery_rate);
     rate("turnover_rate", "μ: births and deaths, each, of each agent.", turnover_rate);
-    visitor.visit({.key = "most_agents", .documentation = "Nobody is born above it.", .least = 1, .most = 2e9},
-                  most_agents);
+    visitor.visit(
+        {.key = "most_agents", .documentation = "Above this number no agent is born.", .least = 1, .most = 2e9},
+        most_agents);
     visitor.visit({.key = "step_length",
                    .unit = "time",
                    .documentation = "dt; every rate times dt is a probability, at most 1, and should be small.",

@@ -73,7 +73,8 @@ struct Flocking {
     };
     factor("cohesion_factor", "How much boids come together.", cohesion_factor);
     factor("separation_factor", "How much boids keep apart.", separation_factor);
-    factor("alignment_factor", "How much boids turn to the others' way.", alignment_factor);
+    factor("alignment_factor", "How strongly boids align their direction with that of their neighbours.",
+           alignment_factor);
   }
   void check(Box const& box) const { require_displacement(box, speed, "speed"); }
   [[nodiscard]] std::uint64_t agents_at_start() const { return count; }
@@ -98,7 +99,7 @@ struct Flocking {
     }
   }
 
-  /// The order v_a = |Σ θ| / N: 1 where all go one way, about 1/√N where nobody agrees.
+  /// The order v_a = |Σ θ| / N: 1 where all move in one direction, about 1/√N for random directions.
   static double order(World<Flocking> const& world) {
     Vector sum;
     for (std::size_t row = 0; row < world.agents.size(); ++row) {
@@ -107,7 +108,7 @@ struct Flocking {
     return std::sqrt(squared_length(sum)) / static_cast<double>(world.agents.size());
   }
   void observe(World<Flocking> const& world, Observations& seen) const {
-    seen.add("order", order(world), "|Σ heading| / N: 1 where all go one way.");
+    seen.add("order", order(world), "|Σ heading| / N: 1 where all move in one direction.");
   }
 
  private:

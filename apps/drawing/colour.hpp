@@ -15,7 +15,7 @@ struct Colour {
 /// "#rrggbb".
 std::string to_hex(Colour colour);
 
-/// The colour `share` of the way from `from` to `to`.
+/// The colour at the fraction `share` between `from` and `to`.
 Colour mixed(Colour from, Colour to, double share);
 
 /// Eight colours that people with any common colour blindness tell apart, in the order curves take them; the yellow,

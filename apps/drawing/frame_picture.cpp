@@ -64,7 +64,7 @@ std::vector<double> displacements(Frame const& first, Frame const& frame) {
   return result;
 }
 
-/// A third of the way to the next agent, but neither a dot that nobody sees nor a blot.
+/// A third of the distance to the next agent, but neither a dot that nobody sees nor a blot.
 double mark_for(Frame const& frame) {
   double const spacing = std::sqrt(frame.box.area() / std::max(1.0, static_cast<double>(frame.size())));
   double const side = frame.box.side();

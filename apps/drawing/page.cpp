@@ -81,7 +81,7 @@ std::string take_link(std::string_view& text) {
   return fmt::format("<a href=\"{}\">{}</a>", escape_markup(target), inline_markup(label));
 }
 
-/// What stands between two marks at the beginning of the text, both taken off; nothing where the second is missing.
+/// The text between two marks at the beginning of the text, both taken off; nothing where the second is missing.
 std::optional<std::string_view> take_between(std::string_view& text, std::string_view mark) {
   if (!text.starts_with(mark)) return {};
   std::size_t const end = text.find(mark, mark.size());
@@ -91,7 +91,7 @@ std::optional<std::string_view> take_between(std::string_view& text, std::string
   return inside;
 }
 
-/// Text with `code`, **emphasis** and [links](target) as HTML; everything else stands for itself.
+/// Text with `code`, **emphasis** and [links](target) as HTML; everything else is kept.
 std::string inline_markup(std::string_view text) {
   std::string html;
   while (!text.empty()) {

@@ -37,7 +37,7 @@ struct PageTable {
 /// markup. Parts appear in the order they are added.
 class Page {
  public:
-  /// `summary` stands below the title.
+  /// `summary` is below the title.
   explicit Page(std::string_view title, std::string_view summary = {});
 
   /// Opens a section; with three sections or more the page begins with a list of them.
@@ -45,7 +45,7 @@ class Page {
   Page& subheading(std::string_view text);
   Page& paragraph(std::string_view text);
   Page& list(std::span<std::string const> items);
-  /// Text as it stands, such as commands.
+  /// Text as it is, such as commands.
   Page& code(std::string_view text);
   Page& verdict(Verdict verdict, std::string_view text);
   Page& table(PageTable const& table);

@@ -34,7 +34,7 @@ constexpr Colour white{1.0, 1.0, 1.0};
 constexpr Colour ink{0.13, 0.14, 0.16};
 constexpr Colour unknown_value{0.75, 0.75, 0.75};
 
-/// The range of numbers a colour bar stands for.
+/// The range of numbers that a colour bar shows.
 struct Scale {
   double least = 0.0;
   double most = 1.0;
@@ -43,7 +43,7 @@ struct Scale {
   [[nodiscard]] double place_of(double value) const { return (0.5 * value - 0.5 * least) / (0.5 * most - 0.5 * least); }
 };
 
-/// Where everything stands, in pixels.
+/// Where everything is, in pixels.
 struct Arrangement {
   double unit = 1.0;    ///< one pixel of a picture of reference_width
   double pixels = 1.0;  ///< per unit of length of the box
@@ -280,7 +280,7 @@ class Picture {
 
   void draw_frame(Canvas& canvas) const {
     draw_grid(canvas);
-    // The line stands outside the box, so that a disk at the wall is seen to touch and not to overlap it.
+    // The line is outside the box, so that a disk at the wall is seen to touch and not to overlap it.
     double const thickness = (state_.box.is_periodic() ? 1.2 : 4.0) * at_.unit;
     PixelRectangle const around{at_.box.x - 0.5 * thickness, at_.box.y - 0.5 * thickness, at_.box.width + thickness,
                                 at_.box.height + thickness};

@@ -115,7 +115,7 @@ Frame last_frame(fs::path const& file) {
   XyzFrame const last = read_xyz(file);
   Frame frame = frame_of(last.state);
   std::erase_if(frame.columns, [&](FrameColumn const& column) {
-    // Of one moment nobody knows who has crossed an edge since when.
+    // One frame does not say which agents have crossed an edge since when.
     if (column.name == "mass" || column.name.starts_with("image_")) return true;
     return (column.name.starts_with("velocity_") && !last.has_velocities) ||
            (column.name == "radius" && !last.has_radii);

@@ -48,7 +48,7 @@ Margins margins_of(Plot const& plot) {
   return margins;
 }
 
-/// A text as a gnuplot expression. Single quotes, because inside double ones gnuplot runs what stands in backquotes.
+/// A text as a gnuplot expression. Single quotes, because inside double ones gnuplot runs what is in backquotes.
 /// Line breaks and single quotes are joined on: such a string cannot hold the first, and gnuplot 5.4 misreads several
 /// of the second in a row, even doubled as its manual says.
 std::string text_literal(std::string_view text) {

@@ -27,7 +27,7 @@ enum class ProcessInput {
 };
 
 /// A program at work, found through PATH and started without a shell, in the given directory and in a process group of
-/// its own, so that a Ctrl-C meant for this program does not end it half-way.
+/// its own, so that a Ctrl-C meant for this program does not interrupt it.
 ///
 /// Its standard output is thrown away. Where it still runs at the end of the object, its whole group is killed; the program
 /// itself is killed too when the thread that began it ends, by a kill of this process or otherwise.

@@ -121,7 +121,7 @@ class MeasurementsInProgress {
     if (study_.partial_results.restore(key_, serializing(restored))) measurements_ = std::move(restored);
   }
 
-  /// False where on_progress has stopped it. What is measured is kept either way.
+  /// False where on_progress has stopped it. What is measured is kept in both cases.
   bool measure_all() {
     bool const is_complete = measure_in_rounds();
     keep();

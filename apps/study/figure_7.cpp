@@ -27,7 +27,7 @@ double radius_at(double packing_fraction, std::uint64_t disks) {
   return std::sqrt(packing_fraction / (static_cast<double>(disks) * std::numbers::pi));
 }
 
-/// What follows without simulation from the sites of a start: the plateau and the way there.
+/// What follows without simulation from the sites of a start: the plateau and the approach to it.
 class Prediction {
  public:
   Prediction(PaperExtent const& extent, StartKind start) : disks_(extent.disks) {
@@ -105,7 +105,7 @@ Table points_table(Study const& study, Predictions const& predictions) {
   for (char const* name : {"engine", "start"}) table.add_column(name, std::vector<std::string>{});
   for (char const* name :
        {"packing_fraction", "time", "mean_displacement", "mean_displacement_error", "plateau", "enskog_diffusion",
-        "halted_fraction", "blocked_share_error", "collision_rate", "collision_rate_error"}) {
+        "halted_fraction", "halted_fraction_error", "collision_rate", "collision_rate_error"}) {
     table.add_column(name, std::vector<double>{});
   }
   for (char const* name : {"steps", "seeds", "arrested"}) table.add_column(name, std::vector<std::uint64_t>{});
@@ -236,7 +236,7 @@ void draw_points(Study& study) {
   study.draw(plot);
 }
 
-/// A moment in runs of one length.
+/// A time in runs of one length.
 struct SampleTime {
   PaperLength length;
   double share_of_run = 1.0;
@@ -252,15 +252,15 @@ std::string seeds_text(PaperLength const& length) {
   return length.seeds == 1 ? "1 seed" : fmt::format("{} seeds", length.seeds);
 }
 
-/// Where the curve of one engine and start falls through 10 % at a moment.
-Crossing crossing_at(Study const& study, PaperEngine const& engine, StartKind start, SampleTime const& moment) {
+/// Where the curve of one engine and start falls through 10 % at a time.
+Crossing crossing_at(Study const& study, PaperEngine const& engine, StartKind start, SampleTime const& sample_time) {
   std::vector<CurvePoint> points;
-  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent(), moment.length)) {
+  for (ReplicaSet const& replica_set : paper_replica_sets(study.extent(), sample_time.length)) {
     if (replica_set.engine.kind != engine.kind || replica_set.start != start) continue;
     ReplicaResult const result(study, replica_set);
     if (result.seeds() == 0) continue;
     auto const sample =
-        static_cast<std::size_t>(std::lround(moment.share_of_run * static_cast<double>(result.samples() - 1)));
+        static_cast<std::size_t>(std::lround(sample_time.share_of_run * static_cast<double>(result.samples() - 1)));
     Estimate const displacement = result.displacement(std::max<std::size_t>(1, sample));
     if (displacement.value > 0.0) points.push_back({.x = replica_set.packing_fraction, .y = displacement});
   }
@@ -274,16 +274,16 @@ PageTable crossing_table(Study const& study) {
           "Packing fraction at which the mean displacement falls through 10 % of the side. Errors: standard error over "
           "seeds, where there are several, and uncertainty of the interpolation."};
   PaperExtent const& extent = study.extent();
-  std::vector<SampleTime> moments{early(extent), {extent.figure_6, 0.3}, late(extent)};
-  if (extent.figure_7.steps > extent.figure_6.steps) moments.push_back({extent.figure_7});
-  for (SampleTime const& moment : moments) {
-    table.header.push_back(fmt::format("after {:.0f} steps, {}", moment.step(), seeds_text(moment.length)));
+  std::vector<SampleTime> sample_times{early(extent), {extent.figure_6, 0.3}, late(extent)};
+  if (extent.figure_7.steps > extent.figure_6.steps) sample_times.push_back({extent.figure_7});
+  for (SampleTime const& sample_time : sample_times) {
+    table.header.push_back(fmt::format("after {:.0f} steps, {}", sample_time.step(), seeds_text(sample_time.length)));
   }
   for (PaperEngine const& engine : study.extent().engines) {
     for (StartKind const start : both_starts) {
       std::vector<PageCell> row{name_of(start), engine.label};
-      for (SampleTime const& moment : moments) {
-        row.emplace_back(crossing_text(crossing_at(study, engine, start, moment)));
+      for (SampleTime const& sample_time : sample_times) {
+        row.emplace_back(crossing_text(crossing_at(study, engine, start, sample_time)));
       }
       table.rows.push_back(std::move(row));
     }

@@ -208,7 +208,7 @@ void draw_rules(Study& study) {
     least = std::min(least, result.last_displacement().value);
     most = std::max(most, result.last_displacement().value);
   }
-  // The dynamics without a time step stands at 0, a little inside the frame.
+  // The dynamics without a time step is at 0, a little inside the frame.
   plot.x.most = 1.1 * std::ranges::max(study.extent().choice_time_steps);
   plot.x.least = -0.1 * std::ranges::max(study.extent().choice_time_steps);
   // Whole decades would leave most of the plot empty.
@@ -318,7 +318,7 @@ std::string contact_conclusion(Study const& study) {
   return fmt::format(
       "Contact rule, \"always\" against \"approaching\": {}. Of {} runs each, {} came to a standstill with \"always\" "
       "and {} with \"approaching\": there halted disks that do not approach keep their velocities, try the same "
-      "blocked way again, and whole systems freeze although nothing is jammed.",
+      "blocked displacement again, and whole systems freeze although nothing is jammed.",
       difference.text(), runs, arrested_always, arrested_approaching);
 }
 
@@ -342,7 +342,7 @@ Chapter open_choices(Study& study) {
   draw_rules(study);
   Chapter chapter{.title = "What the paper leaves open, and how much it matters"};
   chapter.introduction.push_back(
-      "The rule does not fix the length of the time step, whether a halted pair scatters when it is already receding, "
+      "The rule does not fix the length of the time step, whether a halted pair collides when it is already receding, "
       "or how a lattice is fitted to the box. Each is varied here with everything else as in the figures.");
   chapter.drawings.push_back({{"open_choices.svg"},
                               "Mean displacement after the same physical time against the time step, for both contact "

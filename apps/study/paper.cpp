@@ -68,7 +68,7 @@ class Progression {
   Progression(OnPaperProgress const& on_progress, std::vector<double> parts)
       : on_progress_(on_progress), parts_(std::move(parts)) {}
 
-  /// Reports how far the present part is; says whether to go on.
+  /// Reports how far the present part is; says whether to continue.
   bool report(double share_of_part, std::string const& what) {
     if (is_stopped_ || !on_progress_) return !is_stopped_;
     double all = 0.0;
@@ -96,7 +96,7 @@ class Progression {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Which claims hold, at one look; what was measured stands in the chapters.
+/// Which claims hold, at one look; what was measured is in the chapters.
 PageTable overview_of(std::vector<PaperClaim> const& claims) {
   PageTable table{.header = {"where", "the paper says", "verdict"}};
   for (PaperClaim const& claim : claims) {
@@ -120,7 +120,7 @@ void add_to(Page& page, Chapter const& chapter, Study& study) {
   for (Drawing const& drawing : chapter.drawings) {
     std::vector<std::filesystem::path> files;
     for (std::string const& file : drawing.files) files.push_back(study.path_of(file));
-    // A plot that could not be drawn has left a note, which stands at the end of the report.
+    // A plot that could not be drawn has left a note, which is at the end of the report.
     std::erase_if(files, [](std::filesystem::path const& file) { return !std::filesystem::exists(file); });
     if (!files.empty()) page.figure(files, drawing.caption);
   }
@@ -252,7 +252,7 @@ class PaperStudy {
 
   [[nodiscard]] std::string runs_text() const {
     if (study_.runs.size() == 0) return "";
-    return fmt::format(" Each of the {} simulations stands in runs.csv with its settings and state hash.",
+    return fmt::format(" Each of the {} simulations is listed in runs.csv with its settings and state hash.",
                        study_.runs.size());
   }
 

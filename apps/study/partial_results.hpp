@@ -23,7 +23,7 @@ class PartialResults {
   /// Restores the result of a piece; false where there is none, and what `serialize` visits is then only partly restored.
   [[nodiscard]] bool restore(std::string const& key, std::function<void(Archive&)> const& serialize) const;
 
-  /// Keeps the result of a piece. Where it cannot be written the study goes on, and problem() says why.
+  /// Keeps the result of a piece. Where it cannot be written the study continues, and problem() says why.
   void keep(std::string const& key, std::function<void(Archive&)> const& serialize);
 
   /// Why a piece could not be kept; empty where all were.

@@ -14,7 +14,7 @@
 
 namespace gridlock {
 
-/// Which sites a lattice start stands on.
+/// Which sites a lattice start uses.
 enum class Sites {
   fitted,    ///< as lattice/start.hpp chooses them
   to_walls,  ///< the square lattice with its outermost disks touching the walls

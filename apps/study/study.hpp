@@ -57,7 +57,7 @@ class Study {
   void draw(State const& state, PictureSettings const& settings, std::string const& name);
   /// Draws a plot; what hinders it becomes a note.
   void draw(Plot const& plot);
-  /// Remembers a file written some other way.
+  /// Remembers a file written by something else.
   void add_file(std::string const& file) { files_.push_back(path_of(file)); }
   void note(std::string text) { notes_.push_back(std::move(text)); }
 

@@ -111,12 +111,12 @@ constexpr std::array quantities{
     Quantity{"collisions per disk and time", "collision_rate", &StudyOutcome::collision_rates, false}};
 constexpr double share_that_counts = 0.5;
 
-/// The moments of a curve that are compared: the end, a quarter of the run, a sixteenth …
-std::vector<std::size_t> moments_of(std::size_t samples) {
-  std::vector<std::size_t> moments;
-  for (std::size_t sample = samples - 1; sample >= 1; sample /= 4) moments.push_back(sample);
-  std::ranges::reverse(moments);
-  return moments;
+/// The samples of a curve that are compared: the end, a quarter of the run, a sixteenth …
+std::vector<std::size_t> compared_samples_of(std::size_t samples) {
+  std::vector<std::size_t> samples_compared;
+  for (std::size_t sample = samples - 1; sample >= 1; sample /= 4) samples_compared.push_back(sample);
+  std::ranges::reverse(samples_compared);
+  return samples_compared;
 }
 
 std::vector<PageCell> names_of(Row const& row) {
@@ -146,8 +146,8 @@ std::vector<Row> rows_of(Study const& study) {
     auto const compare_at = [&](std::size_t sample, std::vector<double> StudyOutcome::*values) {
       return compare(by_id, by_tile, reference, [=](StudyOutcome const& outcome) { return (outcome.*values)[sample]; });
     };
-    for (std::size_t const sample : moments_of(by_id.samples())) {
-      row.moments.push_back(by_id.step(sample) * row.time_step);
+    for (std::size_t const sample : compared_samples_of(by_id.samples())) {
+      row.times.push_back(by_id.step(sample) * row.time_step);
       row.displacements.push_back(compare_at(
           sample, edge == Edge::wall ? &StudyOutcome::displacements : &StudyOutcome::displacements_about_centre));
       row.centres.push_back(compare_at(sample, &StudyOutcome::centre_displacements));
@@ -214,9 +214,9 @@ Table comparisons_of(std::vector<Row> const& rows) {
           one.reference.value, one.reference.error.value_or(nothing), static_cast<std::uint64_t>(one.seeds)});
     };
     bool const is_periodic = row.edge == Edge::periodic;
-    for (std::size_t k = 0; k < row.moments.size(); ++k) {
-      add(is_periodic ? "displacement_about_centre" : "mean_displacement", row.moments[k], row.displacements[k]);
-      if (is_periodic) add("centre_displacement", row.moments[k], row.centres[k]);
+    for (std::size_t k = 0; k < row.times.size(); ++k) {
+      add(is_periodic ? "displacement_about_centre" : "mean_displacement", row.times[k], row.displacements[k]);
+      if (is_periodic) add("centre_displacement", row.times[k], row.centres[k]);
     }
     for (std::size_t k = 0; k < quantities.size(); ++k) {
       if (row.rates[k].seeds > 0) add(quantities[k].column, nothing, row.rates[k]);
@@ -265,7 +265,7 @@ PageTable displacement_table(std::vector<Row> const& rows) {
                       "Mean displacement over the side at the end of the runs (in a periodic box the root mean square "
                       "about the centre), and (tiled − stepped) / standard error after some times, in diameters per "
                       "v_max. A star: chance explains it in less than 0.3 % of all cases."};
-  for (double const moment : rows.front().moments) table.header.push_back(fmt::format("after {:.3g}", moment));
+  for (double const time : rows.front().times) table.header.push_back(fmt::format("after {:.3g}", time));
   for (Row const& row : rows) {
     std::vector<PageCell> cells = names_of(row);
     Comparison const& last = row.displacements.back();
@@ -344,9 +344,9 @@ Findings findings_at(std::vector<Row> const& rows, double step) {
   };
   for (Row const& row : rows) {
     if (row.time_step != step) continue;
-    for (std::size_t k = 0; k < row.moments.size(); ++k) {
+    for (std::size_t k = 0; k < row.times.size(); ++k) {
       Comparison const& one = row.displacements[k];
-      look(fmt::format("displacement after {:.3g}", row.moments[k]), row, one, one.deviation(), one.differs());
+      look(fmt::format("displacement after {:.3g}", row.times[k]), row, one, one.deviation(), one.differs());
     }
     for (std::size_t k = 0; k < quantities.size(); ++k) {
       Comparison const& one = row.rates[k];
@@ -429,7 +429,7 @@ std::string order_and_step_text(std::vector<Row> const& rows, std::vector<double
       fmt::join(parts, ", and "));
 }
 
-/// How far the centre of the disks travels in a periodic box, and whether it matters beside the disks' own ways.
+/// How far the centre of the disks travels in a periodic box, and whether it matters beside the disks' own displacements.
 std::string centre_text(std::vector<Row> const& rows) {
   constexpr double share_that_matters = 0.05;
   std::vector<std::string> parts;
@@ -453,7 +453,7 @@ std::string centre_text(std::vector<Row> const& rows) {
       fmt::join(parts, ", "), most_of_exact,
       largest_share > share_that_matters
           ? fmt::format("That is up to {:.2g} times the root mean square displacement about the centre: halting keeps "
-                        "the momentum, but a halted disk does not make its way, and which disks halt depends on the "
+                        "the momentum, but a halted disk does not move, and which disks halt depends on the "
                         "order. It is in the mean displacements of the last table, and is taken out above.",
                         largest_share)
           : fmt::format("It does not matter beside the displacements about the centre: at most {:.1g} times as much.",

@@ -39,9 +39,9 @@ struct TurnOrderRow {
   Edge edge = Edge::wall;
   double packing_fraction = 0.0;
   double time_step = 0.0;
-  std::vector<double> moments;                     ///< in diameters per v_max
-  std::vector<TurnOrderComparison> displacements;  ///< at the moments; about the centre in a periodic box
-  std::vector<TurnOrderComparison> centres;        ///< how far the centre has come, at the moments
+  std::vector<double> times;                       ///< in diameters per v_max
+  std::vector<TurnOrderComparison> displacements;  ///< at the times; about the centre in a periodic box
+  std::vector<TurnOrderComparison> centres;        ///< how far the centre has come, at the times
   TurnOrderComparison whole;                       ///< mean displacement at the end, the centre's included
   std::vector<TurnOrderComparison> rates;  ///< pressure on the walls, Z, collisions; of no seeds where there is none
 };

@@ -2,7 +2,7 @@
 
 namespace gridlock {
 
-/// The command line of Gridlock: run, resume, sweep, check, plot, movie and every other verb.
+/// The command line of Gridlock: run, resume, sweep, check, plot, movie and every other command.
 ///
 /// A program with models of its own calls register_model<Model>() for each of them and then this function; its models
 /// are then run like those that are shipped. Link with `gridlock::command_line`. Prints results to standard output,

@@ -131,7 +131,7 @@ class ThreadPool::Crew {
   std::atomic<std::size_t> inside_ = 0;  ///< members that may be at work
   std::function<void(std::size_t)> const* carry_out_ = nullptr;
   std::vector<Range> ranges_;
-  bool stays_awake_;  ///< not where threads must give way to one another
+  bool stays_awake_;  ///< not where threads share a core
   std::mutex failure_mutex_;
   std::size_t failed_part_ = std::numeric_limits<std::size_t>::max();
   std::exception_ptr failure_;

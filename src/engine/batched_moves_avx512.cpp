@@ -53,7 +53,7 @@ struct alignas(64) Candidates {
   std::size_t count = 0;
 };
 
-/// Bit l stands for turn l.
+/// Bit l is that of turn l.
 using Turns = unsigned;
 
 GRIDLOCK_AVX512 inline __m512d side_by_side(__m256d low, __m256d high) {

@@ -128,15 +128,16 @@ void describe(EngineSettings& settings, SettingVisitor& visitor) {
                  .least = 1,
                  .most = 1e6},
                 settings.substeps);
-  visitor.visit({.key = "cells",
-                 .documentation = "k: the linked lists have k × k neighbourhoods.",
-                 .least = 1,
-                 .most = 46340,
-                 .default_note = "as many as keep the 3×3 block wide enough for every collision of one step"},
-                settings.cells);
+  visitor.visit(
+      {.key = "cells",
+       .documentation = "k: the linked lists divide the box into k × k cells (the paper calls a cell a neighbourhood).",
+       .least = 1,
+       .most = 46340,
+       .default_note = "as many as keep the 3×3 block wide enough for every collision of one step"},
+      settings.cells);
   visit_enum(visitor,
              {.key = "contact",
-              .documentation = "Whether a halted disk scatters off its partner \"always\" (the paper's rule) or only "
+              .documentation = "Whether a halted disk collides with its partner \"always\" (the paper's rule) or only "
                                "when the two are \"approaching\"."},
              contacts, settings.contact);
   visitor.visit({.key = "audit_every",
@@ -152,11 +153,12 @@ void describe(EngineSettings& settings, SettingVisitor& visitor) {
 }
 
 void describe_threads(EngineSettings& settings, SettingVisitor& visitor) {
-  visitor.visit({.key = "threads",
-                 .documentation = "How many threads tiled uses; any number gives the same bits, and 0 is all "
-                                  "cores that the process may use.",
-                 .most = 1024},
-                settings.threads);
+  visitor.visit(
+      {.key = "threads",
+       .documentation = "How many threads tiled and the models use; any number gives the same bits, and 0 is all "
+                        "cores that the process may use.",
+       .most = 1024},
+      settings.threads);
 }
 
 }  // namespace gridlock

@@ -39,7 +39,7 @@ void require_room_for_images(State const& state) {
                .key = "engine.kind"});
 }
 
-/// Which Id stands in which row, which hash(State) leaves out on purpose.
+/// Which Id is in which row, which hash(State) leaves out on purpose.
 std::uint64_t hash_of_rows(Disks const& disks) {
   std::uint64_t hash = 0;
   for (Id const id : disks.ids()) hash = (hash ^ id) * 0x9E3779B97F4A7C15U;

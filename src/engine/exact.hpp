@@ -18,7 +18,7 @@ EngineRecord exact_record();
 /// The disks fly freely between events; docs/explanation/exact.md explains how the events are found. Between two calls of advance()
 /// the engine keeps its own state as long as the caller leaves the disks alone, so that the same run has the same bits
 /// however it is cut into calls; positions handed out are those at state.clock.time, or after a collision asked for those
-/// at its very moment, which the clock names with fewer digits.
+/// at its exact time, which the clock holds with fewer digits.
 /// Errors: Error for a state that validate() refuses with a tolerance for rounding, for a periodic box in which two disks
 /// could touch on both sides at once, and for a disk that moves between two walls it touches. RunFailure where
 /// collisions without end keep the time from passing.

@@ -54,9 +54,9 @@ bool can_take_batch_with_avx512();
 
 /// Turns on a packed grid: the candidates of a disk are found once a turn, and only those it may really meet.
 ///
-/// On its way w, a disk at distance vector −d from another and not in contact, |d| ≥ c, comes as near as c after a part
-/// s ≤ 1 of the way only if |d − s w|² < c², thus |d|² − c² < 2 s d·w − s² w² ≤ 2 s d·w. The left side is not below 0,
-/// so neither is d·w, and the bound holds for s = 1 as well: |d − w|² < c² + w². Seen from the end of the way that is
+/// During its displacement w, a disk at distance vector −d from another and not in contact, |d| ≥ c, comes as near as c after a part
+/// s ≤ 1 of it only if |d − s w|² < c², thus |d|² − c² < 2 s d·w − s² w² ≤ 2 s d·w. The left side is not below 0,
+/// so neither is d·w, and the bound holds for s = 1 as well: |d − w|² < c² + w². Seen from its end that is
 /// one comparison with one number for all candidates; in a dense system it leaves about one in twelve.
 class PackedTurns {
  public:
@@ -92,7 +92,7 @@ class PackedTurns {
   [[nodiscard]] Prepared prepare(std::size_t i) const {
     Block const& home = std::as_const(grid_).block_of(i);
     Around const around = around_of(home);
-    // A cell away from the edge means a way and a contact distance away.
+    // A cell away from the edge means a displacement and a contact distance away.
     bool const is_far_from_edge =
         static_cast<unsigned>(home.column - 1) < inner_columns_ && static_cast<unsigned>(home.row - 1) < inner_rows_;
     return {.near = find_near(i, home, around),
@@ -210,7 +210,7 @@ class PackedTurns {
   CellLayout const& layout_;
   Cutoff cutoff_;
   double duration_;
-  double room_;  ///< for contact distance and way of a turn that is local
+  double room_;  ///< for contact distance and displacement of a turn that is local
   double limit_per_area_;
   float limit_error_;
   bool fits_one_block_;

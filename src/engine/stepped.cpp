@@ -54,7 +54,7 @@ void require_no_jumps(State const& state, double substep) {
   }
 }
 
-/// Pairs scatter along the vector to the nearest image, which is the image that was hit as long as contact distance and
+/// Pairs collide along the vector to the nearest image, which is the image that was hit as long as contact distance and
 /// sub-step together stay below half the box.
 void require_room_for_images(State const& state, double substep) {
   if (!state.box.is_periodic() || state.agents.size() < 2) return;

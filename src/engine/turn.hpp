@@ -117,13 +117,13 @@ enum class EdgeOfTurn { may_be_met, is_far };
 template <EdgeOfTurn edge = EdgeOfTurn::may_be_met, class Search>
 void take_turn(TurnView const& view, std::size_t i, Counters& counters, Search search) {
   ++counters.moves;
-  // Kept out of memory until the turn is over, which spares a way through memory in every sub-step.
+  // Kept out of memory until the turn is over, which saves an access to memory in every sub-step.
   DiskInTurn& disk = view.disks[i];
   Vector here = disk.position;
   Vector const displacement = view.substep * disk.velocity;
   int crossed_x = 0;
   int crossed_y = 0;
-  auto const settle = [&] {
+  auto const write_back = [&] {
     disk.position = here;
     if constexpr (edge == EdgeOfTurn::may_be_met) {
       disk.image_x += crossed_x;
@@ -146,7 +146,7 @@ void take_turn(TurnView const& view, std::size_t i, Counters& counters, Search s
     search(partner);
     counters.distance_checks += partner.checks();
     if (partner.exists()) {
-      settle();
+      write_back();
       collide(view, i, partner.index(), counters);
       ++counters.halted_moves;
       return;
@@ -155,7 +155,7 @@ void take_turn(TurnView const& view, std::size_t i, Counters& counters, Search s
     crossed_x = trial_crossed_x;
     crossed_y = trial_crossed_y;
   }
-  settle();
+  write_back();
 }
 
 }  // namespace gridlock

@@ -37,7 +37,7 @@ GRIDLOCK_AVX512 inline void load(FourBlocks& four, Block const& a, Block const& 
   four.agent = side_by_side(a.agent.data(), b.agent.data(), c.agent.data(), d.agent.data());
 }
 
-/// Pairs of an agent, which stands in the lower half of each lane, with eight others.
+/// Pairs of an agent, which is in the lower half of each lane, with eight others.
 GRIDLOCK_AVX512 inline __m512i pairs_of(__m512i agent, __m256i others) {
   return _mm512_or_si512(agent, _mm512_slli_epi64(_mm512_cvtepu32_epi64(others), 32));
 }
@@ -76,8 +76,8 @@ GRIDLOCK_AVX512 inline PairBuffer::Pair* write_pairs(Block const& home, std::uin
   return pair + count;
 }
 
-/// The most blocks beside its own an agent looks at here; more, which takes hundreds of agents nearby, are for the plain
-/// way.
+/// The most blocks beside its own an agent looks at here; more, which takes hundreds of agents nearby, are for the
+/// scalar version.
 constexpr std::size_t most_blocks_seen = 32;
 
 /// The pairs of a cell that looks at up to most_blocks_seen blocks.

@@ -10,7 +10,7 @@
 
 namespace gridlock {
 
-/// The paper's neighbourhoods: one intrusive, doubly linked list of agents per cell.
+/// The paper's data structure: one intrusive, doubly linked list of agents per cell.
 ///
 ///     heads_[cell] → i ⇄ j ⇄ l → none        next_[i] = j, previous_[j] = i, cell_[i] = cell
 ///

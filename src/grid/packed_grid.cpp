@@ -147,7 +147,7 @@ void PackedGrid::drop_second_block(Block& base) {
 
 void PackedGrid::move_all(std::span<double const> x, std::span<double const> y) {
   require_equal_lengths(x, y);
-  // Agents in no order: the line of one is on its way while others are moved.
+  // Agents in no order: the line of one is fetched while others are moved.
   constexpr std::size_t ahead = 16;
   std::size_t const agents = std::min(place_.size(), x.size());
   std::size_t moved = 0;
@@ -179,7 +179,7 @@ bool PackedGrid::is_consistent() const {
         if (is_empty && ((block.marks >> s) & 1U) != 0) return false;
         if (!is_empty && place_[block.agent[s]] != index * slots + s) return false;
       }
-      // A loop in a chain would go on for ever: more agents than there are proves it.
+      // A loop in a chain would never end: more agents than there are proves it.
       found += block.count;
       if (found > size_) return false;
     }

@@ -22,7 +22,7 @@ using SerializeAll = std::function<void(Archive&)>;
 ///
 std::string to_checkpoint(SerializeAll const& serialize);
 
-/// Restores what to_checkpoint() made. `name` stands for the file in errors.
+/// Restores what to_checkpoint() made. `name` names the file in errors.
 /// Errors: Error if the bytes are not a checkpoint, have another format version, are corrupted, or lack a member.
 void from_checkpoint(std::string_view bytes, std::string const& name, SerializeAll const& serialize);
 

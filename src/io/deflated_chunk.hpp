@@ -7,7 +7,7 @@
 
 namespace gridlock {
 
-/// Numbers on their way into a chunk of HDF5.
+/// Numbers to be written into a chunk of HDF5.
 struct ChunkSource {
   std::span<std::byte const> bytes;  ///< the numbers there are
   std::size_t width = 8;             ///< bytes of one number

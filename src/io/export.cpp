@@ -101,7 +101,7 @@ class VtkArrays {
 
   template <class Number>
   static std::string text(std::string const& name, std::size_t components, std::vector<Number> const& numbers) {
-    // Field data have no other way to know how many there are.
+    // Nothing else tells readers of field data how many there are.
     std::string result =
         fmt::format(R"(<DataArray type="{}" Name="{}" NumberOfComponents="{}" NumberOfTuples="{}" format="ascii">)",
                     type_name<Number>(), name, components, numbers.size() / components);

@@ -10,7 +10,7 @@ namespace gridlock {
 /// What a file does with something other than a file that has its name.
 enum class AtName {
   written_through,  ///< a link stays, and the file it leads to is written; a device or pipe is written directly
-  replaced,         ///< a link, device or pipe gives way
+  replaced,         ///< a link, device or pipe is replaced
 };
 
 /// A file that appears under its name complete or not at all.
@@ -55,7 +55,7 @@ void write_file(std::filesystem::path const& path, std::string_view content);
 /// processes of other machines and containers have the same numbers.
 void remove_leftovers(std::filesystem::path const& directory);
 
-/// Refuses a name that stands for anything but a regular file; reading a pipe would wait for its writer for ever.
+/// Refuses a name of anything but a regular file; reading a pipe would wait for its writer for ever.
 /// Errors: Error naming the file.
 void require_regular_file(std::filesystem::path const& path);
 

@@ -240,7 +240,7 @@ void H5mdWriter::Trajectory::require_whole() const {
 }
 
 void H5mdWriter::Trajectory::append() {
-  // Both only read: HDF5 writes into a file from the moment that it opens it for writing, and makes a short one longer.
+  // Both only read: HDF5 writes into a file as soon as it opens it for writing, and makes a short one longer.
   require_whole();
   look_into(hdf5::open_file(path_, Access::read));
   try {
@@ -399,7 +399,7 @@ void H5mdWriter::Trajectory::write(H5mdFrame const& frame) {
   put_chunks(file, frame.frame.size());
   put_values(file, frame);
   put(file, group_ + "/id/time", frame.frame.clock.time);
-  // The frame counts from the moment its step is there, so that goes to the file after all the rest.
+  // The frame counts as soon as its step is there, so that goes to the file after all the rest.
   hdf5::flush(file);
   put(file, group_ + "/id/step", frame.frame.clock.step);
   hdf5::flush(file);

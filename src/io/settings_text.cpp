@@ -147,7 +147,7 @@ class TomlWriter final : public ValueVisitor {
 /// All that is known of one setting, or of one table.
 struct Entry {
   std::string path;
-  std::string table;  ///< path of the table it stands in
+  std::string table;  ///< path of the table it is in
   std::string name;
   std::string former_path = {};  ///< in earlier versions; empty where it had the same
   bool is_table = false;
@@ -195,7 +195,7 @@ class Catalogue final : public ValueVisitor {
     entry.is_table = true;
     entry.is_list_of_tables = true;
     table_.push_back(entry.path);
-    // What stands in an entry is only known from one, so lend the list one where it has none.
+    // What an entry holds is only known from one, so lend the list one where it has none.
     if (size == 0) resize(1);
     describe_one(0, *this);
     if (size == 0) resize(0);

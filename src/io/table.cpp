@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t most_problems = 10;
 
-/// Whether a name stands without quotes in the first line and is read back as it is: the reader drops spaces at its ends.
+/// Whether a name is written without quotes in the first line and is read back as it is: the reader drops spaces at its ends.
 bool is_usable_name(std::string_view name) {
   return !name.empty() && name.front() != ' ' && name.back() != ' ' &&
          name.find_first_of(",\"\r\n#") == std::string_view::npos;
@@ -36,7 +36,7 @@ std::string to_text(std::string const& word) {
   return text + '"';
 }
 
-/// An entry as it stands in the file.
+/// An entry as it is in the file.
 struct Field {
   std::string text;
   bool is_quoted = false;
@@ -187,7 +187,7 @@ class CsvReader {
           entry.text.empty() ? std::numeric_limits<double>::quiet_NaN() : parse_number<double>(entry.text);
       if ((!value || entry.is_quoted) && problems_.size() < most_problems) {
         report(fmt::format("{} in column {} is not a number", in_quotes(entry.text), in_quotes(names_[c])),
-               entry.is_quoted ? "a column holds either numbers or words" : "words have to stand in quotes", row.line,
+               entry.is_quoted ? "a column holds either numbers or words" : "put words in quotes", row.line,
                entry.column, row.source);
       }
       values.push_back(value.value_or(0.0));

@@ -19,7 +19,7 @@ inline std::string double_text(double value) {
   return text;
 }
 
-/// The number a whole word stands for; nothing where it is no number or beyond the range of the type.
+/// The number that a whole word denotes; nothing where it is no number or beyond the range of the type.
 template <class Number>
 std::optional<Number> parse_number(std::string_view word) {
   // from_chars knows no leading plus; "+-1" must not slip through by dropping it.

@@ -49,7 +49,7 @@ TomlValue convert_table(toml::table const& table, SourceLines const& lines, int 
   for (auto const& [key, member] : table) {
     TomlValue item = convert(member, lines, depth + 1);
     item.key_location = lines.at(key.source().begin);
-    // The table of a dotted key stands nowhere itself.
+    // The table of a dotted key has no place of its own.
     if (item.location.line == 0) item.location = item.key_location;
     value.names.emplace_back(key.str());
     value.items.push_back(std::move(item));
@@ -105,7 +105,7 @@ TomlValue convert(toml::node const& node, SourceLines const& lines, int depth) {
   return value;
 }
 
-/// Whether a key of very many dotted parts stands in the text. Each part is a table inside the one before, and taking
+/// Whether a key of very many dotted parts is in the text. Each part is a table inside the one before, and taking
 /// thousands of them apart again overflows the stack.
 bool has_bottomless_key(std::string_view text) {
   int dots = 0;
@@ -199,7 +199,7 @@ TomlValue parse_toml_value(std::string_view text, SettingLocation const& where) 
     // More than one member: the text smuggled in a line of its own.
     if (document.items.size() == 1) value = std::move(document.items.front());
   } catch (Error const&) {
-    // No TOML: the text stands for itself.
+    // Not TOML: the text itself is the value.
   }
   relocate(value, where);
   value.as_typed = text;

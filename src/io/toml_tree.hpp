@@ -10,7 +10,7 @@
 
 namespace gridlock {
 
-/// A value of TOML and where it stands.
+/// A value of TOML and its place.
 ///
 /// Our own tree instead of toml++'s, for two reasons: its nodes lose their place when they are copied, which merging
 /// --set over a file needs, and its headers, slow to compile, stay within one file.
@@ -36,10 +36,10 @@ struct TomlValue {
   TomlValue& put(std::string_view name, TomlValue value);
 };
 
-/// The table a text of TOML stands for. Errors: Error with line and column.
+/// The table that a text of TOML describes. Errors: Error with line and column.
 TomlValue parse_toml(std::string_view text, std::string const& file);
 
-/// The value a text stands for: TOML, or the text itself where it is none. Every part of it has the place `where`.
+/// The value that a text describes: TOML, or the text itself where it is none. Every part of it has the place `where`.
 TomlValue parse_toml_value(std::string_view text, SettingLocation const& where);
 
 /// The value as TOML on one line.

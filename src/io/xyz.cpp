@@ -31,7 +31,7 @@ struct Row {
   double mass = 1.0;
   std::int32_t image_x = 0;
   std::int32_t image_y = 0;
-  std::size_t number = 0;  ///< from 0, as it stands in the file
+  std::size_t number = 0;  ///< from 0, as it is in the file
   int line = 0;
 };
 

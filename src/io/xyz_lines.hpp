@@ -27,14 +27,14 @@ class Lines {
   bool next();
   /// Goes to a line that has been read before.
   void go_back_to(int number);
-  /// Stands behind the last line, which is where something is missing.
+  /// Is behind the last line, which is where something is missing.
   void go_behind_the_last();
 
   [[nodiscard]] std::string_view line() const { return line_; }
   [[nodiscard]] int number() const { return number_; }
   [[nodiscard]] std::size_t bytes_left() const { return at_ < text_.size() ? text_.size() - at_ : 0; }
 
-  /// Throws Error; an empty hint stands for the usual one.
+  /// Throws Error; an empty hint means the usual one.
   [[noreturn]] void refuse(std::string what, std::string hint, int column = 0) const;
 
  private:

@@ -127,7 +127,7 @@ std::vector<Vector> sites_of(Rows const& rows, Box const& box) {
     corner = {0.25 * spacings.a_x, 0.5 * spacings.a_y};
   } else {
     spacings = stretched(rows, width, height, rows.radius);
-    // One column or one row alone stands in the middle.
+    // One column or one row alone is in the middle.
     corner = {rows.extent() > 0.0 ? rows.radius : 0.5 * width, rows.count > 1 ? rows.radius : 0.5 * height};
   }
   std::vector<Vector> sites;

@@ -273,7 +273,7 @@ class InsertionTrial {
 
   [[nodiscard]] bool is_sample() const { return is_sample_; }
 
-  /// Whether the sample stands for the mixture: a few disks that cover most of the area tell little.
+  /// Whether the sample represents the mixture: a few disks that cover most of the area tell little.
   [[nodiscard]] bool is_representative() const {
     double squares = 0.0;
     for (double const ratio : kinds_.size_ratio) squares += ratio * ratio * ratio * ratio;

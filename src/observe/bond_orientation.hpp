@@ -9,7 +9,7 @@
 
 namespace gridlock {
 
-/// The sixfold order of a state at one moment.
+/// The sixfold order of a state at one time.
 struct BondOrientationOrder {
   double global_order = 0.0;
   double local_order = 0.0;

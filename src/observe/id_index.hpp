@@ -9,9 +9,9 @@
 
 namespace gridlock {
 
-/// The agents alive at one moment, each with a fixed place in Id order, so that what was noted then can be compared
+/// The agents alive at one time, each with a fixed place in Id order, so that what was noted then can be compared
 /// with rows that have been reordered, born or removed since.
-/// Cost: one comparison where the Ids follow one another without a gap or a row still stands in its place, O(log N)
+/// Cost: one comparison where the Ids follow one another without a gap or a row is still in its place, O(log N)
 /// otherwise. Memory: 8 bytes an agent, none where the Ids follow one another, as those of a start do.
 class IdIndex {
  public:
@@ -22,7 +22,7 @@ class IdIndex {
 
   [[nodiscard]] std::size_t size() const { return size_; }
 
-  /// The place of the agent that now stands in `row`, or `not_found` for one that was not there.
+  /// The place of the agent that is in `row` now, or `not_found` for one that was not there.
   [[nodiscard]] std::size_t place_of(Id id, std::size_t row) const {
     if (sorted_.empty()) return id - first_ < size_ ? static_cast<std::size_t>(id - first_) : not_found;
     return row < size_ && sorted_[row] == id ? row : search(id);

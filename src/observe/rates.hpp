@@ -13,7 +13,7 @@ namespace gridlock {
 ///     halted_fraction   = B / T               fraction of the T moves that ended at a wall or at another disk
 ///
 /// Averages are ratios of sums: all collisions over all time that counts. A mean free time without collisions and a
-/// share of no turns are left out. Collisions are the scatterings the engine did; under the paper's rule with
+/// share of no moves are left out. Collisions are those that the engine carried out; under the paper's rule with
 /// contact = "always" that includes pairs that recede.
 /// An engine that moves disks from event to event halts none: it has no halted_fraction, and the column stays empty.
 /// Cost: O(1).

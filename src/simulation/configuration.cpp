@@ -118,8 +118,8 @@ void describe(Configuration& configuration, SettingVisitor& visitor) {
   }
   describe_table(visitor, "run", "How long the run lasts, and its seed.", configuration.run);
   describe_table(visitor, "observe", "What is measured, and how often.", configuration.observe);
-  describe_table(visitor, "checkpoint", "When a run saves itself on the way.", configuration.checkpoint);
-  describe_table(visitor, "trajectory", "Which moments of a run are kept in trajectory.h5.", configuration.trajectory);
+  describe_table(visitor, "checkpoint", "When a run saves checkpoints.", configuration.checkpoint);
+  describe_table(visitor, "trajectory", "Which frames of a run are kept in trajectory.h5.", configuration.trajectory);
 }
 
 Describe describing(Configuration& configuration) {

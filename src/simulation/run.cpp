@@ -76,7 +76,7 @@ RunStatus Run::advance(OnProgress const& on_progress, Callback const& callback) 
   return status_;
 }
 
-/// Returns whether to go on.
+/// Returns whether to continue.
 bool Run::advance_one_chunk(OnProgress const& on_progress, Callback const& callback) {
   auto const is_callback_due = [&] { return callback.is_due && callback.is_due(steps_done()); };
   bool is_stopped = false;
@@ -138,7 +138,7 @@ double Run::fit_equilibration() {
   return plan_.equilibration;
 }
 
-/// What is due at this moment, once: multiples of sample_every are counted from the start, so that the times of the
+/// What is due at this time, once: multiples of sample_every are counted from the start, so that the times of the
 /// samples do not depend on interruptions.
 void Run::stop_here() {
   if (last_stop_ == simulation_.clock()) return;

@@ -10,7 +10,7 @@ namespace gridlock {
 /// Dotted keys of settings and their values in TOML.
 using SettingTexts = std::map<std::string, std::string>;
 
-/// The settings of a TOML text. Errors: Error for a text that is not TOML; `name` stands for the file.
+/// The settings of a TOML text. Errors: Error for a text that is not TOML; `name` names the file.
 SettingTexts setting_texts(std::string const& toml, std::string const& name);
 
 /// A setting with one value in one place and another in another.

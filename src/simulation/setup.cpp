@@ -35,7 +35,7 @@ Setup set_up(SettingsFile const& file, SetupOptions const& options) {
   Configuration configuration = read_configuration(file);
   try {
     SetupOptions known = options;
-    // A file named on the command line is meant from where the user stands, one named in the TOML file from there.
+    // A file named on the command line is relative to the working directory, one named in the TOML file to that file.
     auto const location = file.location("disks.file");
     bool const is_from_command_line = location && location->line == 0;
     if (!is_from_command_line) known.directory = file.directory();

@@ -62,7 +62,7 @@ class JobPool {
 
   [[nodiscard]] bool is_stopped() const { return is_stopped_; }
 
-  /// Notes that this share of a run is done; says whether it should go on.
+  /// Notes that this share of a run is done; says whether it should continue.
   bool report(std::size_t run, double share) {
     std::scoped_lock const lock(mutex_);
     done_[run] = work_[run] * share;

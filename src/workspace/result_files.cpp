@@ -25,7 +25,7 @@ constexpr char const* list_name = ".gridlock.files";
 /// A line of the list. No name holds the slash that parts the two.
 struct Entry {
   std::string name;
-  std::string maker;  ///< the verb that made it on demand; empty for what a run or a sweep writes by itself
+  std::string maker;  ///< the command that made it on demand; empty for what a run or a sweep writes by itself
 };
 
 /// The entries that stay within the directory, whoever has written the list.
@@ -80,7 +80,7 @@ void remove_file(fs::path const& file) {
   if (!fs::is_directory(fs::symlink_status(file, ignored))) fs::remove(file, ignored);
 }
 
-/// Removes what a verb has made in a directory that it has listed, and the directory where nothing else is in it. One with
+/// Removes what a command has made in a directory that it has listed, and the directory where nothing else is in it. One with
 /// anything else in its list, as a run of the user's there has, stays.
 void remove_directory_of(std::string const& maker, fs::path const& directory) {
   std::error_code ignored;

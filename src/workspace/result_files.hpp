@@ -15,14 +15,14 @@ namespace gridlock {
 void record_result(std::filesystem::path const& file);
 
 /// The same where the directory has a list already: for files that a user may want anywhere, and often beside results.
-/// The line is `NAME/MAKER` then, with the verb that makes the file.
+/// The line is `NAME/MAKER` then, with the command that makes the file.
 void record_further_result(std::filesystem::path const& file, std::string const& maker);
 
-/// The same for several files. Those in a directory beside the first one stand in a list of that directory, which is made
-/// where it is missing, and it stands in the list of the first one.
+/// The same for several files. Those in a directory beside the first one are listed in that directory, in a list that is made
+/// where it is missing, and that list is in the list of the first one.
 void record_further_results(std::vector<std::filesystem::path> const& files, std::string const& maker);
 
-/// Refuses a file that is a listed result, by its name or by a link, unless the same verb has made it.
+/// Refuses a file that is a listed result, by its name or by a link, unless the same command has made it.
 /// Errors: Error under the key "-o".
 void require_no_other_result(std::filesystem::path const& file, std::string const& maker);
 

@@ -24,8 +24,8 @@ struct Prospect {
   bool takes_threads = false;  ///< as many as it is given: the user has set no number
 };
 
-/// Sets up every run of a sweep once, to know what it takes and which cannot be made, are finished already, or are in the
-/// way.
+/// Sets up every run of a sweep once, to know what it takes and which cannot be made, are finished already, or hinder
+/// the others.
 class SweepSetup {
  public:
   /// Errors: Error where not one run can be made, and for a run in the directory with other settings.
@@ -33,7 +33,7 @@ class SweepSetup {
              MemoryBudget& memory);
 
   [[nodiscard]] std::vector<Prospect> const& prospects() const { return prospects_; }
-  /// How each run stands before any of them begins.
+  /// The status of each run before any of them begins.
   [[nodiscard]] std::vector<SweepOutcome> const& outcomes() const { return outcomes_; }
   [[nodiscard]] std::vector<std::string> notes() const;
 

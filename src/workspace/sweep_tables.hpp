@@ -13,7 +13,7 @@
 
 namespace gridlock {
 
-/// How one run of a sweep stands, as the tables need it.
+/// The status of one run of a sweep, as the tables need it.
 struct SweepOutcome {
   bool has_begun = false;
   RunStatus status = RunStatus::interrupted;

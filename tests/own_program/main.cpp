@@ -1,4 +1,4 @@
-// A program with a model of its own, as a user would write it; tests/cli/own_program_test.cpp runs its verbs.
+// A program with a model of its own, as a user would write it; tests/cli/own_program_test.cpp runs its commands.
 
 #include <cstdint>
 #include <string_view>

@@ -83,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(Contacts, SteppedPhysics, testing::Values(Contact::alwa
 
 TEST_P(SteppedPhysics, TheVirialChangesByFlightPairsAndWallsToTheLastDigits) {
   // G = Σ m r·v, r from the centre of the box, changes by m v² δt in every accepted sub-step, by −b·Δp_i in every
-  // scattered pair and by r·Δp at every wall: an identity of the rule itself, for any time step.
+  // colliding pair and by r·Δp at every wall: an identity of the rule itself, for any time step.
   for (double const time_step : {0.4, 0.1}) {
     State state = reference::random_scene(
         {.width = 1.3, .count = 50, .packing_fraction = 0.5, .smallest_ratio = 0.5, .heaviest_mass = 3.0, .seed = 3});

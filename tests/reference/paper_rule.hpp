@@ -35,7 +35,7 @@ class PaperRule {
   std::uint64_t halted_moves = 0;
   std::array<std::uint64_t, 4> wall_hits{};  ///< left, right, bottom, top
   double flight_virial = 0.0;                ///< Σ over accepted sub-steps of m v² δt
-  double pair_virial = 0.0;                  ///< Σ over scattered pairs of r_i·Δp_i + r_j·Δp_j
+  double pair_virial = 0.0;                  ///< Σ over colliding pairs of r_i·Δp_i + r_j·Δp_j
   double wall_virial = 0.0;                  ///< Σ over wall hits of r·Δp
 
   PaperRule(State const& state, double time_step, int substeps_in, bool always)

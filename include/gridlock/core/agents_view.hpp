@@ -13,7 +13,7 @@
 
 namespace gridlock {
 
-/// The agents of a world of any model at one moment, read only: their Ids, and their columns by tag.
+/// The agents of a world of any model at one time, read only: their Ids, and their columns by tag.
 ///
 /// A column is there where the model has one of that name and type. Valid as long as no agent is born, dies or moves to
 /// another row. Cost: O(columns) to make, and to look up a column; ask for a column once, outside of loops.

@@ -36,7 +36,7 @@ class Archive {
   /// Whether values come out of the archive into the object.
   [[nodiscard]] virtual bool is_restoring() const = 0;
 
-  /// What is visited until the matching leave() stands inside `name`.
+  /// What is visited until the matching leave() is inside `name`.
   virtual void enter(std::string_view name) = 0;
   virtual void leave() = 0;
 

@@ -11,7 +11,7 @@ struct Problem {
   std::string what;         ///< what is wrong, with the numbers
   std::string hint;         ///< what to do about it; may be empty
   std::string key;          ///< the setting to blame, dotted ("disks.packing_fraction"); may be empty
-  std::string file;         ///< where it stands; empty when it comes from no file
+  std::string file;         ///< where it is; empty when it comes from no file
   int line = 0;             ///< from 1; 0 when unknown
   int column = 0;           ///< from 1; 0 when unknown
   std::string source_line;  ///< the text of that line
@@ -41,7 +41,7 @@ class Error : public std::runtime_error {
   std::vector<Problem> problems_;
 };
 
-/// A run that started well could not go on (the physics broke an invariant, the disk is full). Exit code 1.
+/// A run that started well could not continue (the physics broke an invariant, the disk is full). Exit code 1.
 class RunFailure : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -28,7 +28,7 @@ struct FrameColumn {
   friend bool operator==(FrameColumn const&, FrameColumn const&) = default;
 };
 
-/// A population of any kind at one moment, its columns known by name: what is written, drawn and exported.
+/// A population of any kind at one time, its columns known by name: what is written, drawn and exported.
 ///
 /// Rows are in the order of the Ids, so that two frames of the same agents are the same whatever the order of the rows
 /// in memory was.

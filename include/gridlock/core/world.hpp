@@ -91,7 +91,7 @@ constexpr std::uint64_t word_of(Value value) {
   }
 }
 
-/// The bitwise identity of a population at one moment: equal for equal bits of box, clock, seed and every column of every
+/// The bitwise identity of a population at one time: equal for equal bits of box, clock, seed and every column of every
 /// agent.
 ///
 /// XXH3 of each agent's row under its Id, summed modulo 2⁶⁴, so that the order of the rows does not matter.

@@ -42,12 +42,12 @@ struct Counters {
 
   std::uint64_t moves = 0;            ///< moves tried (stepped) or disk events handled (exact)
   std::uint64_t halted_moves = 0;     ///< moves that ended at a wall or at another disk
-  std::uint64_t pair_collisions = 0;  ///< pairs scattered
+  std::uint64_t pair_collisions = 0;  ///< pairs that collided
   /// Candidate distances measured; how many that takes is a property of the grid, not of the physics.
   std::uint64_t distance_checks = 0;
   std::array<std::uint64_t, 4> wall_hits{};
   std::array<double, 4> wall_impulse{};  ///< Σ |Δp| given to each wall
-  /// Σ over scattered pairs of −(r_j − r_i)·Δp_i: σ m |v_n| for two equal disks in contact.
+  /// Σ over pairs that collided of −(r_j − r_i)·Δp_i: σ m |v_n| for two equal disks in contact.
   double pair_virial = 0.0;
 
   [[nodiscard]] std::uint64_t all_wall_hits() const {
@@ -80,7 +80,7 @@ class EngineFor {
   /// Errors: RunFailure where the physics breaks an invariant, naming step, ids and gap.
   virtual void advance(World<Model>& world, Counters& counters, StopCondition const& stop_condition) = 0;
 
-  /// The physical time that the next step stands for.
+  /// The physical time of the next step.
   [[nodiscard]] virtual double time_step_of(World<Model> const& world) const = 0;
 
   /// Throws Error for a world that this engine cannot advance rightly, as its constructor does.
@@ -94,7 +94,7 @@ class EngineFor {
   virtual void serialize(Archive& /*archive*/, World<Model> const& /*world*/) {}
 };
 
-/// Whether a disk that halts scatters off its partner whatever their motion (the paper's rule) or only when the two
+/// Whether a disk that halts collides with its partner whatever their motion (the paper's rule) or only when the two
 /// approach each other.
 enum class Contact { always, approaching };
 
@@ -121,7 +121,7 @@ void describe_threads(EngineSettings& settings, SettingVisitor& visitor);
 /// A dynamics of hard disks.
 class Engine : public EngineFor<HardDisks> {
  public:
-  /// The physical time one step stands for.
+  /// The physical time of one step.
   [[nodiscard]] virtual double time_step() const = 0;
   [[nodiscard]] double time_step_of(State const& /*world*/) const final { return time_step(); }
 

@@ -8,7 +8,7 @@
 
 namespace gridlock {
 
-/// How a box is cut into columns × rows equal cells, the paper's neighbourhoods.
+/// How a box is cut into columns × rows equal cells, which the paper calls neighbourhoods.
 ///
 ///     rows−1 │ … │   │   │        cell = row · columns + column
 ///          1 │ k │   │   │        a periodic box continues on the other side,

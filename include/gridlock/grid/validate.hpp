@@ -26,7 +26,7 @@ struct Tolerance {
 void validate(State const& state, Tolerance const& tolerance = {});
 
 /// The overlap that is only rounding: 10⁻¹² diameters of the smallest disk or, in large boxes, a few last digits of the
-/// coordinates. Disks written at the very moment they touch have it.
+/// coordinates. Disks written at the exact time at which they touch have it.
 double rounding_of_contact(State const& state);
 
 /// The largest shortfall max(0, R_i + R_j − |r_j − r_i|) over all pairs; 0 where no disks overlap.

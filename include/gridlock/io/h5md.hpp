@@ -29,7 +29,7 @@ struct H5mdSettings {
   std::uint64_t compression = 1;  ///< 0: none, 1: fastest … 9: smallest
 };
 
-/// One moment of a trajectory.
+/// The agents at one time of a trajectory.
 struct H5mdFrame {
   Frame frame;
   std::vector<double> observables;  ///< one for each of H5mdSettings::observables; nan where none was measured then

@@ -58,7 +58,7 @@ class SettingsFile {
 
   /// Errors: Error for a file that cannot be read or is no TOML.
   static SettingsFile from_path(std::filesystem::path const& path);
-  /// The same from a text; `name` stands for the file in errors.
+  /// The same from a text; `name` names the file in errors.
   static SettingsFile from_text(std::string_view text, std::string const& name);
 
   /// Sets "key=value" over what the file says. The value is TOML; what is no TOML value is taken as text, so that
@@ -75,7 +75,7 @@ class SettingsFile {
   /// Empty where there is no such table. Errors: Error for anything but lists, for empty lists, for keys given twice.
   std::vector<SettingList> take_lists(std::string_view table);
 
-  /// Gives every setting that stands in the file its value; the others keep theirs.
+  /// Gives every setting that is in the file its value; the others keep theirs.
   /// Errors: one Error with every problem found (unknown table or key, wrong type, not finite, out of bounds, unknown
   /// word); the settings are then only partly read.
   void read_into(Describe const& describe) const;

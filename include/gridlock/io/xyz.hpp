@@ -10,8 +10,8 @@
 
 namespace gridlock {
 
-/// Writes a frame of any population as extended XYZ, which ASE and OVITO read: what the columns of disks are called stands
-/// below, all others keep their names.
+/// Writes a frame of any population as extended XYZ, which ASE and OVITO read: the names of the columns of disks are
+/// listed below, all others keep their names.
 ///
 /// The first column, `type`, names the kind of the agent: A, B, C … by the column "species", or else by radius and mass,
 /// the smallest first; A for all agents without either, X for all where there are more than 20 kinds. It is not called
@@ -56,7 +56,7 @@ struct XyzFrame {
 /// ```
 XyzFrame read_xyz(std::filesystem::path const& path);
 
-/// read_xyz() of a text; `name` stands for the file in errors.
+/// read_xyz() of a text; `name` names the file in errors.
 XyzFrame parse_xyz(std::string_view text, std::string const& name);
 
 }  // namespace gridlock

@@ -14,7 +14,7 @@
 
 namespace gridlock {
 
-/// What a model says of its world at one moment: names and numbers, the same names at every moment.
+/// What a model measures of its world at one time: names and numbers, the same names at every time.
 ///
 /// ```cpp
 /// Observations now;

@@ -33,7 +33,7 @@ consteval bool keeps_counters() {
   }
 }
 
-/// An agent as another one sees it from where it stands.
+/// An agent as another one sees it from its own position.
 template <class Model>
 class Neighbour {
  public:
@@ -140,7 +140,7 @@ class Turn {
     write<Column>(value);
   }
 
-  /// Walks from position() by `way`: into the next image of a periodic box, mirrored at walls. Says which walls turned
+  /// Moves from position() by `displacement`: into the next image of a periodic box, mirrored at walls. Says which walls turned
   /// it back, so that the model can turn its heading too. Columns ImageX and ImageY are kept.
   /// Errors: RunFailure for a displacement that is not shorter than the sides of the box.
   Bounce move_by(Vector displacement) {

@@ -58,12 +58,12 @@ struct Distribution {
   std::vector<std::vector<double>> columns_of_values;  ///< one vector per column, all of the same length
 };
 
-/// A cell of a row without a value: not defined at this moment, or not measured in this sample. Tables leave it empty.
+/// A cell of a row without a value: not defined at this time, or not measured in this sample. Tables leave it empty.
 inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 /// Something measured along a run: a few numbers at every sample, and their averages at the end.
 ///
-/// The run calls begin() once, then sample() at every sampled moment in the order of time (the start may be one), then
+/// The run calls begin() once, then sample() at every sampled time in order (the start may be one), then
 /// results() and distributions(). The state may be reordered between samples; Ids keep their meaning.
 ///
 /// ```cpp
@@ -89,12 +89,12 @@ class Observable {
   /// The columns this observable fills in each row; the same from begin() on.
   [[nodiscard]] virtual std::vector<ColumnInfo> columns() const = 0;
 
-  /// Forgets everything and starts to measure from this moment.
+  /// Forgets everything and starts to measure from this time.
   virtual void begin(Snapshot const& start) = 0;
 
   /// Measures now: writes one number per column, or `no_value`. Rates are those since the previous sample (or since
   /// begin), and enter the averages with that interval's duration.
-  /// `counts_for_average` says whether this moment, and the interval that ends with it, enter averages.
+  /// `counts_for_average` says whether this snapshot, and the interval that ends with it, enter averages.
   /// Contract: row.size() == columns().size().
   virtual void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) = 0;
 

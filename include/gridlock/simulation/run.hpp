@@ -105,7 +105,7 @@ struct RunRecord {
   }
 };
 
-/// The loop of a run: chunks of work, samples between them, and reports on the way, also within a chunk.
+/// The loop of a run: chunks of work, samples between them, and reports, also within a chunk.
 ///
 /// A chunk reaches to the next sample or the next frame of a writer, since some engines pay for beginning one.
 /// Samples are taken at the start, at every multiple of sample_every steps and at the end. The bits of the

@@ -63,7 +63,7 @@ Setup set_up(Configuration configuration, SetupOptions const& options = {});
 /// Where the run ends.
 StopCondition stop_condition_of(Setup const& setup);
 
-/// How far a set-up is carried on, and what is looked at on the way.
+/// How far a set-up goes, and what it looks at.
 RunPlan plan_of(Setup const& setup);
 
 /// The disks of a set-up, and of the simulation of one. Contract: it is one of disks (asserted).

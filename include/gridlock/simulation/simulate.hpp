@@ -19,7 +19,7 @@ using RunResult = RunResultOf<HardDisks>;
 /// Runs a set-up to its end, sampling every observe.every steps and at the end.
 ///
 /// The bits of world and series do not depend on how often progress is reported.
-/// Errors: none for a run that breaks: it ends as RunStatus::failed with what there is. std::bad_cast for a set-up of
+/// Errors: none for a run that breaks: it ends as RunStatus::failed with its partial results. std::bad_cast for a set-up of
 /// another model.
 ///
 /// ```cpp

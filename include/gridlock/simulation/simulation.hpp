@@ -35,7 +35,7 @@ class Simulation {
   virtual ~Simulation() = default;
 
   [[nodiscard]] virtual Clock clock() const = 0;
-  /// The physical time one step stands for.
+  /// The physical time of one step.
   [[nodiscard]] virtual double time_step() const = 0;
   [[nodiscard]] virtual Box const& box() const = 0;
   /// The agents as they are now; see AgentsView for how long it is valid.

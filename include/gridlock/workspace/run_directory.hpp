@@ -92,7 +92,7 @@ struct RunLength {
 /// the new length. State, series and frames are those of a run that long. Averages go on to leave out the samples that they
 /// have left out so far: where the share observe.equilibration of the new length would be another number of them,
 /// observe.equilibration in config.resolved.toml becomes the share that fits. A lengthening that is killed at any
-/// moment goes on by resume_in(), to the old length or the new one.
+/// time is continued by resume_in(), to the old length or the new one.
 /// Errors: those of resume_in(), except that the run may be finished; Error where a finished run kept no checkpoint, and
 /// for a length that the run has passed or that is below the one it has.
 RunRecord lengthen_in(std::filesystem::path const& directory, RunLength const& length, RunHooks const& hooks = {});

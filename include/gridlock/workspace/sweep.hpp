@@ -76,7 +76,7 @@ struct SweepResult {
 /// In a directory that holds a sweep already, runs that are finished are kept and those that were interrupted resume:
 /// after values have been added to the lists, only the new runs are made. A shard writes no tables; collect_sweep() does.
 /// The results do not depend on the number of threads, of shards or of interruptions. A run that fails is recorded with
-/// its message and the rest go on.
+/// its message and the rest continue.
 /// Errors: Error where not one run can be set up, where the directory cannot be used, is in use, or holds one of the runs
 /// with other settings, before anything is written; RunFailure where results cannot be written.
 ///

@@ -21,7 +21,7 @@ void Calendar::open(double length, std::uint64_t expected, std::uint64_t disks) 
   made_ = 0;
   tails_.assign(buckets >> bucket_bits_, Tail{});
   bucket_heads_.assign(std::size_t{1} << bucket_bits_, none);
-  // Room for each disk's event and two void ones, so that it never grows: growing would need it twice for a moment.
+  // Room for each disk's event and two void ones, so that it never grows: growing would need it twice for a short time.
   // What is not used is not touched, and costs nothing.
   chunks_.reserve(3 * disks / chunk_size + tails_.size());
   free_chunks_.clear();

@@ -113,7 +113,7 @@ class Calendar {
   bool open_next_group();
   std::uint32_t new_chunk(std::uint32_t next);
 
-  /// The newest chunk of a group, and how many events are in it; the older ones are full. The count stands here
+  /// The newest chunk of a group, and how many events are in it; the older ones are full. The count is here
   /// and not in the chunk, so that a new event touches one line of memory of its group.
   struct Tail {
     std::uint32_t chunk = none;

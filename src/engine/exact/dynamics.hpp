@@ -47,8 +47,8 @@ class Dynamics {
   /// Writes positions at time `elapsed`, but not before the last event, velocities and images into the state it was made
   /// of.
   void write(double elapsed, State& state) const { write_at(std::max(elapsed - epoch_start_, now_), state); }
-  /// The same at the very moment of the last event, which the time of a long run has not the digits to name: a disk just
-  /// scattered touches its partner, and does not overlap it.
+  /// The same at the exact time of the last event, for which the time of a long run has not enough digits: a disk that
+  /// has just collided touches its partner, and does not overlap it.
   void write_at_last_event(State& state) const { write_at(now_, state); }
 
   /// Throws RunFailure where two disks, or a disk and a wall, overlap by more than 1e-12 diameters, or, for up to 2000
@@ -60,7 +60,7 @@ class Dynamics {
   [[nodiscard]] bool looks_for_missed_events() const;
 
   /// Serializes the disks as they fly and the events they wait for; restored into a dynamics of the state that was written
-  /// at the same moment. Which memory a disk lies in is not serialized: the trajectory does not depend on it.
+  /// at the same time. Which memory a disk lies in is not serialized: the trajectory does not depend on it.
   void serialize(Archive& archive);
 
   /// The disks as they are, for tests that damage them.

@@ -14,7 +14,7 @@ namespace gridlock::exact {
 /// Asks for the memory of events to come, a little with each event handled, so that memory is busy while the processor
 /// computes.
 ///
-/// Events enter in about the order in which they are due, and pass four stations on the way: what one station
+/// Events enter in about the order in which they are due, and pass four stations: what one station
 /// asked for has arrived when the event reaches the next.
 ///
 ///     entered → the disk → its partner → the cells around the two → the disks in them

@@ -37,7 +37,7 @@ struct Prediction {
 /// Two disks at distance d with relative velocity w, b = d·w < 0 and c = d² − σ², touch after
 ///     Δt = c / (−b + √(b² − w²c)),
 /// the form that does not cancel. A collision with j counts only when it comes before j's own event: at its own event
-/// j looks at all its neighbours again and finds it. Disk `apart` has just been scattered off i and cannot meet it
+/// j looks at all its neighbours again and finds it. Disk `apart` has just collided with i and cannot meet it
 /// there again; no_disk where there is none.
 /// The 3×3 block of cells is enough, for leaving its cell is an event as well.
 /// Every implementation gives the same bits: the same operations on each candidate in the same order, no contraction,
@@ -52,7 +52,7 @@ bool can_use_avx512(PredictionInput const& prediction_input);
 /// Eight candidates at a time.
 Prediction predict_with_avx512(PredictionInput const& prediction_input, Index i, double now, Index apart);
 
-/// The predictions of two disks that have just been scattered off one another.
+/// The predictions of two disks that have just collided.
 struct PairPrediction {
   Prediction of_i;
   Prediction of_j;
@@ -62,7 +62,7 @@ using PredictPair = PairPrediction (*)(PredictionInput const& prediction_input, 
 PairPrediction predict_pair_scalar(PredictionInput const& prediction_input, Index i, Index j, double now);
 PairPrediction predict_pair_with_avx512(PredictionInput const& prediction_input, Index i, Index j, double now);
 
-/// One way to predict, for one disk and for two.
+/// A kernel that predicts, for one disk and for two.
 struct Predictor {
   Predict one;
   PredictPair pair;

@@ -201,7 +201,7 @@ GRIDLOCK_AVX512 Prediction predict_with_avx512(PredictionInput const& s, Index i
 }
 
 GRIDLOCK_AVX512 PairPrediction predict_pair_with_avx512(PredictionInput const& s, Index i, Index j, double now) {
-  // What is around the two does not depend on how they were scattered: collected first, it is found while the processor
+  // What is around the two does not depend on their collision: collected first, it is found while the processor
   // still waits for the new velocities.
   Candidates around_i;
   Candidates around_j;

@@ -14,7 +14,7 @@
 namespace gridlock {
 
 /// Asks for the memory of tiles to come, a little with each group of turns taken, so that memory is busy while the
-/// processor computes: a line from memory takes as long as three turns, but many may be on their way at once.
+/// processor computes: a line from memory takes as long as three turns, but many may be requested at once.
 ///
 ///     tile      now │ next │ after next
 ///     asked for     │ its disks, by the blocks that have come │ its blocks

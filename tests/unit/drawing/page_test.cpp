@@ -153,7 +153,7 @@ TEST(Page, HoldsPicturesFromGnuplotAndOfDisksWithEveryIdUnique) {
   EXPECT_GT(document.count("use"), 0U);
   EXPECT_EQ(document.named("svg").back().attributes.at("aria-label"), "and &quot;one&quot; &lt;more&gt;");
   expect_unique_ids_and_live_references(document);
-  // Nothing but the name of a curve pops up over a plot, and no prolog stands in the middle of the page.
+  // Nothing but the name of a curve pops up over a plot, and no prolog is in the middle of the page.
   for (auto const& title : document.named("title")) EXPECT_TRUE(title.text == "t" || title.text == "c") << title.text;
   EXPECT_EQ(page.html().find("<?xml"), std::string::npos);
 }

@@ -21,7 +21,7 @@ TurnOrderComparison quantity(double tiled) {
 TurnOrderRow row(double time_step, double tiled) {
   return {.packing_fraction = 0.6,
           .time_step = time_step,
-          .moments = {128.0},
+          .times = {128.0},
           .displacements = {quantity(1.0)},
           .centres = {quantity(1.0)},
           .whole = quantity(1.0),

@@ -349,7 +349,7 @@ TEST(SetupEvents, NameTheEngineExactAlsoForTheModelOfThePapersRule) {
 }
 
 TEST(SetupEvents, TellOfASlowRandomStartThatWasNotTried) {
-  // Half a minute of tries; a lattice of the same disks stands in, and everything else is checked.
+  // Half a minute of tries; a lattice of the same disks is used instead, and everything else is checked.
   SettingsFile const file =
       SettingsFile::from_text("disks = { count = 100_000, packing_fraction = 0.535, start = \"random\" }", "run.toml");
   double told = 0.0;

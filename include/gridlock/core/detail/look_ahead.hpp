@@ -13,7 +13,7 @@ namespace gridlock {
   asm volatile("" : : "r"(address));
 }
 
-/// Carries out `count` pieces of work in their order, while the memory that the next ones need is on its way.
+/// Carries out `count` pieces of work in their order, while the memory that the next ones need is fetched.
 ///
 ///     piece k + 16   1st step   asks for what says where its memory is
 ///     piece k + 8    2nd step   asks for that memory

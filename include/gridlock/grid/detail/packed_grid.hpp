@@ -19,8 +19,8 @@
 
 namespace gridlock {
 
-/// The same neighbourhoods as LinkedGrid, kept as the processor likes them: the agents of a cell side by side in one
-/// cache line, with where they are inside the cell, so that four distances cost one instruction each and most
+/// The same cells as LinkedGrid, laid out for vector instructions: the agents of a cell are side by side in one
+/// cache line, with their positions inside the cell, so that four distances cost one instruction each and most
 /// neighbours are dismissed without a look at the population.
 ///
 ///     cell ─► ┌ x x x x │ y y y y │ agent ×4 │ next, count, column, row ┐   64 bytes

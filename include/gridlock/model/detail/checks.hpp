@@ -37,7 +37,7 @@ std::string in_words(double number);
 // What a model does wrong ends its run in every build: each throws RunFailure with the step, the agent and the numbers.
 // Out of line, so that the checks themselves cost a comparison.
 
-/// An agent at, or on its way to, a point outside the box.
+/// An agent at, or moving to, a point outside the box.
 [[noreturn, gnu::cold]] void throw_outside(std::uint64_t step, Id agent, Vector p, Box const& box);
 
 /// A newborn at a point outside the box, of that parent where agents take turns.

@@ -7,13 +7,13 @@
 
 namespace gridlock {
 
-/// The directions in which a way was turned back by walls.
+/// The directions in which walls turned a displacement back.
 struct Bounce {
   bool x = false;
   bool y = false;
 };
 
-/// Where a way from `p` ends: on the other side of a periodic box, mirrored at a wall.
+/// Where a displacement from `p` ends: on the other side of a periodic box, mirrored at a wall.
 /// Contract: the displacement is shorter than the sides of the box.
 struct Motion {
   Vector end;
