@@ -24,7 +24,8 @@ namespace gridlock {
 ///
 /// In its turn a disk tries `substeps` steps of v dt/substeps. One that would cross a wall turns that component of v back
 /// and ends the turn. One that would overlap a disk ends it too, and the two collide elastically along the line between
-/// their present centres; of several the disk collides with the one nearest to the point it tried, ties to the lower Id.
+/// their present centres; of several the disk collides with the one nearest to the point it tried, ties to the lower
+/// Id.
 template <Schedule order>
 struct ColloidInOrder {
   using Self = ColloidInOrder;

@@ -20,8 +20,8 @@ struct Pictures {
 /// others. Plots keep their gnuplot script beside them.
 /// Errors: Error where the directory holds neither; a picture that cannot be drawn is only noted.
 /// Error for a colour that the agents do not have, before anything is drawn.
-/// `colour` is that of the picture final, see MovieSettings; a file of one frame knows no displacement of a model's agents.
-/// `makes_pdf` writes each as PDF too.
+/// `colour` is that of the picture final, see MovieSettings; a file of one frame knows no displacement of a model's
+/// agents. `makes_pdf` writes each as PDF too.
 Pictures draw_results(std::filesystem::path const& directory, std::string const& colour = {}, bool makes_pdf = false);
 
 }  // namespace gridlock

@@ -32,7 +32,8 @@ std::vector<std::string> long_names(CLI::App const& verb) {
   return names;
 }
 
-/// What a user calls an option: "time-step" for --time-step, and "threads" for -j, which means --threads in other commands.
+/// What a user calls an option: "time-step" for --time-step, and "threads" for -j, which means --threads in other
+/// commands.
 std::string name_of(CLI::App const& verb, std::string const& option) {
   std::string name = option.substr(option.find_first_not_of('-'));
   if (name.size() > 1) return name;

@@ -429,7 +429,8 @@ std::string order_and_step_text(std::vector<Row> const& rows, std::vector<double
       fmt::join(parts, ", and "));
 }
 
-/// How far the centre of the disks travels in a periodic box, and whether it matters beside the disks' own displacements.
+/// How far the centre of the disks travels in a periodic box, and whether it matters beside the disks' own
+/// displacements.
 std::string centre_text(std::vector<Row> const& rows) {
   constexpr double share_that_matters = 0.05;
   std::vector<std::string> parts;

@@ -54,10 +54,10 @@ bool can_take_batch_with_avx512();
 
 /// Turns on a packed grid: the candidates of a disk are found once a turn, and only those it may really meet.
 ///
-/// During its displacement w, a disk at distance vector −d from another and not in contact, |d| ≥ c, comes as near as c after a part
-/// s ≤ 1 of it only if |d − s w|² < c², thus |d|² − c² < 2 s d·w − s² w² ≤ 2 s d·w. The left side is not below 0,
-/// so neither is d·w, and the bound holds for s = 1 as well: |d − w|² < c² + w². Seen from its end that is
-/// one comparison with one number for all candidates; in a dense system it leaves about one in twelve.
+/// During its displacement w, a disk at distance vector −d from another and not in contact, |d| ≥ c, comes as near as c
+/// after a part s ≤ 1 of it only if |d − s w|² < c², thus |d|² − c² < 2 s d·w − s² w² ≤ 2 s d·w. The left side is not
+/// below 0, so neither is d·w, and the bound holds for s = 1 as well: |d − w|² < c² + w². Seen from its end that is one
+/// comparison with one number for all candidates; in a dense system it leaves about one in twelve.
 class PackedTurns {
  public:
   PackedTurns(TurnView const& view, PackedGrid& grid, RadiusRange const& radii, double duration)

@@ -18,7 +18,8 @@ namespace {
 
 constexpr std::size_t most_problems = 10;
 
-/// Whether a name is written without quotes in the first line and is read back as it is: the reader drops spaces at its ends.
+/// Whether a name is written without quotes in the first line and is read back as it is: the reader drops spaces at its
+/// ends.
 bool is_usable_name(std::string_view name) {
   return !name.empty() && name.front() != ' ' && name.back() != ' ' &&
          name.find_first_of(",\"\r\n#") == std::string_view::npos;

@@ -35,10 +35,10 @@ class FrameSchedule {
   std::vector<std::uint64_t> steps_;  ///< sorted, those of every_ left out
 };
 
-/// Writes the frames of a run into a file as it goes on.
+/// Writes the frames of a run into a file while it runs.
 ///
-/// Nothing of it is in a checkpoint: the file itself says which frames it holds. A run that goes on from an earlier step
-/// comes by frames that are there already; they stay, and their state hash must be the one of the run.
+/// Nothing of it is in a checkpoint: the file itself says which frames it holds. A run that continues from an earlier
+/// step comes by frames that are there already; they stay, and their state hash must be the one of the run.
 class TrajectoryWriter final : public Writer {
  public:
   struct Origin {
@@ -47,7 +47,7 @@ class TrajectoryWriter final : public Writer {
     std::string version;
   };
 
-  /// Begins the file at the first frame, or goes on with one that is there.
+  /// Begins the file at the first frame, or continues one that is there.
   TrajectoryWriter(TrajectorySettings const& settings, double time_step, Origin origin);
 
   /// Opens the file of a run that was restored. Errors: Error where it is missing, damaged, or lacks a frame that was due

@@ -80,8 +80,8 @@ void remove_file(fs::path const& file) {
   if (!fs::is_directory(fs::symlink_status(file, ignored))) fs::remove(file, ignored);
 }
 
-/// Removes what a command has made in a directory that it has listed, and the directory where nothing else is in it. One with
-/// anything else in its list, as a run of the user's there has, stays.
+/// Removes what a command has made in a directory that it has listed, and the directory where nothing else is in it.
+/// One with anything else in its list, as a run of the user's there has, stays.
 void remove_directory_of(std::string const& maker, fs::path const& directory) {
   std::error_code ignored;
   if (maker.empty() || !fs::is_directory(fs::symlink_status(directory, ignored))) return;

@@ -18,8 +18,8 @@ void record_result(std::filesystem::path const& file);
 /// The line is `NAME/MAKER` then, with the command that makes the file.
 void record_further_result(std::filesystem::path const& file, std::string const& maker);
 
-/// The same for several files. Those in a directory beside the first one are listed in that directory, in a list that is made
-/// where it is missing, and that list is in the list of the first one.
+/// The same for several files. Those in a directory beside the first one are listed in that directory, in a list that
+/// is made where it is missing, and that list is in the list of the first one.
 void record_further_results(std::vector<std::filesystem::path> const& files, std::string const& maker);
 
 /// Refuses a file that is a listed result, by its name or by a link, unless the same command has made it.

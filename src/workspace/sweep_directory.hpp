@@ -23,7 +23,7 @@ class SweepDirectory {
   [[nodiscard]] bool is_there(std::size_t run) const;
   /// How the run in the directory has ended; nothing where there is none, or none that has ended.
   [[nodiscard]] std::optional<RunSummary> recorded(std::size_t run) const;
-  /// Why the run in the directory is in the way, if it is one of other settings.
+  /// Why the run in the directory must not be replaced, if it is one of other settings.
   [[nodiscard]] std::optional<Error> refusal_of(std::size_t run, Setup const& setup) const;
 
   /// Throws Error for a sweep in the directory that has other settings in common: its runs and these belong in different

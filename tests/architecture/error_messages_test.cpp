@@ -1,4 +1,5 @@
-// docs/reference/error_messages.md has the words of the program: what is between the "…" of a row occurs in its sources.
+// docs/reference/error_messages.md has the words of the program: what is between the "…" of a row occurs in its
+// sources.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
-// A program with a model of its own has every command for it, and the shipped program says why it cannot run such a model.
+// A program with a model of its own has every command for it, and the shipped program says why it cannot run such a
+// model.
 #include <gtest/gtest.h>
 
 #include <chrono>

@@ -90,7 +90,7 @@ class EngineFor {
   [[nodiscard]] virtual std::vector<Count> counts(World<Model> const& world, Counters const& counters) const = 0;
 
   /// Serializes what the engine keeps between two calls of advance() besides the world, which has been serialized before:
-  /// restored into an engine made for the same start, it goes on with the same bits. Most keep nothing.
+  /// restored into an engine made for the same start, it continues with the same bits. Most keep nothing.
   virtual void serialize(Archive& /*archive*/, World<Model> const& /*world*/) {}
 };
 

@@ -51,10 +51,10 @@ struct H5mdFrame {
 /// The number of agents may change from frame to frame, the columns may not. Values are chunked by frame and component,
 /// shuffled and deflated, so that a column of zeros costs nothing. Reduced units stand in the attribute `reduced_unit`.
 ///
-/// Between two frames the file is closed and whole: every reader of HDF5 may open it while the run goes on. A frame is
-/// written in the single-writer-multiple-reader mode of HDF5, whose order keeps the file readable in that mode even where
-/// the process is killed in the middle of it; append() then goes on after the last whole frame. What the operating system
-/// had not brought to the disk when the power failed is not covered.
+/// Between two frames the file is closed and whole: every reader of HDF5 may open it while the run continues. A frame
+/// is written in the single-writer-multiple-reader mode of HDF5, whose order keeps the file readable in that mode even
+/// where the process is killed in the middle of it; append() then continues after the last whole frame. What the
+/// operating system had not brought to the disk when the power failed is not covered.
 /// Errors: RunFailure where the file cannot be written. Cost: docs/reference/trajectories.md.
 class H5mdWriter {
  public:
@@ -62,7 +62,7 @@ class H5mdWriter {
   /// one that was there before is replaced.
   static H5mdWriter create(std::filesystem::path const& path, H5mdSettings const& settings, Frame const& first);
 
-  /// Goes on with a trajectory, repairing it where its writer was killed.
+  /// Continues a trajectory, repairing it where its writer was killed.
   /// Errors: Error where it is no trajectory of these columns, or where its last frame is damaged or cut off; then the file
   /// stays as it is.
   static H5mdWriter append(std::filesystem::path const& path, Frame const& first);

@@ -56,10 +56,10 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 /// events`, the names of what it counts, and `static constexpr bool keeps_counters = true`: its turns keep Turn::counters(),
 /// and the run measures collision rates and pressures. cutoff() and time_step() may take the World they are asked for.
 ///
-/// In a tiled model nobody looks or goes farther than the cutoff from where its turn began. A model in which a few do says
-/// so in `bool is_local(Turn<Model> const&, double room) const`, with room the shorter side of a cell: those that are not
-/// take their turns one after the other at the end of the step. The order of turns follows from the cells; a model may
-/// fix them in `CellLayout cells(World<Model> const&) const`.
+/// In a tiled model no agent searches or moves farther than the cutoff from where its turn began. A model in which a
+/// few do says so in `bool is_local(Turn<Model> const&, double room) const`, with room the shorter side of a cell:
+/// those that are not take their turns one after the other at the end of the step. The order of turns follows from the
+/// cells; a model may fix them in `CellLayout cells(World<Model> const&) const`.
 ///
 /// The bits do not depend on the number of threads, on chunks, or on the order of the rows. Neighbours are visited cell
 /// by cell, in a cell in the order of the Ids as they were when the step began, so that sums over them round alike.

@@ -140,8 +140,8 @@ class Turn {
     write<Column>(value);
   }
 
-  /// Moves from position() by `displacement`: into the next image of a periodic box, mirrored at walls. Says which walls turned
-  /// it back, so that the model can turn its heading too. Columns ImageX and ImageY are kept.
+  /// Moves from position() by `displacement`: into the next image of a periodic box, mirrored at walls. Says which
+  /// walls turned it back, so that the model can turn its heading too. Columns ImageX and ImageY are kept.
   /// Errors: RunFailure for a displacement that is not shorter than the sides of the box.
   Bounce move_by(Vector displacement) {
     // Most steps end inside, and these are not longer than the box: the check costs them nothing.

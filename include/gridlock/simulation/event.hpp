@@ -28,7 +28,7 @@ enum class EventKind {
   lengthened,
   equilibration_fitted,  ///< to a new length, so that averages leave out what they have left out so far
   checkpoint_written,
-  checkpoint_failed,   ///< it could not be written, and the run goes on
+  checkpoint_failed,   ///< it could not be written, and the run continues
   checkpoint_damaged,  ///< the newest one; the one before is used
   audited,
   ended,

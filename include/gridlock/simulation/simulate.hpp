@@ -19,8 +19,8 @@ using RunResult = RunResultOf<HardDisks>;
 /// Runs a set-up to its end, sampling every observe.every steps and at the end.
 ///
 /// The bits of world and series do not depend on how often progress is reported.
-/// Errors: none for a run that breaks: it ends as RunStatus::failed with its partial results. std::bad_cast for a set-up of
-/// another model.
+/// Errors: none for a run that breaks: it ends as RunStatus::failed with its partial results. std::bad_cast for a
+/// set-up of another model.
 ///
 /// ```cpp
 /// Configuration configuration;

@@ -63,7 +63,7 @@ class Simulation {
   [[nodiscard]] virtual Frame frame() const = 0;
 
   /// Everything that the rest of the run depends on: state, counts, and what the observables have gathered. Restored
-  /// into a simulation made from the same configuration, the run goes on with the same bits.
+  /// into a simulation made from the same configuration, the run continues with the same bits.
   virtual void serialize(Archive& archive) = 0;
 };
 

@@ -50,7 +50,7 @@ struct RunHooks {
 ///
 ///     config.resolved.toml   the run again, to the bit; start.xyz too where it began from a file
 ///     checkpoint.gridlock    everything the rest of the run depends on, and .previous. before it until it is finished; the
-///                            last one stays unless checkpoint.keep_last = false, so that lengthen_in() can go on from it
+///                            last one stays unless checkpoint.keep_last = false, for lengthen_in() to continue from
 ///     run.log                what happened when
 ///     trajectory.h5          its frames, where [trajectory] asks for some
 ///
@@ -62,8 +62,8 @@ struct RunHooks {
 ///     final.xyz              the last state
 ///
 /// A run that is interrupted saves itself; one that fails leaves the last checkpoint before. A checkpoint that cannot be
-/// written is noted, and the run goes on. Every file is written whole or not at all; summary.json comes last. Results that
-/// Gridlock has written there before are removed first.
+/// written is noted, and the run continues. Every file is written whole or not at all; summary.json comes last. Results
+/// that Gridlock has written there before are removed first.
 /// Errors: Error where another process works in the directory; RunFailure where results cannot be written.
 ///
 /// ```cpp
@@ -72,7 +72,7 @@ struct RunHooks {
 /// ```
 RunRecord run_in(std::filesystem::path const& directory, Setup setup, RunHooks const& hooks = {});
 
-/// Goes on with a run that was interrupted, killed or failed: from its newest checkpoint that is whole, or from the start
+/// Continues a run that was interrupted, killed or failed: from its newest checkpoint that is whole, or from the start
 /// where there is none. It ends with the same bits as a run that was never interrupted, whatever the number of threads.
 /// Errors: those of run_in(); Error where the directory holds no run, where the run is finished, where its checkpoints
 /// are of another version or another configuration, or all damaged, or where trajectory.h5 lacks frames from before the
@@ -86,12 +86,12 @@ struct RunLength {
   std::optional<double> collisions_per_disk;
 };
 
-/// Goes on with a run, finished or not, to another length, which takes the place of all lengths it had.
+/// Continues a run, finished or not, to another length, which takes the place of all lengths it had.
 ///
 /// It ends with the same bits as a run of the configuration that config.resolved.toml holds from then on: the old one with
-/// the new length. State, series and frames are those of a run that long. Averages go on to leave out the samples that they
-/// have left out so far: where the share observe.equilibration of the new length would be another number of them,
-/// observe.equilibration in config.resolved.toml becomes the share that fits. A lengthening that is killed at any
+/// the new length. State, series and frames are those of a run that long. Averages continue to leave out the samples
+/// that they have left out so far: where the share observe.equilibration of the new length would be another number of
+/// them, observe.equilibration in config.resolved.toml becomes the share that fits. A lengthening that is killed at any
 /// time is continued by resume_in(), to the old length or the new one.
 /// Errors: those of resume_in(), except that the run may be finished; Error where a finished run kept no checkpoint, and
 /// for a length that the run has passed or that is below the one it has.

@@ -10,7 +10,7 @@
 
 namespace gridlock {
 
-/// What a search should have found and did not, or the other way round.
+/// What a search should have found and did not, or the reverse.
 struct SearchDifference {
   std::uint64_t step = 0;
   Vector point;
