@@ -5,7 +5,8 @@
 #include <memory>
 
 #include "gridlock/observe/observable.hpp"
-#include "gridlock/simulation/simulate.hpp"
+#include "gridlock/simulation/run.hpp"
+#include "gridlock/simulation/setup.hpp"
 
 class LargestSpeed final : public gridlock::AveragingObservable {
  public:
@@ -31,9 +32,8 @@ int main() {
   configuration.engine.kind = "exact";
   configuration.run.steps = 2000;
   gridlock::Setup const setup = gridlock::set_up(configuration);
-  auto& simulation = dynamic_cast<gridlock::DiskSimulation&>(*setup.simulation);
-  simulation.observe(std::make_unique<LargestSpeed>());
-  gridlock::Run run(simulation, gridlock::plan_of(setup));
+  setup.simulation->observe(std::make_unique<LargestSpeed>());
+  gridlock::Run run(*setup.simulation, gridlock::plan_of(setup));
   run.advance();
   for (auto const& [name, estimate, unit] : run.record().results) {
     if (name == "mean_speed" || name == "largest_speed") {

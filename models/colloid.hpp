@@ -65,6 +65,16 @@ struct ColloidInOrder {
     visitor.leave();
   }
 
+  /// Collisions soon give some disk twice the largest speed: a sub-step in which it covers a diameter could jump over a disk.
+  void check(Box const& /*box*/) const {
+    double const diameters = 2.0 * step_length / static_cast<double>(substeps);
+    if (diameters < 1.0) return;
+    throw Error(
+        {.what = "a disk at twice velocities.max would cover a diameter in one sub-step and could jump over another",
+         .hint = "use a smaller step_length or more substeps",
+         .key = "step_length"});
+  }
+
   [[nodiscard]] std::uint64_t agents_at_start() const { return disks.count.value_or(841); }
   [[nodiscard]] double attempts_at_start(Box const& box, std::uint64_t seed) const {
     return expected_attempts(box, disks, seed);
@@ -97,7 +107,7 @@ struct ColloidInOrder {
   }
 
   [[nodiscard]] std::vector<std::string> notes(World<Self> const& world) const {
-    std::string const reasons = where_time_steps_mislead(world.box, world.agents);
+    std::string const reasons = in_words(time_step_caveats(world.box, world.agents));
     if (reasons.empty()) return {};
     return {"with model.kind = \"" + std::string(name) + "\" " + reasons +
             ", because of its time step; engine.kind = \"exact\" has none"};

@@ -8,6 +8,7 @@
 #include <functional>
 #include <numeric>
 #include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -169,15 +170,18 @@ void draw_displacements(Artist& artist, Setup const& setup) {
                 .title = fmt::format("after {} steps", last.clock.step - disks_of(setup).clock.step)});
 }
 
-/// g(r) over the distance in mean diameters.
-void draw_pair_correlation(Artist& artist, State const& state) {
-  auto const radii = state.agents.column<Radius>();
-  if (radii.empty()) return;
-  auto const [least, most] = std::ranges::minmax(radii);
-  double const diameter = 2.0 * std::accumulate(radii.begin(), radii.end(), 0.0) / static_cast<double>(radii.size());
+/// g(r), over the distance in mean diameters for agents with radii.
+void draw_pair_correlation(Artist& artist, std::span<double const> radii) {
+  double diameter = 1.0;
+  char const* label = "distance r";
+  if (!radii.empty()) {
+    auto const [least, most] = std::ranges::minmax(radii);
+    diameter = 2.0 * std::accumulate(radii.begin(), radii.end(), 0.0) / static_cast<double>(radii.size());
+    label = least == most ? "distance r / diameter σ" : "distance r / mean diameter";
+  }
   artist.plot({.name = "pair_correlation",
                .title = "Pair correlation",
-               .x = {.label = least == most ? "distance r / diameter σ" : "distance r / mean diameter"},
+               .x = {.label = label},
                .y = {.label = "pair correlation g(r)", .least = 0.0},
                .curves = {{.file = "pair_correlation.csv",
                            .x = "distance",
@@ -188,7 +192,25 @@ void draw_pair_correlation(Artist& artist, State const& state) {
                .key = PlotKey::none});
 }
 
-/// A run of a model: its agents at the end, and every column of its series against time.
+/// The curves that a run has measured, of whatever model.
+void draw_curves(Artist& artist, std::span<double const> radii) {
+  if (artist.has("pair_correlation.csv")) draw_pair_correlation(artist, radii);
+  if (!artist.has("speed_distribution.csv")) return;
+  artist.plot({.name = "speed_distribution",
+               .title = "Distribution of speed",
+               .x = {.label = "speed v / (length / time)", .least = 0.0},
+               .y = {.label = "density of agents / (time / length)", .least = 0.0},
+               .curves = {{.label = "measured",
+                           .file = "speed_distribution.csv",
+                           .x = "speed",
+                           .y = "density",
+                           .error = "error",
+                           .style = PlotStyle::points},
+                          {.label = "Maxwell", .file = "speed_distribution.csv", .x = "speed", .y = "maxwell"}},
+               .key = PlotKey::top_right});
+}
+
+/// A run of a model: its agents at the end, every column of its series against time, and its curves.
 void draw_model_run(Artist& artist, std::string const& colour) {
   if (colour == "displacement") {
     throw Error({.what = "final.xyz does not tell how far the agents of a model have come",
@@ -205,6 +227,9 @@ void draw_model_run(Artist& artist, std::string const& colour) {
                  .curves = {{.file = "series.csv", .x = "time", .y = name}},
                  .key = PlotKey::none});
   }
+  Frame const last = last_frame(artist.path_of("final.xyz"));
+  FrameColumn const* const radii = last.find(Radius::name);
+  draw_curves(artist, radii == nullptr ? std::span<double const>() : std::get<std::vector<double>>(radii->values));
 }
 
 /// Whether a run is one of disks that collide; not where its model is that of another program.
@@ -240,21 +265,7 @@ void draw_run(Artist& artist, std::string const& colour) {
                     .key = PlotKey::none};
   if (is_as_in_paper) displacement.references.push_back({.at = 0.1, .label = "10 % of the box"});
   artist.plot(displacement);
-  if (artist.has("pair_correlation.csv")) draw_pair_correlation(artist, disks_of(setup));
-  if (artist.has("speed_distribution.csv")) {
-    artist.plot({.name = "speed_distribution",
-                 .title = "Distribution of speed",
-                 .x = {.label = "speed v / (length / time)", .least = 0.0},
-                 .y = {.label = "density of disks / (time / length)", .least = 0.0},
-                 .curves = {{.label = "measured",
-                             .file = "speed_distribution.csv",
-                             .x = "speed",
-                             .y = "density",
-                             .error = "error",
-                             .style = PlotStyle::points},
-                            {.label = "Maxwell", .file = "speed_distribution.csv", .x = "speed", .y = "maxwell"}},
-                 .key = PlotKey::top_right});
-  }
+  draw_curves(artist, disks_of(setup).agents.column<Radius>());
 }
 
 /// An entry of a table as a condition of a plot names it.

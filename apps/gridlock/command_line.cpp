@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <new>
 #include <string>
 
@@ -29,7 +30,9 @@ void refuse_empty_values(CLI::App& app) {
   }
 }
 
-ExitCode run_command_line(int argc, char** argv) {
+using AddCommand = std::function<void(CLI::App& app, ExitCode& exit_code)>;
+
+ExitCode run_command_line(int argc, char** argv, AddCommand const& add_more) {
   if (argc > 0) cli::set_program_name(std::filesystem::path(argv[0]).filename().string());
   CLI::App app{"gridlock: simulates many agents that interact only with nearby neighbours", cli::program_name()};
   app.set_version_flag("--version", std::string("gridlock ") + gridlock::version());
@@ -41,16 +44,17 @@ ExitCode run_command_line(int argc, char** argv) {
   cli::add_resume(app, exit_code);
   cli::add_sweep(app, exit_code);
   cli::add_collect(app, exit_code);
-  cli::add_paper(app, exit_code);
   cli::add_check(app, exit_code);
   cli::add_explain(app, exit_code);
   cli::add_info(app, exit_code);
   cli::add_plot(app, exit_code);
   cli::add_export(app, exit_code);
   cli::add_movie(app, exit_code);
+  if (add_more) add_more(app, exit_code);
   refuse_empty_values(app);
   for (CLI::App* const command : app.get_subcommands({})) command->group("Commands");
-  app.footer(fmt::format("Start with:  {0} paper --quick    or    {0} explain", cli::program_name()));
+  std::string const example = add_more ? fmt::format("{} paper --quick    or    ", cli::program_name()) : "";
+  app.footer(fmt::format("Start with:  {}{} explain", example, cli::program_name()));
   try {
     app.parse(argc, argv);
   } catch (CLI::ParseError const& error) {
@@ -65,9 +69,9 @@ ExitCode run_command_line(int argc, char** argv) {
 
 }  // namespace
 
-int command_line(int argc, char** argv) {
+int cli::command_line(int argc, char** argv, AddCommand const& add_more) {
   try {
-    return static_cast<int>(run_command_line(argc, argv));
+    return static_cast<int>(run_command_line(argc, argv, add_more));
   } catch (gridlock::Error const& error) {
     for (gridlock::Problem const& problem : error.problems()) {
       fmt::print(stderr, "error: {}\n", gridlock::to_text(problem));
@@ -81,5 +85,7 @@ int command_line(int argc, char** argv) {
     return static_cast<int>(ExitCode::run_failed);
   }
 }
+
+int command_line(int argc, char** argv) { return cli::command_line(argc, argv, {}); }
 
 }  // namespace gridlock

@@ -13,8 +13,10 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/engine/engine.hpp"
 #include "gridlock/simulation/configuration.hpp"
 #include "gridlock/simulation/run.hpp"
+#include "gridlock/simulation/simulate.hpp"
 #include "io/nearest_name.hpp"
 #include "verbs.hpp"
 
@@ -29,8 +31,9 @@ std::vector<ColumnInfo> measured_columns() {
   return columns;
 }
 
-std::string explained(ColumnInfo const& column) {
-  return fmt::format("{}\n    {}\n    column of series.csv, {}\n", column.name, column.documentation,
+std::string explained(ColumnInfo const& column, std::string_view where = "series.csv") {
+  std::string const documentation = column.documentation.empty() ? "" : fmt::format("    {}\n", column.documentation);
+  return fmt::format("{}\n{}    column of {}, {}\n", column.name, documentation, where,
                      column.unit.empty() ? "a pure number" : "in " + column.unit);
 }
 
@@ -70,27 +73,103 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 9> abbreviat
     {"k", "engine.cells"},
 }};
 
-/// The name behind an abbreviation, the nearest name, or else all names that hold the word; empty where there are none.
-std::string meant_by(std::string key) {
+std::optional<std::string> name_of_abbreviation(std::string key) {
   std::ranges::transform(key, key.begin(),
                          [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  auto const abbreviation = std::ranges::find(abbreviations, key, [](auto const& entry) { return entry.first; });
-  if (abbreviation != abbreviations.end()) return std::string(abbreviation->second);
+  auto const found = std::ranges::find(abbreviations, key, [](auto const& entry) { return entry.first; });
+  return found == abbreviations.end() ? std::nullopt : std::optional<std::string>(found->second);
+}
+
+/// A column of a table that some runs write.
+struct ColumnElsewhere {
+  ColumnInfo column;
+  std::string file;
+  std::vector<std::string> models = {};  ///< whose runs write it; empty: any
+};
+
+/// The columns of the measured curves, from the shortest run that has all of them.
+std::vector<ColumnElsewhere> columns_of_curves() {
+  Configuration configuration;
+  configuration.disks = {.count = 16, .packing_fraction = 0.3};
+  configuration.run.steps = 2;
+  configuration.observe.every = 1;
+  configuration.observe.structure_every = 1;
+  std::vector<ColumnElsewhere> columns;
+  for (Distribution const& distribution : simulate(set_up(configuration)).distributions) {
+    for (ColumnInfo const& column : distribution.columns) columns.push_back({column, distribution.name + ".csv"});
+  }
+  return columns;
+}
+
+/// The columns that the models add to the series, each at the settings it has by itself; a model that needs settings tells
+/// none.
+std::vector<ColumnElsewhere> columns_of_models() {
+  std::vector<ColumnElsewhere> columns;
+  Configuration const known;
+  for (auto const& kind : known.models.all()) {
+    Configuration configuration;
+    configuration.model.kind = kind->name();
+    try {
+      for (ColumnInfo const& column : set_up(configuration).simulation->columns()) {
+        columns.push_back({column, "series.csv", {std::string(kind->name())}});
+      }
+    } catch (Error const&) {
+      continue;
+    }
+  }
+  return columns;
+}
+
+/// All that measured_columns() does not have.
+std::vector<ColumnElsewhere> columns_elsewhere() {
+  std::vector<ColumnInfo> const everywhere = measured_columns();
+  std::vector<ColumnElsewhere> columns = columns_of_models();
+  std::ranges::move(columns_of_curves(), std::back_inserter(columns));
+  std::erase_if(columns, [&](ColumnElsewhere const& elsewhere) {
+    return std::ranges::find(everywhere, elsewhere.column.name, &ColumnInfo::name) != everywhere.end();
+  });
+  return columns;
+}
+
+std::string explained_elsewhere(std::string_view key) {
+  std::vector<ColumnElsewhere> told;
+  for (ColumnElsewhere& column : columns_elsewhere()) {
+    if (column.column.name != key && key != "observables") continue;
+    // Several models say the same of what they have in common.
+    auto const same = std::ranges::find_if(told, [&](ColumnElsewhere const& other) {
+      return other.column.name == column.column.name && other.column.documentation == column.column.documentation;
+    });
+    if (same == told.end()) {
+      told.push_back(std::move(column));
+    } else {
+      std::ranges::move(column.models, std::back_inserter(same->models));
+    }
+  }
+  std::string text;
+  for (auto const& [column, file, models] : told) {
+    std::string const of_models = models.empty() ? "" : fmt::format(" of the model {}", fmt::join(models, ", "));
+    text += fmt::format("{}{}", text.empty() ? "" : "\n", explained(column, file + of_models));
+  }
+  for (EngineRecord const& engine : engine_records()) {
+    if (engine.name == key) text += fmt::format("{}\n    {}\n    a value of engine.kind\n", key, engine.documentation);
+  }
+  return text;
+}
+
+/// The nearest name, or else all names that hold the word; empty where there are none.
+std::string meant_by(std::string const& key) {
+  Configuration configuration;
   std::vector<std::string> names;
   for (ColumnInfo const& column : measured_columns()) names.push_back(column.name);
-  std::string nearest = nearest_name(key, names);
+  for (ColumnElsewhere const& column : columns_elsewhere()) names.push_back(column.column.name);
+  std::string nearest = nearest_setting(describing(configuration), key);
+  if (nearest.empty()) nearest = nearest_name(key, names);
   if (!nearest.empty()) return nearest;
   constexpr std::size_t least_letters = 3;
   if (key.size() < least_letters) return "";
-  Configuration configuration;
   for (std::string& setting : setting_keys(describing(configuration))) names.push_back(std::move(setting));
   std::erase_if(names, [&](std::string const& name) { return name.find(key) == std::string::npos; });
   return fmt::format("{}", fmt::join(names, ", "));
-}
-
-std::string hint_on_columns(std::string_view key) {
-  std::string const names = meant_by(std::string(key));
-  return names.empty() ? ", gridlock explain observables all columns" : fmt::format("; did you mean {}?", names);
 }
 
 /// Errors: Error for a setting or a column of another name in earlier versions, with its present one.
@@ -105,20 +184,35 @@ void refuse_former_name(std::string const& key) {
                .hint = fmt::format("gridlock explain {} says what it is", *present)});
 }
 
-/// A setting, a table or a column. Errors: Error for a key that is none of them.
+/// Whether a key is the last part of the names of settings, as "speed" of engine.speed: columns may be called so too.
+bool is_last_part(Configuration& configuration, std::string const& key) {
+  std::string const last = "." + key;
+  std::vector<std::string> const settings = setting_keys(describing(configuration));
+  return std::ranges::any_of(settings, [&](std::string const& setting) { return setting.ends_with(last); });
+}
+
+/// A setting, a table, a column, an engine or an abbreviation. Errors: Error for a key that is none of them.
 std::string explained(std::string const& key) {
-  std::string observables = explained_observables(key);
-  if (!observables.empty()) return observables;
+  if (auto const name = name_of_abbreviation(key)) return fmt::format("{} is {}\n\n{}", key, *name, explained(*name));
+  std::string text = explained_observables(key);
+  if (key == "observables") return fmt::format("{}\n{}", text, explained_elsewhere(key));
+  if (!text.empty()) return text;
   refuse_former_name(key);
   Configuration configuration;
   try {
-    return explain(describing(configuration), key);
-  } catch (Error const& error) {
-    Problem problem = error.problems().front();
-    problem.what = fmt::format("there is no setting and no column \"{}\"", key);
-    if (!problem.hint.starts_with("did you mean")) problem.hint += hint_on_columns(key);
-    throw Error(problem);
+    text = explain(describing(configuration), key);
+    if (!is_last_part(configuration, key)) return text;
+  } catch (Error const&) {
+    text.clear();
   }
+  std::string const elsewhere = explained_elsewhere(key);
+  if (!text.empty() && !elsewhere.empty()) text += '\n';
+  text += elsewhere;
+  if (!text.empty()) return text;
+  std::string const names = meant_by(key);
+  throw Error({.what = fmt::format("there is no setting and no column \"{}\"", key),
+               .hint = names.empty() ? "gridlock explain lists all settings, gridlock explain observables all columns"
+                                     : fmt::format("did you mean {}?", names)});
 }
 
 }  // namespace

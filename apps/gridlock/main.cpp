@@ -1,3 +1,3 @@
-#include "gridlock/command_line.hpp"
+#include "verbs.hpp"
 
-int main(int argc, char** argv) { return gridlock::command_line(argc, argv); }
+int main(int argc, char** argv) { return gridlock::cli::command_line(argc, argv, gridlock::cli::add_paper); }

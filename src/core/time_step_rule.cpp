@@ -7,14 +7,19 @@
 
 namespace gridlock {
 
-std::string where_time_steps_mislead(Box const& box, Disks const& disks) {
-  constexpr double dense = 0.72;
-  std::vector<std::string> reasons;
-  if (box.is_periodic()) reasons.emplace_back("the centre of all disks drifts in a periodic box");
+TimeStepCaveats time_step_caveats(Box const& box, Disks const& disks) {
+  TimeStepCaveats caveats{.centre_drifts = box.is_periodic(), .too_dense = std::nullopt};
   double const packing_fraction = covered_area(disks) / box.area();
-  if (packing_fraction > dense) {
+  if (packing_fraction > TimeStepCaveats::largest_packing_fraction) caveats.too_dense = packing_fraction;
+  return caveats;
+}
+
+std::string in_words(TimeStepCaveats const& caveats) {
+  std::vector<std::string> reasons;
+  if (caveats.centre_drifts) reasons.emplace_back("the centre of all disks drifts in a periodic box");
+  if (caveats.too_dense) {
     reasons.push_back(fmt::format("displacements can be wrong by factors above a packing fraction of {} (here {:.3g})",
-                                  dense, packing_fraction));
+                                  TimeStepCaveats::largest_packing_fraction, *caveats.too_dense));
   }
   return fmt::format("{}", fmt::join(reasons, ", and "));
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <string_view>
 
@@ -101,9 +102,11 @@ EngineRecord exact_record() {
           .has_time_step = false,
           .bytes_per_disk = 320.0,
           .bytes_per_disk_of_checkpoint = 139.0,
-          .uses =
+          .unused_because_of =
               [](EngineSettings const& /*settings*/, std::string_view setting) {
-                return setting == "kind" || setting == "time_step" || setting == "speed" || setting == "audit_every";
+                bool const is_used =
+                    setting == "kind" || setting == "time_step" || setting == "speed" || setting == "audit_every";
+                return std::string_view(is_used ? "" : "kind");
               },
           .cost_of_move = [](EngineSettings const& /*settings*/, State const& /*state*/) { return 1.0; },
           .make = [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
@@ -122,11 +125,13 @@ void ExactEngine::require_valid(State const& state) const { require_start(state)
 
 std::vector<Count> ExactEngine::counts(State const& state, Counters const& counters) const {
   std::vector<Count> counts = Engine::counts(state, counters);
-  if (audit_every_ > 0) {
-    counts.push_back({"audits", audits()});
-    counts.push_back({"audits_for_missed_events", audits_for_missed_events()});
-  }
+  std::ranges::move(audits(), std::back_inserter(counts));
   return counts;
+}
+
+std::vector<Count> ExactEngine::audits() const {
+  if (audit_every_ == 0) return {};
+  return {{"audits", made_audits()}, {"audits_for_missed_events", audits_for_missed_events()}};
 }
 
 bool ExactEngine::is_as_left(State const& state) const {
@@ -135,7 +140,7 @@ bool ExactEngine::is_as_left(State const& state) const {
 
 void ExactEngine::start_from(State const& state) {
   require_start(state);
-  earlier_audits_ = audits();
+  earlier_audits_ = made_audits();
   dynamics_ = nullptr;  // first the old memory goes, then the new comes
   dynamics_ = std::make_unique<exact::Dynamics>(state);
   row_hash_ = hash_of_rows(state.agents);
@@ -178,10 +183,12 @@ void ExactEngine::advance(State& state, Counters& counters, StopCondition const&
   hash_ = hash(state);
 }
 
-std::uint64_t ExactEngine::audits() const { return earlier_audits_ + (dynamics_ == nullptr ? 0 : dynamics_->audits()); }
+std::uint64_t ExactEngine::made_audits() const {
+  return earlier_audits_ + (dynamics_ == nullptr ? 0 : dynamics_->audits());
+}
 
 std::uint64_t ExactEngine::audits_for_missed_events() const {
-  return dynamics_ != nullptr && dynamics_->looks_for_missed_events() ? audits() : 0;
+  return dynamics_ != nullptr && dynamics_->looks_for_missed_events() ? made_audits() : 0;
 }
 
 void ExactEngine::leave_at_last_event(State& state, double latest) {
@@ -196,7 +203,7 @@ void ExactEngine::serialize(Archive& archive, State const& state) {
   if (archive.is_restoring()) dynamics_ = has_started ? std::make_unique<exact::Dynamics>(state) : nullptr;
   if (!has_started) return;
   if (audit_every_ > 0) {
-    std::uint64_t all_audits = audits();
+    std::uint64_t all_audits = made_audits();
     archive.visit("audits", all_audits);
     if (archive.is_restoring()) earlier_audits_ = all_audits;
   }

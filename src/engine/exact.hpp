@@ -32,10 +32,11 @@ class ExactEngine final : public Engine {
   [[nodiscard]] double time_step() const override { return duration_; }
   void require_valid(State const& state) const override;
   [[nodiscard]] std::vector<Count> counts(State const& state, Counters const& counters) const override;
+  [[nodiscard]] std::vector<Count> audits() const override;
   void serialize(Archive& archive, State const& state) override;
 
   /// How many audits there have been since the start of the run, all of which found nothing.
-  [[nodiscard]] std::uint64_t audits() const;
+  [[nodiscard]] std::uint64_t made_audits() const;
   /// Those of them that looked for missed events, not for overlaps alone.
   [[nodiscard]] std::uint64_t audits_for_missed_events() const;
 

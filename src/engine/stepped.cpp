@@ -100,10 +100,10 @@ CellLayout stepped_layout(EngineSettings const& settings, State const& state) {
 
 namespace {
 
-bool uses_setting(EngineSettings const& settings, std::string_view setting) {
+std::string_view unused_because_of(EngineSettings const& settings, std::string_view setting) {
   // The packed grid chooses its own cells.
-  if (setting == "cells") return settings.grid == GridKind::linked;
-  return setting != "audit_every" && setting != "threads";
+  if (setting == "cells") return settings.grid == GridKind::linked ? "" : "grid";
+  return setting == "audit_every" || setting == "threads" ? "kind" : "";
 }
 
 /// Lists of few cells have many disks in each, lists of many cells many to look at.
@@ -128,7 +128,7 @@ EngineRecord stepped_record() {
           .documentation = "is the paper's rule, disk after disk",
           .bytes_per_disk = 223.0,
           .bytes_per_cell = 4.0,
-          .uses = uses_setting,
+          .unused_because_of = unused_because_of,
           .cost_of_move = cost_of_move,
           .make = [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
             return std::make_unique<SteppedEngine>(settings, state);

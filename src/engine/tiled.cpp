@@ -164,9 +164,10 @@ EngineRecord tiled_record() {
           .uses_threads = true,
           .bytes_per_disk = 232.0,
           .bytes_per_disk_of_checkpoint = 19.0,
-          .uses =
+          .unused_because_of =
               [](EngineSettings const& /*settings*/, std::string_view setting) {
-                return setting != "audit_every" && setting != "grid" && setting != "cells";
+                bool const is_unused = setting == "audit_every" || setting == "grid" || setting == "cells";
+                return std::string_view(is_unused ? "kind" : "");
               },
           .cost_of_move = [](EngineSettings const& /*settings*/, State const& /*state*/) { return 1.0; },
           .make = [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {

@@ -230,7 +230,8 @@ class Catalogue final : public ValueVisitor {
 };
 
 std::string explained(Entry const& entry) {
-  std::string text = fmt::format("{}\n    {}\n", entry.title(), entry.documentation);
+  std::string text = entry.title() + '\n';
+  if (!entry.documentation.empty()) text += fmt::format("    {}\n", entry.documentation);
   if (entry.is_table && !entry.is_list_of_tables) return text;
   std::string what = entry.type;
   if (!entry.unit.empty()) what += fmt::format(", in {}", entry.unit);
@@ -239,7 +240,8 @@ std::string explained(Entry const& entry) {
   return text + fmt::format("    {}; default: {}\n", what, entry.default_text());
 }
 
-[[noreturn]] void refuse_unknown(std::string_view key, std::vector<Entry> const& entries) {
+/// The setting or table that a key may be a slip of; empty where none is near.
+std::string nearest_entry(std::string_view key, std::vector<Entry> const& entries) {
   std::vector<std::string> paths, names;
   for (Entry const& entry : entries) {
     paths.push_back(entry.path);
@@ -252,6 +254,11 @@ std::string explained(Entry const& entry) {
     std::string const name = nearest_name(last, names);
     if (!name.empty()) nearest = entries[static_cast<std::size_t>(std::ranges::find(names, name) - names.begin())].path;
   }
+  return nearest;
+}
+
+[[noreturn]] void refuse_unknown(std::string_view key, std::vector<Entry> const& entries) {
+  std::string const nearest = nearest_entry(key, entries);
   throw Error(Problem{.what = fmt::format("there is no setting {}", in_quotes(key)),
                       .hint = nearest.empty() ? "gridlock explain without a key lists all settings"
                                               : fmt::format("did you mean {}?", nearest)});
@@ -303,6 +310,10 @@ std::string explain(Describe const& describe, std::string_view key) {
   return text;
 }
 
+std::string nearest_setting(Describe const& describe, std::string_view key) {
+  return nearest_entry(key, Catalogue(describe).entries());
+}
+
 std::optional<std::string> renamed_setting(Describe const& describe, std::string_view key) {
   Catalogue const catalogue(describe);
   for (Entry const& entry : catalogue.entries()) {
@@ -318,6 +329,12 @@ std::vector<std::string> setting_keys(Describe const& describe) {
     if (!entry.is_table) keys.push_back(entry.path);
   }
   return keys;
+}
+
+std::string value_in_toml(Describe const& describe, std::string_view key) {
+  Catalogue const catalogue(describe);
+  auto const found = std::ranges::find(catalogue.entries(), key, &Entry::path);
+  return found == catalogue.entries().end() ? std::string() : found->value;
 }
 
 std::string reference_markdown(Describe const& describe) {

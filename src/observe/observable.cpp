@@ -1,11 +1,15 @@
 #include "gridlock/observe/observable.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <iterator>
 #include <string_view>
 #include <utility>
 
 #include "gridlock/core/disks.hpp"
+#include "gridlock/core/error.hpp"
 #include "observe/bond_orientation.hpp"
 #include "observe/displacement.hpp"
 #include "observe/energy.hpp"
@@ -79,6 +83,14 @@ std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const&
   });
   for (auto const& observable : observables) observable->begin(start);
   return observables;
+}
+
+void require_columns(Observable const& observable, Snapshot const& start) {
+  for (std::string_view const name : observable.requirements(start.box).columns) {
+    if (start.agents.has(name)) continue;
+    throw Error({.what = fmt::format("an observable needs a column {}, which the agents do not have", name),
+                 .hint = fmt::format("they have {}", fmt::join(start.agents.names(), ", "))});
+  }
 }
 
 std::vector<ColumnInfo> observed_columns() {

@@ -50,24 +50,6 @@ void refuse_tables_of_others(Configuration const& configuration, IsGiven const& 
   if (!problems.empty()) throw Error(std::move(problems));
 }
 
-struct EngineSetting {
-  std::string_view name;
-  bool is_default;
-};
-
-std::vector<EngineSetting> settings_of(EngineSettings const& engine) {
-  EngineSettings const usual;
-  return {{"kind", engine.kind == usual.kind},
-          {"time_step", engine.time_step == usual.time_step},
-          {"speed", !engine.speed},
-          {"substeps", engine.substeps == usual.substeps},
-          {"cells", !engine.cells},
-          {"contact", engine.contact == usual.contact},
-          {"audit_every", engine.audit_every == usual.audit_every},
-          {"grid", engine.grid == usual.grid},
-          {"threads", engine.threads == usual.threads}};
-}
-
 /// The ends of a run that are known beforehand, from its start.
 struct End {
   double step = std::numeric_limits<double>::infinity();
@@ -136,21 +118,18 @@ void check_end(Setup const& setup) {
 
 std::vector<Event> unused_settings(Configuration const& configuration, IsGiven const& is_given) {
   ModelKind const& kind = configuration.kind();
-  std::string const model = fmt::format("model.kind = \"{}\"", configuration.model.kind);
+  Configuration described = configuration;
+  Configuration usual;
   std::vector<Event> notes;
-  auto const look_at = [&](std::string key, bool is_default) {
-    if (kind.uses(configuration, key) || !is_given(key)) return;
-    bool const is_of_engine = key.starts_with("engine.") && !kind.choices(configuration).empty();
-    std::string const choice = is_of_engine ? fmt::format("engine.kind = \"{}\"", configuration.engine.kind) : model;
+  for (std::string const& key : setting_keys(describing(described))) {
+    if (!is_given(key)) continue;
+    std::string const choice = kind.unused_because_of(configuration, key);
+    if (choice.empty()) continue;
     notes.push_back({.kind = EventKind::unused_setting,
-                     .key = std::move(key),
+                     .key = key,
                      .values = {{"choice", choice}},
-                     .is_default = is_default});
-  };
-  for (EngineSetting const& setting : settings_of(configuration.engine)) {
-    look_at(fmt::format("engine.{}", setting.name), setting.is_default);
+                     .is_default = value_in_toml(describing(described), key) == value_in_toml(describing(usual), key)});
   }
-  look_at("model.verify_every", configuration.model.verify_every == 0);
   return notes;
 }
 

@@ -217,11 +217,16 @@ void require_collisions(RunSettings const& run, State const& state) {
 /// Where the engine has a time step and that is known to mislead.
 std::optional<Event> misleading_rule(State const& state, EngineRecord const& engine) {
   if (!engine.has_time_step) return std::nullopt;
-  std::string const reasons = where_time_steps_mislead(state.box, state.agents);
-  if (reasons.empty()) return std::nullopt;
-  return Event{.kind = EventKind::misleading_rule,
-               .key = "engine.kind",
-               .values = {{"choice", fmt::format("engine.kind = \"{}\"", engine.name)}, {"reasons", reasons}}};
+  TimeStepCaveats const caveats = time_step_caveats(state.box, state.agents);
+  if (!caveats.any()) return std::nullopt;
+  Event event{
+      .kind = EventKind::misleading_rule, .key = "engine.kind", .values = {{"engine", std::string(engine.name)}}};
+  if (caveats.centre_drifts) event.values.emplace_back("centre_drifts", std::uint64_t{1});
+  if (caveats.too_dense) {
+    event.values.emplace_back("packing_fraction", *caveats.too_dense);
+    event.values.emplace_back("largest_packing_fraction", TimeStepCaveats::largest_packing_fraction);
+  }
+  return event;
 }
 
 std::optional<Event> nothing_moves(State const& state, VelocitySettings const& velocities) {
@@ -248,10 +253,19 @@ class DisksKind final : public ModelKind {
             {"engine", "How the disks move; of other models the threads.",
              [&](SettingVisitor& visitor) { describe(configuration.engine, visitor); }}};
   }
-  [[nodiscard]] bool uses(Configuration const& configuration, std::string_view key) const override {
+  [[nodiscard]] std::string unused_because_of(Configuration const& configuration, std::string_view key) const override {
     constexpr std::string_view table = "engine.";
-    if (!key.starts_with(table)) return false;
-    return engine_record(configuration.engine.kind).uses(configuration.engine, key.substr(table.size()));
+    if (key == "model.verify_every") return "model.kind = \"disks\"";
+    if (key == "disks.start" && !configuration.disks.file.empty() && configuration.disks.start != StartKind::file) {
+      return "disks.file";
+    }
+    if (!key.starts_with(table)) return "";
+    EngineSettings const& engine = configuration.engine;
+    std::string_view const decides = engine_record(engine.kind).unused_because_of(engine, key.substr(table.size()));
+    if (decides.empty()) return "";
+    std::string const name = fmt::format("engine.{}", decides);
+    Configuration described = configuration;
+    return fmt::format("{} = {}", name, value_in_toml(describing(described), name));
   }
   [[nodiscard]] bool uses_threads(Configuration const& configuration) const override {
     return engine_record(configuration.engine.kind).uses_threads;

@@ -8,12 +8,15 @@
 #include <optional>
 #include <set>
 
+#include "gridlock/core/detail/time_step_rule.hpp"
+
 namespace gridlock {
 
 namespace {
 
-constexpr std::array<std::string_view, 16> kind_texts{"unused_setting",
+constexpr std::array<std::string_view, 17> kind_texts{"unused_setting",
                                                       "misleading_rule",
+                                                      "note_of_model",
                                                       "frames_beyond_end",
                                                       "nothing_moves",
                                                       "start_not_tried",
@@ -56,10 +59,14 @@ std::string text_of_setup(Event const& event) {
   switch (event.kind) {
     case EventKind::unused_setting:
       return fmt::format("{} has no effect with {}", event.key, of.word("choice"));
-    case EventKind::misleading_rule:
-      if (find(event, "text") != nullptr) return of.word("text");
-      return fmt::format("with {} {}, because of its time step; \"exact\" has none", of.word("choice"),
-                         of.word("reasons"));
+    case EventKind::misleading_rule: {
+      TimeStepCaveats caveats{.centre_drifts = of.count("centre_drifts") != 0};
+      if (find(event, "packing_fraction") != nullptr) caveats.too_dense = of.number("packing_fraction");
+      return fmt::format("with engine.kind = \"{}\" {}, because of its time step; \"exact\" has none",
+                         of.word("engine"), in_words(caveats));
+    }
+    case EventKind::note_of_model:
+      return of.word("text");
     case EventKind::frames_beyond_end:
       return fmt::format("{} of {} in {} lie{} beyond the end of the run at {} {:.6g}: no frame there",
                          of.count("beyond"), of.count("asked_for"), event.key, of.count("beyond") == 1 ? "s" : "",

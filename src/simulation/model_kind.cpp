@@ -56,8 +56,9 @@ std::vector<SettingTable> AgentsKind::tables(Configuration& configuration) {
            [this](SettingVisitor& visitor) { describe_model(visitor); }}};
 }
 
-bool AgentsKind::uses(Configuration const& configuration, std::string_view key) const {
-  return key == "model.verify_every" || (key == "engine.threads" && uses_threads(configuration));
+std::string AgentsKind::unused_because_of(Configuration const& configuration, std::string_view key) const {
+  bool const is_used = !key.starts_with("engine.") || (key == "engine.threads" && uses_threads(configuration));
+  return is_used ? "" : fmt::format("model.kind = \"{}\"", name());
 }
 
 std::vector<MemoryDemand> AgentsKind::memory(Configuration const& /*configuration*/) const {
@@ -84,7 +85,7 @@ void AgentsKind::build(Setup& setup, SetupOptions const& options) const {
                            .verify_every = configuration.model.verify_every},
                           configuration.observe, notes);
   for (std::string const& text : notes) {
-    setup.notes.push_back({.kind = EventKind::misleading_rule, .key = "model.kind", .values = {{"text", text}}});
+    setup.notes.push_back({.kind = EventKind::note_of_model, .key = "model.kind", .values = {{"text", text}}});
   }
 }
 

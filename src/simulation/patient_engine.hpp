@@ -33,6 +33,7 @@ class PatientEngine final : public EngineFor<HardDisks> {
   [[nodiscard]] std::vector<Count> counts(State const& state, Counters const& counters) const override {
     return engine_->counts(state, counters);
   }
+  [[nodiscard]] std::vector<Count> audits() const override { return engine_->audits(); }
   void serialize(Archive& archive, State const& state) override { engine_->serialize(archive, state); }
 
  private:

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <iterator>
 #include <utility>
@@ -80,9 +79,19 @@ RunPlan plan_of(Setup const& setup) {
           .equilibration = setup.configuration.observe.equilibration};
 }
 
+void throw_other_model(Setup const& setup) {
+  if (setup.simulation == nullptr) {
+    throw Error(Problem{.what = "this set-up has no simulation: its slow start was left out", .key = "model.kind"});
+  }
+  throw Error({.what = fmt::format("this set-up simulates the model \"{}\", not the one that was asked for",
+                                   setup.configuration.model.kind),
+               .hint = "name its type, simulate<Model>(), or use Run with setup.simulation, which serves every model",
+               .key = "model.kind"});
+}
+
 State const& disks_of(Setup const& setup) {
   auto const* const disks = dynamic_cast<DiskSimulation const*>(setup.simulation.get());
-  assert(disks != nullptr);
+  if (disks == nullptr) throw_other_model(setup);
   return disks->world();
 }
 

@@ -43,11 +43,9 @@ Json to_json(std::vector<Count> const& counts) {
 }
 
 /// What was audited; nothing where no audit was asked for.
-std::optional<Event> audit_event(std::vector<Count> const& counts) {
+std::optional<Event> audit_event(Simulation const& simulation) {
   Event event{.kind = EventKind::audited, .severity = Severity::info};
-  for (Count const& count : counts) {
-    if (count.name.starts_with("audits")) event.values.emplace_back(count.name, count.value);
-  }
+  for (auto const& [name, value] : simulation.audits()) event.values.emplace_back(name, value);
   return event.values.empty() ? std::nullopt : std::optional(event);
 }
 
@@ -283,7 +281,7 @@ class RunInDirectory {
                                                 : remove_checkpoints(directory_);
     }
     remove_leftovers(directory_);
-    if (auto const audits = audit_event(record.counts)) log_.write(*audits);
+    if (auto const audits = audit_event(simulation_)) log_.write(*audits);
     log_.write({.kind = EventKind::ended,
                 .severity = Severity::info,
                 .step = record.clock.step,

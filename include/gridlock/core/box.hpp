@@ -1,5 +1,15 @@
 #pragma once
 
+/// \file
+/// The box: a rectangle with walls or periodic edges, and distances in it.
+///
+/// ```cpp
+/// Box const box(2.0, 1.0, Edge::periodic);
+/// Vector const separation = box.displacement({1.9, 0.5}, {0.1, 0.5});  // (0.2, 0), to the nearest image
+/// int crossed_x = 0, crossed_y = 0;
+/// Vector const inside = box.wrap({2.1, 0.5}, crossed_x, crossed_y);  // (0.1, 0.5), and crossed_x is 1
+/// ```
+
 #include <cmath>
 
 #include "gridlock/core/vector.hpp"
@@ -17,13 +27,6 @@ enum class Edge { wall, periodic };
 /// In a periodic box every displacement is the minimum image, which is the right one only while the distances asked
 /// for stay below half the shorter side; engines refuse boxes too small for their cutoff.
 /// Errors: a side that is not finite and positive throws Error.
-///
-/// ```cpp
-/// Box const box(2.0, 1.0, Edge::periodic);
-/// Vector const separation = box.displacement({1.9, 0.5}, {0.1, 0.5});  // (0.2, 0), to the nearest image
-/// int crossed_x = 0, crossed_y = 0;
-/// Vector const inside = box.wrap({2.1, 0.5}, crossed_x, crossed_y);  // (0.1, 0.5), and crossed_x is 1
-/// ```
 class Box {
  public:
   Box() = default;

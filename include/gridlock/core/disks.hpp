@@ -1,5 +1,15 @@
 #pragma once
 
+/// \file
+/// Hard disks as agents, and their world, the State.
+///
+/// ```cpp
+/// Disks disks;
+/// Id const id = disks.add(0.5, 0.5, 1.0, 0.0, 0.1, 1.0, 0, 0);  // x, y, vx, vy, radius, mass, images
+/// Vector const v = velocity(disks, disks.index_of(id));
+/// double const energy = kinetic_energy(disks);  // 0.5
+/// ```
+
 #include <cstddef>
 #include <cstdint>
 
@@ -46,13 +56,6 @@ struct ImageY {
 };
 
 /// Hard disks: centre, velocity, radius, mass, and the periodic image the centre has travelled to.
-///
-/// ```cpp
-/// Disks disks;
-/// Id const id = disks.add(0.5, 0.5, 1.0, 0.0, 0.1, 1.0, 0, 0);  // x, y, vx, vy, radius, mass, images
-/// Vector const v = velocity(disks, disks.index_of(id));
-/// double const energy = kinetic_energy(disks);  // 0.5
-/// ```
 using Disks = Population<X, Y, VelocityX, VelocityY, Radius, Mass, ImageX, ImageY>;
 
 inline Vector position(Disks const& disks, std::size_t i) { return {disks.column<X>()[i], disks.column<Y>()[i]}; }

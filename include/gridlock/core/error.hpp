@@ -1,5 +1,16 @@
 #pragma once
 
+/// \file
+/// The two errors that the library throws: Error for input, RunFailure for a run that broke.
+///
+/// ```cpp
+/// try {
+///   throw Error({.what = "the temperature is -1", .hint = "use a number above 0", .key = "gas.temperature"});
+/// } catch (Error const& error) {
+///   for (Problem const& problem : error.problems()) std::string const text = to_text(problem);
+/// }
+/// ```
+
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -21,14 +32,6 @@ struct Problem {
 std::string to_text(Problem const& problem);
 
 /// The user's input cannot be used; carries every problem found, not only the first. Exit code 2 of the command line.
-///
-/// ```cpp
-/// try {
-///   throw Error({.what = "the temperature is -1", .hint = "use a number above 0", .key = "gas.temperature"});
-/// } catch (Error const& error) {
-///   for (Problem const& problem : error.problems()) std::string const text = to_text(problem);
-/// }
-/// ```
 class Error : public std::runtime_error {
  public:
   explicit Error(Problem problem);

@@ -1,5 +1,17 @@
 #pragma once
 
+/// \file
+/// All agents and all columns at one step, as they are written to files and read back.
+///
+/// ```cpp
+/// #include "gridlock/core/disks.hpp"
+///
+/// Population<X, Y> points;
+/// points.add(0.25, 0.5);
+/// Frame const frame = frame_of(Box(1.0, 1.0, Edge::wall), Clock{}, 7, points);
+/// FrameColumn const* const x = frame.find("x");
+/// ```
+
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -32,15 +44,6 @@ struct FrameColumn {
 ///
 /// Rows are in the order of the Ids, so that two frames of the same agents are the same whatever the order of the rows
 /// in memory was.
-///
-/// ```cpp
-/// #include "gridlock/core/disks.hpp"
-///
-/// Population<X, Y> points;
-/// points.add(0.25, 0.5);
-/// Frame const frame = frame_of(Box(1.0, 1.0, Edge::wall), Clock{}, 7, points);
-/// FrameColumn const* const x = frame.find("x");
-/// ```
 struct Frame {
   Box box;
   Clock clock;

@@ -1,5 +1,21 @@
 #pragma once
 
+/// \file
+/// Agents in columns, with Ids that keep their meaning while rows move.
+///
+/// ```cpp
+/// struct Age {
+///   using type = double;
+///   static constexpr char const* name = "age";
+/// };
+/// inline void live() {
+///   Population<Age> people;
+///   Id const id = people.add(30.0);
+///   people.column<Age>()[people.index_of(id)] += 1.0;
+///   people.remove(id);
+/// }
+/// ```
+
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
@@ -29,19 +45,6 @@ using Id = std::uint64_t;
 /// and read as `population.column<Radius>()[index]`. Rows have no lasting place: remove() moves the last row into the
 /// gap, so keep an Id, not an index, across births and deaths.
 /// Cost: add and remove O(1), no allocation per agent. Contract: an Id passed in is alive (asserted).
-///
-/// ```cpp
-/// struct Age {
-///   using type = double;
-///   static constexpr char const* name = "age";
-/// };
-/// inline void live() {
-///   Population<Age> people;
-///   Id const id = people.add(30.0);
-///   people.column<Age>()[people.index_of(id)] += 1.0;
-///   people.remove(id);
-/// }
-/// ```
 template <class... Columns>
 class Population {
  public:

@@ -1,5 +1,14 @@
 #pragma once
 
+/// \file
+/// Random numbers that are a function of seed, step, agent and purpose.
+///
+/// ```cpp
+/// RandomStream random(7, 100, 3, purpose_of_turn(0));  // seed, step, Id, purpose
+/// double const angle = 6.283 * random.uniform();
+/// std::uint64_t const die = 1 + random.below(6);
+/// ```
+
 #include <array>
 #include <cstdint>
 
@@ -30,12 +39,6 @@ constexpr Purpose purpose_of_turn(std::uint64_t number) {
 /// order. Philox-4x64-10, period 2⁶⁴ blocks per stream (Salmon et al. 2011, doi:10.1145/2063384.2063405).
 /// Uniform and normal numbers come out of exactly rounded operations alone, so every compiler gives the same bits.
 /// Cost: about 12 ns for every four numbers, which are drawn at once.
-///
-/// ```cpp
-/// RandomStream random(7, 100, 3, purpose_of_turn(0));  // seed, step, Id, purpose
-/// double const angle = 6.283 * random.uniform();
-/// std::uint64_t const die = 1 + random.below(6);
-/// ```
 class RandomStream {
  public:
   RandomStream(std::uint64_t seed, std::uint64_t step, Id id, Purpose purpose)

@@ -1,5 +1,17 @@
 #pragma once
 
+/// \file
+/// How a struct describes its settings: key, unit, bounds and documentation of each.
+///
+/// ```cpp
+/// struct Gas {
+///   double temperature = 1.0;
+///   void describe(SettingVisitor& visitor) {
+///     visitor.visit({.key = "temperature", .documentation = "How hot the gas is.", .least = 0.0}, temperature);
+///   }
+/// };
+/// ```
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -30,15 +42,6 @@ struct SettingInfo {
 ///
 /// An aggregate describes itself once, in `void describe(Settings&, SettingVisitor&)`; reading TOML, --set, writing the
 /// resolved configuration, `gridlock explain` and the reference page are visitors, so that none of them can drift apart.
-///
-/// ```cpp
-/// struct Gas {
-///   double temperature = 1.0;
-///   void describe(SettingVisitor& visitor) {
-///     visitor.visit({.key = "temperature", .documentation = "How hot the gas is.", .least = 0.0}, temperature);
-///   }
-/// };
-/// ```
 class SettingVisitor {
  public:
   virtual ~SettingVisitor() = default;

@@ -1,5 +1,23 @@
 #pragma once
 
+/// \file
+/// The world of a model: box, agents, clock and seed.
+///
+/// ```cpp
+/// #include "gridlock/core/disks.hpp"
+///
+/// struct Walkers {
+///   using Agents = Population<X, Y>;
+/// };
+/// inline std::uint64_t start() {
+///   World<Walkers> world{.box = Box(1.0, 1.0, Edge::periodic), .seed = 7};
+///   RandomStream random = world.start_random(0);
+///   Vector const p = world.anywhere(random);
+///   world.agents.add(p.x, p.y);
+///   return hash(world);
+/// }
+/// ```
+
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -42,21 +60,6 @@ using EventCounts = std::array<std::uint64_t, event_names<Model>().size()>;
 /// settings.
 ///
 /// `Model` names the columns, `using Agents = Population<X, Y, …>`. Hard disks are one model, see State.
-///
-/// ```cpp
-/// #include "gridlock/core/disks.hpp"
-///
-/// struct Walkers {
-///   using Agents = Population<X, Y>;
-/// };
-/// inline std::uint64_t start() {
-///   World<Walkers> world{.box = Box(1.0, 1.0, Edge::periodic), .seed = 7};
-///   RandomStream random = world.start_random(0);
-///   Vector const p = world.anywhere(random);
-///   world.agents.add(p.x, p.y);
-///   return hash(world);
-/// }
-/// ```
 template <class Model>
 struct World {
   using Agents = typename Model::Agents;

@@ -1,5 +1,17 @@
 #pragma once
 
+/// \file
+/// What advances a world: engines, their settings and records, and the counters that they keep.
+///
+/// ```cpp
+/// #include "gridlock/lattice/start.hpp"
+///
+/// State state = make_start(Box(1.0, 1.0, Edge::wall), {.count = 100, .packing_fraction = 0.5}, 1);
+/// draw_velocities(state, {});
+/// Counters counters;
+/// make_engine({.kind = "tiled"}, state)->advance(state, counters, {.step = 1000});
+/// ```
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -89,6 +101,9 @@ class EngineFor {
   /// What happened, by name.
   [[nodiscard]] virtual std::vector<Count> counts(World<Model> const& world, Counters const& counters) const = 0;
 
+  /// How often the checks were made that EngineSettings::audit_every asks for, by name; empty where it asks for none.
+  [[nodiscard]] virtual std::vector<Count> audits() const { return {}; }
+
   /// Serializes what the engine keeps between two calls of advance() besides the world, which has been serialized before:
   /// restored into an engine made for the same start, it continues with the same bits. Most keep nothing.
   virtual void serialize(Archive& /*archive*/, World<Model> const& /*world*/) {}
@@ -137,8 +152,9 @@ struct EngineRecord {
   double bytes_per_disk = 0.0;                ///< at the peak of a run, all of the program counted
   double bytes_per_disk_of_checkpoint = 0.0;  ///< what a checkpoint adds to that peak
   double bytes_per_cell = 0.0;                ///< of the cells that engine.cells asks for
-  /// Whether a run depends on a setting of the table [engine].
-  bool (*uses)(EngineSettings const& settings, std::string_view setting) = nullptr;
+  /// The setting of the table [engine] because of which a run does not depend on another one of it: "kind", or "grid" for
+  /// cells that the packed grid chooses by itself. Empty where it depends on it.
+  std::string_view (*unused_because_of)(EngineSettings const& settings, std::string_view setting) = nullptr;
   /// The expected cost of a move, in moves on cells chosen from the sizes.
   double (*cost_of_move)(EngineSettings const& settings, State const& state) = nullptr;
   /// Errors: Error naming the setting for a set-up that the engine cannot treat rightly.
@@ -153,15 +169,6 @@ EngineRecord const& engine_record(std::string_view kind);
 
 /// Makes the engine named by settings.kind for a valid state.
 /// Errors: Error naming the setting for an unknown kind, or for a set-up the engine cannot treat rightly.
-///
-/// ```cpp
-/// #include "gridlock/lattice/start.hpp"
-///
-/// State state = make_start(Box(1.0, 1.0, Edge::wall), {.count = 100, .packing_fraction = 0.5}, 1);
-/// draw_velocities(state, {});
-/// Counters counters;
-/// make_engine({.kind = "tiled"}, state)->advance(state, counters, {.step = 1000});
-/// ```
 std::unique_ptr<Engine> make_engine(EngineSettings const& settings, State const& state);
 
 /// The kinds make_engine() knows.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "gridlock/core/box.hpp"
+#include "gridlock/core/error.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/grid/detail/point_pairs.hpp"
 

@@ -1,5 +1,15 @@
 #pragma once
 
+/// \file
+/// Checks that disks neither overlap nor leave the box.
+///
+/// ```cpp
+/// State state{.box = Box(1.0, 1.0, Edge::wall)};
+/// state.agents.add(0.5, 0.5, 0.0, 0.0, 0.1, 1.0, 0, 0);
+/// validate(state);
+/// double const overlap = largest_overlap(state);  // 0
+/// ```
+
 #include "gridlock/core/disks.hpp"
 
 namespace gridlock {
@@ -16,13 +26,6 @@ struct Tolerance {
 /// sum of their radii; an overlap names both Ids and the gap. Sides, radii, masses and the largest speed lie from 10⁻⁶⁰ to
 /// 10⁶⁰, or nothing moves at all, so that no product of them leaves the range of numbers.
 /// Cost: O(N) for disks of similar size.
-///
-/// ```cpp
-/// State state{.box = Box(1.0, 1.0, Edge::wall)};
-/// state.agents.add(0.5, 0.5, 0.0, 0.0, 0.1, 1.0, 0, 0);
-/// validate(state);
-/// double const overlap = largest_overlap(state);  // 0
-/// ```
 void validate(State const& state, Tolerance const& tolerance = {});
 
 /// The overlap that is only rounding: 10⁻¹² diameters of the smallest disk or, in large boxes, a few last digits of the

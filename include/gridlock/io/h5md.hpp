@@ -1,5 +1,16 @@
 #pragma once
 
+/// \file
+/// Trajectories in H5MD: read them, export them.
+///
+/// ```cpp
+/// H5mdReader const trajectory("trajectory.h5");
+/// for (std::size_t k = 0; k < trajectory.frame_count(); ++k) {
+///   Frame const frame = trajectory.frame(k).frame;
+///   auto const& x = std::get<std::vector<double>>(frame.find("x")->values);
+/// }
+/// ```
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -90,14 +101,6 @@ class H5mdWriter {
 ///
 /// Errors: Error naming the file for anything missing, damaged or of another shape; a checksum over every frame finds
 /// what the checks of HDF5 do not see.
-///
-/// ```cpp
-/// H5mdReader const trajectory("trajectory.h5");
-/// for (std::size_t k = 0; k < trajectory.frame_count(); ++k) {
-///   Frame const frame = trajectory.frame(k).frame;
-///   auto const& x = std::get<std::vector<double>>(frame.find("x")->values);
-/// }
-/// ```
 class H5mdReader {
  public:
   explicit H5mdReader(std::filesystem::path path);

@@ -1,5 +1,19 @@
 #pragma once
 
+/// \file
+/// Settings in TOML: read, check, explain and write them.
+///
+/// ```cpp
+/// SettingsFile file = SettingsFile::from_path("gas.toml");
+/// file.set("gas.temperature=2");
+/// double temperature = 1.0;
+/// file.read_into([&](SettingVisitor& visitor) {
+///   visitor.enter("gas", "The gas.");
+///   visitor.visit({.key = "temperature", .documentation = "How hot it is."}, temperature);
+///   visitor.leave();
+/// });
+/// ```
+
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -36,17 +50,6 @@ struct SettingList {
 ///
 /// Nothing but TOML is known here; what may be given, with type, unit and bounds, the visited settings say themselves.
 /// A value, cheap to copy: a sweep copies the file and sets other values on each copy.
-///
-/// ```cpp
-/// SettingsFile file = SettingsFile::from_path("gas.toml");
-/// file.set("gas.temperature=2");
-/// double temperature = 1.0;
-/// file.read_into([&](SettingVisitor& visitor) {
-///   visitor.enter("gas", "The gas.");
-///   visitor.visit({.key = "temperature", .documentation = "How hot it is."}, temperature);
-///   visitor.leave();
-/// });
-/// ```
 class SettingsFile {
  public:
   /// Nothing given.
@@ -112,6 +115,12 @@ std::optional<std::string> renamed_setting(Describe const& describe, std::string
 
 /// The dotted key of every setting, in the order they are described.
 std::vector<std::string> setting_keys(Describe const& describe);
+
+/// The value that a setting has now, in TOML; empty where it has none. Contract: there is such a setting.
+std::string value_in_toml(Describe const& describe, std::string_view key);
+
+/// The setting or table that a key may be a slip of; empty where none is near.
+std::string nearest_setting(Describe const& describe, std::string_view key);
 
 /// The reference page in Markdown, one section for each table.
 std::string reference_markdown(Describe const& describe);

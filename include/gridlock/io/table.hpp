@@ -1,5 +1,16 @@
 #pragma once
 
+/// \file
+/// Tables with named columns, as CSV.
+///
+/// ```cpp
+/// Table table;
+/// table.add_column("time", std::vector<double>{0.0, 0.1});
+/// table.add_column("collisions", std::vector<std::uint64_t>{0, 7});
+/// write_csv(table, "series.csv");
+/// std::vector<double> const time = read_csv("series.csv").numbers("time");
+/// ```
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -21,14 +32,6 @@ using CellColumn = std::variant<std::vector<double>, std::vector<std::uint64_t>,
 ///
 /// Contract (asserted): names differ and hold no comma, quote or line break; columns are equally long; a cell added to
 /// a column is of the column's kind; a column asked for exists.
-///
-/// ```cpp
-/// Table table;
-/// table.add_column("time", std::vector<double>{0.0, 0.1});
-/// table.add_column("collisions", std::vector<std::uint64_t>{0, 7});
-/// write_csv(table, "series.csv");
-/// std::vector<double> const time = read_csv("series.csv").numbers("time");
-/// ```
 class Table {
  public:
   /// Adds a whole column; the first one decides how many rows there are.

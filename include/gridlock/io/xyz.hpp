@@ -1,5 +1,13 @@
 #pragma once
 
+/// \file
+/// States in extended XYZ.
+///
+/// ```cpp
+/// State const state = read_xyz("final.xyz").state;
+/// write_xyz(state, "copy.xyz");  // the same bits
+/// ```
+
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -49,11 +57,6 @@ struct XyzFrame {
 /// Errors: Error with line and column for anything damaged, not orthogonal, not in the plane, not finite or ambiguous;
 /// never a crash, and never more memory than a small multiple of the file's size.
 /// Not checked: that disks lie inside the box and do not overlap; validate() does.
-///
-/// ```cpp
-/// State const state = read_xyz("final.xyz").state;
-/// write_xyz(state, "copy.xyz");  // the same bits
-/// ```
 XyzFrame read_xyz(std::filesystem::path const& path);
 
 /// read_xyz() of a text; `name` names the file in errors.

@@ -1,5 +1,14 @@
 #pragma once
 
+/// \file
+/// Starts: disks on a square or triangular lattice or at random, and their first velocities.
+///
+/// ```cpp
+/// DisksSettings const disks{.count = 100, .packing_fraction = 0.5, .start = StartKind::triangular};
+/// State state = make_start(Box(1.0, 1.0, Edge::periodic), disks, 1);
+/// draw_velocities(state, {.max = 1.0});
+/// ```
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -62,12 +71,6 @@ void describe(VelocitySettings& settings, SettingVisitor& visitor);
 ///
 /// Errors: Error where the settings contradict each other or the disks cannot fit, naming the largest packing fraction
 /// that does.
-///
-/// ```cpp
-/// DisksSettings const disks{.count = 100, .packing_fraction = 0.5, .start = StartKind::triangular};
-/// State state = make_start(Box(1.0, 1.0, Edge::periodic), disks, 1);
-/// draw_velocities(state, {.max = 1.0});
-/// ```
 State make_start(Box const& box, DisksSettings const& settings, std::uint64_t seed);
 
 /// How many places a random start will try in all, each about 0.15 µs; from a sample of 5000 of its disks, about a second at

@@ -1,5 +1,24 @@
 #pragma once
 
+/// \file
+/// The engine that steps a model, and what a model is.
+///
+/// ```cpp
+/// struct Walkers {
+///   static constexpr std::string_view name = "walkers";
+///   static constexpr Schedule schedule = Schedule::synchronous;
+///   using Agents = Population<X, Y>;
+///   double cutoff() const { return 0.1; }
+///   double time_step() const { return 1.0; }
+///   void turn(Turn<Walkers>& self) const { self.move_by({0.01, 0.0}); }
+/// };
+/// inline void walk(World<Walkers>& world) {
+///   ModelEngine<Walkers> engine({}, world.box, {.threads = 2});
+///   Counters counters;
+///   engine.advance(world, counters, {.step = 100});
+/// }
+/// ```
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -64,22 +83,6 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 /// The bits do not depend on the number of threads, on chunks, or on the order of the rows. Neighbours are visited cell
 /// by cell, in a cell in the order of the Ids as they were when the step began, so that sums over them round alike.
 /// Cost: synchronous, about 25 ns an agent and step besides searches and the model's own work.
-///
-/// ```cpp
-/// struct Walkers {
-///   static constexpr std::string_view name = "walkers";
-///   static constexpr Schedule schedule = Schedule::synchronous;
-///   using Agents = Population<X, Y>;
-///   double cutoff() const { return 0.1; }
-///   double time_step() const { return 1.0; }
-///   void turn(Turn<Walkers>& self) const { self.move_by({0.01, 0.0}); }
-/// };
-/// inline void walk(World<Walkers>& world) {
-///   ModelEngine<Walkers> engine({}, world.box, {.threads = 2});
-///   Counters counters;
-///   engine.advance(world, counters, {.step = 100});
-/// }
-/// ```
 template <class Model>
 class ModelEngine final : public EngineFor<Model> {
  public:

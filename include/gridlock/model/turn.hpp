@@ -1,5 +1,20 @@
 #pragma once
 
+/// \file
+/// What an agent can see and do when it is its turn.
+///
+/// ```cpp
+/// struct Walkers {
+///   static constexpr Schedule schedule = Schedule::sequential;
+///   using Agents = Population<X, Y>;
+///   void turn(Turn<Walkers>& self) const {
+///     RandomStream random = self.random();
+///     self.move_by(0.01 * random.in_unit_disk());
+///     self.for_each_neighbour(0.1, [](Neighbour<Walkers> const& other) { other.kill(); });
+///   }
+/// };
+/// ```
+
 #include <array>
 #include <cassert>
 #include <cstddef>
@@ -98,18 +113,6 @@ struct Neighbourhood {
 /// come at the end of the step, in an order that the state alone decides.
 /// Errors: RunFailure, in every build, for an agent that leaves the box, a search beyond the model's cutoff and an event
 /// that is not declared.
-///
-/// ```cpp
-/// struct Walkers {
-///   static constexpr Schedule schedule = Schedule::sequential;
-///   using Agents = Population<X, Y>;
-///   void turn(Turn<Walkers>& self) const {
-///     RandomStream random = self.random();
-///     self.move_by(0.01 * random.in_unit_disk());
-///     self.for_each_neighbour(0.1, [](Neighbour<Walkers> const& other) { other.kill(); });
-///   }
-/// };
-/// ```
 template <class Model>
 class Turn {
  public:

@@ -1,5 +1,13 @@
 #pragma once
 
+/// \file
+/// Means with standard errors: of blocks, and of a series of unknown length.
+///
+/// ```cpp
+/// std::vector<Block> const blocks{{.sum = 1.1, .weight = 1.0}, {.sum = 0.9, .weight = 1.0}};
+/// Estimate const mean = *estimate_from(blocks);  // 1.0 ± 0.1
+/// ```
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -42,11 +50,6 @@ void serialize(Archive& archive, std::string_view name, std::span<Block> blocks)
 /// Contract: weights ≥ 0; blocks of weight 0 are ignored. Absent where there is no weight at all; the error is absent
 /// for fewer than two blocks. The error is right only if blocks are longer than what they measure remembers.
 /// Source: W. G. Cochran, Sampling Techniques (1977), chapter 6, the ratio estimate.
-///
-/// ```cpp
-/// std::vector<Block> const blocks{{.sum = 1.1, .weight = 1.0}, {.sum = 0.9, .weight = 1.0}};
-/// Estimate const mean = *estimate_from(blocks);  // 1.0 ± 0.1
-/// ```
 std::optional<Estimate> estimate_from(std::span<Block const> blocks);
 
 /// The mean of a series of unknown length, and its standard error from blocks.

@@ -1,5 +1,19 @@
 #pragma once
 
+/// \file
+/// What is measured along a run: the interface, its settings and the shipped observables.
+///
+/// ```cpp
+/// State state{.box = Box(1.0, 1.0, Edge::wall)};
+/// state.agents.add(0.5, 0.5, 1.0, 0.0, 0.1, 1.0, 0, 0);
+/// Counters const counters;
+/// for (auto const& observable : make_observables({}, Snapshot(state, counters))) {
+///   std::vector<double> row(observable->columns().size());
+///   observable->begin(Snapshot(state, counters));
+///   observable->sample(Snapshot(state, counters), row, true);
+/// }
+/// ```
+
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -65,17 +79,6 @@ inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 ///
 /// The run calls begin() once, then sample() at every sampled time in order (the start may be one), then
 /// results() and distributions(). The state may be reordered between samples; Ids keep their meaning.
-///
-/// ```cpp
-/// State state{.box = Box(1.0, 1.0, Edge::wall)};
-/// state.agents.add(0.5, 0.5, 1.0, 0.0, 0.1, 1.0, 0, 0);
-/// Counters const counters;
-/// for (auto const& observable : make_observables({}, Snapshot(state, counters))) {
-///   std::vector<double> row(observable->columns().size());
-///   observable->begin(Snapshot(state, counters));
-///   observable->sample(Snapshot(state, counters), row, true);
-/// }
-/// ```
 class Observable {
  public:
   Observable() = default;
@@ -136,6 +139,9 @@ struct DynamicsTraits {
 /// Cost of a sample: a few passes over the agents, about 20 ns an agent; ψ6 and g(r) about 1 µs an agent when they are due.
 std::vector<std::unique_ptr<Observable>> make_observables(ObserveSettings const& settings, Snapshot const& start,
                                                           DynamicsTraits const& dynamics = {});
+
+/// Throws Error for an observable that requires a column which the agents lack.
+void require_columns(Observable const& observable, Snapshot const& start);
 
 /// The columns of all of them, as they are for disks between walls, where most is measured.
 std::vector<ColumnInfo> observed_columns();

@@ -1,5 +1,15 @@
 #pragma once
 
+/// \file
+/// All settings of a run.
+///
+/// ```cpp
+/// Configuration configuration;
+/// configuration.disks = {.count = 100, .packing_fraction = 0.5, .start = StartKind::triangular};
+/// configuration.engine.kind = "tiled";
+/// configuration.run.steps = 200;
+/// ```
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -40,13 +50,6 @@ struct ModelSettings {
 void describe(ModelSettings& settings, SettingVisitor& visitor);
 
 /// Everything a run is made from, one member per table of the TOML file.
-///
-/// ```cpp
-/// Configuration configuration;
-/// configuration.disks = {.count = 100, .packing_fraction = 0.5, .start = StartKind::triangular};
-/// configuration.engine.kind = "tiled";
-/// configuration.run.steps = 200;
-/// ```
 struct Configuration {
   BoxSettings box;
   ModelSettings model;

@@ -1,5 +1,13 @@
 #pragma once
 
+/// \file
+/// Notes on a set-up and the milestones of a run, as typed values.
+///
+/// ```cpp
+/// Event const event{.kind = EventKind::checkpoint_written, .severity = Severity::info, .step = 100};
+/// std::string const words = to_text(event);  // "checkpoint at step 100"
+/// ```
+
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -17,6 +25,7 @@ enum class EventKind {
   // A set-up that can be run all the same.
   unused_setting,     ///< a setting was given on which nothing of the run depends
   misleading_rule,    ///< the engine has a time step where that is known to mislead
+  note_of_model,      ///< what a model says of its start, in its own words
   frames_beyond_end,  ///< frames are asked for that lie beyond the end of the run
   nothing_moves,      ///< no disk has a velocity
   start_not_tried,    ///< the start takes long and was left out
@@ -37,11 +46,6 @@ enum class EventKind {
 using EventValue = std::variant<std::uint64_t, double, std::string>;
 
 /// Something worth telling of a set-up or a run, in values; to_text() says it in words.
-///
-/// ```cpp
-/// Event const event{.kind = EventKind::checkpoint_written, .severity = Severity::info, .step = 100};
-/// std::string const words = to_text(event);  // "checkpoint at step 100"
-/// ```
 struct Event {
   EventKind kind = EventKind::unused_setting;
   Severity severity = Severity::note;

@@ -1,5 +1,25 @@
 #pragma once
 
+/// \file
+/// The simulation of a model in code.
+///
+/// ```cpp
+/// struct Walkers {
+///   static constexpr std::string_view name = "walkers";
+///   static constexpr std::string_view documentation = "Points that walk at random.";
+///   static constexpr Schedule schedule = Schedule::synchronous;
+///   using Agents = Population<X, Y>;
+///   double cutoff() const { return 0.1; }
+///   double time_step() const { return 1.0; }
+///   void start(World<Walkers>& world) const { world.agents.add(0.5, 0.5); }
+///   void turn(Turn<Walkers>& self) const { self.move_by({0.01, 0.0}); }
+/// };
+/// inline void walk() {
+///   ModelSimulation<Walkers> simulation({}, Box(1.0, 1.0, Edge::periodic), 7);
+///   simulation.advance({.step = 100});
+/// }
+/// ```
+
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -58,23 +78,6 @@ class ModelObservations final : public AveragingObservable {
 /// The simulation of a model: its world as Model::start() makes it, stepped by a ModelEngine.
 ///
 /// The series has what the model itself observes first, then every observable whose columns its agents have.
-///
-/// ```cpp
-/// struct Walkers {
-///   static constexpr std::string_view name = "walkers";
-///   static constexpr std::string_view documentation = "Points that walk at random.";
-///   static constexpr Schedule schedule = Schedule::synchronous;
-///   using Agents = Population<X, Y>;
-///   double cutoff() const { return 0.1; }
-///   double time_step() const { return 1.0; }
-///   void start(World<Walkers>& world) const { world.agents.add(0.5, 0.5); }
-///   void turn(Turn<Walkers>& self) const { self.move_by({0.01, 0.0}); }
-/// };
-/// inline void walk() {
-///   ModelSimulation<Walkers> simulation({}, Box(1.0, 1.0, Edge::periodic), 7);
-///   simulation.advance({.step = 100});
-/// }
-/// ```
 template <class Model>
 class ModelSimulation final : public WorldSimulation<Model> {
  public:

@@ -1,5 +1,23 @@
 #pragma once
 
+/// \file
+/// Makes a model known by its name to configurations and to the command line.
+///
+/// ```cpp
+/// struct Walkers {
+///   static constexpr std::string_view name = "walkers";
+///   static constexpr std::string_view documentation = "Points that walk at random.";
+///   static constexpr Schedule schedule = Schedule::synchronous;
+///   using Agents = Population<X, Y>;
+///   double cutoff() const { return 0.1; }
+///   double time_step() const { return 1.0; }
+///   void start(World<Walkers>& world) const { world.agents.add(0.5, 0.5); }
+///   void turn(Turn<Walkers>& self) const { self.move_by({0.01, 0.0}); }
+///   void describe(SettingVisitor&) {}
+/// };
+/// inline void know_walkers() { register_model<Walkers>(); }
+/// ```
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -43,7 +61,7 @@ class AgentsKind : public ModelKind {
  public:
   [[nodiscard]] std::string title(Configuration const& configuration) const override;
   [[nodiscard]] std::vector<SettingTable> tables(Configuration& configuration) override;
-  [[nodiscard]] bool uses(Configuration const& configuration, std::string_view key) const override;
+  [[nodiscard]] std::string unused_because_of(Configuration const& configuration, std::string_view key) const override;
   [[nodiscard]] std::vector<MemoryDemand> memory(Configuration const& configuration) const override;
   [[nodiscard]] double expected_bytes(Configuration const& configuration, std::size_t agents) const override;
   void build(Setup& setup, SetupOptions const& options) const override;
@@ -140,21 +158,6 @@ class ModelKindOf final : public AgentsKind {
 
 /// From now on the program can run, resume, sweep and draw this model by its name (`model.kind`), as those of the folder
 /// models/. To be called before there are other threads. Errors: Error where a model of that name is known already.
-///
-/// ```cpp
-/// struct Walkers {
-///   static constexpr std::string_view name = "walkers";
-///   static constexpr std::string_view documentation = "Points that walk at random.";
-///   static constexpr Schedule schedule = Schedule::synchronous;
-///   using Agents = Population<X, Y>;
-///   double cutoff() const { return 0.1; }
-///   double time_step() const { return 1.0; }
-///   void start(World<Walkers>& world) const { world.agents.add(0.5, 0.5); }
-///   void turn(Turn<Walkers>& self) const { self.move_by({0.01, 0.0}); }
-///   void describe(SettingVisitor&) {}
-/// };
-/// inline void know_walkers() { register_model<Walkers>(); }
-/// ```
 template <class Model>
 void register_model() {
   register_model(std::make_unique<detail::ModelKindOf<Model>>());

@@ -1,5 +1,16 @@
 #pragma once
 
+/// \file
+/// The loop of a run: chunks of steps, samples, writers, progress.
+///
+/// ```cpp
+/// auto const run_to = [](Simulation& simulation, std::uint64_t step) {
+///   Run run(simulation, {.stop_condition = {.step = step}, .sample_every = 10});
+///   run.advance([](Progress const& progress) { return progress.seconds < 60.0; });
+///   return run.record().series.numbers("time");
+/// };
+/// ```
+
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -112,14 +123,6 @@ struct RunRecord {
 /// simulation and of the series depend neither on how often progress is reported nor on interruptions, nor, up to the
 /// sample at the end, on how long the run is.
 /// The simulation must outlive the run.
-///
-/// ```cpp
-/// auto const run_to = [](Simulation& simulation, std::uint64_t step) {
-///   Run run(simulation, {.stop_condition = {.step = step}, .sample_every = 10});
-///   run.advance([](Progress const& progress) { return progress.seconds < 60.0; });
-///   return run.record().series.numbers("time");
-/// };
-/// ```
 class Run {
  public:
   Run(Simulation& simulation, RunPlan const& plan);

@@ -1,5 +1,14 @@
 #pragma once
 
+/// \file
+/// From a configuration to a simulation that is ready to run.
+///
+/// ```cpp
+/// Setup const setup = set_up(SettingsFile::from_path("scenes/paper.toml"));
+/// for (Event const& note : setup.notes) std::string const text = to_text(note);
+/// double const dt = setup.simulation->time_step();
+/// ```
+
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -49,12 +58,6 @@ struct SetupOptions {
 /// Errors: Error with the place in the file of everything that is wrong: keys, types, bounds, and set-ups that cannot
 /// exist or that the engine cannot treat rightly.
 /// Cost: with on_slow_start about a second more for random starts of 25,000 disks or more.
-///
-/// ```cpp
-/// Setup const setup = set_up(SettingsFile::from_path("scenes/paper.toml"));
-/// for (Event const& note : setup.notes) std::string const text = to_text(note);
-/// double const dt = setup.simulation->time_step();
-/// ```
 Setup set_up(SettingsFile const& file, SetupOptions const& options = {});
 
 /// The same from a configuration made in code; relative file names are taken from the current directory.
@@ -66,7 +69,10 @@ StopCondition stop_condition_of(Setup const& setup);
 /// How far a set-up goes, and what it looks at.
 RunPlan plan_of(Setup const& setup);
 
-/// The disks of a set-up, and of the simulation of one. Contract: it is one of disks (asserted).
+/// The disks of a set-up. Errors: Error for a set-up of another model.
 State const& disks_of(Setup const& setup);
+
+/// Throws Error for a set-up of another model than the one asked for.
+[[noreturn]] void throw_other_model(Setup const& setup);
 
 }  // namespace gridlock

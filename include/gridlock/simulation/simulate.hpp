@@ -1,5 +1,15 @@
 #pragma once
 
+/// \file
+/// Runs a set-up to its end in one call.
+///
+/// ```cpp
+/// Configuration configuration;
+/// configuration.run.steps = 200;
+/// RunResult const result = simulate(set_up(configuration));
+/// std::vector<double> const energy = result.series.numbers("kinetic_energy");
+/// ```
+
 #include "gridlock/core/disks.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/simulation/run.hpp"
@@ -19,21 +29,15 @@ using RunResult = RunResultOf<HardDisks>;
 /// Runs a set-up to its end, sampling every observe.every steps and at the end.
 ///
 /// The bits of world and series do not depend on how often progress is reported.
-/// Errors: none for a run that breaks: it ends as RunStatus::failed with its partial results. std::bad_cast for a
-/// set-up of another model.
-///
-/// ```cpp
-/// Configuration configuration;
-/// configuration.run.steps = 200;
-/// RunResult const result = simulate(set_up(configuration));
-/// std::vector<double> const energy = result.series.numbers("kinetic_energy");
-/// ```
+/// Errors: Error for a set-up of another model; none for a run that breaks, which ends as RunStatus::failed with its partial
+/// results.
 template <class Model = HardDisks>
 RunResultOf<Model> simulate(Setup setup, OnProgress const& on_progress = {}) {
-  auto& simulation = dynamic_cast<WorldSimulation<Model>&>(*setup.simulation);
-  Run run(simulation, plan_of(setup));
+  auto* const simulation = dynamic_cast<WorldSimulation<Model>*>(setup.simulation.get());
+  if (simulation == nullptr) throw_other_model(setup);
+  Run run(*simulation, plan_of(setup));
   run.advance(on_progress);
-  return {run.record(), simulation.world(), simulation.counters()};
+  return {run.record(), simulation->world(), simulation->counters()};
 }
 
 }  // namespace gridlock

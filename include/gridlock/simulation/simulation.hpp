@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -44,6 +45,8 @@ class Simulation {
   /// The bitwise identity of the state.
   [[nodiscard]] virtual std::uint64_t state_hash() const = 0;
   [[nodiscard]] virtual std::vector<Count> counts() const = 0;
+  /// How often the engine has checked its world, by name, as a part of counts().
+  [[nodiscard]] virtual std::vector<Count> audits() const { return {}; }
 
   /// What StopCondition::pair_collisions counts; 0 for agents that do not collide.
   [[nodiscard]] virtual std::uint64_t pair_collisions() const { return 0; }
@@ -51,6 +54,9 @@ class Simulation {
   /// Moves on until the stop condition holds; the bits do not depend on the number of threads.
   /// Errors: RunFailure where an invariant breaks.
   virtual void advance(StopCondition const& stop_condition) = 0;
+
+  /// Measures this too, from now on. Errors: Error where the agents lack a column that it requires.
+  virtual void observe(std::unique_ptr<Observable> observable) = 0;
 
   /// The columns of the series besides step and time.
   [[nodiscard]] virtual std::vector<ColumnInfo> columns() const = 0;

@@ -34,8 +34,8 @@ class WorldSimulation : public Simulation {
   void observe(ObserveSettings const& settings, DynamicsTraits const& dynamics) {
     for (auto& observable : make_observables(settings, snapshot(), dynamics)) observables_.add(std::move(observable));
   }
-  /// Measures this too, from now on.
-  void observe(std::unique_ptr<Observable> observable) {
+  void observe(std::unique_ptr<Observable> observable) override {
+    require_columns(*observable, snapshot());
     observable->begin(snapshot());
     observables_.add(std::move(observable));
   }
@@ -46,6 +46,7 @@ class WorldSimulation : public Simulation {
   [[nodiscard]] AgentsView view() const override { return world_.agents; }
   [[nodiscard]] std::uint64_t state_hash() const override { return hash(world_); }
   [[nodiscard]] std::vector<Count> counts() const override { return engine_->counts(world_, counters_); }
+  [[nodiscard]] std::vector<Count> audits() const override { return engine_->audits(); }
   [[nodiscard]] std::uint64_t pair_collisions() const override { return counters_.pair_collisions; }
   void advance(StopCondition const& stop_condition) override { engine_->advance(world_, counters_, stop_condition); }
 

@@ -1,5 +1,13 @@
 #pragma once
 
+/// \file
+/// Runs that write a directory: checkpoints, results, resuming.
+///
+/// ```cpp
+/// RunRecord const record = run_in("results/first", set_up(SettingsFile::from_path("scenes/paper.toml")));
+/// std::vector<NamedEstimate> const results = read_summary("results/first")->results;
+/// ```
+
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -65,11 +73,6 @@ struct RunHooks {
 /// written is noted, and the run continues. Every file is written whole or not at all; summary.json comes last. Results
 /// that Gridlock has written there before are removed first.
 /// Errors: Error where another process works in the directory; RunFailure where results cannot be written.
-///
-/// ```cpp
-/// RunRecord const record = run_in("results/first", set_up(SettingsFile::from_path("scenes/paper.toml")));
-/// std::vector<NamedEstimate> const results = read_summary("results/first")->results;
-/// ```
 RunRecord run_in(std::filesystem::path const& directory, Setup setup, RunHooks const& hooks = {});
 
 /// Continues a run that was interrupted, killed or failed: from its newest checkpoint that is whole, or from the start

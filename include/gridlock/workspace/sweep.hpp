@@ -1,5 +1,14 @@
 #pragma once
 
+/// \file
+/// Sweeps: runs of every combination of listed values, resumable, in shards.
+///
+/// ```cpp
+/// SweepPlan const plan = plan_sweep(SettingsFile::from_path("scenes/density_sweep.toml"));
+/// SweepResult const result = run_sweep(plan, {.directory = "results/densities"});
+/// std::vector<double> const fractions = result.rows.numbers("disks.packing_fraction");
+/// ```
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -79,12 +88,6 @@ struct SweepResult {
 /// its message and the rest continue.
 /// Errors: Error where not one run can be set up, where the directory cannot be used, is in use, or holds one of the runs
 /// with other settings, before anything is written; RunFailure where results cannot be written.
-///
-/// ```cpp
-/// SweepPlan const plan = plan_sweep(SettingsFile::from_path("scenes/density_sweep.toml"));
-/// SweepResult const result = run_sweep(plan, {.directory = "results/densities"});
-/// std::vector<double> const fractions = result.rows.numbers("disks.packing_fraction");
-/// ```
 SweepResult run_sweep(SweepPlan const& plan, SweepSettings const& settings);
 
 /// Makes one sweep of the directories its shards were run in, or of the one they shared: copies the runs into `into`

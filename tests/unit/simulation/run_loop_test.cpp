@@ -33,6 +33,7 @@ class Ticking final : public Simulation {
       clock_.time += time_step();
     }
   }
+  void observe(std::unique_ptr<Observable> /*observable*/) override {}
   [[nodiscard]] std::vector<ColumnInfo> columns() const override { return {{"ticks", "", ""}}; }
   void sample(std::span<double> row, bool counts_for_average) override {
     row[0] = static_cast<double>(clock_.step);

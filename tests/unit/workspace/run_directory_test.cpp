@@ -282,7 +282,7 @@ TEST(UnusedSettings, AreNoted) {
   EXPECT_EQ(notes_of("model.kind = \"epidemic\"\nengine = { kind = \"tiled\", threads = 2 }"),
             Notes{"engine.kind has no effect with model.kind = \"epidemic\""});
   EXPECT_EQ(notes_of("model.verify_every = 3"), Notes{"model.verify_every has no effect with model.kind = \"disks\""});
-  EXPECT_EQ(notes_of("engine.cells = 5"), Notes{"engine.cells has no effect with engine.kind = \"stepped\""})
+  EXPECT_EQ(notes_of("engine.cells = 5"), Notes{"engine.cells has no effect with engine.grid = \"packed\""})
       << "the packed grid chooses its own";
   EXPECT_EQ(notes_of("engine = { cells = 5, grid = \"linked\", contact = \"approaching\", substeps = 6 }"), Notes{});
 }
@@ -395,7 +395,7 @@ TEST(SetupEvents, TellWhereNothingMoves) {
 
 TEST(SetupEvents, OfSeveralRunsSayHowManyTheyAreOf) {
   auto const note = [](char const* text) {
-    return std::vector<Event>{{.kind = EventKind::misleading_rule, .key = "engine.kind", .values = {{"text", text}}}};
+    return std::vector<Event>{{.kind = EventKind::note_of_model, .key = "model.kind", .values = {{"text", text}}}};
   };
   using Notes = std::vector<std::string>;
   EXPECT_EQ(texts_of({note("a"), {}, note("b")}), Notes{"2 of 3 runs: a"});

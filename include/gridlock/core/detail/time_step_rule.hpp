@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "gridlock/core/box.hpp"
@@ -7,8 +8,20 @@
 
 namespace gridlock {
 
-/// Where the paper's rule, which has a time step, is known to mislead for these disks, as a part of a sentence; empty
-/// where it is not. See docs/explanation/paper.md, "Physics, or the time step?" and "In a periodic box".
-std::string where_time_steps_mislead(Box const& box, Disks const& disks);
+/// Where the paper's rule, which has a time step, is known to mislead. See docs/explanation/paper.md, "Physics, or the time
+/// step?" and "In a periodic box".
+struct TimeStepCaveats {
+  static constexpr double largest_packing_fraction = 0.72;  ///< above it displacements can be wrong by factors
+
+  bool centre_drifts = false;       ///< that of all disks, in a periodic box
+  std::optional<double> too_dense;  ///< a packing fraction above the largest one
+
+  [[nodiscard]] bool any() const { return centre_drifts || too_dense; }
+};
+
+TimeStepCaveats time_step_caveats(Box const& box, Disks const& disks);
+
+/// As a part of a sentence; empty where there is none.
+std::string in_words(TimeStepCaveats const& caveats);
 
 }  // namespace gridlock

@@ -51,8 +51,10 @@ class ModelKind {
 
   /// The tables of its settings, besides those of every run.
   [[nodiscard]] virtual std::vector<SettingTable> tables(Configuration& configuration) = 0;
-  /// Whether a run depends on a setting of the table [engine] or [model].
-  [[nodiscard]] virtual bool uses(Configuration const& configuration, std::string_view key) const = 0;
+  /// The setting because of which a run does not depend on another one, with its value: `engine.grid = "packed"`. Empty
+  /// where it may depend on it.
+  [[nodiscard]] virtual std::string unused_because_of(Configuration const& configuration,
+                                                      std::string_view key) const = 0;
   /// Whether more threads than one are of any use.
   [[nodiscard]] virtual bool uses_threads(Configuration const& configuration) const = 0;
   /// Whether a run can end within a step.
