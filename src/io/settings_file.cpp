@@ -72,12 +72,6 @@ bool is_usable_key(std::string_view key) {
              std::string_view::npos;
 }
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
-}
-
 /// Collects the lists of a table and of the tables that dotted keys make within it.
 void collect_lists(TomlValue const& table, std::string const& prefix, std::string const& outer,
                    std::vector<SettingList>& lists, std::vector<Problem>& problems) {

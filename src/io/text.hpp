@@ -19,6 +19,13 @@ inline std::string double_text(double value) {
   return text;
 }
 
+/// A text without the blanks around it.
+inline std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+  return text;
+}
+
 /// The number that a whole word denotes; nothing where it is no number or beyond the range of the type.
 template <class Number>
 std::optional<Number> parse_number(std::string_view word) {

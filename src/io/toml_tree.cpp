@@ -4,6 +4,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cctype>
 #include <sstream>
 #include <utility>
 
@@ -126,27 +127,44 @@ bool has_bottomless_key(std::string_view text) {
   return false;
 }
 
-std::string hint_for(std::string_view description) {
-  if (description.find("redefine") != std::string_view::npos) return "give every key and every table once";
-  if (description.find("could not determine value type") != std::string_view::npos) {
+/// What is wrong with a value that stands in a line that is no TOML.
+std::string hint_for_value(std::string_view value) {
+  constexpr std::string_view digits = "0123456789_";
+  bool const is_number = value.find_first_not_of("0123456789_+-.,eE") == value.npos;
+  auto const is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  if (value.front() == '"' || value.front() == '\'') {
+    bool const is_whole = value.size() > 1 && value.back() == value.front();
+    return is_whole ? "give every key and every table once" : "a text is written between two quotes, on one line";
+  }
+  if (!is_number && std::isalpha(static_cast<unsigned char>(value.front()))) {
     return "a word has to stand in quotes, as in start = \"square\"";
   }
-  if (description.find("not representable in 64 bits") != std::string_view::npos) {
+  if (!is_number) return "settings are lines of TOML, as in count = 841 under [disks]";
+  if (value.find(',') != value.npos) return "numbers have a decimal point and no comma, as in 0.7 and 10_000";
+  if (std::size_t const point = value.find('.'); point != value.npos) {
+    bool const has_digits =
+        point > 0 && is_digit(value[point - 1]) && point + 1 < value.size() && is_digit(value[point + 1]);
+    if (!has_digits) return "numbers have a digit on both sides of the point: 0.5, 1.0, 5e-3";
+  }
+  constexpr std::size_t digits_of_64_bits = 19;
+  if (value.size() >= digits_of_64_bits && value.find_first_not_of(digits, 1) == value.npos) {
     return "whole numbers of TOML end at 9223372036854775807 (2⁶³ − 1); a seed above that, up to "
            "18446744073709551615 (2⁶⁴ − 1), has to stand in quotes";
   }
-  if (description.find("saw ','") != std::string_view::npos) {
-    return "numbers have a decimal point and no comma, as in 0.7 and 10_000";
-  }
-  if (description.find("utf-8") != std::string_view::npos) {
+  return "give every key and every table once";
+}
+
+/// What to do about a line that is no TOML, from the line itself: the parser tells its reasons in prose alone.
+std::string hint_for(std::string_view line) {
+  // What cannot be shown is not text.
+  if (line.empty() || line.find("…") != line.npos) {
     return "is this the right file? settings are text, as in count = 841 under [disks]";
   }
-  if (description.find("parsing floating-point") != std::string_view::npos) {
-    return "numbers have a digit on both sides of the point: 0.5, 1.0, 5e-3";
-  }
-  if (description.find("parsing string") != std::string_view::npos)
-    return "a text is written between two quotes, on one line";
-  return "settings are lines of TOML, as in count = 841 under [disks]";
+  std::string_view const text = trimmed(line);
+  if (text.starts_with('[') && text.ends_with(']')) return "give every key and every table once";
+  std::size_t const equals = text.find('=');
+  std::string_view const value = equals == text.npos ? std::string_view() : trimmed(text.substr(equals + 1));
+  return value.empty() ? "settings are lines of TOML, as in count = 841 under [disks]" : hint_for_value(value);
 }
 
 void relocate(TomlValue& value, SettingLocation const& where) {
@@ -184,7 +202,7 @@ TomlValue parse_toml(std::string_view text, std::string const& file) {
   } catch (toml::parse_error const& error) {
     SettingLocation const where = lines.at(error.source().begin);
     throw Error(Problem{.what = fmt::format("this is not TOML: {}", error.description()),
-                        .hint = hint_for(error.description()),
+                        .hint = hint_for(where.source_line),
                         .file = where.file,
                         .line = where.line,
                         .column = where.column,
