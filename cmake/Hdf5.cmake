@@ -29,8 +29,11 @@ if(GRIDLOCK_STATIC_HDF5)
   endif()
 endif()
 if(GRIDLOCK_HDF5_IS_STATIC)
+  string(REPLACE ";" "$<SEMICOLON>" static_hdf5_as_list "${static_hdf5}")
   target_include_directories(gridlock_hdf5 SYSTEM INTERFACE ${HDF5_INCLUDE_DIRS})
-  target_link_libraries(gridlock_hdf5 INTERFACE ${static_hdf5})
+  # The archive is made for programs alone: a shared object, such as the Python module, takes the shared library.
+  target_link_libraries(gridlock_hdf5 INTERFACE
+    $<IF:$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>,${static_hdf5_as_list},PkgConfig::HDF5>)
 else()
   target_link_libraries(gridlock_hdf5 INTERFACE PkgConfig::HDF5)
 endif()

@@ -1,10 +1,8 @@
 #include "gridlock/grid/neighbour_search.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 
-#include "core/magnitude.hpp"
 #include "core/number_text.hpp"
 #include "grid/require.hpp"
 #include "gridlock/core/error.hpp"
@@ -13,31 +11,11 @@ namespace gridlock {
 
 namespace {
 
-/// As many as a packed grid holds in a box of any shape.
-constexpr std::size_t most_points = 250'000'000;
-
-void require_search(Box const& box, double cutoff) {
-  if (auto problem = find_extreme_sides(box)) throw Error(*problem);
-  if (!has_bounded_magnitude(cutoff)) {
-    throw Error({.what = "the cutoff of a neighbour search is " + number_text(cutoff),
-                 .hint = "use a distance from 1e-60 to 1e60"});
-  }
-  double const most = 0.5 * std::min(box.width(), box.height());
-  if (box.is_periodic() && cutoff > most) {
-    throw Error({.what = "a cutoff of " + number_text(cutoff) + " is more than half a side of the periodic box of " +
-                         number_text(box.width()) + " × " + number_text(box.height()),
-                 .hint = "use at most " + number_text(most) +
-                         ", or a larger box: beyond that two images of a point are neighbours"});
-  }
-}
-
 PackedGrid grid_of(Box const& box, double cutoff, std::span<double const> x, std::span<double const> y) {
-  require_search(box, cutoff);
+  require_bounded_cutoff(cutoff);
+  require_box_for(box, cutoff);
   require_equal_lengths(x, y);
-  if (x.size() > most_points) {
-    throw Error({.what = "a neighbour search among " + std::to_string(x.size()) + " points cannot be made",
-                 .hint = "use at most " + std::to_string(most_points)});
-  }
+  require_point_count(x.size());
   require_points(x, y);
   return {layout_for_cutoff(box, cutoff, x.size()), x, y};
 }

@@ -1,8 +1,10 @@
 #include "grid/require.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "core/magnitude.hpp"
 #include "core/number_text.hpp"
 #include "gridlock/core/error.hpp"
 
@@ -35,10 +37,37 @@ void require_equal_lengths(std::span<double const> x, std::span<double const> y)
 void require_points(std::span<double const> x, std::span<double const> y) {
   require_equal_lengths(x, y);
   if (are_finite(x) && are_finite(y)) return;
-  std::size_t i = 0;
-  while (std::isfinite(x[i]) && std::isfinite(y[i])) ++i;
-  throw Error({.what = "point " + std::to_string(i) + " is at (" + number_text(x[i]) + ", " + number_text(y[i]) + ")",
+  for (std::size_t i = 0; i < x.size(); ++i) require_finite_point(i, {x[i], y[i]});
+}
+
+void require_finite_point(std::size_t i, Vector p) {
+  if (std::isfinite(p.x) && std::isfinite(p.y)) return;
+  throw Error({.what = "point " + std::to_string(i) + " is at (" + number_text(p.x) + ", " + number_text(p.y) + ")",
                .hint = "every coordinate must be finite"});
+}
+
+void require_bounded_cutoff(double cutoff) {
+  if (has_bounded_magnitude(cutoff)) return;
+  throw Error({.what = "the cutoff of a neighbour search is " + number_text(cutoff),
+               .hint = "use a distance from 1e-60 to 1e60"});
+}
+
+void require_box_for(Box const& box, double cutoff) {
+  if (auto problem = find_extreme_sides(box)) throw Error(*problem);
+  double const most = 0.5 * std::min(box.width(), box.height());
+  if (!box.is_periodic() || cutoff <= most) return;
+  throw Error({.what = "a cutoff of " + number_text(cutoff) + " is more than half a side of the periodic box of " +
+                       number_text(box.width()) + " × " + number_text(box.height()),
+               .hint = "use at most " + number_text(most) +
+                       ", or a larger box: beyond that two images of a point are neighbours"});
+}
+
+void require_point_count(std::size_t points) {
+  // As many as a packed grid holds in a box of any shape.
+  constexpr std::size_t most_points = 250'000'000;
+  if (points <= most_points) return;
+  throw Error({.what = "a neighbour search among " + std::to_string(points) + " points cannot be made",
+               .hint = "use at most " + std::to_string(most_points)});
 }
 
 void require_all_moved(std::size_t moved, std::size_t held, std::size_t coordinates) {

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <span>
 
+#include "gridlock/core/box.hpp"
+
 namespace gridlock {
 
 /// Errors: Error for a cutoff that is negative or no number.
@@ -13,6 +15,18 @@ void require_points(std::span<double const> x, std::span<double const> y);
 
 /// Errors: Error for lists of coordinates of different lengths.
 void require_equal_lengths(std::span<double const> x, std::span<double const> y);
+
+/// Errors: Error for a point that is not finite; `i` is its number.
+void require_finite_point(std::size_t i, Vector p);
+
+/// Errors: Error for a cutoff outside 10⁻⁶⁰ … 10⁶⁰.
+void require_bounded_cutoff(double cutoff);
+
+/// Errors: Error for a box with sides outside that range, and for a cutoff above half a side of a periodic one.
+void require_box_for(Box const& box, double cutoff);
+
+/// Errors: Error for more points than a search can hold.
+void require_point_count(std::size_t points);
 
 /// Errors: Error where a grid holds more agents than the lists have coordinates for.
 void require_all_moved(std::size_t moved, std::size_t held, std::size_t coordinates);

@@ -51,6 +51,11 @@ Run::Run(Simulation& simulation, RunPlan const& plan)
 }
 
 RunStatus Run::advance(OnProgress const& on_progress, Callback const& callback) {
+  return advance_to(never_reached, on_progress, callback);
+}
+
+RunStatus Run::advance_to(std::uint64_t step, OnProgress const& on_progress, Callback const& callback) {
+  pause_at_ = step;
   seconds_before_ = seconds_;
   resumed_at_ = std::chrono::steady_clock::now();
   status_ = RunStatus::interrupted;
@@ -65,6 +70,7 @@ RunStatus Run::advance(OnProgress const& on_progress, Callback const& callback) 
         status_ = RunStatus::finished;
         break;
       }
+      if (simulation_.clock().step >= pause_at_) break;
       // A wish to stop that comes with the last step comes too late to interrupt anything.
       if (!advance_one_chunk(on_progress, callback) && !has_reached_end()) break;
     }
@@ -158,7 +164,9 @@ void Run::stop_here() {
 
 void Run::sample() {
   // The first sample is the start itself, which is no average of anything.
-  bool const counts = steps_done() > 0 && fraction_done() > plan_.equilibration;
+  bool const is_equilibrated =
+      left_out_until_ ? simulation_.clock().step > *left_out_until_ : fraction_done() > plan_.equilibration;
+  bool const counts = steps_done() > 0 && is_equilibrated;
   if (!counts) last_left_out_ = extent();
   if (counts && !first_averaged_) first_averaged_ = extent();
   Clock const clock = simulation_.clock();
@@ -176,7 +184,7 @@ StopCondition Run::next_stop() const {
   std::uint64_t next = next_multiple(plan_.sample_every, steps_done());
   for (Writer const* writer : writers_) next = std::min(next, writer->next_after(steps_done()));
   StopCondition stop = plan_.stop_condition;
-  stop.step = std::min(stop.step, saturating_sum(first_.step, next));
+  stop.step = std::min({stop.step, saturating_sum(first_.step, next), pause_at_});
   return stop;
 }
 

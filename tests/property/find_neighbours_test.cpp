@@ -9,9 +9,9 @@
 #include <tuple>
 #include <vector>
 
+#include "grid/find_neighbours_kernels.hpp"
 #include "gridlock/core/random.hpp"
-#include "gridlock/model/detail/cell_order.hpp"
-#include "model/find_neighbours_kernels.hpp"
+#include "gridlock/grid/detail/cell_order.hpp"
 
 namespace gridlock {
 namespace {

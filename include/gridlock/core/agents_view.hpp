@@ -80,4 +80,16 @@ class AgentsView {
   std::vector<std::pair<std::string_view, Values>> columns_;
 };
 
+/// A column to be written, by name.
+struct NamedColumn {
+  std::string_view name;
+  std::variant<std::span<double>, std::span<std::int32_t>, std::span<std::uint32_t>, std::span<std::uint64_t>> values;
+};
+
+/// All columns of a population, in the order they are declared; valid as long as an AgentsView is.
+template <class... Columns>
+std::vector<NamedColumn> columns_of(Population<Columns...>& agents) {
+  return {{Columns::name, agents.template column<Columns>()}...};
+}
+
 }  // namespace gridlock

@@ -20,6 +20,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <tuple>
 #include <type_traits>
@@ -175,6 +176,14 @@ class Population {
     archive.visit("generation_of_slot", generations);
     archive.visit("free_slot", free_slots_);
     if (archive.is_restoring()) restore_slots(archive, generations);
+  }
+
+  /// Goes on with a copy of all rows and Ids, and returns their old memory: whoever has pointers into it keeps what it held.
+  /// Cost: a copy.
+  [[nodiscard]] std::shared_ptr<void> release() {
+    auto old = std::make_shared<std::pair<LargeArray<Id>, AllValues>>(ids_, rows_);
+    reorder(old->first, old->second);
+    return old;
   }
 
   void reserve(std::size_t agents) {

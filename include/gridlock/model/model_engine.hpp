@@ -34,9 +34,10 @@
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
+#include "gridlock/grid/detail/cell_order.hpp"
+#include "gridlock/grid/detail/row_block.hpp"
 #include "gridlock/grid/detail/tiling.hpp"
 #include "gridlock/grid/detail/update_order.hpp"
-#include "gridlock/model/detail/cell_order.hpp"
 #include "gridlock/model/detail/checks.hpp"
 #include "gridlock/model/mutable_world.hpp"
 #include "gridlock/model/turn.hpp"
@@ -235,13 +236,14 @@ class ModelEngine final : public EngineFor<Model> {
 
   void take_turns_of_rows(World<Model>& world, DeferredCommands<Model>& commands, int first_row, int end_row) {
     Neighbourhood<Model> around = neighbourhood(world, commands);
+    RowBlocks const blocks(layout_, [&](std::size_t number) { return order_.first_of(number); });
     // The present values stay readable through the population; what comes after the step is written to values_.
     auto cell = static_cast<std::size_t>(first_row) * static_cast<std::size_t>(layout_.columns());
     for (int cell_row = first_row; cell_row < end_row; ++cell_row) {
       for (int column = 0; column < layout_.columns(); ++column, ++cell) {
         std::size_t const end = order_.first_of(cell + 1);
         if (order_.first_of(cell) == end) continue;
-        look_around(around, column, cell_row);
+        around.block = blocks.around(column, cell_row);
         for (std::size_t row = order_.first_of(cell); row < end; ++row) {
           copy_present(world, row);
           Turn<Model> turn(around, row);
@@ -252,40 +254,6 @@ class ModelEngine final : public EngineFor<Model> {
   }
 
   void copy_present(World<Model> const& world, std::size_t row) { values_.copy(row, world.agents.values(), row); }
-
-  /// The ranges of rows that the block of cells around a cell consists of.
-  void look_around(Neighbourhood<Model>& around, int column, int row) const {
-    int const columns = layout_.columns();
-    int const rows = layout_.rows();
-    around.is_at_edge = column == 0 || column + 1 == columns || row == 0 || row + 1 == rows || columns < 4 || rows < 4;
-    around.range_count = 0;
-    around.candidates = 0;
-    auto const add = [&](int r, int first, int end) {
-      auto const base = static_cast<std::size_t>(r) * static_cast<std::size_t>(columns);
-      RowRange const range{order_.first_of(base + static_cast<std::size_t>(first)),
-                           order_.first_of(base + static_cast<std::size_t>(end))};
-      around.ranges[around.range_count++] = range;
-      around.candidates += range.end - range.first;
-    };
-    auto const add_row = [&](int r) {
-      if (!layout_.is_periodic() || (column > 0 && column + 1 < columns)) {
-        add(r, std::max(0, column - 1), std::min(columns, column + 2));
-      } else if (columns <= 3) {
-        add(r, 0, columns);
-      } else {
-        bool const is_first = column == 0;
-        add(r, is_first ? columns - 1 : 0, is_first ? columns : 1);
-        add(r, is_first ? 0 : columns - 2, is_first ? 2 : columns);
-      }
-    };
-    if (!layout_.is_periodic()) {
-      for (int r = std::max(0, row - 1); r < std::min(rows, row + 2); ++r) add_row(r);
-    } else if (rows <= 3) {
-      for (int r = 0; r < rows; ++r) add_row(r);
-    } else {
-      for (int const r : {row == 0 ? rows - 1 : row - 1, row, row + 1 == rows ? 0 : row + 1}) add_row(r);
-    }
-  }
 
   /// What the turns of one thread share.
   Neighbourhood<Model> neighbourhood(World<Model>& world, DeferredCommands<Model>& commands,

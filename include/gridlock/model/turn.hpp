@@ -26,9 +26,9 @@
 
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
+#include "gridlock/grid/detail/row_block.hpp"
 #include "gridlock/model/detail/checks.hpp"
 #include "gridlock/model/detail/deferred_commands.hpp"
-#include "gridlock/model/detail/find_neighbours.hpp"
 #include "gridlock/model/detail/motion.hpp"
 #include "gridlock/model/detail/verify.hpp"
 
@@ -98,10 +98,7 @@ struct Neighbourhood {
   bool is_verified = false;                                  ///< whether searches are compared with a look at everybody
 
   /// Synchronous: the rows that stand in the block of cells around the agent, and whether it touches an edge.
-  std::array<RowRange, 6> ranges{};
-  std::size_t range_count = 0;
-  std::size_t candidates = 0;
-  bool is_at_edge = true;
+  RowBlock block;
   /// Tiled: whether others take their turns at the same time, so that nobody may look beyond the cells next to its own.
   bool is_confined = false;
 };
@@ -274,16 +271,15 @@ class Turn {
 
   void find_in_ranges(Vector p, double cutoff) const {
     DeferredCommands<Model>& commands = around_.commands;
-    std::size_t const room = commands.found_top + around_.candidates + neighbour_slack;
+    std::size_t const room = commands.found_top + around_.block.candidates + neighbour_slack;
     if (commands.found.size() < room) commands.found.resize(2 * room);
     commands.found_top += find_neighbours({.x = world().agents.template column<X>().data(),
                                            .y = world().agents.template column<Y>().data(),
                                            .p = p,
                                            .squared_cutoff = cutoff * cutoff,
                                            .left_out = row_,
-                                           .box = around_.is_at_edge ? &world().box : nullptr},
-                                          std::span(around_.ranges).first(around_.range_count),
-                                          commands.found.data() + commands.found_top);
+                                           .box = around_.block.is_at_edge ? &world().box : nullptr},
+                                          around_.block.ranges(), commands.found.data() + commands.found_top);
   }
 
   void find_in_grid(Vector p, double cutoff) const {

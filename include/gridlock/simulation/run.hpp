@@ -131,6 +131,13 @@ class Run {
   /// called again after an interruption.
   RunStatus advance(OnProgress const& on_progress = {}, Callback const& callback = {});
 
+  /// The same, but stops at `step` of the clock at the latest, as an interruption does: no sample is taken there that the rest of
+  /// the run would not take.
+  RunStatus advance_to(std::uint64_t step, OnProgress const& on_progress = {}, Callback const& callback = {});
+
+  /// From now on samples up to `step` of the clock are left out of averages, in place of the share of the plan.
+  void leave_out_until(std::uint64_t step) { left_out_until_ = step; }
+
   /// Lets someone look on from now on; it must outlive the run.
   void add(Writer& writer) { writers_.push_back(&writer); }
 
@@ -166,7 +173,9 @@ class Run {
   RunPlan plan_;
   RateLimiter rate_limiter_;
   Clock first_;
-  std::optional<Clock> last_stop_;        ///< where it was sampled and looked at, if that was due
+  std::uint64_t pause_at_ = std::numeric_limits<std::uint64_t>::max();
+  std::optional<std::uint64_t> left_out_until_;  ///< in place of the share of the plan
+  std::optional<Clock> last_stop_;               ///< where it was sampled and looked at, if that was due
   Extent last_left_out_;                  ///< at the last sample that is left out of averages; the first always is
   std::optional<Extent> first_averaged_;  ///< at the first sample that is not
   std::vector<double> last_row_;

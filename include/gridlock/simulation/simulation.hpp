@@ -51,6 +51,13 @@ class Simulation {
   /// What StopCondition::pair_collisions counts; 0 for agents that do not collide.
   [[nodiscard]] virtual std::uint64_t pair_collisions() const { return 0; }
 
+  /// The columns of the agents, to be changed between two calls of advance(); see AgentsView for how long they are valid.
+  [[nodiscard]] virtual std::vector<NamedColumn> columns_of_agents() = 0;
+  /// Goes on with a copy of all columns and Ids, and returns the old memory for those who have arrays of it.
+  [[nodiscard]] virtual std::shared_ptr<void> release_columns() = 0;
+  /// Throws Error for agents that the engine cannot advance rightly; to be asked after changes from outside.
+  virtual void require_valid() const = 0;
+
   /// Moves on until the stop condition holds; the bits do not depend on the number of threads.
   /// Errors: RunFailure where an invariant breaks.
   virtual void advance(StopCondition const& stop_condition) = 0;

@@ -48,6 +48,9 @@ class WorldSimulation : public Simulation {
   [[nodiscard]] std::vector<Count> counts() const override { return engine_->counts(world_, counters_); }
   [[nodiscard]] std::vector<Count> audits() const override { return engine_->audits(); }
   [[nodiscard]] std::uint64_t pair_collisions() const override { return counters_.pair_collisions; }
+  [[nodiscard]] std::vector<NamedColumn> columns_of_agents() override { return columns_of(world_.agents); }
+  [[nodiscard]] std::shared_ptr<void> release_columns() override { return world_.agents.release(); }
+  void require_valid() const override { engine_->require_valid(world_); }
   void advance(StopCondition const& stop_condition) override { engine_->advance(world_, counters_, stop_condition); }
 
   [[nodiscard]] std::vector<ColumnInfo> columns() const override { return observables_.columns(); }

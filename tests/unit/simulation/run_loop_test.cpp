@@ -27,6 +27,9 @@ class Ticking final : public Simulation {
   [[nodiscard]] AgentsView view() const override { return agents_; }
   [[nodiscard]] std::uint64_t state_hash() const override { return clock_.step; }
   [[nodiscard]] std::vector<Count> counts() const override { return {}; }
+  [[nodiscard]] std::vector<NamedColumn> columns_of_agents() override { return columns_of(agents_); }
+  [[nodiscard]] std::shared_ptr<void> release_columns() override { return agents_.release(); }
+  void require_valid() const override {}
   void advance(StopCondition const& stop_condition) override {
     while (clock_.step < stop_condition.step && clock_.time < stop_condition.time) {
       ++clock_.step;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <new>
 #include <vector>
 
 namespace gridlock {
@@ -26,5 +27,21 @@ struct LargePageAllocator {
 /// A vector whose elements are aligned to cache lines, in huge pages when it is long.
 template <class Value>
 using LargeArray = std::vector<Value, LargePageAllocator<Value>>;
+
+/// The same, but resize() leaves new elements as they are in memory: for numbers that are all written before they are read.
+template <class Value>
+struct UninitializedPageAllocator : LargePageAllocator<Value> {
+  template <class Other>
+  struct rebind {
+    using other = UninitializedPageAllocator<Other>;
+  };
+  template <class Other>
+  void construct(Other* element) noexcept {
+    ::new (static_cast<void*>(element)) Other;
+  }
+};
+
+template <class Value>
+using UninitializedArray = std::vector<Value, UninitializedPageAllocator<Value>>;
 
 }  // namespace gridlock

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "gridlock/model/detail/find_neighbours.hpp"
+#include "gridlock/grid/detail/find_neighbours.hpp"
 
 namespace gridlock {
 

@@ -1,6 +1,6 @@
-#include "gridlock/model/detail/find_neighbours.hpp"
+#include "gridlock/grid/detail/find_neighbours.hpp"
 
-#include "model/find_neighbours_kernels.hpp"
+#include "grid/find_neighbours_kernels.hpp"
 
 namespace gridlock {
 

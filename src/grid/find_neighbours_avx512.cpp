@@ -1,5 +1,5 @@
 #include "core/avx512.hpp"
-#include "model/find_neighbours_kernels.hpp"
+#include "grid/find_neighbours_kernels.hpp"
 
 #if defined(__x86_64__) && defined(__GNUC__)
 

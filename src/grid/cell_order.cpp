@@ -1,4 +1,4 @@
-#include "gridlock/model/detail/cell_order.hpp"
+#include "gridlock/grid/detail/cell_order.hpp"
 
 #include <algorithm>
 #include <numeric>

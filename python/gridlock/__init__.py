@@ -1,0 +1,34 @@
+"""Gridlock: many agents that feel only their neighbours.
+
+Hard disks and agent models at the speed of C++, with the same bits as the command line; and the neighbour search for any points.
+
+>>> import gridlock
+>>> simulation = gridlock.Simulation(disks={"count": 100, "packing_fraction": 0.5}, engine={"kind": "exact"})
+>>> simulation.equilibrate(steps=100)
+>>> simulation.run(steps=400)
+>>> simulation.results["compressibility_factor"].value > 2
+True
+"""
+
+from . import _core
+from .analysis import bond_orientation, mean_squared_displacement, pair_correlation, structure_factor
+from .box import Box
+from .errors import Error, Problem, RunFailure
+from .neighbors import Neighbors, neighbors, pairs
+from .simulation import Agents, Clock, Column, Result, Results, Simulation, run
+
+__version__: str = _core.version
+__all__ = [
+    "Agents", "Box", "Clock", "Column", "Error", "Neighbors", "Problem", "Result", "Results", "RunFailure", "Simulation",
+    "bond_orientation", "explain", "mean_squared_displacement", "neighbors", "pair_correlation", "pairs", "run",
+    "structure_factor",
+]
+
+
+def explain(key: str) -> str:
+    """What a setting means: type, unit, bounds, default.
+
+    >>> print(explain("run.seed").splitlines()[0])
+    run.seed
+    """
+    return _core.explain(key)

@@ -1,0 +1,83 @@
+"""Who is nearer than a cutoff to whom, among any points of the plane."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from . import _core
+from .box import BoxLike, as_box
+from .errors import Error
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+
+class Neighbors(NamedTuple):
+    """The neighbours of N points, in one array (compressed sparse rows).
+
+    Those of point i are ``indices[indptr[i]:indptr[i + 1]]``, which is ``neighbors[i]`` of :func:`neighbors`.
+    """
+
+    indptr: NDArray[np.uint64]  #: shape (N + 1,)
+    indices: NDArray[np.uint32]  #: shape (indptr[N],)
+
+    def of(self, i: int) -> NDArray[np.uint32]:
+        """The neighbours of point i."""
+        return self.indices[self.indptr[i] : self.indptr[i + 1]]
+
+    @property
+    def counts(self) -> NDArray[np.int64]:
+        """How many neighbours each point has, shape (N,)."""
+        ends = self.indptr.astype(np.int64)
+        return ends[1:] - ends[:-1]
+
+
+def as_points(points: ArrayLike) -> NDArray[np.float64]:
+    """Points as an array of shape (N, 2) of float64 in one piece; not copied where they are one."""
+    try:
+        array = np.ascontiguousarray(points, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise Error(f"the points are no array of numbers: {error}\n  hint: use an array of shape (N, 2)") from None
+    if array.size == 0:
+        array = array.reshape(-1, 2)
+    if array.ndim != 2 or array.shape[1] != 2:
+        raise Error(f"the points have shape {array.shape}\n  hint: use an array of shape (N, 2): x and y of each point")
+    return array
+
+
+def _threads(threads: int) -> int:
+    if isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or threads < 0:
+        raise Error(f"threads={threads!r}\n  hint: use a whole number, 0 for all cores")
+    return int(threads)
+
+
+def pairs(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int = 1) -> NDArray[np.uint32]:
+    """All pairs of points nearer than the cutoff, each once.
+
+    :param points: shape (N, 2); float64 in one piece is read where it is, anything else is copied.
+    :param cutoff: a length; pairs at exactly this distance are left out. In a periodic box at most half its shorter side.
+    :param box: a :class:`Box`, ``(width, height)`` or a side of a periodic box; ``None`` for points in the open plane.
+    :param threads: 0 for all cores. The result does not depend on it.
+    :returns: shape (P, 2), the indices of the two points of each pair. ``i, j = pairs(...).T`` are arrays in one piece.
+    :raises Error: for points that are not finite and cutoffs and boxes that cannot be searched.
+
+    >>> pairs([[0.1, 0.5], [0.9, 0.5], [0.5, 0.5]], 0.3, box=1.0)
+    array([[0, 1]], dtype=uint32)
+    """
+    return _core.pairs(as_points(points), float(cutoff), as_box(box), _threads(threads)).T
+
+
+def neighbors(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int = 1) -> Neighbors:
+    """The neighbours of every point: all others nearer than the cutoff.
+
+    Parameters and errors are those of :func:`pairs`.
+
+    >>> found = neighbors([[0.1, 0.5], [0.9, 0.5], [0.5, 0.5]], 0.3, box=1.0)
+    >>> found.counts
+    array([1, 1, 0])
+    >>> found.of(0)
+    array([1], dtype=uint32)
+    """
+    return Neighbors(*_core.neighbor_lists(as_points(points), float(cutoff), as_box(box), _threads(threads)))

@@ -1,0 +1,69 @@
+"""Settings from Python: dicts and keyword arguments become dotted keys with values in TOML."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from .errors import Error
+
+
+def to_toml(value: Any, key: str = "") -> str:
+    """A value in TOML.
+
+    >>> to_toml({"radius": 0.5, "names": ["a", "b"]})
+    '{"radius" = 0.5, "names" = ["a", "b"]}'
+    """
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int):
+        return str(value)
+    if isinstance(value, float):
+        if math.isnan(value):
+            return "nan"
+        if math.isinf(value):
+            return "inf" if value > 0 else "-inf"
+        return repr(value)
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, os.PathLike):
+        return to_toml(os.fspath(value), key)
+    if isinstance(value, np.ndarray):
+        return to_toml(value.tolist(), key)
+    if isinstance(value, Mapping):
+        entries = (f"{json.dumps(str(name))} = {to_toml(entry, f'{key}.{name}')}" for name, entry in value.items())
+        return "{" + ", ".join(entries) + "}"
+    if isinstance(value, Sequence):
+        return "[" + ", ".join(to_toml(entry, key) for entry in value) + "]"
+    raise Error(
+        f"{key} has a value of type {type(value).__name__}\n  hint: use a number, a text, True or False, or a list or dict of them"
+    )
+
+
+def assignments(settings: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
+    """The dotted keys of nested dicts, with their values in TOML; ``None`` leaves a setting out.
+
+    >>> assignments({"disks": {"count": 100}, "run.steps": 10, "box": None})
+    [('disks.count', '100'), ('run.steps', '10')]
+    """
+    if not isinstance(settings, Mapping):
+        raise Error(f"settings are a dict, not {type(settings).__name__}\n  hint: for example {{'disks': {{'count': 100}}}}")
+    result: list[tuple[str, str]] = []
+    for name, value in settings.items():
+        if not isinstance(name, str) or not name:
+            raise Error(f"{name!r} is no name of a setting\n  hint: names are texts such as 'disks.count'")
+        key = f"{prefix}{name}"
+        if value is None:
+            continue
+        if isinstance(value, Mapping):
+            result += assignments(value, key + ".")
+        else:
+            result.append((key, to_toml(value, key)))
+    return result

@@ -1,0 +1,407 @@
+"""A simulation in memory: settings in, agents as arrays, series and averages out."""
+
+from __future__ import annotations
+
+import os
+import warnings
+import weakref
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from . import _core
+from .box import Box
+from .errors import Error
+from .settings import assignments
+
+if TYPE_CHECKING:
+    import pandas  # type: ignore[import-untyped]
+    from numpy.typing import NDArray
+
+
+class Clock(NamedTuple):
+    """Whole steps taken, and physical time."""
+
+    step: int
+    time: float
+
+
+class Result(NamedTuple):
+    """An average with one standard error, ``None`` where the data cannot tell."""
+
+    value: float
+    error: float | None
+    unit: str
+
+    def __str__(self) -> str:
+        error = "" if self.error is None else f" ± {self.error:.2g}"
+        return f"{self.value:.6g}{error}{' ' + self.unit if self.unit else ''}"
+
+
+class Column(NamedTuple):
+    """A column of the series: its name, unit and meaning."""
+
+    name: str
+    unit: str
+    documentation: str
+
+
+class Results(Mapping[str, Result]):
+    """Averages by the names of their columns."""
+
+    def __init__(self, results: Mapping[str, Result]) -> None:
+        self._results = dict(results)
+
+    def __getitem__(self, name: str) -> Result:
+        if name not in self._results:
+            raise KeyError(f"there is no result {name!r}; there are {', '.join(self._results) or 'none yet'}")
+        return self._results[name]
+
+    def __iter__(self):  # type: ignore[no-untyped-def]
+        return iter(self._results)
+
+    def __len__(self) -> int:
+        return len(self._results)
+
+    def __repr__(self) -> str:
+        return "\n".join(f"{name:<28} {result}" for name, result in self._results.items())
+
+
+class Agents:
+    """The agents of a simulation as arrays, without a copy.
+
+    ``agents.x``, ``agents["x"]`` and all other columns have shape (N,); ``positions`` and ``velocities`` have shape (N, 2). What
+    is written into them is what the simulation goes on with; it is checked then. Row k is the agent ``ids[k]``: rows change
+    their order while a simulation runs, Ids do not.
+
+    An array is the simulation's own until it goes on. Afterwards it keeps the values it had, and cannot be written any more.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+
+    def __len__(self) -> int:
+        return self._simulation._core.agents()
+
+    @property
+    def names(self) -> list[str]:
+        """The names of all columns."""
+        return self._simulation._core.column_names()
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self._simulation._array(self._simulation._core.column(name))
+
+    def __setitem__(self, name: str, values: Any) -> None:
+        self[name][...] = values
+
+    def __getattr__(self, name: str) -> NDArray[Any]:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        if name not in self.names:
+            raise AttributeError(f"the agents have no column {name!r}; they have {', '.join(self.names)}")
+        return self[name]
+
+    def __setattr__(self, name: str, values: Any) -> None:
+        if name.startswith("_"):
+            object.__setattr__(self, name, values)
+        elif name in ("positions", "velocities"):
+            getattr(self, name)[...] = values
+        elif name in self.names:
+            self[name] = values
+        else:
+            raise AttributeError(f"the agents have no column {name!r}; they have {', '.join(self.names)}")
+
+    @property
+    def ids(self) -> NDArray[np.uint64]:
+        """The Id of each row, shape (N,); cannot be written."""
+        return self._simulation._array(self._simulation._core.ids())
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """x and y, shape (N, 2)."""
+        return self._simulation._array(self._simulation._core.columns("x", "y"))
+
+    @property
+    def velocities(self) -> NDArray[np.float64]:
+        """Velocities, shape (N, 2); models without velocities have none."""
+        return self._simulation._array(self._simulation._core.columns("velocity_x", "velocity_y"))
+
+    def __repr__(self) -> str:
+        return f"{len(self)} agents with {', '.join(self.names)}"
+
+
+class Simulation:
+    """One simulation of hard disks or of an agent model, in the memory of this process.
+
+    :param settings: nested dicts with dotted or plain names, or the path of a TOML file.
+    :param threads: in place of ``engine.threads``; the results do not depend on it.
+    :param more: settings over those, by their tables: ``disks={"count": 100}``, ``engine={"kind": "exact"}``.
+    :raises Error: for settings that cannot be run, with the same texts as the command line.
+
+    The bits are those of ``gridlock run`` with the same settings.
+
+    >>> simulation = Simulation(disks={"count": 100, "packing_fraction": 0.3}, run={"seed": 7})
+    >>> simulation.run(steps=200)
+    >>> simulation.clock.step
+    200
+    >>> len(simulation.agents.x)
+    100
+    """
+
+    def __init__(
+        self,
+        settings: Mapping[str, Any] | str | os.PathLike[str] | None = None,
+        *,
+        threads: int | None = None,
+        **more: Any,
+    ) -> None:
+        file = None
+        values: list[tuple[str, str]] = []
+        if isinstance(settings, (str, os.PathLike)):
+            file = os.fspath(settings)
+        elif settings is not None:
+            values += assignments(settings)
+        values += assignments(more)
+        self._core = _core.Simulation(file, values, threads)
+        self._functions: list[Callable[[Simulation], Any]] = []
+        self._arrays: list[weakref.ref[NDArray[Any]]] = []
+        self._ends = self._core.has_end()
+        for note in self._core.notes():
+            warnings.warn(note, stacklevel=2)
+
+    def run(self, steps: int | None = None, *, progress: bool | Callable[[int, float], None] = False) -> None:
+        """Runs ``steps`` more, or to the end that the settings give.
+
+        :param progress: True for a progress bar by tqdm; or a function of the steps done and the fraction of the whole.
+        :raises RunFailure: where the physics breaks an invariant.
+        :raises Error: for agents that were changed into something that cannot go on.
+        :raises KeyboardInterrupt: on Ctrl-C; the simulation stops at a step and can go on.
+
+        The bits do not depend on how a run is cut into calls.
+        """
+        if steps is not None and (isinstance(steps, bool) or not isinstance(steps, (int, np.integer)) or steps < 0):
+            raise Error(f"steps={steps!r}\n  hint: use a whole number of steps")
+        self._forget_arrays()
+        with _Progress(progress, steps) as on_progress:
+            self._core.run(None if steps is None else int(steps), on_progress)
+
+    def step(self) -> None:
+        """Runs one step."""
+        self.run(steps=1)
+
+    def equilibrate(self, steps: int) -> None:
+        """Runs ``steps`` whose samples are left out of all averages, now and later."""
+        self._core.leave_out_until(self.clock.step + int(steps))
+        self.run(steps=steps)
+
+    def on_step(self, every: int, function: Callable[[Simulation], None] | None = None) -> Any:
+        """Calls ``function(simulation)`` at every multiple of ``every`` steps from the start on.
+
+        Also a decorator. To be added before the first step. An exception ends the run at that step.
+
+        >>> simulation = Simulation(disks={"count": 16, "packing_fraction": 0.2})
+        >>> steps = []
+        >>> simulation.on_step(50, lambda simulation: steps.append(simulation.clock.step))
+        >>> simulation.run(steps=100)
+        >>> steps
+        [0, 50, 100]
+        """
+        if isinstance(every, bool) or not isinstance(every, (int, np.integer)) or every < 1:
+            raise Error(f"every={every!r}\n  hint: use a whole number of steps, at least 1")
+        if function is None:
+            def decorate(decorated: Callable[[Simulation], None]) -> Callable[[Simulation], None]:
+                self.on_step(every, decorated)
+                return decorated
+            return decorate
+        self._core.add_callback(self._bound(function), int(every))
+        return None
+
+    def observe(
+        self,
+        function: Callable[[Simulation], float | Sequence[float]],
+        name: str | Sequence[str] | None = None,
+        *,
+        unit: str = "",
+        documentation: str = "",
+    ) -> None:
+        """Measures ``function(simulation)`` with every sample: a column of the series, and an average with its error.
+
+        :param name: of the column; that of the function where left out. Several names for a function of several numbers.
+
+        To be added before the first step.
+
+        >>> simulation = Simulation(disks={"count": 16, "packing_fraction": 0.2}, observe={"every": 10})
+        >>> simulation.observe(lambda s: s.agents.x.mean(), "mean_x", unit="length")
+        >>> simulation.run(steps=100)
+        >>> simulation.results["mean_x"].unit
+        'length'
+        """
+        names = [name or function.__name__] if isinstance(name, str) or name is None else list(name)
+        bound = self._bound(function)
+
+        def measure() -> list[float]:
+            return [float(number) for number in np.atleast_1d(np.asarray(bound(), dtype=np.float64))]
+
+        self._core.add_observable(measure, [(column, unit, documentation) for column in names])
+
+    @property
+    def agents(self) -> Agents:
+        """The agents as arrays."""
+        return Agents(self)
+
+    @property
+    def box(self) -> Box:
+        return Box(*self._core.box())
+
+    @property
+    def clock(self) -> Clock:
+        return Clock(*self._core.clock())
+
+    @property
+    def time_step(self) -> float:
+        """The physical time of one step."""
+        return self._core.time_step()
+
+    @property
+    def state_hash(self) -> str:
+        """The bitwise identity of the state, as ``gridlock run`` prints it."""
+        return f"{self._core.state_hash():016x}"
+
+    @property
+    def settings(self) -> str:
+        """All settings of this simulation in TOML, those left out too."""
+        return self._core.configuration()
+
+    @property
+    def columns(self) -> list[Column]:
+        """What the series has, with units and meaning."""
+        return [Column(*column) for column in self._core.series_columns()]
+
+    @property
+    def series(self) -> NDArray[Any]:
+        """All samples so far: a structured array with a field for each column."""
+        return _structured(self._core.series())
+
+    def series_frame(self) -> pandas.DataFrame:
+        """The series as a frame of pandas, which has to be installed."""
+        import pandas
+
+        return pandas.DataFrame(self._core.series())
+
+    @property
+    def results(self) -> Results:
+        """Averages over the samples that count, with their errors."""
+        return Results({name: Result(value, error, unit) for name, value, error, unit in self._core.results()})
+
+    @property
+    def distributions(self) -> dict[str, NDArray[Any]]:
+        """The measured curves, as structured arrays: pair_correlation, speed_distribution …"""
+        return {name: _structured(columns) for name, columns in self._core.distributions().items()}
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """What happened since the start: moves, collisions, events of the model."""
+        return self._core.counts()
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Writes the agents as extended XYZ."""
+        self._core.write_state(os.fspath(path))
+
+    def _bound(self, function: Callable[[Simulation], Any]) -> Callable[[], Any]:
+        """Calls the function with this simulation. The library gets no reference to either, so that a function which knows the
+        simulation is a cycle that Python can see and collect."""
+        this = weakref.ref(self)
+        number = len(self._functions)
+        self._functions.append(function)
+
+        def call() -> Any:
+            simulation = this()
+            return None if simulation is None else simulation._functions[number](simulation)
+
+        return call
+
+    def _array(self, view: Any) -> NDArray[Any]:
+        array: NDArray[Any] = view
+        self._arrays.append(weakref.ref(array))
+        return array
+
+    def _forget_arrays(self) -> None:
+        for reference in self._arrays:
+            array = reference()
+            if array is not None:
+                array.flags.writeable = False
+        self._arrays.clear()
+
+    def __repr__(self) -> str:
+        step, time = self.clock
+        return f"<gridlock.Simulation of {self._core.model()}: {len(self.agents)} agents, step {step}, time {time:.6g}>"
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a simulation cannot be pickled; hand over its settings, or write a run directory")
+
+
+def run(
+    settings: Mapping[str, Any] | str | os.PathLike[str] | None,
+    directory: str | os.PathLike[str],
+    *,
+    overwrite: bool = False,
+    threads: int | None = None,
+    progress: bool | Callable[[int, float], None] = False,
+    **more: Any,
+) -> None:
+    """Runs settings to their end in a directory: the files of ``gridlock run FILE -o directory``, with the same bits.
+
+    Stopped by Ctrl-C or killed, the run goes on with ``gridlock resume directory``.
+
+    :raises Error: for settings that cannot be run and directories that hold other results.
+    :raises RunFailure: where the run breaks.
+    """
+    file = os.fspath(settings) if isinstance(settings, (str, os.PathLike)) else None
+    values = [] if file is not None or settings is None else assignments(settings)  # type: ignore[arg-type]
+    values += assignments(more)
+    with _Progress(progress, None) as on_progress:
+        _core.run_directory(file, values, os.fspath(directory), overwrite, threads, on_progress)
+
+
+def _structured(columns: Mapping[str, Any]) -> NDArray[Any]:
+    if not columns:
+        return np.empty(0, dtype=[("step", np.uint64), ("time", np.float64)])
+    first = next(iter(columns.values()))
+    table = np.empty(len(first), dtype=[(name, np.asarray(values).dtype) for name, values in columns.items()])
+    for name, values in columns.items():
+        table[name] = values
+    return table
+
+
+class _Progress:
+    """What a run tells how far it is: nothing, a function, or a bar of tqdm."""
+
+    def __init__(self, wish: bool | Callable[[int, float], None], steps: int | None) -> None:
+        self._wish = wish
+        self._steps = steps
+        self._bar: Any = None
+
+    def __enter__(self) -> Callable[[int, float], None] | None:
+        if callable(self._wish):
+            return self._wish
+        if not self._wish:
+            return None
+        try:
+            from tqdm.auto import tqdm  # type: ignore[import-untyped]
+        except ImportError:
+            warnings.warn("progress=True needs tqdm: pip install tqdm", stacklevel=3)
+            return None
+        self._bar = tqdm(total=self._steps if self._steps is not None else 1.0, unit="step" if self._steps else "")
+        return self._show
+
+    def _show(self, steps: int, fraction: float) -> None:
+        self._bar.n = steps if self._steps is not None else fraction
+        self._bar.refresh()
+
+    def __exit__(self, kind: Any, value: Any, trace: Any) -> None:
+        if self._bar is not None:
+            if kind is None:
+                self._bar.n = self._bar.total
+                self._bar.refresh()
+            self._bar.close()

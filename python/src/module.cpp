@@ -1,0 +1,52 @@
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <string>
+
+#include "arrays.hpp"
+#include "gridlock/core/box.hpp"
+#include "gridlock/core/error.hpp"
+#include "gridlock/workspace/run_directory.hpp"
+
+namespace gridlock::python {
+
+namespace {
+
+/// Raises `type` of gridlock.errors with the problems as dicts, so that Python has texts, places and hints apart.
+void raise_error(Error const& error) {
+  nb::list problems;
+  std::string text;
+  for (Problem const& problem : error.problems()) {
+    nb::dict entry;
+    entry["what"] = problem.what;
+    entry["hint"] = problem.hint;
+    entry["key"] = problem.key;
+    entry["file"] = problem.file;
+    entry["line"] = problem.line;
+    entry["column"] = problem.column;
+    problems.append(entry);
+    text += (text.empty() ? "" : "\n") + to_text(problem);
+  }
+  nb::object const type = nb::module_::import_("gridlock.errors").attr("Error");
+  nb::object const exception = type(text, problems);
+  PyErr_SetObject(type.ptr(), exception.ptr());
+}
+
+}  // namespace
+
+NB_MODULE(_core, module) {
+  nb::register_exception_translator([](std::exception_ptr const& thrown, void*) {
+    try {
+      std::rethrow_exception(thrown);
+    } catch (Error const& error) {
+      raise_error(error);
+    } catch (RunFailure const& failure) {
+      PyErr_SetString(nb::module_::import_("gridlock.errors").attr("RunFailure").ptr(), failure.what());
+    }
+  });
+  module.attr("version") = version();
+  bind_grid(module);
+  bind_simulation(module);
+}
+
+}  // namespace gridlock::python

@@ -1,0 +1,458 @@
+#include <nanobind/stl/function.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <tuple>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "arrays.hpp"
+#include "gridlock/io/settings_file.hpp"
+#include "gridlock/io/xyz.hpp"
+#include "gridlock/simulation/configuration.hpp"
+#include "gridlock/simulation/run.hpp"
+#include "gridlock/simulation/setup.hpp"
+#include "gridlock/workspace/run_directory.hpp"
+
+namespace gridlock::python {
+
+namespace {
+
+/// A dict for the modules in Python, which give its entries their shape.
+using NamedValues = nb::typed<nb::dict, nb::str, nb::any>;
+
+/// Settings as Python hands them over: dotted keys, values in TOML.
+using Assignments = std::vector<std::pair<std::string, std::string>>;
+
+SettingsFile settings_of(std::optional<std::string> const& file, Assignments const& assignments) {
+  SettingsFile settings = file ? SettingsFile::from_path(*file) : SettingsFile();
+  for (auto const& [key, value] : assignments) {
+    settings.set(key, value, {.file = "Simulation", .line = 0, .column = 0, .source_line = key + " = " + value});
+  }
+  return settings;
+}
+
+/// Calls a Python function at every multiple of some steps, and lets what it raises pass through the run.
+class PythonWriter final : public Writer {
+ public:
+  PythonWriter(nb::object function, std::uint64_t every) : function_(std::move(function)), every_(every) {}
+  ~PythonWriter() override {
+    nb::gil_scoped_acquire const acquired;
+    function_.reset();
+  }
+
+  [[nodiscard]] bool is_due(std::uint64_t steps) const override { return steps % every_ == 0; }
+  [[nodiscard]] std::uint64_t next_after(std::uint64_t steps) const override { return (steps / every_ + 1) * every_; }
+  void write(Simulation const& /*simulation*/, std::span<double const> /*sample*/) override {
+    nb::gil_scoped_acquire const acquired;
+    function_();
+  }
+  void serialize(Archive& /*archive*/) override {}
+
+ private:
+  nb::object function_;
+  std::uint64_t every_;
+};
+
+/// Measures numbers by a Python function, which returns one for each column.
+class PythonObservable final : public AveragingObservable {
+ public:
+  PythonObservable(nb::object function, std::vector<ColumnInfo> columns)
+      : function_(std::move(function)), columns_of_function_(std::move(columns)) {}
+  ~PythonObservable() override {
+    nb::gil_scoped_acquire const acquired;
+    function_.reset();
+  }
+
+  [[nodiscard]] Requirements requirements(Box const& /*box*/) const override { return {}; }
+  void begin(Snapshot const& /*start*/) override { reset(columns_of_function_); }
+  void sample(Snapshot const& /*now*/, std::span<double> row, bool counts_for_average) override {
+    nb::gil_scoped_acquire const acquired;
+    auto const values = nb::cast<std::vector<double>>(function_());
+    if (values.size() != row.size()) {
+      throw Error({.what = "the observable " + columns_of_function_.front().name + " returned " +
+                           std::to_string(values.size()) + " numbers for " + std::to_string(row.size()) + " columns",
+                   .hint = "return one number for each name"});
+    }
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      row[k] = values[k];
+      if (counts_for_average && std::isfinite(values[k])) average(k, values[k]);
+    }
+  }
+
+ private:
+  nb::object function_;
+  std::vector<ColumnInfo> columns_of_function_;
+};
+
+/// Keeps the memory of columns for arrays of it, once the simulation goes on with a copy.
+struct ColumnMemory {
+  std::shared_ptr<void> released;
+};
+
+/// A simulation in the memory of Python, with its run.
+class PythonSimulation {
+ public:
+  PythonSimulation(std::optional<std::string> const& file, Assignments const& assignments,
+                   std::optional<std::uint64_t> threads)
+      : process_(getpid()) {
+    nb::gil_scoped_release const released;
+    SettingsFile const settings = settings_of(file, assignments);
+    setup_ = set_up(settings, {.threads = threads});
+    has_end_ =
+        settings.is_given("run.steps") || settings.is_given("run.time") || settings.is_given("run.collisions_per_disk");
+    plan_ = plan_of(setup_);
+    if (!has_end_) {
+      plan_.stop_condition = {};
+      plan_.equilibration = 0.0;
+    }
+  }
+  ~PythonSimulation() { release_arrays(); }
+  PythonSimulation(PythonSimulation const&) = delete;
+  PythonSimulation& operator=(PythonSimulation const&) = delete;
+
+  /// Runs to the end of the plan, or `steps` more; says how it ended.
+  std::string run(std::optional<std::uint64_t> steps, nb::object const& on_progress) {
+    Use const use(*this, "run");
+    if (!has_end_ && !steps) {
+      throw Error(Problem{.what = "the settings give this simulation no end",
+                          .hint = "say how far: run(steps=1000), or give run.steps, run.time or "
+                                  "run.collisions_per_disk in the settings"});
+    }
+    release_arrays();
+    check_changes();
+    if (!run_) start();
+    std::uint64_t const now = simulation().clock().step;
+    std::uint64_t constexpr never = std::numeric_limits<std::uint64_t>::max();
+    std::uint64_t const pause = !steps || *steps > never - now ? never : now + *steps;
+    bool const is_shown = !on_progress.is_none();
+    RunStatus status{};
+    bool is_interrupted = false;
+    {
+      nb::gil_scoped_release const released;
+      status = run_->advance_to(pause, [&](Progress const& progress) {
+        nb::gil_scoped_acquire const acquired;
+        if (PyErr_CheckSignals() != 0) {
+          is_interrupted = true;
+          return false;
+        }
+        if (is_shown) on_progress(progress.clock.step - now, progress.fraction);
+        return true;
+      });
+    }
+    if (is_interrupted) throw nb::python_error();
+    if (status == RunStatus::failed) throw RunFailure(run_->record().failure);
+    return to_text(status);
+  }
+
+  void leave_out_until(std::uint64_t step) {
+    Use const use(*this, "equilibrate");
+    if (!run_) start();
+    run_->leave_out_until(step);
+  }
+
+  void add_callback(nb::object function, std::uint64_t every) {
+    Use const use(*this, "add a callback");
+    require_not_started("callbacks");
+    writers_.push_back(std::make_unique<PythonWriter>(std::move(function), every));
+  }
+  void add_observable(nb::object function,
+                      std::vector<std::tuple<std::string, std::string, std::string>> const& names) {
+    Use const use(*this, "add an observable");
+    require_not_started("observables");
+    std::vector<ColumnInfo> columns;
+    for (auto const& [name, unit, documentation] : names) columns.push_back({name, unit, documentation});
+    simulation().observe(std::make_unique<PythonObservable>(std::move(function), std::move(columns)));
+  }
+
+  /// Arrays of the columns themselves; `name` is that of a column.
+  nb::object column(std::string const& name) {
+    Use const use(*this, "read");
+    for (NamedColumn const& column : simulation().columns_of_agents()) {
+      if (column.name != name) continue;
+      return std::visit([&](auto values) { return array_of(values.data(), {values.size()}, {1}); }, column.values);
+    }
+    throw Error({.what = "the agents have no column " + name, .hint = "they have " + names_in_words()});
+  }
+  /// Two columns of one type as the columns of an array, without a copy: the second lies some way behind the first.
+  nb::object columns(std::string const& first, std::string const& second) {
+    Use const use(*this, "read");
+    auto const named = simulation().columns_of_agents();
+    auto const find = [&](std::string const& name) {
+      for (NamedColumn const& column : named) {
+        if (column.name == name) return column;
+      }
+      throw Error({.what = "the agents have no column " + name, .hint = "they have " + names_in_words()});
+    };
+    NamedColumn const a = find(first);
+    NamedColumn const b = find(second);
+    return std::visit(
+        [&](auto values) {
+          auto const others = std::get<decltype(values)>(b.values);
+          return array_of(values.data(), {values.size(), 2}, {1, others.data() - values.data()});
+        },
+        a.values);
+  }
+  nb::object ids() {
+    Use const use(*this, "read");
+    std::span<Id const> const ids = simulation().view().ids();
+    return nb::cast(nb::ndarray<nb::numpy, Id const>(ids.data(), {ids.size()}, keeper()), nb::rv_policy::reference);
+  }
+  [[nodiscard]] std::vector<std::string> column_names() {
+    Use const use(*this, "read");
+    std::vector<std::string> names;
+    for (std::string_view const name : simulation().view().names()) names.emplace_back(name);
+    return names;
+  }
+
+  [[nodiscard]] std::pair<std::uint64_t, double> clock() {
+    Use const use(*this, "read");
+    return {simulation().clock().step, simulation().clock().time};
+  }
+  [[nodiscard]] std::tuple<double, double, bool> box() {
+    Box const& box = simulation().box();
+    return {box.width(), box.height(), box.is_periodic()};
+  }
+  [[nodiscard]] double time_step() { return simulation().time_step(); }
+  [[nodiscard]] std::size_t agents() {
+    Use const use(*this, "read");
+    return simulation().agents();
+  }
+  [[nodiscard]] std::uint64_t state_hash() {
+    Use const use(*this, "read");
+    check_changes();
+    return simulation().state_hash();
+  }
+  [[nodiscard]] bool has_end() const { return has_end_; }
+  [[nodiscard]] std::string model() const { return setup_.configuration.model.kind; }
+  [[nodiscard]] std::string configuration() const { return resolved_configuration(setup_); }
+  [[nodiscard]] std::vector<std::string> notes() const {
+    std::vector<std::string> texts;
+    for (Event const& event : setup_.notes) texts.push_back(to_text(event));
+    return texts;
+  }
+
+  NamedValues series() {
+    Use const use(*this, "read");
+    NamedValues columns;
+    if (!run_) return columns;
+    Table const table = run_->record().series;
+    for (std::string const& name : table.names()) columns[name.c_str()] = array_of_cells(table.column(name));
+    return columns;
+  }
+  std::vector<std::tuple<std::string, std::string, std::string>> series_columns() {
+    std::vector<ColumnInfo> all = clock_columns();
+    std::ranges::move(simulation().columns(), std::back_inserter(all));
+    std::vector<std::tuple<std::string, std::string, std::string>> columns;
+    for (ColumnInfo const& column : all) columns.emplace_back(column.name, column.unit, column.documentation);
+    return columns;
+  }
+  std::vector<std::tuple<std::string, double, std::optional<double>, std::string>> results() {
+    Use const use(*this, "read");
+    std::vector<std::tuple<std::string, double, std::optional<double>, std::string>> results;
+    for (NamedEstimate const& result : simulation().results()) {
+      results.emplace_back(result.name, result.estimate.value, result.estimate.error, result.unit);
+    }
+    return results;
+  }
+  NamedValues distributions() {
+    Use const use(*this, "read");
+    NamedValues all;
+    for (Distribution const& distribution : simulation().distributions()) {
+      nb::dict columns;
+      for (std::size_t k = 0; k < distribution.columns.size(); ++k) {
+        std::vector<double> values = distribution.columns_of_values[k];
+        columns[distribution.columns[k].name.c_str()] = owned_array(std::move(values));
+      }
+      all[distribution.name.c_str()] = columns;
+    }
+    return all;
+  }
+  nb::typed<nb::dict, nb::str, int> counts() {
+    Use const use(*this, "read");
+    nb::typed<nb::dict, nb::str, int> counts;
+    for (Count const& count : simulation().counts()) counts[count.name.c_str()] = count.value;
+    return counts;
+  }
+  void write_state(std::string const& path) {
+    Use const use(*this, "read");
+    check_changes();
+    write_xyz(simulation().frame(), path);
+  }
+
+ private:
+  /// Keeps others from a simulation that is running; what its own callbacks ask for is answered.
+  class Use {
+   public:
+    Use(PythonSimulation& simulation, char const* what) : simulation_(simulation) {
+      if (simulation.process_ != getpid()) {
+        throw std::runtime_error("this simulation was made in another process; make a new one after the fork");
+      }
+      bool const is_running = simulation.user_ != std::thread::id{};
+      bool const is_own = simulation.user_ == std::this_thread::get_id();
+      bool const changes = what != std::string_view("read");
+      if (is_running && !is_own) throw std::runtime_error("this simulation is running in another thread");
+      if (is_running && changes) throw std::runtime_error(std::string("a simulation that is running cannot ") + what);
+      if (!is_running) {
+        simulation.user_ = std::this_thread::get_id();
+        is_first_ = true;
+      }
+    }
+    ~Use() {
+      if (is_first_) simulation_.user_ = {};
+    }
+    Use(Use const&) = delete;
+    Use& operator=(Use const&) = delete;
+
+   private:
+    PythonSimulation& simulation_;
+    bool is_first_ = false;
+  };
+
+  [[nodiscard]] Simulation& simulation() { return *setup_.simulation; }
+
+  void start() {
+    run_.emplace(simulation(), plan_);
+    for (auto const& writer : writers_) run_->add(*writer);
+  }
+  void require_not_started(char const* what) const {
+    if (!run_) return;
+    throw Error({.what = std::string(what) + " are added before the first step",
+                 .hint = "make the simulation anew, add them, and run it"});
+  }
+
+  /// What a holder of arrays has written must be a state that can go on.
+  void check_changes() {
+    if (!may_have_changed_) return;
+    simulation().require_valid();
+    may_have_changed_ = false;
+  }
+  /// Arrays that are still held keep the values of this moment; the simulation goes on with a copy.
+  void release_arrays() {
+    if (memory_ && memory_.use_count() > 1) memory_->released = simulation().release_columns();
+    may_have_changed_ = may_have_changed_ || memory_ != nullptr;
+    memory_.reset();
+  }
+  nb::capsule keeper() {
+    if (!memory_) memory_ = std::make_shared<ColumnMemory>();
+    may_have_changed_ = true;
+    return {new std::shared_ptr<ColumnMemory>(memory_),
+            [](void* memory) noexcept { delete static_cast<std::shared_ptr<ColumnMemory>*>(memory); }};
+  }
+  template <class Value>
+  nb::object array_of(Value* data, std::initializer_list<std::size_t> shape,
+                      std::initializer_list<std::int64_t> strides) {
+    return nb::cast(nb::ndarray<nb::numpy, Value>(data, shape, keeper(), strides), nb::rv_policy::reference);
+  }
+  static nb::object array_of_cells(CellColumn const& column) {
+    return std::visit(
+        [](auto values) -> nb::object {
+          if constexpr (std::is_same_v<decltype(values), std::vector<std::string>>) {
+            return nb::cast(values);
+          } else {
+            return nb::cast(owned_array(std::move(values)));
+          }
+        },
+        column);
+  }
+  std::string names_in_words() {
+    std::string words;
+    for (std::string_view const name : simulation().view().names())
+      words += (words.empty() ? "" : ", ") + std::string(name);
+    return words;
+  }
+
+  pid_t process_;
+  std::thread::id user_;
+  Setup setup_;
+  RunPlan plan_;
+  bool has_end_ = false;
+  std::vector<std::unique_ptr<PythonWriter>> writers_;
+  std::optional<Run> run_;
+  std::shared_ptr<ColumnMemory> memory_;  ///< of the arrays that have been handed out since the last run
+  bool may_have_changed_ = false;
+};
+
+/// A run in a directory, as `gridlock run` makes it.
+std::string run_directory(std::optional<std::string> const& file, Assignments const& assignments,
+                          std::string const& directory, bool overwrites, std::optional<std::uint64_t> threads,
+                          nb::object const& on_progress) {
+  bool is_interrupted = false;
+  bool const is_shown = !on_progress.is_none();
+  RunRecord record;
+  {
+    nb::gil_scoped_release const released;
+    Setup setup = set_up(settings_of(file, assignments), {.threads = threads});
+    open_run_directory(directory, overwrites);
+    record = run_in(directory, std::move(setup),
+                    {.on_progress =
+                         [&](Progress const& progress) {
+                           nb::gil_scoped_acquire const acquired;
+                           if (PyErr_CheckSignals() != 0) {
+                             is_interrupted = true;
+                             return false;
+                           }
+                           if (is_shown) on_progress(progress.steps, progress.fraction);
+                           return true;
+                         },
+                     .on_event = {},
+                     .threads = threads});
+  }
+  if (is_interrupted) throw nb::python_error();
+  if (record.status == RunStatus::failed) throw RunFailure(record.failure);
+  return to_text(record.status);
+}
+
+std::string explain_setting(std::string const& key) {
+  Configuration configuration;
+  return explain(describing(configuration), key);
+}
+
+}  // namespace
+
+void bind_simulation(nb::module_& module) {
+  nb::class_<PythonSimulation>(module, "Simulation")
+      .def(nb::init<std::optional<std::string> const&, Assignments const&, std::optional<std::uint64_t>>(),
+           nb::arg("file").none(), nb::arg("assignments"), nb::arg("threads").none())
+      .def("run", &PythonSimulation::run, nb::arg("steps").none(), nb::arg("on_progress").none())
+      .def("leave_out_until", &PythonSimulation::leave_out_until)
+      .def("add_callback", &PythonSimulation::add_callback)
+      .def("add_observable", &PythonSimulation::add_observable)
+      .def("column", &PythonSimulation::column)
+      .def("columns", &PythonSimulation::columns)
+      .def("ids", &PythonSimulation::ids)
+      .def("column_names", &PythonSimulation::column_names)
+      .def("clock", &PythonSimulation::clock)
+      .def("box", &PythonSimulation::box)
+      .def("time_step", &PythonSimulation::time_step)
+      .def("agents", &PythonSimulation::agents)
+      .def("state_hash", &PythonSimulation::state_hash)
+      .def("has_end", &PythonSimulation::has_end)
+      .def("model", &PythonSimulation::model)
+      .def("configuration", &PythonSimulation::configuration)
+      .def("notes", &PythonSimulation::notes)
+      .def("series", &PythonSimulation::series)
+      .def("series_columns", &PythonSimulation::series_columns)
+      .def("results", &PythonSimulation::results)
+      .def("distributions", &PythonSimulation::distributions)
+      .def("counts", &PythonSimulation::counts)
+      .def("write_state", &PythonSimulation::write_state);
+  module.def("run_directory", &run_directory, nb::arg("file").none(), nb::arg("assignments"), nb::arg("directory"),
+             nb::arg("overwrites"), nb::arg("threads").none(), nb::arg("on_progress").none());
+  module.def("explain", &explain_setting);
+}
+
+}  // namespace gridlock::python

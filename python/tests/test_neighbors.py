@@ -1,0 +1,115 @@
+"""Pairs and neighbours of points, against brute force and SciPy."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+import gridlock
+
+
+def brute_force(points, cutoff, box):
+    i, j = np.triu_indices(len(points), k=1)
+    difference = points[j] - points[i]
+    if box is not None and box[2]:
+        sides = np.array(box[:2])
+        difference -= sides * np.round(difference / sides)
+    return {(a, b) for a, b in zip(i[near], j[near])} if (near := np.hypot(*difference.T) < cutoff).any() else set()
+
+
+def as_set(pairs):
+    found = {(min(a, b), max(a, b)) for a, b in pairs.tolist()}
+    assert len(found) == len(pairs), "a pair is listed twice"
+    return found
+
+
+BOXES = [None, gridlock.Box(1.0, 1.0), gridlock.Box(2.0, 0.7), gridlock.Box(1.0, 1.0, periodic=False), gridlock.Box(0.3, 3.0)]
+
+
+@pytest.mark.parametrize("box", BOXES)
+@pytest.mark.parametrize("count", [0, 1, 2, 3, 17, 200])
+@pytest.mark.parametrize("share", [0.01, 0.2, 0.5])
+@pytest.mark.parametrize("threads", [1, 2])
+def test_pairs_are_those_of_brute_force(box, count, share, threads):
+    random = np.random.default_rng(count)
+    sides = (1.0, 1.0) if box is None else box[:2]
+    # A third of the points lie outside the box, or exactly on its edges.
+    points = random.random((count, 2)) * sides
+    points[: count // 6] += np.array(sides) * random.integers(-2, 3, (count // 6, 2))
+    points[count // 6 : count // 4] = np.round(points[count // 6 : count // 4] / sides) * sides
+    cutoff = share * min(sides)
+    expected = brute_force(points, cutoff, box)
+    assert as_set(gridlock.pairs(points, cutoff, box, threads=threads)) == expected
+    found = gridlock.neighbors(points, cutoff, box, threads=threads)
+    assert len(found.indptr) == count + 1
+    for i in range(count):
+        others = sorted({b for a, b in expected if a == i} | {a for a, b in expected if b == i})
+        assert sorted(found.of(i).tolist()) == others
+
+
+@pytest.mark.parametrize("box", [1.0, None])
+def test_pairs_are_those_of_scipy(box):
+    points = np.random.default_rng(5).random((20_000, 2))
+    cutoff = 0.012
+    expected = cKDTree(points, boxsize=box).query_pairs(cutoff, output_type="ndarray")
+    assert as_set(gridlock.pairs(points, cutoff, box)) == {(a, b) for a, b in expected.tolist()}
+
+
+def test_the_order_does_not_depend_on_the_number_of_threads():
+    points = np.random.default_rng(2).random((5000, 2))
+    one = gridlock.pairs(points, 0.03, box=1.0)
+    for threads in (2, 3, 8, 0):
+        assert np.array_equal(one, gridlock.pairs(points, 0.03, box=1.0, threads=threads))
+        assert all(np.array_equal(a, b) for a, b in zip(
+            gridlock.neighbors(points, 0.03, box=1.0), gridlock.neighbors(points, 0.03, box=1.0, threads=threads)))
+
+
+def test_points_far_from_zero_and_on_a_line_are_searched():
+    line = np.stack([1e6 + np.arange(1000) * 0.5, np.full(1000, -3e5)], axis=1)
+    assert len(gridlock.pairs(line, 0.6)) == 999
+    same = np.ones((50, 2))
+    assert len(gridlock.pairs(same, 0.1)) == 50 * 49 / 2
+
+
+def test_other_types_and_strides_are_read():
+    points = np.random.default_rng(3).random((100, 3))
+    expected = as_set(gridlock.pairs(np.ascontiguousarray(points[:, :2]), 0.2, box=1.0))
+    assert as_set(gridlock.pairs(points[:, :2], 0.2, box=1.0)) == expected
+    assert as_set(gridlock.pairs(points[::-1, :2][::-1], 0.2, box=1.0)) == expected
+    assert as_set(gridlock.pairs(points[:, :2].tolist(), 0.2, box=1.0)) == expected
+    assert len(gridlock.pairs(points[:, :2].astype(np.float32), 0.2, box=1.0)) > 0
+
+
+@pytest.mark.parametrize(
+    ("points", "cutoff", "box", "words"),
+    [
+        ([[0.1, np.nan]], 0.1, 1.0, "point 0 is at"),
+        ([[0.1, 0.2], [np.inf, 0.2]], 0.1, None, "point 1 is at"),
+        ([[0.1, 0.2, 0.3]], 0.1, 1.0, "shape (1, 3)"),
+        ([0.1, 0.2, 0.3], 0.1, 1.0, "shape (3,)"),
+        ([["a", "b"]], 0.1, 1.0, "no array of numbers"),
+        ([[0.1, 0.2]], -0.1, 1.0, "the cutoff of a neighbour search is -0.1"),
+        ([[0.1, 0.2]], np.nan, 1.0, "the cutoff"),
+        ([[0.1, 0.2]], 0.6, 1.0, "more than half a side"),
+        ([[0.1, 0.2]], 0.1, (1.0, -1.0), "box"),
+        ([[0.1, 0.2]], 0.1, (1.0,), "is no box"),
+        ([[0.1, 0.2]], 0.1, "square", "is no box"),
+        ([[1e70, 0.0], [0.0, 0.0]], 0.1, None, "span"),
+    ],
+)
+def test_bad_input_is_refused(points, cutoff, box, words):
+    with pytest.raises(gridlock.Error, match=words.replace("(", r"\(").replace(")", r"\)")):
+        gridlock.pairs(points, cutoff, box)
+    with pytest.raises(gridlock.Error):
+        gridlock.neighbors(points, cutoff, box)
+
+
+@pytest.mark.parametrize("threads", [-1, 1.5, True, "two"])
+def test_bad_numbers_of_threads_are_refused(threads):
+    with pytest.raises(gridlock.Error, match="threads"):
+        gridlock.pairs([[0.1, 0.2]], 0.1, threads=threads)
+
+
+def test_arrays_outlive_the_search():
+    found = [gridlock.pairs(np.random.default_rng(k).random((100, 2)), 0.1, box=1.0) for k in range(100)]
+    again = [gridlock.pairs(np.random.default_rng(k).random((100, 2)), 0.1, box=1.0) for k in range(100)]
+    assert all(np.array_equal(a, b) for a, b in zip(found, again))

@@ -1,0 +1,318 @@
+"""Simulations in memory: the bits of the command line, arrays without copies, callbacks, refusals."""
+
+import csv
+import gc
+import json
+import os
+import pickle
+import signal
+import subprocess
+import threading
+import warnings
+
+import numpy as np
+import pytest
+
+import gridlock
+
+SMALL = {"disks": {"count": 100, "packing_fraction": 0.5}, "observe": {"every": 10}}
+
+
+@pytest.fixture(autouse=True)
+def quiet():
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
+
+
+def golden(root, scene, engine):
+    with open(root / "tests/golden/hashes.csv", newline="") as file:
+        rows = [row for row in csv.reader(line for line in file if not line.startswith("#"))]
+    return next(row for row in rows if row[:2] == [scene, engine])
+
+
+def test_the_bits_are_those_of_the_command_line(program, tmp_path):
+    for engine in ("stepped", "tiled", "exact"):
+        arguments = {"disks.count": 200, "disks.packing_fraction": 0.6, "engine.kind": engine, "run.steps": 300, "observe.every": 50}
+        (tmp_path / "run.toml").write_text("")
+        sets = [word for key, value in arguments.items() for word in ("--set", f"{key}={value}")]
+        subprocess.run([program, "run", "run.toml", "-o", engine, "-q", *sets], cwd=tmp_path, check=True)
+        summary = json.loads((tmp_path / engine / "summary.json").read_text())
+        simulation = gridlock.Simulation(arguments)
+        simulation.run()
+        assert simulation.state_hash == summary["state_hash"]
+        assert len(simulation.results) > 10
+        for name, result in simulation.results.items():
+            assert (result.value, result.error) == (summary[name]["value"], summary[name]["error"]), name
+        # However a run is cut into calls.
+        again = gridlock.Simulation(arguments, threads=2)
+        for steps in (1, 49, 77, 173):
+            again.run(steps=steps)
+        assert again.state_hash == summary["state_hash"]
+        assert again.series.tobytes() == simulation.series.tobytes()
+
+
+def test_models_run_with_the_bits_of_the_command_line(program, tmp_path):
+    (tmp_path / "run.toml").write_text("model.kind = 'flocking'\nrun.steps = 50\n")
+    subprocess.run([program, "run", "run.toml", "-o", "out", "-q"], cwd=tmp_path, check=True)
+    simulation = gridlock.Simulation(tmp_path / "run.toml", threads=2)
+    simulation.run()
+    assert simulation.state_hash == json.loads((tmp_path / "out/summary.json").read_text())["state_hash"]
+
+
+def test_a_run_directory_is_that_of_the_command_line(program, tmp_path):
+    (tmp_path / "run.toml").write_text("run.steps = 50\n")
+    subprocess.run([program, "run", "run.toml", "-o", "a", "-q"], cwd=tmp_path, check=True)
+    gridlock.run(tmp_path / "run.toml", tmp_path / "b")
+    assert (tmp_path / "a/series.csv").read_text() == (tmp_path / "b/series.csv").read_text()
+    assert (tmp_path / "a/final.xyz").read_text() == (tmp_path / "b/final.xyz").read_text()
+    with pytest.raises(gridlock.Error, match="holds results"):
+        gridlock.run(tmp_path / "run.toml", tmp_path / "b")
+    gridlock.run(tmp_path / "run.toml", tmp_path / "b", overwrite=True)
+
+
+def test_arrays_are_the_memory_of_the_simulation():
+    simulation = gridlock.Simulation(SMALL)
+    x, positions = simulation.agents.x, simulation.agents.positions
+    assert x.shape == (100,) and positions.shape == (100, 2)
+    assert x.ctypes.data == simulation.agents.x.ctypes.data == positions.ctypes.data
+    assert np.array_equal(positions[:, 1], simulation.agents.y)
+    simulation.agents.velocity_x[:] = 0.25
+    assert (simulation.agents.velocities[:, 0] == 0.25).all()
+    simulation.agents.velocities = np.zeros((100, 2))
+    assert (simulation.agents.velocity_x == 0).all()
+
+
+def test_arrays_that_are_kept_hold_what_they_held():
+    simulation = gridlock.Simulation(SMALL)
+    kept = simulation.agents.positions
+    before = kept.copy()
+    simulation.run(steps=20)
+    assert np.array_equal(kept, before) and not kept.flags.writeable
+    assert not np.array_equal(simulation.agents.positions, before)
+    last = simulation.agents.positions
+    after = last.copy()
+    del simulation
+    gc.collect()
+    assert np.array_equal(last, after) and np.array_equal(kept, before)
+
+
+def test_keeping_arrays_changes_no_bit():
+    one, other = gridlock.Simulation(SMALL), gridlock.Simulation(SMALL)
+    arrays = []
+    for _ in range(5):
+        one.run(steps=7)
+        other.run(steps=7)
+        arrays.append(other.agents.positions)
+    assert one.state_hash == other.state_hash
+
+
+@pytest.mark.parametrize("engine", ["stepped", "tiled", "exact"])
+def test_what_is_written_is_what_runs(engine):
+    simulation = gridlock.Simulation(SMALL, engine={"kind": engine})
+    simulation.run(steps=10)
+    simulation.agents.velocities = -simulation.agents.velocities
+    energy = float((simulation.agents.mass * (simulation.agents.velocities**2).sum(axis=1)).sum())
+    simulation.run(steps=10)
+    now = float((simulation.agents.mass * (simulation.agents.velocities**2).sum(axis=1)).sum())
+    assert now == pytest.approx(energy, rel=1e-12)
+
+
+@pytest.mark.parametrize(("column", "value"), [("x", 0.5), ("x", 7.0), ("x", np.nan), ("velocity_x", np.nan), ("radius", 0.3)])
+def test_states_that_cannot_go_on_are_refused_when_the_run_goes_on(column, value):
+    simulation = gridlock.Simulation(SMALL)
+    simulation.agents[column][:2] = value
+    if column == "x":
+        simulation.agents.y[:2] = 0.5
+    with pytest.raises(gridlock.Error):
+        simulation.run(steps=1)
+
+
+def test_columns_that_do_not_exist_and_shapes_that_do_not_fit_are_refused():
+    simulation = gridlock.Simulation(SMALL)
+    with pytest.raises(gridlock.Error, match="no column charge"):
+        simulation.agents["charge"]
+    with pytest.raises(AttributeError, match="no column 'charge'"):
+        simulation.agents.charge
+    with pytest.raises(AttributeError, match="no column"):
+        simulation.agents.charge = 3
+    with pytest.raises(ValueError):
+        simulation.agents.x = np.zeros(99)
+    with pytest.raises(ValueError):
+        simulation.agents.ids[0] = 3
+
+
+def test_series_and_results():
+    simulation = gridlock.Simulation(SMALL)
+    simulation.equilibrate(steps=100)
+    simulation.run(steps=400)
+    series = simulation.series
+    assert series["step"].tolist() == list(range(0, 501, 10))
+    counted = series["collision_rate"][series["step"] > 100]
+    assert simulation.results["collision_rate"].value == pytest.approx(counted.mean(), rel=1e-12)
+    assert simulation.results["collision_rate"].error > 0
+    assert {column.name for column in simulation.columns} == set(series.dtype.names)
+    with pytest.raises(KeyError, match="there is no result"):
+        simulation.results["nothing"]
+    assert "pair_correlation" in simulation.distributions
+
+
+def test_own_observables_and_callbacks():
+    simulation = gridlock.Simulation(SMALL)
+    simulation.observe(lambda s: np.hypot(*s.agents.velocities.T).max(), "largest_speed", unit="length / time")
+    simulation.observe(lambda s: (s.clock.step, len(s.agents)), ["own_step", "own_count"])
+    seen = []
+
+    @simulation.on_step(25)
+    def look(s):
+        seen.append((s.clock.step, float(s.agents.x[0])))
+
+    simulation.run(steps=100)
+    assert [step for step, _ in seen] == [0, 25, 50, 75, 100]
+    assert simulation.series["own_step"].tolist() == simulation.series["step"].tolist()
+    assert simulation.results["own_count"].value == 100
+    plain = gridlock.Simulation(SMALL)
+    plain.run(steps=100)
+    assert plain.state_hash == simulation.state_hash
+    with pytest.raises(gridlock.Error, match="before the first step"):
+        simulation.observe(lambda s: 1.0, "late")
+
+
+def test_an_exception_of_a_callback_ends_the_run_there():
+    simulation = gridlock.Simulation(SMALL)
+
+    def fail(s):
+        if s.clock.step == 30:
+            raise LookupError("enough")
+
+    simulation.on_step(10, fail)
+    with pytest.raises(LookupError, match="enough"):
+        simulation.run(steps=100)
+    assert simulation.clock.step == 30
+
+
+def test_a_callback_cannot_run_the_simulation():
+    simulation = gridlock.Simulation(SMALL)
+    simulation.on_step(10, lambda s: s.run(steps=1))
+    with pytest.raises(RuntimeError, match="cannot run"):
+        simulation.run(steps=10)
+
+
+def test_interrupts_stop_at_a_step_and_keep_the_state():
+    simulation = gridlock.Simulation(SMALL)
+    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        simulation.run(steps=10**12)
+    step = simulation.clock.step
+    assert step > 0
+    other = gridlock.Simulation(SMALL)
+    other.run(steps=step)
+    assert other.state_hash == simulation.state_hash
+    simulation.run(steps=10)
+    assert simulation.clock.step == step + 10
+
+
+def test_the_interpreter_goes_on_while_a_simulation_runs_and_no_other_thread_may_touch_it():
+    simulation = gridlock.Simulation(disks={"count": 2000, "packing_fraction": 0.6})
+    failures = []
+
+    def touch():
+        for _ in range(1000):
+            try:
+                simulation.agents.x.sum()
+            except RuntimeError as error:
+                failures.append(str(error))
+                return
+
+    thread = threading.Thread(target=touch)
+    simulation.on_step(10**9, lambda s: thread.start())
+    simulation.run(steps=300)
+    thread.join()
+    assert failures == ["this simulation is running in another thread"]
+
+
+def test_two_simulations_run_side_by_side():
+    simulations = [gridlock.Simulation(SMALL, run={"seed": seed}) for seed in (1, 2)]
+    threads = [threading.Thread(target=s.run, kwargs={"steps": 200}) for s in simulations]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    alone = gridlock.Simulation(SMALL, run={"seed": 2})
+    alone.run(steps=200)
+    assert simulations[1].state_hash == alone.state_hash
+
+
+def test_forks_and_pickles_are_refused():
+    simulation = gridlock.Simulation(SMALL)
+    with pytest.raises(TypeError, match="cannot be pickled"):
+        pickle.dumps(simulation)
+    child = os.fork()
+    if child == 0:
+        try:
+            simulation.run(steps=1)
+        except RuntimeError as error:
+            os._exit(0 if "another process" in str(error) else 1)
+        os._exit(2)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"disks": {"cuont": 3}}, "did you mean"),
+        ({"disks.count": "many"}, "disks.count"),
+        ({"disks": {"count": 100, "packing_fraction": 0.99}}, "packing fraction"),
+        ({"engine": {"kind": "magic"}}, "magic"),
+        ({"engine": {"time_step": float("nan")}}, "engine.time_step"),
+        ({"disks": {"count": object()}}, "type object"),
+        ({3: 4}, "no name of a setting"),
+        ("nowhere.toml", "nowhere.toml"),
+        ([1, 2], "settings are a dict"),
+    ],
+)
+def test_bad_settings_are_refused_with_the_texts_of_the_command_line(settings, words):
+    with pytest.raises(gridlock.Error, match=words):
+        gridlock.Simulation(settings)
+
+
+def test_errors_have_every_problem():
+    with pytest.raises(gridlock.Error) as caught:
+        gridlock.Simulation({"disks": {"cuont": 3}, "engine": {"kin": "exact"}})
+    assert len(caught.value.problems) == 2
+    assert all(problem["hint"] for problem in caught.value.problems)
+
+
+@pytest.mark.parametrize("steps", [-1, 1.5, "many", True])
+def test_bad_numbers_of_steps_are_refused(steps):
+    with pytest.raises(gridlock.Error, match="steps"):
+        gridlock.Simulation(SMALL).run(steps=steps)
+
+
+def test_a_simulation_without_an_end_asks_for_steps():
+    with pytest.raises(gridlock.Error, match="no end"):
+        gridlock.Simulation(SMALL).run()
+
+
+def test_memory_stays_flat():
+    def resident():
+        with open("/proc/self/statm") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+    def use(count):
+        for _ in range(count):
+            simulation = gridlock.Simulation({"disks": {"count": 16, "packing_fraction": 0.2}, "observe": {"every": 1}})
+            kept = simulation.agents.positions
+            # Functions that know their simulation are cycles.
+            simulation.on_step(1, lambda s, own=simulation: own.clock)
+            simulation.observe(lambda s, own=simulation: own.time_step, "own")
+            simulation.run(steps=1)
+            assert kept.shape == (16, 2)
+
+    use(500)
+    gc.collect()
+    before = resident()
+    use(3000)
+    gc.collect()
+    assert resident() - before < 8e6

@@ -1,0 +1,13 @@
+"""The types of the package are those that mypy --strict finds."""
+
+import pathlib
+import subprocess
+import sys
+
+import gridlock
+
+
+def test_the_package_is_typed():
+    package = pathlib.Path(gridlock.__file__).parent
+    result = subprocess.run([sys.executable, "-m", "mypy", "--strict", "gridlock"], cwd=package.parent, capture_output=True, text=True)
+    assert result.returncode == 0, result.stdout
