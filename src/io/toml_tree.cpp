@@ -127,7 +127,7 @@ bool has_bottomless_key(std::string_view text) {
   return false;
 }
 
-/// What is wrong with a value that stands in a line that is no TOML.
+/// What is wrong with the value of a line that is no TOML.
 std::string hint_for_value(std::string_view value) {
   constexpr std::string_view digits = "0123456789_";
   bool const is_number = value.find_first_not_of("0123456789_+-.,eE") == value.npos;
