@@ -14,14 +14,18 @@ from . import _core
 from .analysis import bond_orientation, mean_squared_displacement, pair_correlation, structure_factor
 from .box import Box
 from .errors import Error, Problem, RunFailure
+from .files import Frame, RunDirectory, Trajectory, read_xyz
+from .files import open as open
 from .neighbors import Neighbors, neighbors, pairs
 from .simulation import Agents, Clock, Column, Result, Results, Simulation, run
+from .sweeps import SweepDirectory, sweep
 
 __version__: str = _core.version
 __all__ = [
-    "Agents", "Box", "Clock", "Column", "Error", "Neighbors", "Problem", "Result", "Results", "RunFailure", "Simulation",
-    "bond_orientation", "explain", "mean_squared_displacement", "neighbors", "pair_correlation", "pairs", "run",
-    "structure_factor",
+    "Agents", "Box", "Clock", "Column", "Error", "Frame", "Neighbors", "Problem", "Result", "Results", "RunDirectory", "RunFailure",
+    "Simulation", "SweepDirectory", "Trajectory",
+    "bond_orientation", "explain", "mean_squared_displacement", "neighbors", "pair_correlation", "pairs",
+    "read_xyz", "run", "structure_factor", "sweep",
 ]
 
 

@@ -183,7 +183,7 @@ class Simulation:
         if steps is not None and (isinstance(steps, bool) or not isinstance(steps, (int, np.integer)) or steps < 0):
             raise Error(f"steps={steps!r}\n  hint: use a whole number of steps")
         self._forget_arrays()
-        with _Progress(progress, steps) as on_progress:
+        with ProgressBar(progress, steps) as on_progress:
             self._core.run(None if steps is None else int(steps), on_progress)
 
     def step(self) -> None:
@@ -281,7 +281,7 @@ class Simulation:
     @property
     def series(self) -> NDArray[Any]:
         """All samples so far: a structured array with a field for each column."""
-        return _structured(self._core.series())
+        return structured(self._core.series())
 
     def series_frame(self) -> pandas.DataFrame:
         """The series as a frame of pandas, which has to be installed."""
@@ -297,7 +297,7 @@ class Simulation:
     @property
     def distributions(self) -> dict[str, NDArray[Any]]:
         """The measured curves, as structured arrays: pair_correlation, speed_distribution …"""
-        return {name: _structured(columns) for name, columns in self._core.distributions().items()}
+        return {name: structured(columns) for name, columns in self._core.distributions().items()}
 
     @property
     def counts(self) -> dict[str, int]:
@@ -360,11 +360,12 @@ def run(
     file = os.fspath(settings) if isinstance(settings, (str, os.PathLike)) else None
     values = [] if file is not None or settings is None else assignments(settings)  # type: ignore[arg-type]
     values += assignments(more)
-    with _Progress(progress, None) as on_progress:
+    with ProgressBar(progress, None) as on_progress:
         _core.run_directory(file, values, os.fspath(directory), overwrite, threads, on_progress)
 
 
-def _structured(columns: Mapping[str, Any]) -> NDArray[Any]:
+def structured(columns: Mapping[str, Any]) -> NDArray[Any]:
+    """Columns by name as one structured array."""
     if not columns:
         return np.empty(0, dtype=[("step", np.uint64), ("time", np.float64)])
     first = next(iter(columns.values()))
@@ -374,7 +375,7 @@ def _structured(columns: Mapping[str, Any]) -> NDArray[Any]:
     return table
 
 
-class _Progress:
+class ProgressBar:
     """What a run tells how far it is: nothing, a function, or a bar of tqdm."""
 
     def __init__(self, wish: bool | Callable[[int, float], None], steps: int | None) -> None:

@@ -2,10 +2,18 @@
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <cstddef>
 #include <initializer_list>
+#include <string>
+#include <type_traits>
 #include <utility>
+#include <variant>
+#include <vector>
+
+#include "gridlock/io/table.hpp"
 
 namespace gridlock::python {
 
@@ -28,6 +36,20 @@ auto owned_array(Values&& values) {
   return owned_array(std::forward<Values>(values), {size});
 }
 
+/// A column of a table: an array of numbers, or a list of words.
+inline nb::object array_of_cells(CellColumn const& column) {
+  return std::visit(
+      [](auto values) -> nb::object {
+        if constexpr (std::is_same_v<decltype(values), std::vector<std::string>>) {
+          return nb::cast(values);
+        } else {
+          return nb::cast(owned_array(std::move(values)));
+        }
+      },
+      column);
+}
+
+void bind_files(nb::module_& module);
 void bind_grid(nb::module_& module);
 void bind_simulation(nb::module_& module);
 

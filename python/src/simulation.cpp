@@ -26,6 +26,7 @@
 #include "gridlock/simulation/run.hpp"
 #include "gridlock/simulation/setup.hpp"
 #include "gridlock/workspace/run_directory.hpp"
+#include "settings.hpp"
 
 namespace gridlock::python {
 
@@ -33,17 +34,6 @@ namespace {
 
 /// A dict for the modules in Python, which give its entries their shape.
 using NamedValues = nb::typed<nb::dict, nb::str, nb::any>;
-
-/// Settings as Python hands them over: dotted keys, values in TOML.
-using Assignments = std::vector<std::pair<std::string, std::string>>;
-
-SettingsFile settings_of(std::optional<std::string> const& file, Assignments const& assignments) {
-  SettingsFile settings = file ? SettingsFile::from_path(*file) : SettingsFile();
-  for (auto const& [key, value] : assignments) {
-    settings.set(key, value, {.file = "Simulation", .line = 0, .column = 0, .source_line = key + " = " + value});
-  }
-  return settings;
-}
 
 /// Calls a Python function at every multiple of some steps, and lets what it raises pass through the run.
 class PythonWriter final : public Writer {
@@ -357,17 +347,6 @@ class PythonSimulation {
                       std::initializer_list<std::int64_t> strides) {
     return nb::cast(nb::ndarray<nb::numpy, Value>(data, shape, keeper(), strides), nb::rv_policy::reference);
   }
-  static nb::object array_of_cells(CellColumn const& column) {
-    return std::visit(
-        [](auto values) -> nb::object {
-          if constexpr (std::is_same_v<decltype(values), std::vector<std::string>>) {
-            return nb::cast(values);
-          } else {
-            return nb::cast(owned_array(std::move(values)));
-          }
-        },
-        column);
-  }
   std::string names_in_words() {
     std::string words;
     for (std::string_view const name : simulation().view().names())
@@ -385,36 +364,6 @@ class PythonSimulation {
   std::shared_ptr<ColumnMemory> memory_;  ///< of the arrays that have been handed out since the last run
   bool may_have_changed_ = false;
 };
-
-/// A run in a directory, as `gridlock run` makes it.
-std::string run_directory(std::optional<std::string> const& file, Assignments const& assignments,
-                          std::string const& directory, bool overwrites, std::optional<std::uint64_t> threads,
-                          nb::object const& on_progress) {
-  bool is_interrupted = false;
-  bool const is_shown = !on_progress.is_none();
-  RunRecord record;
-  {
-    nb::gil_scoped_release const released;
-    Setup setup = set_up(settings_of(file, assignments), {.threads = threads});
-    open_run_directory(directory, overwrites);
-    record = run_in(directory, std::move(setup),
-                    {.on_progress =
-                         [&](Progress const& progress) {
-                           nb::gil_scoped_acquire const acquired;
-                           if (PyErr_CheckSignals() != 0) {
-                             is_interrupted = true;
-                             return false;
-                           }
-                           if (is_shown) on_progress(progress.steps, progress.fraction);
-                           return true;
-                         },
-                     .on_event = {},
-                     .threads = threads});
-  }
-  if (is_interrupted) throw nb::python_error();
-  if (record.status == RunStatus::failed) throw RunFailure(record.failure);
-  return to_text(record.status);
-}
 
 std::string explain_setting(std::string const& key) {
   Configuration configuration;
@@ -450,8 +399,6 @@ void bind_simulation(nb::module_& module) {
       .def("distributions", &PythonSimulation::distributions)
       .def("counts", &PythonSimulation::counts)
       .def("write_state", &PythonSimulation::write_state);
-  module.def("run_directory", &run_directory, nb::arg("file").none(), nb::arg("assignments"), nb::arg("directory"),
-             nb::arg("overwrites"), nb::arg("threads").none(), nb::arg("on_progress").none());
   module.def("explain", &explain_setting);
 }
 

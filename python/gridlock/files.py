@@ -1,0 +1,221 @@
+"""Readers of what Gridlock writes: run directories, sweeps, trajectories, states, tables."""
+
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+import sys
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from . import _core
+from .box import Box
+from .errors import Error
+from .simulation import Clock, Result, Results, structured
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+class Frame(NamedTuple):
+    """All agents at one step, in the order of their Ids."""
+
+    box: Box
+    clock: Clock
+    ids: NDArray[np.uint64]  #: shape (N,)
+    columns: dict[str, NDArray[Any]]  #: by name, each of shape (N,)
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    def __getattr__(self, name: str) -> NDArray[Any]:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        try:
+            return self.columns[name]
+        except KeyError:
+            raise AttributeError(f"the frame has no column {name!r}; it has {', '.join(self.columns)}") from None
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """Inside the box, shape (N, 2)."""
+        positions: NDArray[np.float64] = np.stack([self.columns["x"], self.columns["y"]], axis=1)
+        return positions
+
+    @property
+    def unwrapped(self) -> NDArray[np.float64]:
+        """Positions that do not jump at the edges of a periodic box, shape (N, 2): for displacements.
+
+        :raises Error: in a periodic box, where the frame does not have the columns ``image_x`` and ``image_y``.
+        """
+        if not self.box.periodic:
+            return self.positions
+        if "image_x" not in self.columns:
+            raise Error(
+                "the frame does not say how often an agent has crossed the edges\n"
+                "  hint: keep the columns image_x and image_y in trajectory.columns"
+            )
+        images = np.stack([self.columns["image_x"], self.columns["image_y"]], axis=1)
+        unwrapped: NDArray[np.float64] = self.positions + images * np.array([self.box.width, self.box.height])
+        return unwrapped
+
+    @property
+    def kinds(self) -> NDArray[np.int64]:
+        """The kind of each agent, shape (N,): by the column ``species``, else by radius and mass, the smallest first."""
+        if "species" in self.columns:
+            return np.unique(self.columns["species"], return_inverse=True)[1].reshape(-1)
+        named = [self.columns[name] for name in ("radius", "mass") if name in self.columns]
+        if not named:
+            return np.zeros(len(self), dtype=np.int64)
+        return np.unique(np.stack(named, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
+
+
+def _frame(values: Any) -> Frame:
+    ids, columns, box, step, time = values
+    return Frame(Box(*box), Clock(step, time), ids, columns)
+
+
+def read_xyz(path: str | os.PathLike[str]) -> Frame:
+    """A state in extended XYZ, packed by gzip or not.
+
+    :raises Error: with line and column for anything damaged.
+    """
+    return _frame(_core.read_xyz(os.fspath(path)))
+
+
+class Trajectory:
+    """The frames of a file in H5MD, read one at a time; also while a run still writes them.
+
+    ``len(trajectory)``, ``trajectory[3]``, ``trajectory[-1]``, ``for frame in trajectory``; ``steps`` and ``times`` of all.
+
+    :raises Error: for damage, with the place.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = pathlib.Path(path)
+        self._core = _core.Trajectory(os.fspath(path))
+
+    def __len__(self) -> int:
+        return self._core.size()
+
+    def __getitem__(self, k: int) -> Frame:
+        return _frame(self._core.frame(k + len(self) if k < 0 else k) if -len(self) <= k < len(self) else self._refuse(k))
+
+    def __iter__(self) -> Iterator[Frame]:
+        return (self[k] for k in range(len(self)))
+
+    def _refuse(self, k: int) -> Any:
+        raise IndexError(f"there is no frame {k} among {len(self)}")
+
+    @property
+    def steps(self) -> NDArray[np.uint64]:
+        """Of each frame, shape (frames,)."""
+        return self._core.steps()
+
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """Of each frame, shape (frames,)."""
+        return self._core.times()
+
+    def positions(self, *, unwrapped: bool = True) -> NDArray[np.float64]:
+        """Of all frames, shape (frames, N, 2), for a run without births and deaths: what :func:`mean_squared_displacement` takes."""
+        frames = [frame.unwrapped if unwrapped else frame.positions for frame in self]
+        if len({len(frame) for frame in frames}) > 1:
+            raise Error("the number of agents changes from frame to frame\n  hint: take the frames one by one")
+        return np.array(frames).reshape(len(frames), -1, 2)
+
+    def __repr__(self) -> str:
+        return f"<gridlock.Trajectory {self.path}: {len(self)} frames>"
+
+
+class RunDirectory:
+    """What a run has written, read when it is asked for."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = pathlib.Path(path)
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """All settings of the run. Needs Python 3.11 or the package tomli."""
+        return _toml(self.path / "config.resolved.toml")
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """summary.json."""
+        file = self.path / "summary.json"
+        if not file.exists():
+            raise Error(f"{self.path} holds a run that is not finished\n  hint: gridlock resume {self.path}")
+        try:
+            found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+        except ValueError as error:
+            raise Error(f"{file} is damaged: {error}") from None
+        return found
+
+    @property
+    def state_hash(self) -> str:
+        return str(self.summary["state_hash"])
+
+    @property
+    def results(self) -> Results:
+        """Averages with their errors."""
+        return Results({
+            name: Result(entry["value"], entry.get("error"), entry.get("unit", ""))
+            for name, entry in self.summary.items()
+            if isinstance(entry, dict) and "value" in entry
+        })
+
+    @property
+    def series(self) -> NDArray[Any]:
+        """Every sample: a structured array with a field for each column."""
+        return self.table("series")
+
+    def table(self, name: str) -> NDArray[Any]:
+        """A table of the directory: "pair_correlation", "speed_distribution" …"""
+        return structured(_core.read_csv(str(self.path / f"{name}.csv")))
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """Its frames, where the run keeps some."""
+        return Trajectory(self.path / "trajectory.h5")
+
+    @property
+    def final(self) -> Frame:
+        """The last state."""
+        return read_xyz(self.path / "final.xyz")
+
+    def resume(self, *, steps: int | None = None, threads: int | None = None) -> None:
+        """Finishes a run that was interrupted; with ``steps``, makes it that long from its start."""
+        _core.resume_directory(str(self.path), steps, threads, None)
+
+    def __repr__(self) -> str:
+        return f"<gridlock.RunDirectory {self.path}>"
+
+
+def open(path: str | os.PathLike[str]) -> RunDirectory | Any:
+    """A run directory, a sweep directory or a trajectory, by what the path holds.
+
+    :returns: :class:`RunDirectory`, :class:`SweepDirectory` or :class:`Trajectory`.
+    :raises Error: for a path that holds none of them.
+    """
+    from .sweeps import SweepDirectory
+
+    path = pathlib.Path(path)
+    if path.is_file():
+        return Trajectory(path) if path.suffix == ".h5" else read_xyz(path)
+    if (path / "plan.json").exists():
+        return SweepDirectory(path)
+    if (path / "config.resolved.toml").exists():
+        return RunDirectory(path)
+    raise Error(f"{path} holds neither a run nor a sweep\n  hint: name a directory that Gridlock has written")
+
+
+def _toml(path: pathlib.Path) -> dict[str, Any]:
+    if sys.version_info >= (3, 11):
+        import tomllib
+    else:
+        import tomli as tomllib
+    with path.open("rb") as file:
+        return tomllib.load(file)

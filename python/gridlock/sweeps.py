@@ -1,0 +1,108 @@
+"""Sweeps: every combination of listed values, on all cores or on any executor, resumable."""
+
+from __future__ import annotations
+
+import concurrent.futures
+import os
+import pathlib
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from . import _core
+from .errors import Error, RunFailure
+from .files import RunDirectory
+from .settings import assignments
+from .simulation import ProgressBar, structured
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+Settings = tuple["str | None", "list[tuple[str, str]]"]
+
+
+class SweepDirectory:
+    """What a sweep has written."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = pathlib.Path(path)
+
+    @property
+    def table(self) -> NDArray[Any]:
+        """One row for each run: its values, ``status``, ``state_hash`` and every result with its error."""
+        return structured(_core.read_csv(str(self.path / "sweep.csv")))
+
+    @property
+    def means(self) -> NDArray[Any]:
+        """One row for each combination, averaged over ``run.seed``; errors combine seeds and blocks."""
+        return structured(_core.read_csv(str(self.path / "means.csv")))
+
+    @property
+    def runs(self) -> list[RunDirectory]:
+        """The run directories, by their names."""
+        return [RunDirectory(path) for path in sorted((self.path / "runs").iterdir())]
+
+    def __repr__(self) -> str:
+        return f"<gridlock.SweepDirectory {self.path}>"
+
+
+def sweep(
+    settings: Mapping[str, Any] | str | os.PathLike[str] | None,
+    values: Mapping[str, Sequence[Any]],
+    directory: str | os.PathLike[str],
+    *,
+    executor: concurrent.futures.Executor | None = None,
+    overwrite: bool = False,
+    threads: int = 0,
+    progress: bool | Callable[[int, float], None] = False,
+) -> SweepDirectory:
+    """Runs every combination of the listed values; the last list varies fastest.
+
+    :param settings: what all runs share, as for :class:`Simulation`; it gives them their end, ``run.steps`` or another.
+    :param values: a list for each setting: ``{"disks.packing_fraction": [0.5, 0.6], "run.seed": [1, 2, 3]}``.
+    :param directory: where the runs and tables are written, as by ``gridlock sweep``. Where it holds this sweep already, finished
+        runs are kept and interrupted ones are continued, to the same bits.
+    :param executor: any executor of ``concurrent.futures``, or a client of Dask; each run is one task. All workers see the directory.
+        None: the cores of this machine.
+    :param threads: runs at a time without an executor; 0 for one on each core.
+    :raises Error: where not one run can be made, and for a directory that holds something else.
+    :raises RunFailure: where runs failed; the others are finished, and the tables written.
+
+    >>> import tempfile
+    >>> made = sweep({"run.steps": 50, "disks.count": 16}, {"disks.packing_fraction": [0.2, 0.4]}, tempfile.mkdtemp())
+    >>> made.table["status"].tolist()
+    ['finished', 'finished']
+    """
+    file = os.fspath(settings) if isinstance(settings, (str, os.PathLike)) else None
+    given = [] if file is not None or settings is None else assignments(settings)  # type: ignore[arg-type]
+    if not isinstance(values, Mapping) or not values:
+        raise Error("there are no values to try\n  hint: for example {'run.seed': [1, 2, 3]}")
+    for key, listed in values.items():
+        if isinstance(listed, (str, bytes)) or not hasattr(listed, "__len__"):
+            raise Error(f"{key} has no list of values\n  hint: for example {{'{key}': [1, 2, 3]}}")
+        given += assignments({f"sweep.{key}": list(listed)})
+    path = os.fspath(directory)
+    if executor is None:
+        with ProgressBar(progress, None) as on_progress:
+            made = _core.sweep_directory(file, given, path, overwrite, threads, None, on_progress)
+    else:
+        count = _core.sweep_size(file, given)
+        tasks = [executor.submit(_run_one, (file, given), path, overwrite, number, count) for number in range(1, count + 1)]
+        with ProgressBar(progress, None) as on_progress:
+            for number, task in enumerate(tasks, start=1):
+                task.result()
+                if on_progress is not None:
+                    on_progress(number, number / count)
+        made = _core.collect_directory(path)
+    _, _, failures, interruptions, messages = made
+    if failures or interruptions:
+        raise RunFailure(f"{failures} runs failed and {interruptions} were stopped; the tables have the others\n" + "\n".join(messages))
+    return SweepDirectory(path)
+
+
+def _run_one(settings: Settings, directory: str, overwrite: bool, number: int, count: int) -> None:
+    """Run ``number`` of a sweep, where it is not finished. What fails is told by the tables, so that one run stops no other."""
+    file, given = settings
+    _, _, _, _, messages = _core.sweep_directory(file, given, directory, overwrite, 1, (number, count), None)
+    for message in messages:
+        warnings.warn(message, stacklevel=2)

@@ -1,0 +1,222 @@
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "gridlock/core/frame.hpp"
+#include "gridlock/io/h5md.hpp"
+#include "gridlock/io/table.hpp"
+#include "gridlock/io/xyz.hpp"
+#include "gridlock/simulation/setup.hpp"
+#include "gridlock/workspace/run_directory.hpp"
+#include "gridlock/workspace/sweep.hpp"
+#include "settings.hpp"
+
+namespace gridlock::python {
+
+namespace {
+
+using NamedValues = nb::typed<nb::dict, nb::str, nb::any>;
+using BoxValues = std::tuple<double, double, bool>;
+
+/// Asks Python now and then whether somebody has pressed Ctrl-C, and tells it how far the work is.
+class Listener {
+ public:
+  explicit Listener(nb::object on_progress)
+      : on_progress_(std::move(on_progress)), is_shown_(!on_progress_.is_none()) {}
+
+  /// Whether to go on. Called without the lock of the interpreter.
+  bool operator()(std::uint64_t done, double fraction) {
+    nb::gil_scoped_acquire const acquired;
+    if (PyErr_CheckSignals() != 0) {
+      is_interrupted_ = true;
+      return false;
+    }
+    if (is_shown_) on_progress_(done, fraction);
+    return true;
+  }
+  void raise() const {
+    if (is_interrupted_) throw nb::python_error();
+  }
+
+ private:
+  nb::object on_progress_;
+  bool is_shown_;
+  bool is_interrupted_ = false;
+};
+
+/// Errors: RunFailure for a run that broke.
+std::string status_of(RunRecord const& record, Listener const& listener) {
+  listener.raise();
+  if (record.status == RunStatus::failed) throw RunFailure(record.failure);
+  return to_text(record.status);
+}
+
+RunHooks hooks_for(Listener& listener, std::optional<std::uint64_t> threads) {
+  return {.on_progress = [&](Progress const& progress) { return listener(progress.steps, progress.fraction); },
+          .on_event = {},
+          .threads = threads};
+}
+
+std::string run_directory(std::optional<std::string> const& file, Assignments const& assignments,
+                          std::string const& directory, bool overwrites, std::optional<std::uint64_t> threads,
+                          nb::object on_progress) {
+  Listener listener(std::move(on_progress));
+  RunRecord record;
+  {
+    nb::gil_scoped_release const released;
+    Setup setup = set_up(settings_of(file, assignments), {.threads = threads});
+    open_run_directory(directory, overwrites);
+    record = run_in(directory, std::move(setup), hooks_for(listener, threads));
+  }
+  return status_of(record, listener);
+}
+
+std::string resume_directory(std::string const& directory, std::optional<std::uint64_t> steps,
+                             std::optional<std::uint64_t> threads, nb::object on_progress) {
+  Listener listener(std::move(on_progress));
+  RunRecord record;
+  {
+    nb::gil_scoped_release const released;
+    RunHooks const hooks = hooks_for(listener, threads);
+    record = steps ? lengthen_in(directory, {.steps = steps, .time = {}, .collisions_per_disk = {}}, hooks)
+                   : resume_in(directory, hooks);
+  }
+  return status_of(record, listener);
+}
+
+NamedValues columns_of(Table const& table) {
+  NamedValues columns;
+  for (std::string const& name : table.names()) columns[name.c_str()] = array_of_cells(table.column(name));
+  return columns;
+}
+
+/// What a sweep has made, how many runs failed and were stopped, and why.
+using SweepValues = std::tuple<NamedValues, NamedValues, std::size_t, std::size_t, std::vector<std::string>>;
+
+SweepValues values_of(SweepResult const& result) {
+  return {columns_of(result.rows), columns_of(result.means), result.failures, result.interruptions, result.messages};
+}
+
+std::size_t sweep_size(std::optional<std::string> const& file, Assignments const& assignments) {
+  return plan_sweep(settings_of(file, assignments)).runs.size();
+}
+
+/// `shard` is a number from 1 and a count.
+SweepValues sweep_directory(std::optional<std::string> const& file, Assignments const& assignments,
+                            std::string const& directory, bool overwrites, unsigned threads,
+                            std::optional<std::pair<std::size_t, std::size_t>> const& shard, nb::object on_progress) {
+  Listener listener(std::move(on_progress));
+  SweepResult result;
+  {
+    nb::gil_scoped_release const released;
+    SweepSettings settings{
+        .directory = directory, .overwrites = overwrites, .shard = {}, .threads = threads, .on_progress = {}};
+    if (shard) settings.shard = Shard{.number = shard->first, .count = shard->second};
+    settings.on_progress = [&](SweepProgress const& progress) {
+      return listener(progress.finished, progress.fraction);
+    };
+    result = run_sweep(plan_sweep(settings_of(file, assignments)), settings);
+  }
+  listener.raise();
+  return values_of(result);
+}
+
+SweepValues collect_directory(std::string const& directory) {
+  SweepResult result;
+  {
+    nb::gil_scoped_release const released;
+    result = collect_sweep({directory}, directory);
+  }
+  return values_of(result);
+}
+
+/// ids, columns, box, step, time
+using FrameValuesOfPython = std::tuple<nb::object, NamedValues, BoxValues, std::uint64_t, double>;
+
+FrameValuesOfPython values_of(Frame frame) {
+  NamedValues columns;
+  for (FrameColumn& column : frame.columns) {
+    columns[column.name.c_str()] =
+        std::visit([](auto& values) { return nb::cast(owned_array(std::move(values))); }, column.values);
+  }
+  return {nb::cast(owned_array(std::move(frame.ids))), columns,
+          BoxValues{frame.box.width(), frame.box.height(), frame.box.is_periodic()}, frame.clock.step,
+          frame.clock.time};
+}
+
+FrameValuesOfPython read_xyz_frame(std::string const& path) {
+  XyzFrame file;
+  {
+    nb::gil_scoped_release const released;
+    file = read_xyz(path);
+  }
+  Frame frame = frame_of(file.state);
+  std::ranges::move(file.others, std::back_inserter(frame.columns));
+  return values_of(std::move(frame));
+}
+
+/// A trajectory that is open.
+class PythonTrajectory {
+ public:
+  explicit PythonTrajectory(std::string const& path) : reader_(path) {}
+
+  [[nodiscard]] std::size_t size() const { return reader_.frame_count(); }
+  [[nodiscard]] auto steps() const {
+    std::vector<std::uint64_t> steps;
+    for (Clock const& clock : reader_.clocks()) steps.push_back(clock.step);
+    return owned_array(std::move(steps));
+  }
+  [[nodiscard]] auto times() const {
+    std::vector<double> times;
+    for (Clock const& clock : reader_.clocks()) times.push_back(clock.time);
+    return owned_array(std::move(times));
+  }
+  [[nodiscard]] FrameValuesOfPython frame(std::size_t k) const {
+    if (k >= size()) throw nb::index_error("there are fewer frames");
+    std::optional<H5mdFrame> frame;
+    {
+      nb::gil_scoped_release const released;
+      frame.emplace(reader_.frame(k));
+    }
+    return values_of(std::move(frame->frame));
+  }
+
+ private:
+  H5mdReader reader_;
+};
+
+}  // namespace
+
+void bind_files(nb::module_& module) {
+  module.def("run_directory", &run_directory, nb::arg("file").none(), nb::arg("assignments"), nb::arg("directory"),
+             nb::arg("overwrites"), nb::arg("threads").none(), nb::arg("on_progress").none());
+  module.def("resume_directory", &resume_directory, nb::arg("directory"), nb::arg("steps").none(),
+             nb::arg("threads").none(), nb::arg("on_progress").none());
+  module.def("sweep_size", &sweep_size, nb::arg("file").none(), nb::arg("assignments"));
+  module.def("sweep_directory", &sweep_directory, nb::arg("file").none(), nb::arg("assignments"), nb::arg("directory"),
+             nb::arg("overwrites"), nb::arg("threads"), nb::arg("shard").none(), nb::arg("on_progress").none());
+  module.def("collect_directory", &collect_directory, nb::arg("directory"));
+  module.def(
+      "read_csv", [](std::string const& path) { return columns_of(read_csv(path)); }, nb::arg("path"));
+  module.def("read_xyz", &read_xyz_frame, nb::arg("path"));
+  nb::class_<PythonTrajectory>(module, "Trajectory")
+      .def(nb::init<std::string const&>(), nb::arg("path"))
+      .def("size", &PythonTrajectory::size)
+      .def("steps", &PythonTrajectory::steps)
+      .def("times", &PythonTrajectory::times)
+      .def("frame", &PythonTrajectory::frame, nb::arg("k"));
+}
+
+}  // namespace gridlock::python

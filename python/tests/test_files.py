@@ -1,0 +1,180 @@
+"""Readers of run directories, trajectories and states; sweeps on executors."""
+
+import concurrent.futures
+import json
+import os
+import signal
+import subprocess
+import warnings
+
+import numpy as np
+import pytest
+
+import gridlock
+
+RUN = {
+    "disks": {"count": 64, "packing_fraction": 0.4, "species": [
+        {"fraction": 0.5, "size_ratio": 1.0}, {"fraction": 0.5, "size_ratio": 1.4}]},
+    "box": {"edge": "periodic"}, "engine": {"kind": "exact"}, "run": {"steps": 2000}, "observe": {"every": 100},
+    "trajectory": {"every": 500},
+}
+
+
+@pytest.fixture(autouse=True)
+def quiet():
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("run") / "out"
+    gridlock.run(RUN, directory)
+    return gridlock.open(directory)
+
+
+def test_a_run_directory_has_what_the_simulation_had(made):
+    simulation = gridlock.Simulation({**RUN, "trajectory": None})
+    simulation.run()
+    assert made.state_hash == simulation.state_hash
+    assert made.series.tobytes() == simulation.series.tobytes()
+    assert len(made.results) > 10
+    assert dict(made.results) == dict(simulation.results)
+    assert made.table("pair_correlation").tobytes() == simulation.distributions["pair_correlation"].tobytes()
+    assert made.settings["disks"]["count"] == 64
+    by_id = np.argsort(simulation.agents.ids)
+    assert np.array_equal(made.final.positions, simulation.agents.positions[by_id])
+
+
+def test_frames_are_unwrapped_and_know_kinds(made):
+    trajectory = made.trajectory
+    assert trajectory.steps.tolist() == [0, 500, 1000, 1500, 2000]
+    assert len(list(trajectory)) == 5 and trajectory[-1].clock.step == 2000
+    positions = trajectory.positions()
+    assert positions.shape == (5, 64, 2)
+    square = ((positions[-1] - positions[0]) ** 2).sum(axis=1).mean()
+    assert square == pytest.approx(made.series["mean_squared_displacement"][-1], rel=1e-9)
+    assert square > ((trajectory.positions(unwrapped=False)[-1] - positions[0]) ** 2).sum(axis=1).mean()
+    kinds = trajectory[0].kinds
+    assert np.bincount(kinds).tolist() == [32, 32]
+    assert trajectory[0].radius[kinds == 1].min() > trajectory[0].radius[kinds == 0].max()
+    with pytest.raises(IndexError, match="no frame 5"):
+        trajectory[5]
+    with pytest.raises(AttributeError, match="no column 'charge'"):
+        trajectory[0].charge
+
+
+def test_a_frame_without_images_cannot_be_unwrapped(tmp_path):
+    gridlock.run({**RUN, "run.steps": 100, "trajectory": {"every": 100, "columns": "x y"}}, tmp_path / "out")
+    frame = gridlock.open(tmp_path / "out").trajectory[0]
+    with pytest.raises(gridlock.Error, match="crossed the edges"):
+        frame.unwrapped
+
+
+def test_what_is_missing_or_damaged_is_refused(tmp_path, made):
+    with pytest.raises(gridlock.Error, match="neither a run nor a sweep"):
+        gridlock.open(tmp_path)
+    with pytest.raises(gridlock.Error):
+        gridlock.open(tmp_path / "nowhere.h5").steps
+    (tmp_path / "bad.h5").write_bytes(b"nothing")
+    with pytest.raises(gridlock.Error, match="bad.h5"):
+        gridlock.open(tmp_path / "bad.h5")
+    (tmp_path / "bad.xyz").write_text("3\nnothing\n")
+    with pytest.raises(gridlock.Error, match="bad.xyz"):
+        gridlock.open(tmp_path / "bad.xyz")
+    with pytest.raises(gridlock.Error, match="nowhere.csv"):
+        made.table("nowhere")
+
+
+def test_interrupted_runs_are_continued(tmp_path):
+    shorter = tmp_path / "out"
+    gridlock.run({**RUN, "trajectory": None}, shorter)
+    gridlock.open(shorter).resume(steps=3000)
+    longer = gridlock.Simulation({**RUN, "trajectory": None, "run.steps": 3000})
+    longer.run()
+    assert gridlock.open(shorter).state_hash == longer.state_hash
+
+
+SWEEP = ({"run.steps": 200, "disks.count": 30, "observe.every": 20},
+         {"disks.packing_fraction": [0.2, 0.4], "run.seed": [1, 2, 3]})
+
+
+def expect_same(one, other):
+    """Everything but the time that the runs took."""
+    for here, there in ((one.table, other.table), (one.means, other.means)):
+        assert here.dtype.names == there.dtype.names
+        for name in set(here.dtype.names) - {"seconds"}:
+            assert here[name].tolist() == there[name].tolist() or np.array_equal(here[name], there[name], equal_nan=True), name
+
+
+def test_a_sweep_is_that_of_the_command_line(program, tmp_path):
+    made = gridlock.sweep(*SWEEP, tmp_path / "a", threads=2)
+    (tmp_path / "sweep.toml").write_text(
+        "run.steps = 200\ndisks.count = 30\nobserve.every = 20\n"
+        "[sweep]\n'disks.packing_fraction' = [0.2, 0.4]\n'run.seed' = [1, 2, 3]\n")
+    subprocess.run([program, "sweep", "sweep.toml", "-o", "b", "-q"], cwd=tmp_path, check=True)
+    expect_same(made, gridlock.open(tmp_path / "b"))
+    assert made.means["runs"].tolist() == [3, 3]
+    assert len(made.runs) == 6 and made.runs[0].state_hash == made.table["state_hash"][0]
+
+
+@pytest.mark.parametrize("kind", [concurrent.futures.ThreadPoolExecutor, concurrent.futures.ProcessPoolExecutor])
+def test_executors_make_the_same_tables(kind, tmp_path):
+    here = gridlock.sweep(*SWEEP, tmp_path / "a")
+    with kind(2) as executor:
+        there = gridlock.sweep(*SWEEP, tmp_path / "b", executor=executor)
+    expect_same(here, there)
+
+
+def test_a_sweep_is_resumed(tmp_path):
+    settings, values = SWEEP
+    gridlock.sweep(settings, {**values, "run.seed": [1]}, tmp_path / "a")
+    before = {path: path.stat().st_mtime_ns for path in (tmp_path / "a/runs").glob("*seed=1*/summary.json")}
+    made = gridlock.sweep(settings, values, tmp_path / "a")
+    assert len(before) == 2 and all(path.stat().st_mtime_ns == time for path, time in before.items())
+    assert len(made.table) == 6
+    with pytest.raises(gridlock.Error):
+        gridlock.sweep({**settings, "disks.count": 31}, values, tmp_path / "a")
+
+
+def test_a_cluster_of_dask_loses_a_worker_and_no_run(tmp_path):
+    distributed = pytest.importorskip("distributed")
+    settings = {"run.steps": 60_000, "disks.count": 200, "observe.every": 1000, "checkpoint.every_steps": 2000}
+    values = {"disks.packing_fraction": [0.5, 0.6], "run.seed": [1, 2]}
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
+        with distributed.Client(cluster) as client:
+            victim = client.submit(os.getpid, pure=False, workers=[next(iter(client.scheduler_info()["workers"]))]).result()
+            killer = concurrent.futures.ThreadPoolExecutor(1).submit(lambda: (_wait_for(tmp_path / "b/runs"), os.kill(victim, signal.SIGKILL)))
+            made = gridlock.sweep(settings, values, tmp_path / "b", executor=client.get_executor())
+            killer.result()
+    here = gridlock.sweep(settings, values, tmp_path / "a")
+    assert here.table["state_hash"].tolist() == made.table["state_hash"].tolist()
+    assert set(made.table["status"]) == {"finished"}
+
+
+def _wait_for(path):
+    import time
+
+    for _ in range(600):
+        if path.exists() and any(path.iterdir()):
+            break
+        time.sleep(0.05)
+    time.sleep(0.3)
+
+
+@pytest.mark.parametrize(("values", "words"), [
+    ({}, "no values"), ({"run.seed": 3}, "no list"), ({"run.seed": "123"}, "no list"), ({"run.sede": [1]}, "run.sede"),
+    ({"run.seed": []}, "run.seed"), ({"run.seed": [1, 1]}, "twice"),
+])
+def test_bad_lists_are_refused(values, words, tmp_path):
+    with pytest.raises(gridlock.Error, match=words):
+        gridlock.sweep({"run.steps": 10}, values, tmp_path / "a")
+    assert not (tmp_path / "a").exists()
+
+
+def test_runs_that_fail_are_told_and_the_others_finish(tmp_path):
+    with pytest.raises(gridlock.RunFailure, match="1 runs failed"):
+        gridlock.sweep({"run.steps": 20, "disks.count": 30}, {"disks.packing_fraction": [0.2, 0.95]}, tmp_path / "a")
+    assert sorted(gridlock.open(tmp_path / "a").table["status"].tolist()) == ["failed", "finished"]
+    assert json.loads(next((tmp_path / "a/runs").glob("*0.2/summary.json")).read_text())["status"] == "finished"
