@@ -9,7 +9,9 @@ PAGES = ["README.md", "docs/getting_started/python.md"]
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_programs_of_the_page_run(root, page, capsys):
+def test_programs_of_the_page_run(root, page, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
     programs = re.findall(r"```python\n(.*?)```", (root / page).read_text(), re.DOTALL)
     programs = [program for program in programs if "import gridlock" in program]
     assert programs
