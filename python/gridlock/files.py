@@ -14,6 +14,7 @@ import numpy as np
 from . import _core
 from .box import Box
 from .errors import Error
+from .settings import as_threads
 from .simulation import Clock, Result, Results, structured
 
 if TYPE_CHECKING:
@@ -188,7 +189,7 @@ class RunDirectory:
 
     def resume(self, *, steps: int | None = None, threads: int | None = None) -> None:
         """Finishes a run that was interrupted; with ``steps``, makes it that long from its start."""
-        _core.resume_directory(str(self.path), steps, threads, None)
+        _core.resume_directory(str(self.path), steps, None if threads is None else as_threads(threads), None)
 
     def __repr__(self) -> str:
         return f"<gridlock.RunDirectory {self.path}>"

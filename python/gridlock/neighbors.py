@@ -9,6 +9,7 @@ import numpy as np
 from . import _core
 from .box import BoxLike, as_box
 from .errors import Error
+from .settings import as_threads
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -47,12 +48,6 @@ def as_points(points: ArrayLike) -> NDArray[np.float64]:
     return array
 
 
-def _threads(threads: int) -> int:
-    if isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or threads < 0:
-        raise Error(f"threads={threads!r}\n  hint: use a whole number, 0 for all cores")
-    return int(threads)
-
-
 def pairs(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int = 1) -> NDArray[np.uint32]:
     """All pairs of points nearer than the cutoff, each once.
 
@@ -66,7 +61,7 @@ def pairs(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int
     >>> pairs([[0.1, 0.5], [0.9, 0.5], [0.5, 0.5]], 0.3, box=1.0)
     array([[0, 1]], dtype=uint32)
     """
-    return _core.pairs(as_points(points), float(cutoff), as_box(box), _threads(threads)).T
+    return _core.pairs(as_points(points), float(cutoff), as_box(box), as_threads(threads)).T
 
 
 def neighbors(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int = 1) -> Neighbors:
@@ -80,4 +75,4 @@ def neighbors(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads:
     >>> found.of(0)
     array([1], dtype=uint32)
     """
-    return Neighbors(*_core.neighbor_lists(as_points(points), float(cutoff), as_box(box), _threads(threads)))
+    return Neighbors(*_core.neighbor_lists(as_points(points), float(cutoff), as_box(box), as_threads(threads)))

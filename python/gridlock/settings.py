@@ -47,6 +47,13 @@ def to_toml(value: Any, key: str = "") -> str:
     )
 
 
+def as_threads(threads: Any) -> int:
+    """A number of threads, 0 for all cores."""
+    if isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or threads < 0:
+        raise Error(f"threads={threads!r}\n  hint: use a whole number, 0 for all cores")
+    return int(threads)
+
+
 def assignments(settings: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
     """The dotted keys of nested dicts, with their values in TOML; ``None`` leaves a setting out.
 

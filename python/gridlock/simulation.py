@@ -13,7 +13,7 @@ import numpy as np
 from . import _core
 from .box import Box
 from .errors import Error
-from .settings import assignments
+from .settings import as_threads, assignments
 
 if TYPE_CHECKING:
     import pandas  # type: ignore[import-untyped]
@@ -163,7 +163,7 @@ class Simulation:
         elif settings is not None:
             values += assignments(settings)
         values += assignments(more)
-        self._core = _core.Simulation(file, values, threads)
+        self._core = _core.Simulation(file, values, None if threads is None else as_threads(threads))
         self._functions: list[Callable[[Simulation], Any]] = []
         self._arrays: list[weakref.ref[NDArray[Any]]] = []
         self._ends = self._core.has_end()
@@ -361,7 +361,8 @@ def run(
     values = [] if file is not None or settings is None else assignments(settings)  # type: ignore[arg-type]
     values += assignments(more)
     with ProgressBar(progress, None) as on_progress:
-        _core.run_directory(file, values, os.fspath(directory), overwrite, threads, on_progress)
+        _core.run_directory(file, values, os.fspath(directory), overwrite, None if threads is None else as_threads(threads),
+                            on_progress)
 
 
 def structured(columns: Mapping[str, Any]) -> NDArray[Any]:

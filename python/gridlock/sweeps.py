@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from . import _core
 from .errors import Error, RunFailure
 from .files import RunDirectory
-from .settings import assignments
+from .settings import as_threads, assignments
 from .simulation import ProgressBar, structured
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ def sweep(
     path = os.fspath(directory)
     if executor is None:
         with ProgressBar(progress, None) as on_progress:
-            made = _core.sweep_directory(file, given, path, overwrite, threads, None, on_progress)
+            made = _core.sweep_directory(file, given, path, overwrite, as_threads(threads), None, on_progress)
     else:
         count = _core.sweep_size(file, given)
         tasks = [executor.submit(_run_one, (file, given), path, overwrite, number, count) for number in range(1, count + 1)]

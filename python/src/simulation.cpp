@@ -104,6 +104,9 @@ class PythonSimulation {
     setup_ = set_up(settings, {.threads = threads});
     has_end_ =
         settings.is_given("run.steps") || settings.is_given("run.time") || settings.is_given("run.collisions_per_disk");
+    for (char const* table : {"trajectory", "checkpoint"}) {
+      if (settings.is_given(table)) unused_tables_.emplace_back(table);
+    }
     plan_ = plan_of(setup_);
     if (!has_end_) {
       plan_.stop_condition = {};
@@ -232,6 +235,9 @@ class PythonSimulation {
   [[nodiscard]] std::vector<std::string> notes() const {
     std::vector<std::string> texts;
     for (Event const& event : setup_.notes) texts.push_back(to_text(event));
+    for (std::string const& table : unused_tables_) {
+      texts.push_back("[" + table + "] has no effect on a simulation in memory; gridlock.run() writes files");
+    }
     return texts;
   }
 
@@ -359,6 +365,7 @@ class PythonSimulation {
   Setup setup_;
   RunPlan plan_;
   bool has_end_ = false;
+  std::vector<std::string> unused_tables_;
   std::vector<std::unique_ptr<PythonWriter>> writers_;
   std::optional<Run> run_;
   std::shared_ptr<ColumnMemory> memory_;  ///< of the arrays that have been handed out since the last run

@@ -341,3 +341,21 @@ def test_memory_stays_flat():
     use(3000)
     gc.collect()
     assert resident() - before < 8e6
+
+
+@pytest.mark.parametrize("threads", [-1, 1.5, "two", True])
+def test_bad_numbers_of_threads_are_refused(threads, tmp_path):
+    for call in (
+        lambda: gridlock.Simulation(SMALL, threads=threads),
+        lambda: gridlock.run(SMALL, tmp_path / "a", threads=threads),
+        lambda: gridlock.sweep({"run.steps": 1}, {"run.seed": [1]}, tmp_path / "b", threads=threads),
+    ):
+        with pytest.raises(gridlock.Error, match="threads"):
+            call()
+
+
+def test_what_has_no_effect_in_memory_is_told():
+    with pytest.warns(UserWarning, match=r"\[trajectory\] has no effect on a simulation in memory"):
+        gridlock.Simulation(SMALL, trajectory={"every": 10})
+    with pytest.warns(UserWarning, match="engine.cells has no effect"):
+        gridlock.Simulation(SMALL, engine={"cells": 10})
