@@ -145,14 +145,20 @@ def structure_factor(points: ArrayLike, box: BoxLike, *, largest_q: float, bins:
     """
     width, height = _periodic(box, "the structure factor")
     array = as_points(points)
-    columns = np.arange(0, int(largest_q * width / (2 * np.pi)) + 1)
-    rows = np.arange(-int(largest_q * height / (2 * np.pi)), int(largest_q * height / (2 * np.pi)) + 1)
+    if not np.isfinite(array).all():
+        raise Error("a point is not finite\n  hint: every coordinate must be finite")
+    if not 0 < largest_q < np.inf or bins < 1:
+        raise Error(f"largest_q={largest_q!r}, bins={bins!r}\n  hint: use a positive number and at least one bin")
+    # One more on every side: rounding must not cost the vectors at the end of the last ring.
+    most_x, most_y = (int(largest_q * side / (2 * np.pi)) + 1 for side in (width, height))
+    columns = np.arange(0, most_x + 1)
+    rows = np.arange(-most_y, most_y + 1)
     along_x = np.exp(2j * np.pi / width * np.outer(columns, array[:, 0]))
     along_y = np.exp(2j * np.pi / height * np.outer(rows, array[:, 1]))
     power = np.abs(along_x @ along_y.T) ** 2 / max(len(array), 1)
     q = 2 * np.pi * np.hypot(columns[:, None] / width, rows[None, :] / height)
     # One of every two opposite vectors, and not 0.
-    wanted = (q > 0) & (q <= largest_q) & ((columns[:, None] > 0) | (rows[None, :] > 0))
+    wanted = (q > 0) & (q <= largest_q * (1 + 1e-12)) & ((columns[:, None] > 0) | (rows[None, :] > 0))
     ring = np.minimum((q[wanted] / largest_q * bins).astype(int), bins - 1)
     counts = np.bincount(ring, minlength=bins)
     with np.errstate(invalid="ignore"):

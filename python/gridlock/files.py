@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import os
 import pathlib
 import sys
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-class Frame(NamedTuple):
+@dataclasses.dataclass(frozen=True, eq=False)
+class Frame:
     """All agents at one step, in the order of their Ids."""
 
     box: Box
@@ -88,7 +90,7 @@ def read_xyz(path: str | os.PathLike[str]) -> Frame:
 
 
 class Trajectory:
-    """The frames of a file in H5MD, read one at a time; also while a run still writes them.
+    """The frames of a file in H5MD, read one at a time; of a run that still writes those up to its last checkpoint.
 
     ``len(trajectory)``, ``trajectory[3]``, ``trajectory[-1]``, ``for frame in trajectory``; ``steps`` and ``times`` of all.
 

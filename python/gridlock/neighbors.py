@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 class Neighbors(NamedTuple):
     """The neighbours of N points, in one array (compressed sparse rows).
 
-    Those of point i are ``indices[indptr[i]:indptr[i + 1]]``, which is ``neighbors[i]`` of :func:`neighbors`.
+    Those of point i are ``indices[indptr[i]:indptr[i + 1]]``, which is ``of(i)``.
     """
 
     indptr: NDArray[np.uint64]  #: shape (N + 1,)
@@ -26,6 +26,8 @@ class Neighbors(NamedTuple):
 
     def of(self, i: int) -> NDArray[np.uint32]:
         """The neighbours of point i."""
+        if not 0 <= i < len(self.indptr) - 1:
+            raise IndexError(f"there is no point {i} among {len(self.indptr) - 1}")
         return self.indices[self.indptr[i] : self.indptr[i + 1]]
 
     @property

@@ -75,7 +75,9 @@ class Agents:
     is written into them is what the simulation goes on with; it is checked then. Row k is the agent ``ids[k]``: rows change
     their order while a simulation runs, Ids do not.
 
-    An array is the simulation's own until it goes on. Afterwards it keeps the values it had, and cannot be written any more.
+    An array is the simulation's own until it goes on, or until the callback returns that took it. Afterwards it keeps the values it
+    had, and cannot be written any more; slices of it that were made before can be, without effect. In an observable arrays are copies.
+    The engine checks what was written: of disks positions, overlaps, radii, masses and velocities, of other models positions.
     """
 
     def __init__(self, simulation: Simulation) -> None:
@@ -164,6 +166,7 @@ class Simulation:
             values += assignments(settings)
         values += assignments(more)
         self._core = _core.Simulation(file, values, None if threads is None else as_threads(threads))
+        self._hands_out_copies = False
         self._functions: list[Callable[[Simulation], Any]] = []
         self._arrays: list[weakref.ref[NDArray[Any]]] = []
         self._ends = self._core.has_end()
@@ -180,8 +183,8 @@ class Simulation:
 
         The bits do not depend on how a run is cut into calls.
         """
-        if steps is not None and (isinstance(steps, bool) or not isinstance(steps, (int, np.integer)) or steps < 0):
-            raise Error(f"steps={steps!r}\n  hint: use a whole number of steps")
+        if steps is not None:
+            _require_steps(steps)
         self._forget_arrays()
         with ProgressBar(progress, steps) as on_progress:
             self._core.run(None if steps is None else int(steps), on_progress)
@@ -192,6 +195,7 @@ class Simulation:
 
     def equilibrate(self, steps: int) -> None:
         """Runs ``steps`` whose samples are left out of all averages, now and later."""
+        _require_steps(steps)
         self._core.leave_out_until(self.clock.step + int(steps))
         self.run(steps=steps)
 
@@ -207,8 +211,10 @@ class Simulation:
         >>> steps
         [0, 50, 100]
         """
-        if isinstance(every, bool) or not isinstance(every, (int, np.integer)) or every < 1:
+        if isinstance(every, bool) or not isinstance(every, (int, np.integer)) or not 1 <= every < 2**63:
             raise Error(f"every={every!r}\n  hint: use a whole number of steps, at least 1")
+        if function is not None and not callable(function):
+            raise Error(f"{function!r} cannot be called\n  hint: give a function of the simulation")
         if function is None:
             def decorate(decorated: Callable[[Simulation], None]) -> Callable[[Simulation], None]:
                 self.on_step(every, decorated)
@@ -237,8 +243,21 @@ class Simulation:
         >>> simulation.results["mean_x"].unit
         'length'
         """
-        names = [name or function.__name__] if isinstance(name, str) or name is None else list(name)
-        bound = self._bound(function)
+        if name is None:
+            name = getattr(function, "__name__", "")
+        names = [name] if isinstance(name, str) else list(name)
+        if not callable(function):
+            raise Error(f"{function!r} cannot be called\n  hint: give a function of the simulation")
+        taken = {column.name for column in self.columns}
+        for column in names:
+            if not isinstance(column, str) or not column.isidentifier():
+                raise Error(f"{column!r} is no name of a column\n  hint: use letters, digits and _")
+            if column in taken:
+                raise Error(f"there is a column {column} already\n  hint: choose another name")
+            taken.add(column)
+        if not names:
+            raise Error("an observable without a name\n  hint: give it one name, or one for each of its numbers")
+        bound = self._bound(function, is_observable=True)
 
         def measure() -> list[float]:
             return [float(number) for number in np.atleast_1d(np.asarray(bound(), dtype=np.float64))]
@@ -308,7 +327,7 @@ class Simulation:
         """Writes the agents as extended XYZ."""
         self._core.write_state(os.fspath(path))
 
-    def _bound(self, function: Callable[[Simulation], Any]) -> Callable[[], Any]:
+    def _bound(self, function: Callable[[Simulation], Any], *, is_observable: bool = False) -> Callable[[], Any]:
         """Calls the function with this simulation. The library gets no reference to either, so that a function which knows the
         simulation is a cycle that Python can see and collect."""
         this = weakref.ref(self)
@@ -317,12 +336,27 @@ class Simulation:
 
         def call() -> Any:
             simulation = this()
-            return None if simulation is None else simulation._functions[number](simulation)
+            if simulation is None:
+                return None
+            before, simulation._hands_out_copies = simulation._hands_out_copies, is_observable
+            try:
+                return simulation._functions[number](simulation)
+            finally:
+                simulation._hands_out_copies = before
+                if not is_observable:
+                    simulation._forget_arrays()
+                    simulation._core.end_callback()
 
         return call
 
     def _array(self, view: Any) -> NDArray[Any]:
         array: NDArray[Any] = view
+        if self._hands_out_copies:
+            array = array.copy()
+            array.flags.writeable = False
+            return array
+        if len(self._arrays) > 1000:
+            self._arrays = [reference for reference in self._arrays if reference() is not None]
         self._arrays.append(weakref.ref(array))
         return array
 
@@ -363,6 +397,11 @@ def run(
     with ProgressBar(progress, None) as on_progress:
         _core.run_directory(file, values, os.fspath(directory), overwrite, None if threads is None else as_threads(threads),
                             on_progress)
+
+
+def _require_steps(steps: Any) -> None:
+    if isinstance(steps, bool) or not isinstance(steps, (int, np.integer)) or not 0 <= steps < 2**63:
+        raise Error(f"steps={steps!r}\n  hint: use a whole number of steps")
 
 
 def structured(columns: Mapping[str, Any]) -> NDArray[Any]:

@@ -151,6 +151,13 @@ class PythonSimulation {
     return to_text(status);
   }
 
+  /// Leaves its memory to the arrays that a callback has kept, and checks what it has written.
+  void end_callback() {
+    Use const use(*this, "read");
+    release_arrays();
+    check_changes();
+  }
+
   void leave_out_until(std::uint64_t step) {
     Use const use(*this, "equilibrate");
     if (!run_) start();
@@ -384,6 +391,7 @@ void bind_simulation(nb::module_& module) {
       .def(nb::init<std::optional<std::string> const&, Assignments const&, std::optional<std::uint64_t>>(),
            nb::arg("file").none(), nb::arg("assignments"), nb::arg("threads").none())
       .def("run", &PythonSimulation::run, nb::arg("steps").none(), nb::arg("on_progress").none())
+      .def("end_callback", &PythonSimulation::end_callback)
       .def("leave_out_until", &PythonSimulation::leave_out_until)
       .def("add_callback", &PythonSimulation::add_callback)
       .def("add_observable", &PythonSimulation::add_observable)

@@ -49,7 +49,21 @@ def test_structure_factor_is_that_of_the_definition():
     assert found.s[0] == pytest.approx(direct.mean(), rel=1e-12)
 
 
+def test_rings_have_the_vectors_at_their_end():
+    points = np.random.default_rng(3).random((50, 2))
+    for k in (11, 15, 22, 30):
+        found = gridlock.structure_factor(points, 1.0, largest_q=2 * np.pi * k, bins=1)
+        n = np.arange(-k, k + 1)
+        i, j = (grid.ravel() for grid in np.meshgrid(n, n))
+        wanted = (i**2 + j**2 <= k * k) & ((i != 0) | (j != 0))
+        q = 2 * np.pi * np.stack([i, j], axis=1)[wanted]
+        direct = np.abs(np.exp(1j * points @ q.T).sum(axis=0)) ** 2 / 50
+        assert found.s[0] == pytest.approx(direct.mean(), rel=1e-9), k
+
+
 @pytest.mark.parametrize("call", [
+    lambda: gridlock.structure_factor([[np.nan, 0.1]], 1.0, largest_q=10.0),
+    lambda: gridlock.structure_factor([[0.1, 0.1]], 1.0, largest_q=-1.0),
     lambda: gridlock.pair_correlation([[0.1, 0.1]], None, range=0.1),
     lambda: gridlock.pair_correlation([[0.1, 0.1]], gridlock.Box(1, 1, False), range=0.1),
     lambda: gridlock.pair_correlation([[0.1, 0.1]], 1.0, range=0.9),

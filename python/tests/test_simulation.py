@@ -359,3 +359,52 @@ def test_what_has_no_effect_in_memory_is_told():
         gridlock.Simulation(SMALL, trajectory={"every": 10})
     with pytest.warns(UserWarning, match="engine.cells has no effect"):
         gridlock.Simulation(SMALL, engine={"cells": 10})
+
+
+def test_arrays_of_callbacks_hold_what_they_held():
+    simulation = gridlock.Simulation(SMALL)
+    kept = []
+    simulation.on_step(5, lambda s: kept.append((s.agents.positions, s.agents.positions.copy())))
+    simulation.observe(lambda s: kept.append((s.agents.x, s.agents.x.copy())) or 1.0, "keeper")
+    simulation.run(steps=60)
+    assert len(kept) > 15
+    assert all(np.array_equal(held, copy) and not held.flags.writeable for held, copy in kept)
+
+
+def test_what_a_callback_writes_is_checked():
+    simulation = gridlock.Simulation(SMALL)
+
+    def break_it(s):
+        if s.clock.step == 10:
+            s.agents.x[0] = np.nan
+
+    simulation.on_step(10, break_it)
+    with pytest.raises(gridlock.Error):
+        simulation.run(steps=50)
+    assert simulation.clock.step == 10
+    stopped = gridlock.Simulation(SMALL)
+    stopped.on_step(10, lambda s: s.agents.velocities.fill(0.0))
+    stopped.run(steps=50)
+    assert stopped.series["kinetic_energy"][-1] == 0.0
+
+
+@pytest.mark.parametrize("name", ["step", "kinetic_energy", "", "a,b", [], ["a", "a"], [5], "two words"])
+def test_bad_names_of_observables_are_refused(name):
+    with pytest.raises(gridlock.Error):
+        gridlock.Simulation(SMALL).observe(lambda s: 1.0, name)
+
+
+@pytest.mark.parametrize("steps", ["100", 2.9, True, -1, None, 2**64])
+def test_a_refused_equilibration_changes_nothing(steps):
+    simulation = gridlock.Simulation(SMALL)
+    with pytest.raises(gridlock.Error, match="steps"):
+        simulation.equilibrate(steps)
+    simulation.run(steps=50)
+    assert len(simulation.results) > 10
+
+
+def test_reading_arrays_leaves_nothing_behind():
+    simulation = gridlock.Simulation(SMALL)
+    for _ in range(5000):
+        simulation.agents.x
+    assert len(simulation._arrays) < 2000
