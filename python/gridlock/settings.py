@@ -47,6 +47,13 @@ def to_toml(value: Any, key: str = "") -> str:
     )
 
 
+def given(settings: Mapping[str, Any] | str | os.PathLike[str] | None, more: Mapping[str, Any]) -> tuple[str | None, list[tuple[str, str]]]:
+    """The TOML file, where settings are the path of one, and everything that is set over it."""
+    if isinstance(settings, (str, os.PathLike)):
+        return os.fspath(settings), assignments(more)
+    return None, (assignments(settings) if settings is not None else []) + assignments(more)
+
+
 def as_threads(threads: Any) -> int:
     """A number of threads, 0 for all cores."""
     if isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or threads < 0:

@@ -13,7 +13,7 @@ import numpy as np
 from . import _core
 from .box import Box
 from .errors import Error
-from .settings import as_threads, assignments
+from .settings import as_threads, given
 
 if TYPE_CHECKING:
     import pandas  # type: ignore[import-untyped]
@@ -158,13 +158,7 @@ class Simulation:
         threads: int | None = None,
         **more: Any,
     ) -> None:
-        file = None
-        values: list[tuple[str, str]] = []
-        if isinstance(settings, (str, os.PathLike)):
-            file = os.fspath(settings)
-        elif settings is not None:
-            values += assignments(settings)
-        values += assignments(more)
+        file, values = given(settings, more)
         self._core = _core.Simulation(file, values, None if threads is None else as_threads(threads))
         self._hands_out_copies = False
         self._functions: list[Callable[[Simulation], Any]] = []
@@ -391,9 +385,7 @@ def run(
     :raises Error: for settings that cannot be run and directories that hold other results.
     :raises RunFailure: where the run breaks.
     """
-    file = os.fspath(settings) if isinstance(settings, (str, os.PathLike)) else None
-    values = [] if file is not None or settings is None else assignments(settings)  # type: ignore[arg-type]
-    values += assignments(more)
+    file, values = given(settings, more)
     with ProgressBar(progress, None) as on_progress:
         _core.run_directory(file, values, os.fspath(directory), overwrite, None if threads is None else as_threads(threads),
                             on_progress)

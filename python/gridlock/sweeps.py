@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from . import _core
 from .errors import Error, RunFailure
 from .files import RunDirectory
-from .settings import as_threads, assignments
+from .settings import as_threads, assignments, given
 from .simulation import ProgressBar, structured
 
 if TYPE_CHECKING:
@@ -73,21 +73,20 @@ def sweep(
     >>> made.table["status"].tolist()
     ['finished', 'finished']
     """
-    file = os.fspath(settings) if isinstance(settings, (str, os.PathLike)) else None
-    given = [] if file is not None or settings is None else assignments(settings)  # type: ignore[arg-type]
+    file, base = given(settings, {})
     if not isinstance(values, Mapping) or not values:
         raise Error("there are no values to try\n  hint: for example {'run.seed': [1, 2, 3]}")
     for key, listed in values.items():
         if isinstance(listed, (str, bytes)) or not hasattr(listed, "__len__"):
             raise Error(f"{key} has no list of values\n  hint: for example {{'{key}': [1, 2, 3]}}")
-        given += assignments({f"sweep.{key}": list(listed)})
+        base += assignments({f"sweep.{key}": list(listed)})
     path = os.fspath(directory)
     if executor is None:
         with ProgressBar(progress, None) as on_progress:
-            made = _core.sweep_directory(file, given, path, overwrite, as_threads(threads), None, on_progress)
+            made = _core.sweep_directory(file, base, path, overwrite, as_threads(threads), None, on_progress)
     else:
-        count = _core.sweep_size(file, given)
-        tasks = [executor.submit(_run_one, (file, given), path, overwrite, number, count) for number in range(1, count + 1)]
+        count = _core.sweep_size(file, base)
+        tasks = [executor.submit(_run_one, (file, base), path, overwrite, number, count) for number in range(1, count + 1)]
         with ProgressBar(progress, None) as on_progress:
             for number, task in enumerate(tasks, start=1):
                 task.result()
@@ -102,7 +101,7 @@ def sweep(
 
 def _run_one(settings: Settings, directory: str, overwrite: bool, number: int, count: int) -> None:
     """Run ``number`` of a sweep, where it is not finished. What fails is told by the tables, so that one run stops no other."""
-    file, given = settings
-    _, _, _, _, messages = _core.sweep_directory(file, given, directory, overwrite, 1, (number, count), None)
+    file, values = settings
+    _, _, _, _, messages = _core.sweep_directory(file, values, directory, overwrite, 1, (number, count), None)
     for message in messages:
         warnings.warn(message, stacklevel=2)

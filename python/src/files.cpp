@@ -21,6 +21,7 @@
 #include "gridlock/simulation/setup.hpp"
 #include "gridlock/workspace/run_directory.hpp"
 #include "gridlock/workspace/sweep.hpp"
+#include "listener.hpp"
 #include "settings.hpp"
 
 namespace gridlock::python {
@@ -29,32 +30,6 @@ namespace {
 
 using NamedValues = nb::typed<nb::dict, nb::str, nb::any>;
 using BoxValues = std::tuple<double, double, bool>;
-
-/// Asks Python now and then whether somebody has pressed Ctrl-C, and tells it how far the work is.
-class Listener {
- public:
-  explicit Listener(nb::object on_progress)
-      : on_progress_(std::move(on_progress)), is_shown_(!on_progress_.is_none()) {}
-
-  /// Whether to go on. Called without the lock of the interpreter.
-  bool operator()(std::uint64_t done, double fraction) {
-    nb::gil_scoped_acquire const acquired;
-    if (PyErr_CheckSignals() != 0) {
-      is_interrupted_ = true;
-      return false;
-    }
-    if (is_shown_) on_progress_(done, fraction);
-    return true;
-  }
-  void raise() const {
-    if (is_interrupted_) throw nb::python_error();
-  }
-
- private:
-  nb::object on_progress_;
-  bool is_shown_;
-  bool is_interrupted_ = false;
-};
 
 /// Errors: RunFailure for a run that broke.
 std::string status_of(RunRecord const& record, Listener const& listener) {

@@ -26,6 +26,7 @@
 #include "gridlock/simulation/run.hpp"
 #include "gridlock/simulation/setup.hpp"
 #include "gridlock/workspace/run_directory.hpp"
+#include "listener.hpp"
 #include "settings.hpp"
 
 namespace gridlock::python {
@@ -118,7 +119,7 @@ class PythonSimulation {
   PythonSimulation& operator=(PythonSimulation const&) = delete;
 
   /// Runs to the end of the plan, or `steps` more; says how it ended.
-  std::string run(std::optional<std::uint64_t> steps, nb::object const& on_progress) {
+  std::string run(std::optional<std::uint64_t> steps, nb::object on_progress) {
     Use const use(*this, "run");
     if (!has_end_ && !steps) {
       throw Error(Problem{.what = "the settings give this simulation no end",
@@ -131,29 +132,21 @@ class PythonSimulation {
     std::uint64_t const now = simulation().clock().step;
     std::uint64_t constexpr never = std::numeric_limits<std::uint64_t>::max();
     std::uint64_t const pause = !steps || *steps > never - now ? never : now + *steps;
-    bool const is_shown = !on_progress.is_none();
+    Listener listener(std::move(on_progress));
     RunStatus status{};
-    bool is_interrupted = false;
     {
       nb::gil_scoped_release const released;
-      status = run_->advance_to(pause, [&](Progress const& progress) {
-        nb::gil_scoped_acquire const acquired;
-        if (PyErr_CheckSignals() != 0) {
-          is_interrupted = true;
-          return false;
-        }
-        if (is_shown) on_progress(progress.clock.step - now, progress.fraction);
-        return true;
-      });
+      status = run_->advance_to(
+          pause, [&](Progress const& progress) { return listener(progress.clock.step - now, progress.fraction); });
     }
-    if (is_interrupted) throw nb::python_error();
+    listener.raise();
     if (status == RunStatus::failed) throw RunFailure(run_->record().failure);
     return to_text(status);
   }
 
   /// Leaves its memory to the arrays that a callback has kept, and checks what it has written.
   void end_callback() {
-    Use const use(*this, "read");
+    Use const use(*this);
     release_arrays();
     check_changes();
   }
@@ -180,7 +173,7 @@ class PythonSimulation {
 
   /// Arrays of the columns themselves; `name` is that of a column.
   nb::object column(std::string const& name) {
-    Use const use(*this, "read");
+    Use const use(*this);
     for (NamedColumn const& column : simulation().columns_of_agents()) {
       if (column.name != name) continue;
       return std::visit([&](auto values) { return array_of(values.data(), {values.size()}, {1}); }, column.values);
@@ -189,7 +182,7 @@ class PythonSimulation {
   }
   /// Two columns of one type as the columns of an array, without a copy: the second lies some way behind the first.
   nb::object columns(std::string const& first, std::string const& second) {
-    Use const use(*this, "read");
+    Use const use(*this);
     auto const named = simulation().columns_of_agents();
     auto const find = [&](std::string const& name) {
       for (NamedColumn const& column : named) {
@@ -207,19 +200,19 @@ class PythonSimulation {
         a.values);
   }
   nb::object ids() {
-    Use const use(*this, "read");
+    Use const use(*this);
     std::span<Id const> const ids = simulation().view().ids();
     return nb::cast(nb::ndarray<nb::numpy, Id const>(ids.data(), {ids.size()}, keeper()), nb::rv_policy::reference);
   }
   [[nodiscard]] std::vector<std::string> column_names() {
-    Use const use(*this, "read");
+    Use const use(*this);
     std::vector<std::string> names;
     for (std::string_view const name : simulation().view().names()) names.emplace_back(name);
     return names;
   }
 
   [[nodiscard]] std::pair<std::uint64_t, double> clock() {
-    Use const use(*this, "read");
+    Use const use(*this);
     return {simulation().clock().step, simulation().clock().time};
   }
   [[nodiscard]] std::tuple<double, double, bool> box() {
@@ -228,11 +221,11 @@ class PythonSimulation {
   }
   [[nodiscard]] double time_step() { return simulation().time_step(); }
   [[nodiscard]] std::size_t agents() {
-    Use const use(*this, "read");
+    Use const use(*this);
     return simulation().agents();
   }
   [[nodiscard]] std::uint64_t state_hash() {
-    Use const use(*this, "read");
+    Use const use(*this);
     check_changes();
     return simulation().state_hash();
   }
@@ -249,7 +242,7 @@ class PythonSimulation {
   }
 
   NamedValues series() {
-    Use const use(*this, "read");
+    Use const use(*this);
     NamedValues columns;
     if (!run_) return columns;
     Table const table = run_->record().series;
@@ -264,7 +257,7 @@ class PythonSimulation {
     return columns;
   }
   std::vector<std::tuple<std::string, double, std::optional<double>, std::string>> results() {
-    Use const use(*this, "read");
+    Use const use(*this);
     std::vector<std::tuple<std::string, double, std::optional<double>, std::string>> results;
     for (NamedEstimate const& result : simulation().results()) {
       results.emplace_back(result.name, result.estimate.value, result.estimate.error, result.unit);
@@ -272,7 +265,7 @@ class PythonSimulation {
     return results;
   }
   NamedValues distributions() {
-    Use const use(*this, "read");
+    Use const use(*this);
     NamedValues all;
     for (Distribution const& distribution : simulation().distributions()) {
       nb::dict columns;
@@ -285,13 +278,13 @@ class PythonSimulation {
     return all;
   }
   nb::typed<nb::dict, nb::str, int> counts() {
-    Use const use(*this, "read");
+    Use const use(*this);
     nb::typed<nb::dict, nb::str, int> counts;
     for (Count const& count : simulation().counts()) counts[count.name.c_str()] = count.value;
     return counts;
   }
   void write_state(std::string const& path) {
-    Use const use(*this, "read");
+    Use const use(*this);
     check_changes();
     write_xyz(simulation().frame(), path);
   }
@@ -300,15 +293,17 @@ class PythonSimulation {
   /// Keeps others from a simulation that is running; what its own callbacks ask for is answered.
   class Use {
    public:
-    Use(PythonSimulation& simulation, char const* what) : simulation_(simulation) {
+    /// `change` says what it is used for besides reading, in words for the refusal.
+    explicit Use(PythonSimulation& simulation, char const* change = nullptr) : simulation_(simulation) {
       if (simulation.process_ != getpid()) {
         throw std::runtime_error("this simulation was made in another process; make a new one after the fork");
       }
       bool const is_running = simulation.user_ != std::thread::id{};
       bool const is_own = simulation.user_ == std::this_thread::get_id();
-      bool const changes = what != std::string_view("read");
       if (is_running && !is_own) throw std::runtime_error("this simulation is running in another thread");
-      if (is_running && changes) throw std::runtime_error(std::string("a simulation that is running cannot ") + what);
+      if (is_running && change != nullptr) {
+        throw std::runtime_error(std::string("a simulation that is running cannot ") + change);
+      }
       if (!is_running) {
         simulation.user_ = std::this_thread::get_id();
         is_first_ = true;

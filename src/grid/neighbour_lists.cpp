@@ -19,25 +19,6 @@ namespace gridlock {
 
 namespace {
 
-/// Memory for numbers that are all written before they are read.
-template <class Value>
-class Scratch {
- public:
-  explicit Scratch(std::size_t size)
-      : size_(size), memory_(static_cast<Value*>(allocate_large(size * sizeof(Value)))) {}
-  ~Scratch() { free_large(memory_, size_ * sizeof(Value)); }
-  Scratch(Scratch const&) = delete;
-  Scratch& operator=(Scratch const&) = delete;
-
-  Value& operator[](std::size_t i) { return memory_[i]; }
-  Value const& operator[](std::size_t i) const { return memory_[i]; }
-  Value const* data() const { return memory_; }
-
- private:
-  std::size_t size_;
-  Value* memory_;
-};
-
 /// Where the cells of points begin to count: points without a box keep their coordinates, so that distances round as the user
 /// would round them.
 struct SearchFrame {
@@ -69,7 +50,7 @@ class SortedPoints {
     std::size_t const parts = pool.size();
     std::size_t const cells = first_.size() - 1;
     auto const first_point = [&](std::size_t part) { return part * points.count / parts; };
-    Scratch<std::uint32_t> cell_of(points.count);
+    UninitializedArray<std::uint32_t> cell_of(points.count);
     std::vector<std::vector<std::uint32_t>> places(parts);
     pool.for_each(parts, [&](std::size_t part) {
       std::vector<std::uint32_t>& counts = places[part];
@@ -101,9 +82,9 @@ class SortedPoints {
 
   CellLayout layout_;
   std::vector<std::uint32_t> first_;
-  Scratch<std::uint32_t> index_;
-  Scratch<double> x_;
-  Scratch<double> y_;
+  UninitializedArray<std::uint32_t> index_;
+  UninitializedArray<double> x_;
+  UninitializedArray<double> y_;
 };
 
 /// Bands of whole rows of cells with about as many points each. How many there are changes nothing but who does what.
