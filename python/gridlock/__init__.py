@@ -16,16 +16,17 @@ from .box import Box
 from .errors import Error, Problem, RunFailure
 from .files import Frame, RunDirectory, Trajectory, read_xyz
 from .files import open as open
+from .models import Model, Setting, Start, World, register_model
 from .neighbors import Neighbors, neighbors, pairs
 from .simulation import Agents, Clock, Column, Result, Results, Simulation, run
 from .sweeps import SweepDirectory, sweep
 
 __version__: str = _core.version
 __all__ = [
-    "Agents", "Box", "Clock", "Column", "Error", "Frame", "Neighbors", "Problem", "Result", "Results", "RunDirectory", "RunFailure",
-    "Simulation", "SweepDirectory", "Trajectory",
+    "Agents", "Box", "Clock", "Column", "Error", "Frame", "Model", "Neighbors", "Problem", "Result", "Results", "RunDirectory", "RunFailure",
+    "Setting", "Simulation", "Start", "SweepDirectory", "Trajectory", "World",
     "bond_orientation", "explain", "mean_squared_displacement", "neighbors", "pair_correlation", "pairs",
-    "read_xyz", "run", "structure_factor", "sweep",
+    "read_xyz", "register_model", "run", "structure_factor", "sweep",
 ]
 
 

@@ -36,6 +36,32 @@ class Neighbors(NamedTuple):
         ends = self.indptr.astype(np.int64)
         return ends[1:] - ends[:-1]
 
+    @property
+    def owners(self) -> NDArray[np.int64]:
+        """Whose neighbour each entry of ``indices`` is, shape (indptr[N],)."""
+        return np.repeat(np.arange(len(self.indptr) - 1), self.counts)
+
+    def sum(self, values: ArrayLike) -> NDArray[np.float64]:
+        """Σ of the values of each point's neighbours, in the order of the lists: shape (N,), or (N, k) for values of shape (N, k).
+
+        Cost: about 1 ns a neighbour and number.
+
+        >>> neighbors([[0.1, 0.5], [0.3, 0.5], [0.5, 0.5]], 0.25, box=1.0).sum([1, 10, 100])
+        array([ 10., 101.,  10.])
+        """
+        array = np.ascontiguousarray(values, dtype=np.float64)
+        if array.ndim not in (1, 2) or len(array) != len(self.indptr) - 1:
+            raise Error(f"the values have shape {array.shape}\n  hint: use one row for each of the {len(self.indptr) - 1} points")
+        sums: NDArray[np.float64] = _core.neighbor_sums(self.indptr, self.indices, array.reshape(len(array), array.size // max(len(array), 1)))
+        return sums.reshape(array.shape)
+
+    def mean(self, values: ArrayLike) -> NDArray[np.float64]:
+        """The mean over each point's neighbours; not a number where there are none. Shapes are those of :meth:`sum`."""
+        sums = self.sum(values)
+        counts = self.counts.reshape((-1,) + (1,) * (sums.ndim - 1))
+        means: NDArray[np.float64] = np.divide(sums, counts, out=np.full(sums.shape, np.nan), where=counts > 0)
+        return means
+
 
 def as_points(points: ArrayLike) -> NDArray[np.float64]:
     """Points as an array of shape (N, 2) of float64 in one piece; not copied where they are one."""

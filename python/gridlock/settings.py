@@ -76,6 +76,11 @@ def assignments(settings: Mapping[str, Any], prefix: str = "") -> list[tuple[str
         key = f"{prefix}{name}"
         if value is None:
             continue
+        if key == "model" and not isinstance(value, Mapping):
+            from .models import settings_of_model
+
+            result += assignments(settings_of_model(value))
+            continue
         if isinstance(value, Mapping):
             result += assignments(value, key + ".")
         else:

@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _core
 from .box import Box
-from .errors import Error
+from .errors import Error, RunFailure
 from .settings import as_threads, given
 
 if TYPE_CHECKING:
@@ -181,7 +181,10 @@ class Simulation:
             _require_steps(steps)
         self._forget_arrays()
         with ProgressBar(progress, steps) as on_progress:
-            self._core.run(None if steps is None else int(steps), on_progress)
+            try:
+                self._core.run(None if steps is None else int(steps), on_progress)
+            except RunFailure as failure:
+                raise failure from _take_failure()
 
     def step(self) -> None:
         """Runs one step."""
@@ -389,6 +392,13 @@ def run(
     with ProgressBar(progress, None) as on_progress:
         _core.run_directory(file, values, os.fspath(directory), overwrite, None if threads is None else as_threads(threads),
                             on_progress)
+
+
+def _take_failure() -> BaseException | None:
+    """What a model in Python has raised."""
+    from .models import take_failure
+
+    return take_failure()
 
 
 def _require_steps(steps: Any) -> None:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from . import _core
 from .errors import Error, RunFailure
 from .files import RunDirectory
+from .models import Model, register_model, registered_models
 from .settings import as_threads, assignments, given
 from .simulation import ProgressBar, structured
 
@@ -85,8 +86,9 @@ def sweep(
         with ProgressBar(progress, None) as on_progress:
             made = _core.sweep_directory(file, base, path, overwrite, as_threads(threads), None, on_progress)
     else:
-        count = _core.sweep_size(file, base)
-        tasks = [executor.submit(_run_one, (file, base), path, overwrite, number, count) for number in range(1, count + 1)]
+        count, kinds = _core.sweep_size(file, base)
+        models = [model for model in registered_models() if model.name in kinds]
+        tasks = [executor.submit(_run_one, (file, base), path, overwrite, number, count, models) for number in range(1, count + 1)]
         with ProgressBar(progress, None) as on_progress:
             for number, task in enumerate(tasks, start=1):
                 task.result()
@@ -99,8 +101,12 @@ def sweep(
     return SweepDirectory(path)
 
 
-def _run_one(settings: Settings, directory: str, overwrite: bool, number: int, count: int) -> None:
-    """Run ``number`` of a sweep, where it is not finished. What fails is told by the tables, so that one run stops no other."""
+def _run_one(settings: Settings, directory: str, overwrite: bool, number: int, count: int, models: list[type[Model]]) -> None:
+    """Run ``number`` of a sweep, where it is not finished, with the models of the process that asks for it. What fails is told by the
+    tables, so that one run stops no other."""
+    for model in models:
+        if model not in registered_models():
+            register_model(model)
     file, values = settings
     _, _, _, _, messages = _core.sweep_directory(file, values, directory, overwrite, 1, (number, count), None)
     for message in messages:

@@ -51,6 +51,7 @@ inline nb::object array_of_cells(CellColumn const& column) {
 
 void bind_files(nb::module_& module);
 void bind_grid(nb::module_& module);
+void bind_model(nb::module_& module);
 void bind_simulation(nb::module_& module);
 
 }  // namespace gridlock::python

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <iterator>
 #include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -84,8 +85,13 @@ SweepValues values_of(SweepResult const& result) {
   return {columns_of(result.rows), columns_of(result.means), result.failures, result.interruptions, result.messages};
 }
 
-std::size_t sweep_size(std::optional<std::string> const& file, Assignments const& assignments) {
-  return plan_sweep(settings_of(file, assignments)).runs.size();
+/// How many runs a sweep has, and the kinds of its models.
+std::pair<std::size_t, std::vector<std::string>> sweep_size(std::optional<std::string> const& file,
+                                                            Assignments const& assignments) {
+  SweepPlan const plan = plan_sweep(settings_of(file, assignments));
+  std::set<std::string> kinds;
+  for (SweepRun const& run : plan.runs) kinds.insert(read_configuration(run.settings).model.kind);
+  return {plan.runs.size(), std::vector(kinds.begin(), kinds.end())};
 }
 
 /// `shard` is a number from 1 and a count.
@@ -138,6 +144,12 @@ FrameValuesOfPython read_xyz_frame(std::string const& path) {
     file = read_xyz(path);
   }
   Frame frame = frame_of(file.state);
+  // Of agents that are no disks the state has columns that the file does not have.
+  std::erase_if(frame.columns, [&](FrameColumn const& column) {
+    return (column.name.starts_with("velocity_") && !file.has_velocities) ||
+           (column.name == "radius" && !file.has_radii) || (column.name == "mass" && !file.has_masses) ||
+           (column.name.starts_with("image_") && !file.has_images);
+  });
   std::ranges::move(file.others, std::back_inserter(frame.columns));
   return values_of(std::move(frame));
 }

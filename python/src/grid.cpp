@@ -49,12 +49,49 @@ auto neighbor_lists(Points const& points, double cutoff, std::optional<BoxValues
   return std::pair(owned_array(std::move(found.begin)), owned_array(std::move(found.neighbours)));
 }
 
+using Indices = nb::ndarray<std::uint32_t const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Ends = nb::ndarray<std::uint64_t const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Rows = nb::ndarray<double const, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+/// Σ of the rows of `values` over the neighbours of each point, added up in the order of the lists.
+template <std::size_t Columns>
+void add_neighbors(Ends const& ends, Indices const& indices, Rows const& values, double* sums) {
+  std::size_t const columns = Columns != 0 ? Columns : values.shape(1);
+  for (std::size_t point = 0; point + 1 < ends.shape(0); ++point, sums += columns) {
+    for (std::uint64_t k = ends(point); k < ends(point + 1); ++k) {
+      double const* const row = values.data() + indices(k) * columns;
+      for (std::size_t column = 0; column < columns; ++column) sums[column] += row[column];
+    }
+  }
+}
+
+auto neighbor_sums(Ends const& ends, Indices const& indices, Rows const& values) {
+  std::size_t const points = ends.shape(0) - 1;
+  std::size_t const columns = values.shape(1);
+  LargeArray<double> sums(points * columns);
+  {
+    nb::gil_scoped_release const released;
+    for (std::size_t k = 0; k < indices.shape(0); ++k) {
+      if (indices(k) >= values.shape(0)) throw Error(Problem{.what = "a neighbour has no row among the values"});
+    }
+    if (columns == 1) {
+      add_neighbors<1>(ends, indices, values, sums.data());
+    } else if (columns == 2) {
+      add_neighbors<2>(ends, indices, values, sums.data());
+    } else {
+      add_neighbors<0>(ends, indices, values, sums.data());
+    }
+  }
+  return owned_array(std::move(sums), {points, columns});
+}
+
 }  // namespace
 
 void bind_grid(nb::module_& module) {
   module.def("pairs", &pairs, nb::arg("points"), nb::arg("cutoff"), nb::arg("box").none(), nb::arg("threads"));
   module.def("neighbor_lists", &neighbor_lists, nb::arg("points"), nb::arg("cutoff"), nb::arg("box").none(),
              nb::arg("threads"));
+  module.def("neighbor_sums", &neighbor_sums, nb::arg("ends"), nb::arg("indices"), nb::arg("values"));
 }
 
 }  // namespace gridlock::python

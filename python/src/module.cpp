@@ -47,6 +47,7 @@ NB_MODULE(_core, module) {
   module.attr("version") = version();
   bind_files(module);
   bind_grid(module);
+  bind_model(module);
   bind_simulation(module);
 }
 

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "column_lender.hpp"
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/simulation/configuration.hpp"
@@ -87,11 +88,6 @@ class PythonObservable final : public AveragingObservable {
  private:
   nb::object function_;
   std::vector<ColumnInfo> columns_of_function_;
-};
-
-/// Keeps the memory of columns for arrays of it, once the simulation goes on with a copy.
-struct ColumnMemory {
-  std::shared_ptr<void> released;
 };
 
 /// A simulation in the memory of Python, with its run.
@@ -171,38 +167,18 @@ class PythonSimulation {
     simulation().observe(std::make_unique<PythonObservable>(std::move(function), std::move(columns)));
   }
 
-  /// Arrays of the columns themselves; `name` is that of a column.
+  /// See ColumnLender for the three.
   nb::object column(std::string const& name) {
     Use const use(*this);
-    for (NamedColumn const& column : simulation().columns_of_agents()) {
-      if (column.name != name) continue;
-      return std::visit([&](auto values) { return array_of(values.data(), {values.size()}, {1}); }, column.values);
-    }
-    throw Error({.what = "the agents have no column " + name, .hint = "they have " + names_in_words()});
+    return lender_.column(simulation().columns_of_agents(), name);
   }
-  /// Two columns of one type as the columns of an array, without a copy: the second lies some way behind the first.
   nb::object columns(std::string const& first, std::string const& second) {
     Use const use(*this);
-    auto const named = simulation().columns_of_agents();
-    auto const find = [&](std::string const& name) {
-      for (NamedColumn const& column : named) {
-        if (column.name == name) return column;
-      }
-      throw Error({.what = "the agents have no column " + name, .hint = "they have " + names_in_words()});
-    };
-    NamedColumn const a = find(first);
-    NamedColumn const b = find(second);
-    return std::visit(
-        [&](auto values) {
-          auto const others = std::get<decltype(values)>(b.values);
-          return array_of(values.data(), {values.size(), 2}, {1, others.data() - values.data()});
-        },
-        a.values);
+    return lender_.columns(simulation().columns_of_agents(), first, second);
   }
   nb::object ids() {
     Use const use(*this);
-    std::span<Id const> const ids = simulation().view().ids();
-    return nb::cast(nb::ndarray<nb::numpy, Id const>(ids.data(), {ids.size()}, keeper()), nb::rv_policy::reference);
+    return lender_.ids(simulation().view().ids());
   }
   [[nodiscard]] std::vector<std::string> column_names() {
     Use const use(*this);
@@ -334,32 +310,13 @@ class PythonSimulation {
 
   /// What a holder of arrays has written must be a state that can go on.
   void check_changes() {
-    if (!may_have_changed_) return;
+    if (!may_have_changed_ && !lender_.has_lent()) return;
     simulation().require_valid();
     may_have_changed_ = false;
   }
-  /// Arrays that are still held keep the values of this moment; the simulation goes on with a copy.
   void release_arrays() {
-    if (memory_ && memory_.use_count() > 1) memory_->released = simulation().release_columns();
-    may_have_changed_ = may_have_changed_ || memory_ != nullptr;
-    memory_.reset();
-  }
-  nb::capsule keeper() {
-    if (!memory_) memory_ = std::make_shared<ColumnMemory>();
-    may_have_changed_ = true;
-    return {new std::shared_ptr<ColumnMemory>(memory_),
-            [](void* memory) noexcept { delete static_cast<std::shared_ptr<ColumnMemory>*>(memory); }};
-  }
-  template <class Value>
-  nb::object array_of(Value* data, std::initializer_list<std::size_t> shape,
-                      std::initializer_list<std::int64_t> strides) {
-    return nb::cast(nb::ndarray<nb::numpy, Value>(data, shape, keeper(), strides), nb::rv_policy::reference);
-  }
-  std::string names_in_words() {
-    std::string words;
-    for (std::string_view const name : simulation().view().names())
-      words += (words.empty() ? "" : ", ") + std::string(name);
-    return words;
+    may_have_changed_ = may_have_changed_ || lender_.has_lent();
+    lender_.take_back([&] { return simulation().release_columns(); });
   }
 
   pid_t process_;
@@ -370,8 +327,8 @@ class PythonSimulation {
   std::vector<std::string> unused_tables_;
   std::vector<std::unique_ptr<PythonWriter>> writers_;
   std::optional<Run> run_;
-  std::shared_ptr<ColumnMemory> memory_;  ///< of the arrays that have been handed out since the last run
-  bool may_have_changed_ = false;
+  ColumnLender lender_;
+  bool may_have_changed_ = false;  ///< by arrays that have been taken back
 };
 
 std::string explain_setting(std::string const& key) {

@@ -5,7 +5,7 @@ import warnings
 
 import pytest
 
-PAGES = ["README.md", "docs/getting_started/python.md"]
+PAGES = ["README.md", "docs/getting_started/python.md", "docs/getting_started/own_model_python.md"]
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -6,6 +6,19 @@ namespace gridlock {
 
 std::uint64_t hash_words(std::span<std::uint64_t const> words) { return XXH3_64bits(words.data(), words.size_bytes()); }
 
+std::uint64_t hash_of_world(Box const& box, Clock const& clock, std::uint64_t seed, std::size_t agents,
+                            std::uint64_t sum_of_agents) {
+  std::uint64_t const record[] = {word_of(box.width()),
+                                  word_of(box.height()),
+                                  word_of(box.edge()),
+                                  word_of(clock.step),
+                                  word_of(clock.time),
+                                  seed,
+                                  agents,
+                                  sum_of_agents};
+  return hash_words(record);
+}
+
 void serialize(Archive& archive, Clock& clock) {
   archive.visit("step", clock.step);
   archive.visit("time", clock.time);

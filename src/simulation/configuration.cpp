@@ -23,7 +23,8 @@ std::string names_of(ModelKinds const& kinds) {
 
 Problem unknown_model(Configuration const& configuration) {
   return {.what = fmt::format("there is no model \"{}\" in this program", configuration.model.kind),
-          .hint = fmt::format("its models are {}; a model of one's own runs in one's own program, see "
+          .hint = fmt::format("its models are {}; a model of one's own runs in the program or the Python "
+                              "process that registers it, see "
                               "docs/getting_started/own_model.md",
                               names_of(configuration.models)),
           .key = "model.kind"};

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <mutex>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,17 +20,32 @@ ModelKinds& all_known() {
   return kinds;
 }
 
+/// Of all_known(): configurations are made by many threads, and models may come and go meanwhile.
+std::mutex& mutex_of_all_known() {
+  static std::mutex mutex;
+  return mutex;
+}
+
 }  // namespace
 
-ModelKinds known_models() { return all_known(); }
+ModelKinds known_models() {
+  std::scoped_lock const lock(mutex_of_all_known());
+  return all_known();
+}
 
 void register_model(std::unique_ptr<ModelKind> kind) {
+  std::scoped_lock const lock(mutex_of_all_known());
   if (all_known().find(kind->name()) != nullptr) {
     throw Error({.what = fmt::format("there is a model {} already", kind->name()),
                  .hint = "give this one another name, and call register_model() for it once",
                  .key = "model.kind"});
   }
   all_known().add(std::move(kind));
+}
+
+void forget_model(std::string_view name) {
+  std::scoped_lock const lock(mutex_of_all_known());
+  all_known().remove(name);
 }
 
 namespace detail {

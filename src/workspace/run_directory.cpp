@@ -413,8 +413,7 @@ RunRecord continue_in(std::filesystem::path const& directory, std::optional<RunL
   if (is_finished && (!length || !has_checkpoint(directory))) refuse_finished(directory);
   SettingsFile file = SettingsFile::from_path(path);
   if (length) {
-    Configuration old;
-    file.read_into(describing(old));
+    Configuration const old = read_configuration(file);
     require_longer(old.run, *length, directory);
     // As after a kill in the middle of lengthening to it.
     if (!is_finished && are_same(old.run, *length)) length.reset();

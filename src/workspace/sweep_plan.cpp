@@ -72,8 +72,7 @@ void require_different_values(SettingList const& list) {
 
 /// All settings but the swept ones, as far as they have values.
 std::map<std::string, std::string> base_of(SettingsFile const& file, std::vector<SettingList> const& lists) {
-  Configuration configuration;
-  file.read_into(describing(configuration));
+  Configuration configuration = read_configuration(file);
   bool const sweeps_models = std::ranges::find(lists, "model.kind", &SettingList::key) != lists.end();
   // The settings of other models mean nothing to the one that is run.
   if (!sweeps_models) configuration.models.keep_only(configuration.model.kind);

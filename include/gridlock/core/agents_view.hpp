@@ -29,10 +29,16 @@ namespace gridlock {
 /// ```
 class AgentsView {
  public:
+  using Values = std::variant<std::span<double const>, std::span<std::int32_t const>, std::span<std::uint32_t const>,
+                              std::span<std::uint64_t const>>;
+
   template <class... Columns>
   AgentsView(
       Population<Columns...> const& agents)  // NOLINT(google-explicit-constructor): what takes a view takes agents
       : ids_(agents.ids()), columns_{{Columns::name, agents.template column<Columns>()}...} {}
+  /// Of agents whose columns are known at run time only. Contract: one value for each Id in every column.
+  AgentsView(std::span<Id const> ids, std::vector<std::pair<std::string_view, Values>> columns)
+      : ids_(ids), columns_(std::move(columns)) {}
 
   [[nodiscard]] std::size_t size() const { return ids_.size(); }
   [[nodiscard]] bool empty() const { return ids_.empty(); }
@@ -65,9 +71,6 @@ class AgentsView {
   }
 
  private:
-  using Values = std::variant<std::span<double const>, std::span<std::int32_t const>, std::span<std::uint32_t const>,
-                              std::span<std::uint64_t const>>;
-
   template <class Column>
   [[nodiscard]] std::span<typename Column::type const> const* find() const {
     for (auto const& column : columns_) {

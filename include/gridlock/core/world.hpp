@@ -94,6 +94,10 @@ constexpr std::uint64_t word_of(Value value) {
   }
 }
 
+/// The hash of a world whose agents have these hashes in sum; see hash() of a population.
+std::uint64_t hash_of_world(Box const& box, Clock const& clock, std::uint64_t seed, std::size_t agents,
+                            std::uint64_t sum_of_agents);
+
 /// The bitwise identity of a population at one time: equal for equal bits of box, clock, seed and every column of every
 /// agent.
 ///
@@ -107,11 +111,7 @@ std::uint64_t hash(Box const& box, Clock const& clock, std::uint64_t seed, Popul
     std::uint64_t const record[] = {population.ids()[i], word_of(population.template column<Columns>()[i])...};
     sum += hash_words(record);
   }
-  std::uint64_t const record[] = {word_of(box.width()), word_of(box.height()),
-                                  word_of(box.edge()),  word_of(clock.step),
-                                  word_of(clock.time),  seed,
-                                  population.size(),    sum};
-  return hash_words(record);
+  return hash_of_world(box, clock, seed, population.size(), sum);
 }
 
 /// The same of a world: equal for worlds of two models with the same columns and values.

@@ -159,6 +159,7 @@ TEST(Xyz, ReadsAFileByHand) {
   XyzFrame const frame = parse_xyz(two_disks(), "disks.xyz");
   EXPECT_TRUE(frame.has_velocities);
   EXPECT_TRUE(frame.has_radii);
+  EXPECT_TRUE(frame.has_masses && frame.has_images);
   State const& state = frame.state;
   EXPECT_EQ(state.box, Box(2, 1, Edge::wall));
   EXPECT_EQ(state.clock, (Clock{.step = 0, .time = 0.5}));
@@ -181,6 +182,7 @@ TEST(Xyz, ColumnsMayStandInAnyOrderAndOthersAreSkipped) {
       "disks.xyz");
   EXPECT_FALSE(frame.has_velocities);
   EXPECT_FALSE(frame.has_radii);
+  EXPECT_FALSE(frame.has_masses || frame.has_images);
   EXPECT_EQ(frame.state.box, Box(2, 1, Edge::periodic));
   ASSERT_EQ(frame.state.agents.size(), 2U);
   std::size_t const seven = frame.state.agents.index_of(7);

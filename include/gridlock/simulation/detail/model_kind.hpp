@@ -106,6 +106,9 @@ class ModelKinds {
     }
     return nullptr;
   }
+  void remove(std::string_view name) {
+    std::erase_if(kinds_, [&](auto const& kind) { return kind->name() == name; });
+  }
   /// Forgets all others.
   void keep_only(std::string_view name) {
     std::erase_if(kinds_, [&](auto const& kind) { return kind->name() != name; });
@@ -122,5 +125,7 @@ ModelKinds shipped_models();
 ModelKinds known_models();
 /// Errors: Error where a model of that name is known already.
 void register_model(std::unique_ptr<ModelKind> kind);
+/// Forgets a model that register_model() was told of; configurations that know it keep it.
+void forget_model(std::string_view name);
 
 }  // namespace gridlock

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "gridlock/core/agents_view.hpp"
+#include "gridlock/core/error.hpp"
+
+namespace gridlock::python {
+
+namespace nb = nanobind;
+
+/// Hands columns out as arrays without a copy, and knows whether somebody still holds one.
+class ColumnLender {
+ public:
+  /// Whether arrays have been handed out since the last release.
+  [[nodiscard]] bool has_lent() const { return memory_ != nullptr; }
+
+  /// Arrays that are still held keep the values of this moment: `release` puts a copy in the place of the columns and returns
+  /// their memory.
+  template <class Release>
+  void take_back(Release release) {
+    if (memory_ && memory_.use_count() > 1) memory_->released = release();
+    memory_.reset();
+  }
+
+  /// One column; `named` are all of them.
+  nb::object column(std::vector<NamedColumn> const& named, std::string const& name) {
+    return std::visit([&](auto values) { return array_of(values.data(), {values.size()}, {1}); },
+                      find(named, name).values);
+  }
+  /// Two columns of one type as the columns of an array: the second lies some way behind the first.
+  nb::object columns(std::vector<NamedColumn> const& named, std::string const& first, std::string const& second) {
+    NamedColumn const& a = find(named, first);
+    NamedColumn const& b = find(named, second);
+    return std::visit(
+        [&](auto values) {
+          auto const others = std::get<decltype(values)>(b.values);
+          return array_of(values.data(), {values.size(), 2}, {1, others.data() - values.data()});
+        },
+        a.values);
+  }
+  /// Ids, which cannot be written.
+  nb::object ids(std::span<Id const> ids) {
+    return nb::cast(nb::ndarray<nb::numpy, Id const>(ids.data(), {ids.size()}, keeper()), nb::rv_policy::reference);
+  }
+
+ private:
+  /// Keeps the memory of columns for arrays of it, once the owner goes on with a copy.
+  struct Memory {
+    std::shared_ptr<void> released;
+  };
+
+  static NamedColumn const& find(std::vector<NamedColumn> const& named, std::string const& name) {
+    std::string names;
+    for (NamedColumn const& column : named) {
+      if (column.name == name) return column;
+      names += (names.empty() ? "" : ", ") + std::string(column.name);
+    }
+    throw Error({.what = "the agents have no column " + name, .hint = "they have " + names});
+  }
+  nb::capsule keeper() {
+    if (!memory_) memory_ = std::make_shared<Memory>();
+    return {new std::shared_ptr<Memory>(memory_),
+            [](void* memory) noexcept { delete static_cast<std::shared_ptr<Memory>*>(memory); }};
+  }
+  template <class Value>
+  nb::object array_of(Value* data, std::initializer_list<std::size_t> shape,
+                      std::initializer_list<std::int64_t> strides) {
+    return nb::cast(nb::ndarray<nb::numpy, Value>(data, shape, keeper(), strides), nb::rv_policy::reference);
+  }
+
+  std::shared_ptr<Memory> memory_;  ///< of the arrays that have been handed out since the last release
+};
+
+}  // namespace gridlock::python

@@ -1,0 +1,168 @@
+#include "model_engine.hpp"
+
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <bit>
+#include <cmath>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "gridlock/grid/cell_layout.hpp"
+#include "gridlock/model/detail/checks.hpp"
+
+namespace gridlock::python {
+
+namespace {
+
+constexpr std::uint64_t steps_between_sorts = 32;
+
+/// A layout with about one agent in a cell.
+CellLayout layout_of(World<TableModel> const& world) {
+  std::size_t const agents = std::bit_ceil(std::max<std::size_t>(16, world.agents.size()));
+  return layout_for_cutoff(world.box, std::sqrt(world.box.area() / static_cast<double>(agents)), agents);
+}
+
+}  // namespace
+
+void require_inside(World<TableModel> const& world) {
+  auto const x = world.agents.x();
+  auto const y = world.agents.y();
+  std::size_t const row = find_outside(world.box, x, y);
+  if (row < x.size()) throw_outside(world.clock.step, world.agents.ids()[row], {x[row], y[row]}, world.box);
+}
+
+PythonModelEngine::PythonModelEngine(ModelInstance model) : model_(std::move(model)), thread_pool_(model_.threads) {}
+
+void PythonModelEngine::advance(World<TableModel>& world, Counters& /*counters*/, StopCondition const& stop_condition) {
+  while (!stop_condition.is_reached(world.clock, 0)) {
+    step(world);
+    ++world.clock.step;
+    world.clock.time += model_.time_step;
+    if (stop_condition.stops_here()) break;
+  }
+}
+
+void PythonModelEngine::require_valid(World<TableModel> const& world) const {
+  try {
+    require_inside(world);
+  } catch (RunFailure const& failure) {
+    throw Error(Problem{.what = failure.what()});
+  }
+}
+
+std::vector<Count> PythonModelEngine::counts(World<TableModel> const& /*world*/, Counters const& /*counters*/) const {
+  std::vector<Count> counts;
+  for (std::size_t k = 0; k < model_.events->size(); ++k) {
+    counts.push_back({model_.definition->events[k], (*model_.events)[k]});
+  }
+  return counts;
+}
+
+void PythonModelEngine::serialize(Archive& archive, World<TableModel> const& /*world*/) {
+  for (std::size_t k = 0; k < model_.events->size(); ++k) {
+    archive.visit(model_.definition->events[k], (*model_.events)[k]);
+  }
+}
+
+void PythonModelEngine::step(World<TableModel>& world) {
+  if (world.clock.step % steps_between_sorts == 0) sort_rows(world);
+  before_ = world.agents;
+  bool const was_interrupted = !try_step(world);
+  if (!was_interrupted) return;
+  while (!try_step(world)) {
+  }
+  // For whoever listens between the steps.
+  nb::gil_scoped_acquire const acquired;
+  PyErr_SetInterrupt();
+}
+
+/// Returns whether the step is done: not where somebody has pressed Ctrl-C meanwhile.
+bool PythonModelEngine::try_step(World<TableModel>& world) {
+  nb::gil_scoped_acquire const acquired;
+  try {
+    ShownWorld const shown(world, *model_.definition, model_.threads, ModelWorld::Phase::step);
+    model_.object.get().attr("_step")(shown.object());
+    shown->close();
+    require_inside(world);
+    apply(world, *shown.operator->());
+  } catch (nb::python_error& error) {
+    world.agents.take_values(before_);
+    if (error.matches(PyExc_KeyboardInterrupt)) return false;
+    throw failure_of(error, model_.definition->name, world.clock.step);
+  } catch (...) {
+    world.agents.take_values(before_);
+    throw;
+  }
+  return true;
+}
+
+void PythonModelEngine::apply(World<TableModel>& world, ModelWorld const& asked) {
+  for (NewAgents const& born : asked.births()) {
+    std::size_t const outside = find_outside(world.box, born.x, born.y);
+    if (outside < born.x.size()) {
+      throw_birth_outside(world.clock.step, {}, {born.x[outside], born.y[outside]}, world.box);
+    }
+  }
+  world.agents.remove(asked.deaths());
+  for (NewAgents const& born : asked.births()) world.agents.add(born.x, born.y, born.others);
+  for (std::size_t k = 0; k < asked.events().size(); ++k) (*model_.events)[k] += asked.events()[k];
+}
+
+void PythonModelEngine::sort_rows(World<TableModel>& world) {
+  if (world.agents.size() == 0) return;
+  order_.sort(layout_of(world), world.agents.x(), world.agents.y(), world.agents.ids(), thread_pool_);
+  world.agents.reorder(order_.rows());
+}
+
+PythonModelObservations::PythonModelObservations(ModelInstance model, World<TableModel>& world)
+    : model_(std::move(model)), world_(world) {}
+
+void PythonModelObservations::begin(Snapshot const& start) {
+  std::vector<ColumnInfo> columns{{"agents", "", "Agents alive."}};
+  for (std::string const& event : model_.definition->events) columns.push_back({event, "", "Times since the start."});
+  observed_.clear();
+  {
+    nb::gil_scoped_acquire const acquired;
+    ShownWorld const shown(world_, *model_.definition, model_.threads, ModelWorld::Phase::observation);
+    nb::object const described = call_python([&] { return model_.object.get().attr("_observed")(shown.object()); });
+    for (nb::handle const entry : described) {
+      auto const [name, unit, documentation] = nb::cast<std::tuple<std::string, std::string, std::string>>(entry);
+      observed_.push_back({name, unit, documentation});
+    }
+  }
+  columns.insert(columns.end(), observed_.begin(), observed_.end());
+  reset(std::move(columns));
+  static_cast<void>(start);
+}
+
+void PythonModelObservations::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {
+  row[0] = static_cast<double>(now.agents.size());
+  if (counts_for_average) average(0, row[0]);
+  for (std::size_t k = 0; k < model_.events->size(); ++k) row[1 + k] = static_cast<double>((*model_.events)[k]);
+  if (observed_.empty()) return;
+  std::vector<double> const values = observe(now.clock.step);
+  std::size_t const first = 1 + model_.events->size();
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    bool const is_defined = std::isfinite(values[k]);
+    row[first + k] = is_defined ? values[k] : no_value;
+    if (is_defined && counts_for_average) average(first + k, values[k]);
+  }
+}
+
+std::vector<double> PythonModelObservations::observe(std::uint64_t step) {
+  nb::gil_scoped_acquire const acquired;
+  try {
+    ShownWorld const shown(world_, *model_.definition, model_.threads, ModelWorld::Phase::observation);
+    nb::list names;
+    for (ColumnInfo const& column : observed_) names.append(column.name);
+    return nb::cast<std::vector<double>>(model_.object.get().attr("_observe")(shown.object(), names));
+  } catch (nb::python_error& error) {
+    if (error.matches(PyExc_KeyboardInterrupt)) throw;
+    throw failure_of(error, model_.definition->name, step);
+  }
+}
+
+}  // namespace gridlock::python

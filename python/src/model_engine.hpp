@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "gridlock/core/detail/thread_pool.hpp"
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/grid/detail/cell_order.hpp"
+#include "gridlock/observe/observable.hpp"
+#include "model.hpp"
+#include "model_world.hpp"
+
+namespace gridlock::python {
+
+/// A model of Python with its settings: an object of its class.
+struct ModelInstance {
+  std::shared_ptr<ModelDefinition const> definition;
+  SharedObject object;
+  double time_step = 1.0;
+  std::uint64_t threads = 1;
+  /// How often each event has happened since the start: counted by the engine, read by the observations.
+  std::shared_ptr<std::vector<std::uint64_t>> events = {};
+};
+
+/// Advances a world by the method `_step` of a model in Python.
+///
+/// A step that raises leaves the world as it was before. Ctrl-C within a step is heard after it. Every 32 steps the rows are sorted by
+/// where the agents are, so that neighbours are near in memory; when that happens follows from the step alone.
+class PythonModelEngine final : public EngineFor<TableModel> {
+ public:
+  explicit PythonModelEngine(ModelInstance model);
+
+  /// Errors: RunFailure for what the model raises, and for agents that it puts outside the box.
+  void advance(World<TableModel>& world, Counters& counters, StopCondition const& stop_condition) override;
+  [[nodiscard]] double time_step_of(World<TableModel> const& /*world*/) const override { return model_.time_step; }
+  void require_valid(World<TableModel> const& world) const override;
+  [[nodiscard]] std::vector<Count> counts(World<TableModel> const& world, Counters const& counters) const override;
+  void serialize(Archive& archive, World<TableModel> const& world) override;
+
+ private:
+  void step(World<TableModel>& world);
+  bool try_step(World<TableModel>& world);
+  void apply(World<TableModel>& world, ModelWorld const& asked);
+  void sort_rows(World<TableModel>& world);
+
+  ModelInstance model_;
+  AgentTable before_;  ///< the step, for one that fails
+  ThreadPool thread_pool_;
+  CellOrder order_;
+};
+
+/// Throws RunFailure for an agent outside the box.
+void require_inside(World<TableModel> const& world);
+
+/// The number of agents, the events, and what the method `_observe` of a model in Python returns.
+class PythonModelObservations final : public AveragingObservable {
+ public:
+  /// Keeps a view of the world.
+  PythonModelObservations(ModelInstance model, World<TableModel>& world);
+
+  [[nodiscard]] Requirements requirements(Box const& /*box*/) const override { return {}; }
+  void begin(Snapshot const& start) override;
+  void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override;
+
+ private:
+  [[nodiscard]] std::vector<double> observe(std::uint64_t step);
+
+  ModelInstance model_;
+  World<TableModel>& world_;
+  std::vector<ColumnInfo> observed_;
+};
+
+}  // namespace gridlock::python

@@ -1,0 +1,210 @@
+#include "model_world.hpp"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <type_traits>
+#include <variant>
+
+#include "gridlock/core/random.hpp"
+#include "gridlock/grid/neighbour_lists.hpp"
+#include "gridlock/model/detail/checks.hpp"
+#include "gridlock/model/detail/motion.hpp"
+
+namespace gridlock::python {
+
+namespace {
+
+PointsInMemory points_of(AgentTable const& agents) {
+  return {.x = agents.x().data(), .y = agents.y().data(), .count = agents.size()};
+}
+
+/// What an array of Python holds, as a column of that type.
+template <class Values>
+Values values_of(nb::handle array) {
+  using Value = typename Values::value_type;
+  auto const numbers = nb::cast<nb::ndarray<Value const, nb::ndim<1>, nb::c_contig, nb::device::cpu>>(array);
+  return Values(numbers.data(), numbers.data() + numbers.shape(0));
+}
+
+}  // namespace
+
+void ModelWorld::require_open() const {
+  if (is_closed_) throw std::runtime_error("the step of this world is over; keep nothing of it between two steps");
+}
+
+std::tuple<double, double, bool> ModelWorld::box() const {
+  require_open();
+  return {world_.box.width(), world_.box.height(), world_.box.is_periodic()};
+}
+std::pair<std::uint64_t, double> ModelWorld::clock() const {
+  require_open();
+  return {world_.clock.step, world_.clock.time};
+}
+std::uint64_t ModelWorld::seed() const {
+  require_open();
+  return world_.seed;
+}
+std::size_t ModelWorld::size() const {
+  require_open();
+  return world_.agents.size();
+}
+
+nb::object ModelWorld::column(std::string const& name) {
+  require_open();
+  return lender_.column(world_.agents.columns(), name);
+}
+nb::object ModelWorld::positions() {
+  require_open();
+  return lender_.columns(world_.agents.columns(), X::name, Y::name);
+}
+nb::object ModelWorld::ids() {
+  require_open();
+  return lender_.ids(world_.agents.ids());
+}
+
+nb::object ModelWorld::numbers(std::optional<std::uint64_t> count, std::size_t each, std::uint64_t purpose,
+                               bool is_normal) const {
+  require_open();
+  std::size_t const rows = count.value_or(world_.agents.size());
+  UninitializedArray<double> numbers(rows * each);
+  double* next = numbers.data();
+  for (std::size_t row = 0; row < rows; ++row) {
+    // In the start the purpose takes the place of the step, which is 0.
+    RandomStream stream =
+        count ? RandomStream(world_.seed, purpose, row, Purpose::model_start)
+              : RandomStream(world_.seed, world_.clock.step, world_.agents.ids()[row], purpose_of_turn(purpose));
+    for (std::size_t k = 0; k < each; ++k) *next++ = is_normal ? stream.normal() : stream.uniform();
+  }
+  return nb::cast(owned_array(std::move(numbers), {rows, each}));
+}
+
+nb::object ModelWorld::numbers_of_step(std::size_t count) const {
+  require_open();
+  RandomStream stream(world_.seed, world_.clock.step, 0, Purpose::model_step);
+  std::vector<double> numbers(count);
+  std::ranges::generate(numbers, [&] { return stream.uniform(); });
+  return nb::cast(owned_array(std::move(numbers)));
+}
+
+nb::object ModelWorld::neighbor_lists(double cutoff) const {
+  require_open();
+  NeighbourLists found;
+  {
+    nb::gil_scoped_release const released;
+    found = find_neighbour_lists(world_.box, cutoff, points_of(world_.agents), threads_);
+  }
+  return nb::cast(std::pair(owned_array(std::move(found.begin)), owned_array(std::move(found.neighbours))));
+}
+
+nb::object ModelWorld::pairs(double cutoff) const {
+  require_open();
+  PointPairs found;
+  {
+    nb::gil_scoped_release const released;
+    found = find_pairs(world_.box, cutoff, points_of(world_.agents), threads_);
+  }
+  std::size_t const count = found.size();
+  return nb::cast(owned_array(std::move(found.indices), {2, count}));
+}
+
+nb::object ModelWorld::move(nb::ndarray<double const, nb::shape<-1, 2>, nb::device::cpu> const& displacements) {
+  require_open();
+  AgentTable& agents = world_.agents;
+  if (displacements.shape(0) != agents.size()) {
+    throw Error({.what = "there are " + std::to_string(displacements.shape(0)) + " displacements for " +
+                         std::to_string(agents.size()) + " agents",
+                 .hint = "give an array of shape (N, 2)"});
+  }
+  std::vector<std::uint8_t> bounces(2 * agents.size());
+  auto const by = displacements.view();
+  for (std::size_t row = 0; row < agents.size(); ++row) {
+    Vector const displacement{by(row, 0), by(row, 1)};
+    if (!is_shorter_than_box(world_.box, displacement)) {
+      throw_long_displacement(world_.clock.step, agents.ids()[row], displacement, world_.box);
+    }
+    Motion const moved = motion(world_.box, {agents.x()[row], agents.y()[row]}, displacement);
+    agents.x()[row] = moved.end.x;
+    agents.y()[row] = moved.end.y;
+    bounces[2 * row] = static_cast<std::uint8_t>(moved.bounce.x);
+    bounces[2 * row + 1] = static_cast<std::uint8_t>(moved.bounce.y);
+  }
+  return nb::cast(owned_array(std::move(bounces), {agents.size(), 2}));
+}
+
+void ModelWorld::add(nb::typed<nb::list, nb::object> const& columns) {
+  require_open();
+  NewAgents born{
+      .x = values_of<std::vector<double>>(columns[0]), .y = values_of<std::vector<double>>(columns[1]), .others = {}};
+  for (std::size_t k = 0; k < definition_.columns.size(); ++k) {
+    std::visit(
+        [&](auto const& empty) {
+          born.others.emplace_back(values_of<std::remove_cvref_t<decltype(empty)>>(columns[2 + k]));
+        },
+        definition_.columns[k].values);
+  }
+  if (phase_ == Phase::start) {
+    world_.agents.add(born.x, born.y, born.others);
+  } else {
+    births_.push_back(std::move(born));
+  }
+}
+
+void ModelWorld::remove(nb::ndarray<std::uint64_t const, nb::ndim<1>, nb::c_contig, nb::device::cpu> const& rows) {
+  require_open();
+  for (std::size_t k = 0; k < rows.shape(0); ++k) {
+    if (rows(k) >= world_.agents.size()) {
+      throw Error({.what = "there is no agent in row " + std::to_string(rows(k)) + " among " +
+                           std::to_string(world_.agents.size()),
+                   .hint = "rows are those of the arrays in this step"});
+    }
+    dead_rows_.push_back(rows(k));
+  }
+}
+
+void ModelWorld::count(std::size_t event, std::uint64_t times) {
+  require_open();
+  events_.at(event) += times;
+}
+
+void ModelWorld::close() {
+  if (is_closed_) return;
+  is_closed_ = true;
+  lender_.take_back([&] { return world_.agents.release(); });
+}
+
+std::vector<Id> ModelWorld::deaths() const {
+  std::vector<Id> ids;
+  ids.reserve(dead_rows_.size());
+  for (std::uint64_t const row : dead_rows_) ids.push_back(world_.agents.ids()[row]);
+  std::ranges::sort(ids);
+  auto const again = std::ranges::unique(ids);
+  ids.erase(again.begin(), again.end());
+  return ids;
+}
+
+void bind_model_world(nb::module_& module) {
+  nb::class_<ModelWorld>(module, "ModelWorld")
+      .def("box", &ModelWorld::box)
+      .def("clock", &ModelWorld::clock)
+      .def("seed", &ModelWorld::seed)
+      .def("size", &ModelWorld::size)
+      .def("column", &ModelWorld::column, nb::arg("name"))
+      .def("positions", &ModelWorld::positions)
+      .def("ids", &ModelWorld::ids)
+      .def("numbers", &ModelWorld::numbers, nb::arg("count").none(), nb::arg("each"), nb::arg("purpose"),
+           nb::arg("is_normal"))
+      .def("numbers_of_step", &ModelWorld::numbers_of_step, nb::arg("count"))
+      .def("neighbor_lists", &ModelWorld::neighbor_lists, nb::arg("cutoff"))
+      .def("pairs", &ModelWorld::pairs, nb::arg("cutoff"))
+      .def("move", &ModelWorld::move, nb::arg("displacements"))
+      .def("add", &ModelWorld::add, nb::arg("columns"))
+      .def("remove", &ModelWorld::remove, nb::arg("rows"))
+      .def("count", &ModelWorld::count, nb::arg("event"), nb::arg("times"));
+}
+
+}  // namespace gridlock::python

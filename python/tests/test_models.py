@@ -1,0 +1,642 @@
+"""Agent models in Python: the same bits, files and refusals as those in C++."""
+
+import concurrent.futures
+import gc
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import warnings
+
+import numpy as np
+import pytest
+
+import gridlock
+from gridlock import turns
+
+
+@gridlock.register_model
+class Walkers(gridlock.Model):
+    """Points that walk at random, die, and have children."""
+
+    name = "test_walkers"
+    columns = {"age": np.uint32, "charge": np.int32, "mark": np.uint64}
+    events = ("births", "deaths")
+    value_names = {"charge": ("none", "one")}
+    observations = {"mean_age": "Mean age in steps."}
+    count = gridlock.Setting(200, "Agents.", least=1)
+    length = gridlock.Setting(0.01, "Of a step.", unit="length", least=0.0, most=0.4)
+    turnover = gridlock.Setting(0.02, "Deaths and births of each agent in a step.", least=0.0, most=1.0)
+    kind = gridlock.Setting("normal", "Of the steps.", choices=["normal", "uniform"])
+    is_charged = gridlock.Setting(False, "Whether agents have a charge.")
+    time_step = 0.5
+
+    def start(self, start):
+        start.add(positions=start.anywhere(self.count), charge=int(self.is_charged), mark=np.arange(self.count, dtype=np.uint64))
+
+    def step(self, world):
+        world.age += 1
+        steps = world.normal(2) if self.kind == "normal" else 2 * world.uniform(2) - 1
+        world.move(self.length * np.clip(steps, -3, 3))
+        dead = world.uniform(purpose=1) < self.turnover
+        world.remove(dead)
+        world.count("deaths", dead.sum())
+        parents = world.uniform(purpose=2) < self.turnover
+        world.add(positions=world.positions[parents], mark=world.ids[parents])
+        world.count("births", parents.sum())
+
+    def observe(self, world):
+        return {"mean_age": world.age.mean()}
+
+
+@gridlock.register_model
+class Flock(gridlock.Model):
+    """Vicsek's flock."""
+
+    name = "test_flock"
+    columns = {"heading_x": float, "heading_y": float}
+    count = gridlock.Setting(300, least=1)
+    radius = gridlock.Setting(1.0, least=0.0)
+    noise = gridlock.Setting(1.0, least=0.0)
+
+    def start(self, start):
+        angle = 2 * np.pi * start.uniform(self.count)
+        start.add(positions=start.anywhere(self.count), heading_x=np.cos(angle), heading_y=np.sin(angle))
+
+    def step(self, world):
+        heading = np.stack([world.heading_x, world.heading_y], axis=1)
+        mean = heading + world.neighbors(self.radius).sum(heading)
+        angle = np.arctan2(mean[:, 1], mean[:, 0]) + self.noise * (world.uniform() - 0.5)
+        world.move(0.03 * heading)
+        world.heading_x = np.cos(angle)
+        world["heading_y"] = np.sin(angle)
+
+    def observe(self, world):
+        return {"order": np.hypot(world.heading_x.mean(), world.heading_y.mean())}
+
+
+SETTINGS = {"model.kind": "test_walkers", "box.edge": "periodic", "observe.every": 10, "run.seed": 5}
+
+
+def made(**more):
+    return gridlock.Simulation(SETTINGS, **more)
+
+
+def test_the_state_hash_is_that_of_a_model_in_cpp_with_the_same_columns():
+    shipped = gridlock.Simulation(model="epidemic", epidemic={"count": 50}, box={"edge": "periodic"}, run={"seed": 9})
+    columns = {name: np.array(shipped.agents[name]) for name in shipped.agents.names}
+
+    class Copy(gridlock.Model):
+        name = "test_copy"
+        columns = {"velocity_x": float, "velocity_y": float, "health": np.uint32}
+
+        def start(self, start):
+            start.add(**data)
+
+        def step(self, world):
+            pass
+
+    data = columns
+    copy = gridlock.Simulation(model=Copy, box={"edge": "periodic"}, run={"seed": 9})
+    assert copy.state_hash == shipped.state_hash
+    copy.run(steps=1)
+    assert copy.state_hash != shipped.state_hash
+
+
+def test_random_numbers_and_moves_are_those_of_cpp():
+    shipped = gridlock.Simulation(model="epidemic", epidemic={"count": 50}, box={"edge": "periodic"}, run={"seed": 9})
+
+    class Anywhere(gridlock.Model):
+        name = "test_anywhere"
+
+        def start(self, start):
+            start.add(positions=start.anywhere(50))
+
+        def step(self, world):
+            pass
+
+    copy = gridlock.Simulation(model=Anywhere, box={"edge": "periodic"}, run={"seed": 9})
+    assert np.array_equal(copy.agents.positions, shipped.agents.positions)
+
+
+@pytest.mark.parametrize("edge", ["periodic", "wall"])
+def test_chunks_and_threads_do_not_change_the_bits(edge):
+    settings = {**SETTINGS, "box.edge": edge, "test_walkers.count": 400}
+    whole = gridlock.Simulation(settings)
+    whole.run(steps=70)
+    parts = gridlock.Simulation(settings)
+    for steps in (1, 31, 1, 20, 17):
+        parts.run(steps=steps)
+    assert parts.state_hash == whole.state_hash
+    flock = {"model.kind": "test_flock", "box": {"width": 12, "height": 12, "edge": edge}, "test_flock.count": 600}
+    hashes = set()
+    for threads in (1, 2, 3):
+        simulation = gridlock.Simulation(flock, threads=threads)
+        simulation.run(steps=40)
+        hashes.add(simulation.state_hash)
+    assert len(hashes) == 1
+
+
+def test_births_and_deaths_keep_ids_and_counts():
+    simulation = made(test_walkers={"turnover": 0.1})
+    alive = set(simulation.agents.ids.tolist())
+    ever = set(alive)
+    for _ in range(60):
+        before = {int(k): int(age) for k, age in zip(simulation.agents.ids, simulation.agents.age)}
+        simulation.step()
+        ids = simulation.agents.ids.tolist()
+        ages = simulation.agents.age
+        assert len(set(ids)) == len(ids)
+        newborn = set(ids) - before.keys()
+        assert not newborn & ever
+        ever |= newborn
+        for k, age in zip(ids, ages):
+            assert age == (0 if k in newborn else before[k] + 1)
+    counts = simulation.counts
+    assert counts["births"] - counts["deaths"] == len(simulation.agents) - 200
+    assert counts["births"] > 500
+
+
+def test_walkers_spread_as_they_must():
+    simulation = made(test_walkers={"count": 4000, "turnover": 0.0}, box={"width": 50.0, "height": 50.0})
+    start = {int(k): p for k, p in zip(simulation.agents.ids, np.array(simulation.agents.positions))}
+    simulation.run(steps=100)
+    away = np.array([p - start[int(k)] for k, p in zip(simulation.agents.ids, simulation.agents.positions)])
+    away -= 50.0 * np.rint(away / 50.0)
+    squared = (away**2).sum(axis=1)
+    # Variance of a standard normal number cut at ±3, by its density.
+    z = np.linspace(-8, 8, 400_001)
+    expected = 2 * 100 * 0.01**2 * float((np.clip(z, -3, 3) ** 2 * np.exp(-z * z / 2)).sum() / np.exp(-z * z / 2).sum())
+    assert abs(squared.mean() - expected) < 4 * squared.std() / np.sqrt(len(squared))
+
+
+def test_the_flock_orders_as_that_in_cpp():
+    def order(kind, seed):
+        simulation = gridlock.Simulation(
+            {"model.kind": kind, f"{kind}.count": 300, f"{kind}.noise": 2.0, "run.seed": seed, "observe.every": 5},
+            box={"width": 7.0, "height": 7.0, "edge": "periodic"},
+        )
+        simulation.equilibrate(steps=200)
+        simulation.run(steps=300)
+        return simulation.results["order"].value
+
+    here = np.array([order("test_flock", seed) for seed in range(1, 7)])
+    there = np.array([order("flocking", seed) for seed in range(11, 17)])
+    error = np.sqrt(here.var(ddof=1) / 6 + there.var(ddof=1) / 6)
+    assert abs(here.mean() - there.mean()) < 4 * error
+    assert 0.5 < here.mean() < 0.99
+
+
+def test_a_run_in_a_directory_is_continued_with_the_same_bits(tmp_path):
+    settings = {**SETTINGS, "trajectory.every": 10, "run.steps": 40}
+    gridlock.run(settings, tmp_path / "short")
+    gridlock.open(tmp_path / "short").resume(steps=100)
+    gridlock.run({**settings, "run.steps": 100}, tmp_path / "long")
+    short, long = gridlock.open(tmp_path / "short"), gridlock.open(tmp_path / "long")
+    assert short.state_hash == long.state_hash
+    assert short.final.columns.keys() == {"x", "y", "age", "charge", "mark"}
+    assert np.array_equal(short.series["mean_age"], long.series["mean_age"])
+    frames = [long.trajectory[k] for k in range(len(long.trajectory))]
+    assert [frame.clock.step for frame in frames] == list(range(0, 101, 10))
+    assert frames[3].age.dtype == np.uint32
+    assert np.array_equal(frames[-1].ids, long.final.ids) and np.array_equal(frames[-1].x, long.final.x)
+    in_memory = gridlock.Simulation(SETTINGS)
+    in_memory.run(steps=100)
+    assert in_memory.state_hash == long.state_hash
+
+
+def test_a_killed_run_is_resumed_with_the_same_bits(tmp_path):
+    script = tmp_path / "model.py"
+    script.write_text(textwrap.dedent("""
+        import os, signal, sys
+        import gridlock
+
+        @gridlock.register_model
+        class Killed(gridlock.Model):
+            name = "killed"
+            def start(self, start):
+                start.add(positions=start.anywhere(100))
+            def step(self, world):
+                if sys.argv[2] == "kill" and world.clock.step == 57:
+                    os.kill(os.getpid(), signal.SIGKILL)
+                world.move(0.01 * world.uniform(2))
+
+        directory = sys.argv[1]
+        settings = {"model.kind": "killed", "run.steps": 100, "box.edge": "periodic", "checkpoint.every_steps": 10, "observe.every": 10}
+        if sys.argv[2] == "resume":
+            gridlock.open(directory).resume()
+        else:
+            gridlock.run(settings, directory)
+    """))
+    run = lambda directory, what: subprocess.run(  # noqa: E731
+        [sys.executable, script, directory, what], env=os.environ, capture_output=True, text=True, timeout=120
+    )
+    assert run(tmp_path / "a", "kill").returncode == -signal.SIGKILL
+    outcome = run(tmp_path / "a", "resume")
+    assert outcome.returncode == 0, outcome.stderr
+    assert run(tmp_path / "b", "run").returncode == 0
+    assert gridlock.open(tmp_path / "a").state_hash == gridlock.open(tmp_path / "b").state_hash
+
+
+def test_the_program_says_who_can_resume(tmp_path, program):
+    gridlock.run({**SETTINGS, "run.steps": 20}, tmp_path / "run")
+    outcome = subprocess.run([program, "resume", tmp_path / "run", "--steps", "10"], capture_output=True, text=True, timeout=60)
+    assert outcome.returncode == 2
+    assert 'there is no model "test_walkers"' in outcome.stderr and "Python process that registers it" in outcome.stderr
+
+
+@pytest.mark.parametrize("workers", [None, 2])
+def test_sweeps_run_models_on_threads_and_processes(tmp_path, workers):
+    executor = None if workers is None else concurrent.futures.ProcessPoolExecutor(workers)
+    made = gridlock.sweep(
+        {**SETTINGS, "run.steps": 30}, {"test_walkers.length": [0.01, 0.02], "run.seed": [1, 2]}, tmp_path / "sweep", executor=executor
+    )
+    for row in made.table:
+        alone = gridlock.Simulation({**SETTINGS, "test_walkers.length": row["test_walkers.length"], "run.seed": int(row["run.seed"])})
+        alone.run(steps=30)
+        assert row["state_hash"] == alone.state_hash
+    assert "mean_age" in made.means.dtype.names
+
+
+def test_settings_are_those_of_every_model():
+    assert "Of a step." in gridlock.explain("test_walkers.length")
+    with pytest.raises(gridlock.Error, match="test_walkers.length"):
+        made(test_walkers={"length": 0.5})
+    with pytest.raises(gridlock.Error, match="test_walkers.count"):
+        made(test_walkers={"count": 0})
+    with pytest.raises(gridlock.Error, match="lenght"):
+        made(test_walkers={"lenght": 0.1})
+    with pytest.raises(gridlock.Error, match="kind"):
+        made(test_walkers={"kind": "sideways"})
+    by_object = gridlock.Simulation(SETTINGS, model=Walkers(count=30, kind="uniform", is_charged=True))
+    assert len(by_object.agents) == 30 and set(by_object.agents.charge) == {1}
+    by_names = made(test_walkers={"count": 30, "kind": "uniform", "is_charged": True})
+    assert by_object.state_hash == by_names.state_hash
+    assert by_object.time_step == 0.5
+    with pytest.raises(gridlock.Error, match="no setting"):
+        Walkers(size=3)
+    with pytest.raises(gridlock.Error, match="is no model"):
+        gridlock.Simulation(model=3)
+
+
+def test_an_exception_is_the_cause_of_the_failure_and_the_state_is_whole():
+    class Raises(gridlock.Model):
+        name = "test_raises"
+        columns = {"age": float}
+
+        def start(self, start):
+            start.add(x=[0.5, 0.2], y=0.5)
+
+        def step(self, world):
+            world.age += 1
+            world.positions += 0.01
+            if world.clock.step == 3:
+                raise KeyError("nothing")
+
+    simulation = gridlock.Simulation(model=Raises, box={"edge": "periodic"})
+    words = r"step 3: the model test_raises raised KeyError: 'nothing' \(test_models.py, line \d+\)"
+    with pytest.raises(gridlock.RunFailure, match=words) as caught:
+        simulation.run(steps=10)
+    assert isinstance(caught.value.__cause__, KeyError)
+    assert simulation.clock.step == 3
+    assert set(simulation.agents.age) == {3.0}
+    assert np.allclose(np.sort(simulation.agents.x), [0.23, 0.53])
+
+
+def test_a_failure_is_recorded_in_the_directory(tmp_path):
+    class Fails(gridlock.Model):
+        name = "test_fails"
+
+        def start(self, start):
+            start.add(x=0.5, y=0.5)
+
+        def step(self, world):
+            raise ValueError("no")
+
+    gridlock.register_model(Fails)
+    with pytest.raises(gridlock.RunFailure, match="ValueError: no"):
+        gridlock.run({"model.kind": "test_fails", "run.steps": 5}, tmp_path / "run")
+    assert gridlock.open(tmp_path / "run").summary["status"] == "failed"
+    with pytest.raises(gridlock.RunFailure, match="2 runs failed"):
+        gridlock.sweep({"model.kind": "test_fails", "run.steps": 5}, {"run.seed": [1, 2]}, tmp_path / "sweep")
+
+
+def test_ctrl_c_within_a_step_is_heard_after_it():
+    class Interrupted(gridlock.Model):
+        name = "test_interrupted"
+        columns = {"age": float}
+
+        def start(self, start):
+            start.add(x=[0.5, 0.2], y=0.5)
+
+        def step(self, world):
+            world.age += 1
+            if world.clock.step == 5 and not heard:
+                heard.append(1)
+                signal.raise_signal(signal.SIGINT)
+
+    heard = []
+    simulation = gridlock.Simulation(model=Interrupted, box={"edge": "periodic"})
+    with pytest.raises(KeyboardInterrupt):
+        simulation.run(steps=5_000_000)
+    assert 6 <= simulation.clock.step < 5_000_000
+    assert set(simulation.agents.age) == {simulation.clock.step}
+    simulation.run(steps=2)
+
+
+STEPS = {
+    "positions outside": (lambda world: world.x.__setitem__(0, 7.0), "outside the box"),
+    "not a number": (lambda world: world.y.__setitem__(0, np.nan), "outside the box"),
+    "long displacements": (lambda world: world.move(np.full((len(world), 2), 3.0)), "displacement"),
+    "infinite displacements": (lambda world: world.move(np.full((len(world), 2), np.inf)), "displacement"),
+    "shape of displacements": (lambda world: world.move(np.zeros(len(world))), "shape"),
+    "text displacements": (lambda world: world.move([["a", "b"]] * len(world)), "could not convert"),
+    "birth outside": (lambda world: world.add(x=1.5, y=0.5), "newborn"),
+    "birth without a place": (lambda world: world.add(age=1), "no place"),
+    "birth with another column": (lambda world: world.add(x=0.5, y=0.5, size=3), "size"),
+    "birth of many lengths": (lambda world: world.add(x=[0.1, 0.2, 0.3], y=[0.5, 0.1]), "do not fit"),
+    "birth of another type": (lambda world: world.add(x=0.5, y=0.5, age="old"), "do not fit"),
+    "birth with a fraction of age": (lambda world: world.add(x=0.5, y=0.5, age=0.5), "do not fit"),
+    "death of nobody": (lambda world: world.remove([99]), "no agent in row 99"),
+    "death below": (lambda world: world.remove([-1]), "mask or by rows"),
+    "death by another mask": (lambda world: world.remove(np.zeros(3, dtype=bool)), "mask"),
+    "death by fractions": (lambda world: world.remove([0.5]), "mask or by rows"),
+    "unknown event": (lambda world: world.count("meetings"), "no event 'meetings'"),
+    "events of the past": (lambda world: world.count("births", -1), "whole number"),
+    "long cutoff": (lambda world: world.neighbors(0.7), "cutoff"),
+    "no cutoff": (lambda world: world.neighbors(float("nan")), "cutoff"),
+    "column that is not there": (lambda world: world.size, "no column 'size'"),
+    "assigned column that is not there": (lambda world: setattr(world, "size", 3), "no column 'size'"),
+    "purpose below": (lambda world: world.uniform(purpose=-1), "purpose"),
+    "shape of a column": (lambda world: setattr(world, "age", np.zeros(3)), "broadcast"),
+}
+
+
+@pytest.mark.parametrize("what", STEPS)
+def test_mistakes_of_a_step_are_failures_with_reasons(what):
+    act, words = STEPS[what]
+
+    class Mistaken(gridlock.Model):
+        name = "test_mistaken"
+        columns = {"age": np.uint32}
+        events = ("births",)
+
+        def start(self, start):
+            start.add(positions=start.anywhere(10))
+
+        def step(self, world):
+            act(world)
+
+    simulation = gridlock.Simulation(model=Mistaken, box={"edge": "periodic"})
+    before = simulation.state_hash
+    with pytest.raises(gridlock.RunFailure, match=words):
+        simulation.run(steps=1)
+    assert simulation.state_hash == before
+    assert simulation.clock.step == 0
+
+
+def test_an_observation_changes_nothing():
+    class Meddler(gridlock.Model):
+        name = "test_meddler"
+        columns = {"age": float}
+
+        def start(self, start):
+            start.add(x=0.5, y=0.5)
+
+        def step(self, world):
+            world.age += 1
+
+        def observe(self, world):
+            for act in (lambda: world.move(np.zeros((1, 2))), lambda: world.add(x=0.1, y=0.1), lambda: world.remove([0])):
+                with pytest.raises(gridlock.Error, match="an observation cannot"):
+                    act()
+            with pytest.raises(ValueError, match="read-only"):
+                world.age[0] = 7.0
+            return {"age": world.age[0]}
+
+    simulation = gridlock.Simulation(model=Meddler, observe={"every": 1})
+    simulation.run(steps=5)
+    assert simulation.series["age"].tolist() == [0, 1, 2, 3, 4, 5]
+
+
+def test_what_is_kept_of_a_step_is_dead():
+    kept = {}
+
+    class Keeper(gridlock.Model):
+        name = "test_keeper"
+        columns = {"age": float}
+
+        def start(self, start):
+            kept.setdefault("start", start)
+            start.add(positions=start.anywhere(100))
+
+        def step(self, world):
+            if "world" not in kept:
+                kept.update(world=world, age=world.age, part=world.x[:50])
+            world.age += 1
+            world.move(np.full((len(world), 2), 0.01))
+            world.add(positions=np.full((1000, 2), 0.5))
+
+    simulation = gridlock.Simulation(model=Keeper, box={"edge": "periodic"})
+    simulation.step()
+    ages, part = np.array(kept["age"]), np.array(kept["part"])
+    simulation.run(steps=40)
+    assert np.array_equal(kept["age"], ages) and np.array_equal(kept["part"], part)
+    with pytest.raises(ValueError, match="read-only"):
+        kept["age"][0] = 5
+    for act in (lambda: kept["world"].x, lambda: len(kept["world"]), lambda: kept["start"].box):
+        with pytest.raises(RuntimeError, match="the step of this world is over"):
+            act()
+    with pytest.raises(gridlock.Error, match="cannot keep 'memory'"):
+        Keeper().memory = 3
+    with pytest.raises(gridlock.Error, match="cannot keep 'count'"):
+        Walkers().count = 3
+
+
+REFUSED = {
+    "no name": ({"name": ""}, "has the name"),
+    "a shipped model": ({"name": "flocking"}, "there is a model flocking already"),
+    "a table": ({"name": "box"}, "table of the settings"),
+    "no start": ({"start": gridlock.Model.start}, "no start"),
+    "no step": ({"step": gridlock.Model.step}, "no step"),
+    "a type": ({"columns": {"age": np.float32}}, "type float32"),
+    "a column of the world": ({"columns": {"ids": float}}, "column 'ids'"),
+    "a column that is a word": ({"columns": {"class": float}}, "column 'class'"),
+    "events twice": ({"events": ("a", "a")}, "events"),
+    "values of nothing": ({"value_names": {"state": ("a", "b")}}, "names the values"),
+}
+
+
+@pytest.mark.parametrize("what", REFUSED)
+def test_models_that_cannot_be_are_refused(what):
+    changes, words = REFUSED[what]
+    body = {"name": "test_refused", "start": lambda self, start: None, "step": lambda self, world: None, **changes}
+    with pytest.raises(gridlock.Error, match=words):
+        gridlock.register_model(type("Refused", (gridlock.Model,), body))
+
+
+def test_starts_that_cannot_be_are_refused():
+    def simulation(start, **more):
+        body = {"name": "test_start", "start": start, "step": lambda self, world: None, **more}
+        return gridlock.Simulation(model=type("Starts", (gridlock.Model,), body))
+
+    with pytest.raises(gridlock.Error, match="outside the box"):
+        simulation(lambda self, start: start.add(x=3.0, y=0.5))
+    with pytest.raises(gridlock.Error, match="time step 0.0"):
+        simulation(lambda self, start: start.add(x=0.5, y=0.5), time_step=0.0)
+    with pytest.raises(ZeroDivisionError):
+        simulation(lambda self, start: 1 / 0)
+
+    def refuses(self, box):
+        raise gridlock.Error("the box is too small\n  hint: use a larger one")
+
+    with pytest.raises(gridlock.Error, match="test_start.*\n?.*the box is too small|the box is too small") as caught:
+        simulation(lambda self, start: start.add(x=0.5, y=0.5), check=refuses)
+    assert caught.value.problems[0]["hint"] == "use a larger one"
+    nobody = simulation(lambda self, start: None)
+    nobody.run(steps=40)
+    assert len(nobody.agents) == 0
+
+
+def test_a_setting_has_one_name():
+    # Python before 3.12 wraps what __set_name__ raises.
+    with pytest.raises((gridlock.Error, RuntimeError)) as caught:
+        type("Twice", (gridlock.Model,), {"cutoff": Contagion.__dict__["chance"]})
+    assert "gets the name cutoff too" in f"{caught.value}{caught.value.__cause__}"
+    assert "chance" in Contagion().settings and "cutoff" in Contagion().settings
+
+
+def test_a_class_of_the_same_name_replaces_the_former_one():
+    def made(length):
+        class Again(gridlock.Model):
+            name = "test_again"
+
+            def start(self, start):
+                start.add(x=0.5, y=0.5)
+
+            def step(self, world):
+                world.move(np.array([[length, 0.0]]))
+
+        return gridlock.register_model(Again)
+
+    made(0.1)
+    first = gridlock.Simulation(model="test_again")
+    made(0.2)
+    second = gridlock.Simulation(model="test_again")
+    for simulation in (first, second):
+        simulation.run(steps=1)
+    assert (first.agents.x[0], second.agents.x[0]) == (0.6, 0.7)
+
+
+def test_agents_are_written_between_steps_and_checked():
+    simulation = made()
+    simulation.agents.age[:] = 100
+    simulation.run(steps=1)
+    assert set(simulation.agents.age[np.isin(simulation.agents.ids, np.arange(200))]) == {101}
+    simulation.agents.x[0] = 5.0
+    with pytest.raises(gridlock.Error, match="outside the box"):
+        simulation.run(steps=1)
+    simulation.agents.x[0] = 0.5
+    simulation.run(steps=1)
+
+
+@gridlock.register_model
+class Contagion(gridlock.Model):
+    """A disease among walkers, agent by agent."""
+
+    name = "test_contagion"
+    columns = {"health": np.uint32}
+    events = ("infections", "deaths")
+    count = gridlock.Setting(300)
+    cutoff = gridlock.Setting(0.05)
+    chance = gridlock.Setting(0.2)
+    random_numbers = 4
+
+    def start(self, start):
+        start.add(positions=start.anywhere(self.count), health=np.arange(self.count) < 10)
+
+    @staticmethod
+    def turn(row, neighbors, separations, now, next, settings, random, events):
+        for place, k in enumerate(neighbors):
+            near = separations[place, 0] ** 2 + separations[place, 1] ** 2 < settings.cutoff**2
+            if near and now.health[row] == 0 and now.health[k] == 1 and random[0] < settings.chance:
+                next.health[row] = 1
+                events[0] += 1
+                break
+        next.dx[row] = 0.02 * (random[1] - 0.5)
+        next.dy[row] = 0.02 * (random[2] - 0.5)
+        if now.health[row] == 1 and random[3] < 0.01:
+            next.dies[row] = True
+            events[1] += 1
+
+
+def test_turns_give_the_same_bits_with_numba_and_without(monkeypatch):
+    pytest.importorskip("numba")
+    settings = {"model.kind": "test_contagion", "box.edge": "periodic", "run.seed": 3}
+    compiled = gridlock.Simulation(settings)
+    compiled.run(steps=40)
+    monkeypatch.setattr(turns, "_compiled", turns._all_turns)
+    plain = gridlock.Simulation(settings)
+    plain.run(steps=40)
+    assert compiled.state_hash == plain.state_hash and compiled.counts == plain.counts
+    sick = int((plain.agents.health == 1).sum())
+    assert plain.counts["infections"] == sick - 10 + plain.counts["deaths"] and plain.counts["deaths"] > 0
+    assert len(plain.agents) == 300 - plain.counts["deaths"]
+
+
+def test_turns_that_cannot_be_are_refused():
+    class NoStatic(gridlock.Model):
+        name = "test_no_static"
+        cutoff = 0.1
+
+        def start(self, start):
+            start.add(x=0.5, y=0.5)
+
+        def turn(self, row):
+            pass
+
+    with pytest.raises(gridlock.Error, match="no function of a turn"):
+        gridlock.register_model(NoStatic)
+
+    class NoCutoff(gridlock.Model):
+        name = "test_no_cutoff"
+        start = NoStatic.start
+        turn = Contagion.__dict__["turn"]
+
+    with pytest.raises(gridlock.Error, match="no cutoff"):
+        gridlock.register_model(NoCutoff)
+
+
+def test_memory_does_not_grow():
+    import resource
+
+    def made():
+        simulation = gridlock.Simulation(SETTINGS, test_walkers={"count": 2000})
+        simulation.run(steps=2)
+
+    for _ in range(50):
+        made()
+    gc.collect()
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    for _ in range(500):
+        made()
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 10_000
+
+
+def test_neighbor_sums_are_those_of_numpy():
+    random = np.random.default_rng(3)
+    points = random.random((500, 2))
+    found = gridlock.neighbors(points, 0.07, box=1.0)
+    for shape in ((500,), (500, 1), (500, 2), (500, 3)):
+        values = random.random(shape)
+        expected = np.zeros(shape)
+        np.add.at(expected, found.owners, values[found.indices])
+        assert np.allclose(found.sum(values), expected)
+        mean = found.mean(values)
+        some = found.counts > 0
+        assert np.allclose(mean[some], (expected.T / np.maximum(found.counts, 1)).T[some]) and np.all(np.isnan(mean[~some]))
+    nobody = gridlock.neighbors(np.empty((0, 2)), 0.1, box=1.0)
+    assert nobody.sum(np.empty(0)).shape == (0,)
+    with pytest.raises(gridlock.Error, match="shape"):
+        found.sum(np.zeros(3))
