@@ -1,4 +1,5 @@
-"""The site: Markdown pages by MyST, the C++ interface by Doxygen and Breathe. ./dev docs builds it.
+"""The site: Markdown pages and notebooks by MyST-NB, the C++ interface by Doxygen and Breathe, the Python interface by autodoc.
+./dev docs builds it.
 
 Pages link to files of the repository as GitHub wants them (../../examples/…). On the site such a file is a download, and a
 page of the repository's root is the chapter that includes it.
@@ -17,10 +18,17 @@ copyright = author
 release = re.search(r"project\(gridlock VERSION ([\d.]+)", (repository / "CMakeLists.txt").read_text()).group(1)
 version = release
 
-extensions = ["myst_parser", "breathe"]
+extensions = ["myst_nb", "breathe", "sphinx.ext.autodoc"]
 root_doc = "index"
 myst_enable_extensions = ["colon_fence"]
 myst_heading_anchors = 4
+exclude_patterns = ["requirements.txt"]
+# Notebooks are kept without results: they are run for the site, as they are by the tests.
+nb_execution_mode = "force"
+nb_execution_timeout = 120
+nb_execution_raise_on_error = True
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
 html_theme = "furo"
 html_title = f"Gridlock {release}"
 html_show_sphinx = False

@@ -5,6 +5,8 @@ import warnings
 
 import pytest
 
+import gridlock
+
 PAGES = ["README.md", "docs/getting_started/python.md", "docs/getting_started/own_model_python.md"]
 
 
@@ -20,3 +22,10 @@ def test_programs_of_the_page_run(root, page, capsys, tmp_path, monkeypatch):
             warnings.simplefilter("ignore")
             exec(compile(program, page, "exec"), {})  # noqa: S102
         assert capsys.readouterr().out
+
+
+def test_the_reference_has_every_public_name(root):
+    page = (root / "docs/reference/python.md").read_text()
+    named = set(re.findall(r"auto\w+:: gridlock\.(\w+)$", page, re.MULTILINE))
+    assert set(gridlock.__all__) <= named
+    assert {name for name in named if not hasattr(gridlock, name)} <= {"turns", "plot", "paper"}
