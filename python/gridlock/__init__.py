@@ -13,6 +13,7 @@ True
 from . import _core
 from .analysis import bond_orientation, mean_squared_displacement, pair_correlation, structure_factor
 from .box import Box
+from .dynamics import Dynamics, diffusion_coefficient, dynamics
 from .errors import Error, Problem, RunFailure
 from .files import Frame, RunDirectory, Trajectory, read_xyz
 from .files import open as open
@@ -22,9 +23,9 @@ from .sweeps import SweepDirectory, sweep
 
 __version__: str = _core.version
 __all__ = [
-    "Agents", "Box", "Clock", "Column", "Error", "Frame", "Neighbors", "Problem", "Result", "Results", "RunDirectory", "RunFailure",
+    "Agents", "Box", "Clock", "Column", "Dynamics", "Error", "Frame", "Neighbors", "Problem", "Result", "Results", "RunDirectory", "RunFailure",
     "Simulation", "SweepDirectory", "Trajectory",
-    "bond_orientation", "explain", "mean_squared_displacement", "neighbors", "pair_correlation", "pairs",
+    "bond_orientation", "diffusion_coefficient", "dynamics", "explain", "mean_squared_displacement", "neighbors", "pair_correlation", "pairs",
     "read_xyz", "run", "structure_factor", "sweep",
 ]
 
