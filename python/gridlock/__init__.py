@@ -11,7 +11,16 @@ True
 """
 
 from . import _core
-from .analysis import bond_orientation, mean_squared_displacement, pair_correlation, structure_factor
+from .analysis import (
+    PairCorrelation,
+    StructureFactor,
+    Voronoi,
+    bond_orientation,
+    mean_squared_displacement,
+    pair_correlation,
+    structure_factor,
+    voronoi,
+)
 from .box import Box
 from .dynamics import Dynamics, diffusion_coefficient, dynamics
 from .errors import Error, Problem, RunFailure
@@ -23,10 +32,10 @@ from .sweeps import SweepDirectory, sweep
 
 __version__: str = _core.version
 __all__ = [
-    "Agents", "Box", "Clock", "Column", "Dynamics", "Error", "Frame", "Neighbors", "Problem", "Result", "Results", "RunDirectory", "RunFailure",
-    "Simulation", "SweepDirectory", "Trajectory",
-    "bond_orientation", "diffusion_coefficient", "dynamics", "explain", "mean_squared_displacement", "neighbors", "pair_correlation", "pairs",
-    "read_xyz", "run", "structure_factor", "sweep",
+    "Agents", "Box", "Clock", "Column", "Dynamics", "Error", "Frame", "Neighbors", "PairCorrelation", "Problem", "Result", "Results",
+    "RunDirectory", "RunFailure", "Simulation", "StructureFactor", "SweepDirectory", "Trajectory", "Voronoi",
+    "bond_orientation", "diffusion_coefficient", "dynamics", "explain", "mean_squared_displacement", "neighbors", "pair_correlation",
+    "pairs", "read_xyz", "run", "structure_factor", "sweep", "voronoi",
 ]
 
 

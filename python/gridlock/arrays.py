@@ -32,7 +32,7 @@ def as_array(values: Any, what: str, hint: str, *, integers: bool = False) -> ND
         raise Error(f"{what} no array of numbers: {error}\n  hint: {hint}") from None
     wanted = "iu" if integers else "iuf"
     if array.dtype.kind not in wanted and array.size > 0:
-        raise Error(f"{what} of type {array.dtype}\n  hint: {hint}")
+        raise Error(f"{what} no array of {'whole ' if integers else ''}numbers but of type {array.dtype}\n  hint: {hint}")
     return array
 
 

@@ -1,13 +1,18 @@
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/tuple.h>
 
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "arrays.hpp"
 #include "gridlock/analysis/dynamics.hpp"
+#include "gridlock/analysis/pair_correlation.hpp"
+#include "gridlock/analysis/voronoi.hpp"
 #include "gridlock/observe/observable.hpp"
 
 namespace gridlock::python {
@@ -18,7 +23,7 @@ using Frames = nb::ndarray<double const, nb::shape<-1, -1, 2>, nb::c_contig, nb:
 using Numbers = nb::ndarray<double const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Kinds = nb::ndarray<std::uint32_t const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
-std::span<std::uint32_t const> view_of(std::optional<Kinds> const& kinds) {
+std::span<std::uint32_t const> span_of(std::optional<Kinds> const& kinds) {
   return kinds ? std::span(kinds->data(), kinds->shape(0)) : std::span<std::uint32_t const>{};
 }
 
@@ -38,8 +43,9 @@ nb::object arrays_of(Dynamics const& dynamics, std::vector<Estimate> DynamicsOfK
   return nb::make_tuple(owned_array(std::move(values), {kinds, lags}), owned_array(std::move(errors), {kinds, lags}));
 }
 
-NamedValues dynamics(Frames const& positions, Numbers const& times, std::optional<Kinds> const& kinds, double wave_number,
-                  double overlap_length, std::size_t most_lags, bool keeps_drift, std::uint64_t threads) {
+NamedValues dynamics(Frames const& positions, Numbers const& times, std::optional<Kinds> const& kinds,
+                     double wave_number, double overlap_length, std::size_t most_lags, bool keeps_drift,
+                     std::uint64_t threads) {
   Dynamics found;
   {
     nb::gil_scoped_release const released;
@@ -47,7 +53,7 @@ NamedValues dynamics(Frames const& positions, Numbers const& times, std::optiona
                            .frames = positions.shape(0),
                            .agents = positions.shape(1),
                            .times = std::span(times.data(), times.shape(0)),
-                           .kinds = view_of(kinds)},
+                           .kinds = span_of(kinds)},
                           {.wave_number = wave_number,
                            .overlap_length = overlap_length,
                            .most_lags = most_lags,
@@ -65,12 +71,38 @@ NamedValues dynamics(Frames const& positions, Numbers const& times, std::optiona
   return result;
 }
 
+/// distances of shape (bins,), and g of shape (kinds, kinds, bins)
+auto pair_correlation(Points const& points, BoxValues const& box, double range, std::size_t bins,
+                      std::optional<Kinds> const& kinds, std::uint64_t threads) {
+  PairCorrelations found;
+  {
+    nb::gil_scoped_release const released;
+    found = find_pair_correlations(box_of(box), view_of(points), range, bins, span_of(kinds), threads);
+  }
+  std::size_t const count = found.kinds;
+  return std::pair(owned_array(std::move(found.distance)), owned_array(std::move(found.g), {count, count, bins}));
+}
+
+/// where the neighbours of each point begin, the neighbours, and areas
+auto voronoi(Points const& points, BoxValues const& box, std::uint64_t threads) {
+  VoronoiCells found;
+  {
+    nb::gil_scoped_release const released;
+    found = find_voronoi_cells(box_of(box), view_of(points), threads);
+  }
+  return std::tuple(owned_array(std::move(found.neighbours.begin)), owned_array(std::move(found.neighbours.neighbours)),
+                    owned_array(std::move(found.areas)));
+}
+
 }  // namespace
 
 void bind_analysis(nb::module_& module) {
   module.def("dynamics", &dynamics, nb::arg("positions"), nb::arg("times"), nb::arg("kinds").none(),
              nb::arg("wave_number"), nb::arg("overlap_length"), nb::arg("most_lags"), nb::arg("keeps_drift"),
              nb::arg("threads"));
+  module.def("pair_correlation", &pair_correlation, nb::arg("points"), nb::arg("box"), nb::arg("range"),
+             nb::arg("bins"), nb::arg("kinds").none(), nb::arg("threads"));
+  module.def("voronoi", &voronoi, nb::arg("points"), nb::arg("box"), nb::arg("threads"));
 }
 
 }  // namespace gridlock::python

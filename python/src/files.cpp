@@ -28,7 +28,6 @@ namespace gridlock::python {
 
 namespace {
 
-
 /// Errors: RunFailure for a run that broke.
 std::string status_of(RunRecord const& record, Listener const& listener) {
   listener.raise();
