@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import _core
+from . import _core, converters
 from .box import Box
 from .errors import Error
 from .settings import as_threads
@@ -75,6 +75,22 @@ class Frame:
             return np.zeros(len(self), dtype=np.int64)
         return np.unique(np.stack(named, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
 
+    def to_ase(self, *, unwrapped: bool = True) -> Any:
+        """An ``ase.Atoms``: symbol X, kinds in the array "kind", further columns in arrays of their names, z = 0, a cell of height 1.
+
+        :param unwrapped: False for positions inside the box.
+        :raises Error: where ASE is not installed, and as :attr:`unwrapped`.
+        """
+        return converters.to_ase(self, unwrapped=unwrapped)
+
+    def to_mdanalysis(self, *, unwrapped: bool = True) -> Any:
+        """An ``MDAnalysis.Universe`` of this frame; see :meth:`Trajectory.to_mdanalysis`."""
+        return converters.to_mdanalysis([self], unwrapped=unwrapped)
+
+    def to_gsd(self, path: str | os.PathLike[str]) -> None:
+        """Writes a GSD file of this frame; see :meth:`Trajectory.to_gsd`."""
+        converters.to_gsd([self], path)
+
 
 def _frame(values: Any) -> Frame:
     ids, columns, box, step, time = values
@@ -129,6 +145,37 @@ class Trajectory:
         if len({len(frame) for frame in frames}) > 1:
             raise Error("the number of agents changes from frame to frame\n  hint: take the frames one by one")
         return np.array(frames).reshape(len(frames), -1, 2)
+
+    @property
+    def kinds(self) -> NDArray[np.int64]:
+        """The kind of each agent, shape (N,), as :attr:`Frame.kinds` of the first frame."""
+        if len(self) == 0:
+            raise Error(f"{self.path} has no frames\n  hint: wait for the first, or set trajectory.every")
+        return self[0].kinds
+
+    def to_mdanalysis(self, *, unwrapped: bool = True) -> Any:
+        """An ``MDAnalysis.Universe`` in memory, with the times of the frames: ids, types (A, B, C … by kind), masses and radii, z = 0.
+
+        :param unwrapped: False for positions inside the box. The default is what ``EinsteinMSD`` needs.
+        :raises Error: where MDAnalysis is not installed, for births and deaths, and as :attr:`Frame.unwrapped`.
+
+        MDAnalysis has single precision, and its densities count volumes: with a box of height 1, its ``InterRDF`` is not g(r) of the plane;
+        :func:`pair_correlation` is.
+        """
+        return converters.to_mdanalysis(list(self), unwrapped=unwrapped)
+
+    def to_ase(self, *, unwrapped: bool = True) -> list[Any]:
+        """A list of ``ase.Atoms``; see :meth:`Frame.to_ase`."""
+        return [frame.to_ase(unwrapped=unwrapped) for frame in self]
+
+    def to_gsd(self, path: str | os.PathLike[str]) -> None:
+        """Writes a GSD file of two dimensions: positions about the middle of the box, images, velocities, masses, diameters, kinds.
+
+        :raises Error: where gsd is not installed.
+
+        Single precision. A GSD box is always periodic: walls are lost. ``gsd.hoomd.read_log`` finds the times.
+        """
+        converters.to_gsd(self, path)
 
     def __repr__(self) -> str:
         return f"<gridlock.Trajectory {self.path}: {len(self)} frames>"

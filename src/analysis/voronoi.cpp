@@ -139,7 +139,8 @@ class CellMaker {
   }
 
   [[noreturn]] void refuse(std::size_t k, std::size_t other) const {
-    auto const [first, second] = std::minmax(points_.index(k), points_.index(other));
+    std::uint32_t const first = std::min(points_.index(k), points_.index(other));
+    std::uint32_t const second = std::max(points_.index(k), points_.index(other));
     throw Error({.what = fmt::format("the points {} and {} are at the same place", first, second),
                  .hint = "leave one of them out: neither has a cell"});
   }
