@@ -22,6 +22,7 @@ from .analysis import (
     voronoi,
 )
 from .box import Box
+from .combine import Combined, combine
 from .dynamics import Dynamics, diffusion_coefficient, dynamics
 from .errors import Error, Problem, RunFailure
 from .files import Frame, RunDirectory, Trajectory, read_xyz
@@ -32,9 +33,9 @@ from .sweeps import SweepDirectory, sweep
 
 __version__: str = _core.version
 __all__ = [
-    "Agents", "Box", "Clock", "Column", "Dynamics", "Error", "Frame", "Neighbors", "PairCorrelation", "Problem", "Result", "Results",
+    "Agents", "Box", "Clock", "Column", "Combined", "Dynamics", "Error", "Frame", "Neighbors", "PairCorrelation", "Problem", "Result", "Results",
     "RunDirectory", "RunFailure", "Simulation", "StructureFactor", "SweepDirectory", "Trajectory", "Voronoi",
-    "bond_orientation", "diffusion_coefficient", "dynamics", "explain", "mean_squared_displacement", "neighbors", "pair_correlation",
+    "bond_orientation", "combine", "diffusion_coefficient", "dynamics", "explain", "mean_squared_displacement", "neighbors", "pair_correlation",
     "pairs", "read_xyz", "run", "structure_factor", "sweep", "voronoi",
 ]
 

@@ -194,17 +194,24 @@ def mean_squared_displacement(positions: ArrayLike, *, drift: bool = True) -> ND
 class StructureFactor(NamedTuple):
     """S(q) in rings of wave vectors of the box."""
 
-    q: NDArray[np.float64]  #: mean length of the wave vectors of a ring
-    s: NDArray[np.float64]  #: mean of S over them
+    q: NDArray[np.float64]  #: mean length of the wave vectors of a ring, shape (rings,)
+    s: NDArray[np.float64]  #: mean of S over them, shape (rings,), or (kinds, kinds, rings) where kinds were given
 
 
-def structure_factor(points: ArrayLike, box: BoxLike, *, largest_q: float, bins: int = 100) -> StructureFactor:
+def structure_factor(
+    points: ArrayLike, box: BoxLike, *, largest_q: float, bins: int = 100, kinds: ArrayLike | None = None
+) -> StructureFactor:
     """S(q) = |Σ exp(i q·r)|² / N on the wave vectors of a periodic box, averaged over rings of equal width.
 
-    :param largest_q: the end of the rings, in 1 / length.
-    :returns: rings that have wave vectors, the lengths ascending.
+    Of two kinds, S_ab(q) = Re(ρ_a ρ_b*) / √(N_a N_b) with ρ_a = Σ exp(i q·r) over the points of kind a: 1 for a = b and 0 for others in an
+    ideal gas.
 
-    Cost: O(N · wave vectors).
+    :param largest_q: the end of the rings, in 1 / length.
+    :param kinds: a whole number for each point, shape (N,).
+    :returns: rings that have wave vectors, the lengths ascending.
+    :raises Error: for points that are not finite, and boxes that are not periodic.
+
+    Cost: O(N · wave vectors). Source: N. W. Ashcroft, D. C. Langreth (1967), doi:10.1103/PhysRev.156.685, for kinds.
 
     >>> found = structure_factor(np.random.default_rng(1).random((2000, 2)), box=1.0, largest_q=100.0, bins=4)
     >>> bool(np.all(abs(found.s - 1) < 0.5))
@@ -215,19 +222,25 @@ def structure_factor(points: ArrayLike, box: BoxLike, *, largest_q: float, bins:
     if not np.isfinite(array).all():
         raise Error("a point is not finite\n  hint: every coordinate must be finite")
     largest_q, bins = as_number(largest_q, "largest_q"), as_count(bins, "bins")
+    labels = np.zeros(len(array), dtype=np.uint32) if kinds is None else as_kinds(kinds, len(array))
     # One more on every side: rounding must not cost the vectors at the end of the last ring.
     most_x, most_y = (int(largest_q * side / (2 * np.pi)) + 1 for side in (width, height))
     columns = np.arange(0, most_x + 1)
     rows = np.arange(-most_y, most_y + 1)
-    along_x = np.exp(2j * np.pi / width * np.outer(columns, array[:, 0]))
-    along_y = np.exp(2j * np.pi / height * np.outer(rows, array[:, 1]))
-    power = np.abs(along_x @ along_y.T) ** 2 / max(len(array), 1)
     q = 2 * np.pi * np.hypot(columns[:, None] / width, rows[None, :] / height)
     # One of every two opposite vectors, and not 0.
     wanted = (q > 0) & (q <= largest_q * (1 + 1e-12)) & ((columns[:, None] > 0) | (rows[None, :] > 0))
     ring = np.minimum((q[wanted] / largest_q * bins).astype(int), bins - 1)
     counts = np.bincount(ring, minlength=bins)
+    along_x = np.exp(2j * np.pi / width * np.outer(columns, array[:, 0]))
+    along_y = np.exp(2j * np.pi / height * np.outer(rows, array[:, 1]))
+    size = int(labels.max(initial=0)) + 1
+    waves = [(along_x[:, labels == a] @ along_y[:, labels == a].T)[wanted] / np.sqrt(max((labels == a).sum(), 1)) for a in range(size)]
+    means = np.empty((size, size, bins))
     with np.errstate(invalid="ignore"):
         lengths = np.bincount(ring, q[wanted], bins) / counts
-        values = np.bincount(ring, power[wanted], bins) / counts
-    return StructureFactor(lengths[counts > 0], values[counts > 0])
+        for a in range(size):
+            for b in range(size):
+                means[a, b] = np.bincount(ring, (waves[a] * waves[b].conj()).real, bins) / counts
+    found = means[:, :, counts > 0]
+    return StructureFactor(lengths[counts > 0], found[0, 0] if kinds is None else found)

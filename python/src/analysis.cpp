@@ -2,6 +2,7 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/tuple.h>
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -94,6 +95,30 @@ auto voronoi(Points const& points, BoxValues const& box, std::uint64_t threads) 
                     owned_array(std::move(found.areas)));
 }
 
+using Table = nb::ndarray<double const, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+/// Of values and errors of shape (runs, points), an error that is no number for none: mean, error, error by scatter, error
+/// by runs, and χ² of every point.
+auto combine_runs(Table const& values, Table const& errors) {
+  std::size_t const points = values.shape(1);
+  auto const number = [](std::optional<double> const& value) { return value.value_or(no_value); };
+  std::vector<double> result(5 * points);
+  for (std::size_t point = 0; point < points; ++point) {
+    std::vector<Estimate> runs;
+    for (std::size_t run = 0; run < values.shape(0); ++run) {
+      double const error = errors(run, point);
+      runs.push_back({.value = values(run, point), .error = std::isnan(error) ? std::nullopt : std::optional(error)});
+    }
+    CombinedEstimate const found = combine(runs);
+    result[point] = found.mean.value;
+    result[points + point] = number(found.mean.error);
+    result[2 * points + point] = number(found.error_by_scatter);
+    result[3 * points + point] = number(found.error_by_runs);
+    result[4 * points + point] = number(found.chi_squared);
+  }
+  return owned_array(std::move(result), {5, points});
+}
+
 }  // namespace
 
 void bind_analysis(nb::module_& module) {
@@ -102,6 +127,7 @@ void bind_analysis(nb::module_& module) {
              nb::arg("threads"));
   module.def("pair_correlation", &pair_correlation, nb::arg("points"), nb::arg("box"), nb::arg("range"),
              nb::arg("bins"), nb::arg("kinds").none(), nb::arg("threads"));
+  module.def("combine", &combine_runs, nb::arg("values"), nb::arg("errors"));
   module.def("voronoi", &voronoi, nb::arg("points"), nb::arg("box"), nb::arg("threads"));
 }
 

@@ -116,3 +116,15 @@ def test_rings_have_the_vectors_at_their_end():
         q = 2 * np.pi * np.stack([i, j], axis=1)[wanted]
         direct = np.abs(np.exp(1j * points @ q.T).sum(axis=0)) ** 2 / 50
         assert found.s[0] == pytest.approx(direct.mean(), rel=1e-9), k
+
+
+def test_partial_structure_factors_add_up_to_that_of_all():
+    points, kinds = np.random.default_rng(5).random((60, 2)), np.arange(60) % 4 // 3
+    whole = gridlock.structure_factor(points, 1.0, largest_q=40.0, bins=6)
+    partial = gridlock.structure_factor(points, 1.0, largest_q=40.0, bins=6, kinds=kinds)
+    n = np.bincount(kinds)
+    weights = np.sqrt(np.outer(n, n)) / 60
+    assert partial.s.shape == (2, 2, len(whole.q))
+    assert np.allclose(np.einsum("ab,abk->k", weights, partial.s), whole.s, rtol=1e-12)
+    own = gridlock.structure_factor(points[kinds == 1], 1.0, largest_q=40.0, bins=6)
+    assert np.allclose(partial.s[1, 1], own.s) and np.allclose(partial.s[0, 1], partial.s[1, 0])

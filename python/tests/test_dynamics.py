@@ -136,3 +136,35 @@ def test_diffusion_coefficient_of_a_line():
 def test_bad_input_is_refused(call):
     with pytest.raises(gridlock.Error, match="hint"):
         call()
+
+
+def test_seeds_are_combined_with_the_errors_of_both_kinds():
+    curves = [gridlock.dynamics(walk(60, 8, seed), lags=6) for seed in range(4)]
+    values = np.array([curve.msd for curve in curves])
+    errors = np.array([curve.msd_error for curve in curves])
+    both = gridlock.combine([(curve.msd, curve.msd_error) for curve in curves])
+    assert both.runs == 4 and np.allclose(both.value, values.mean(axis=0))
+    assert np.allclose(both.error_by_scatter, values.std(axis=0, ddof=1) / 2)
+    assert np.allclose(both.error_by_runs, np.sqrt((errors**2).sum(axis=0)) / 4, equal_nan=True)
+    assert np.array_equal(both.error, np.fmax(both.error_by_scatter, both.error_by_runs))
+    chi = (((values - values.mean(axis=0)) / errors) ** 2).sum(axis=0)
+    assert np.allclose(both.chi_squared, chi, equal_nan=True)
+
+
+def test_results_of_runs_are_combined_by_their_names_as_a_sweep_does(tmp_path):
+    base = {"disks": {"count": 49, "packing_fraction": 0.4}, "engine.kind": "exact", "run.steps": 300, "observe.every": 10}
+    made = gridlock.sweep(base, {"run.seed": [1, 2, 3]}, tmp_path / "sweep")
+    both = gridlock.combine([run.results for run in made.runs])
+    assert len(both) > 5
+    for name, combined in both.items():
+        assert combined.runs == 3 and combined.unit == made.runs[0].results[name].unit
+        assert combined.value == pytest.approx(made.means[name][0], rel=1e-9)
+        assert combined.error == pytest.approx(made.means[name + "_error"][0], rel=1e-9, nan_ok=True)
+
+
+@pytest.mark.parametrize("runs", [
+    [], ["ab"], [1.0], [(1.0, -0.1)], [(1.0, "x")], [([1.0, 2.0], [0.1, 0.1]), ([1.0], [0.1])], [{"a": (1.0, 0.1)}, (1.0, 0.1)],
+])
+def test_what_cannot_be_combined_is_refused(runs):
+    with pytest.raises(gridlock.Error, match="hint"):
+        gridlock.combine(runs)
