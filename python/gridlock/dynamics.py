@@ -71,7 +71,7 @@ def dynamics(
 
     Errors know nothing of what changes more slowly than the trajectory: combine runs of several seeds (:func:`combine`).
 
-    Cost: pairs of frames · N · 0.2 ns to 0.6 ns, with q 3 ns. Source: A. Rahman (1964), doi:10.1103/PhysRev.136.A405;
+    Cost: pairs of frames · N · 0.5 ns with AVX-512, 1.1 ns without; with q 2 ns and 4.3 ns. Source: A. Rahman (1964), doi:10.1103/PhysRev.136.A405;
     W. Kob, H. C. Andersen (1995), doi:10.1103/PhysRevE.52.4134; N. Lačević et al. (2003), doi:10.1063/1.1605094.
 
     >>> walk = np.random.default_rng(1).normal(size=(200, 100, 2)).cumsum(axis=0)

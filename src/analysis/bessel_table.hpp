@@ -35,11 +35,14 @@ class BesselTable {
     return a + t * (b + t * (c + t * d));
   }
 
- private:
+  /// The four coefficients of each piece, one after the other.
+  [[nodiscard]] double const* pieces() const { return pieces_.front().data(); }
+
   static constexpr std::size_t size = 4096;
   static constexpr double width = 0.125;
   static constexpr double end = static_cast<double>(size) * width;
 
+ private:
   static double value(double s) { return ::j0(::sqrt(s)); }
   static double slope(double s) { return s == 0.0 ? -0.25 : -::j1(::sqrt(s)) / (2.0 * ::sqrt(s)); }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -97,6 +98,16 @@ struct Displacements {
   lanes = sums;
 }
 
+/// Adds J₀(q |Δr|) of agents from `first` on, the same bits as add_scattering_avx512().
+void add_scattering_from(std::size_t first, Displacements const& moved, double squared_q, BesselTable const& table,
+                         Eight& sums) {
+  for (std::size_t k = first; k < moved.count; ++k) sums[k % lane_count] += table(squared_q * moved.squared(k));
+}
+
+void add_scattering_scalar(Displacements const& moved, double squared_q, BesselTable const& table, Eight& sums) {
+  add_scattering_from(0, moved, squared_q, table, sums);
+}
+
 void add_scalar(Displacements const& moved, double squared_overlap, Lanes& lanes) {
   add_all(moved, squared_overlap, lanes);
 }
@@ -106,9 +117,62 @@ GRIDLOCK_AVX512 void add_avx512(Displacements const& moved, double squared_overl
   add_all(moved, squared_overlap, lanes);
 }
 
+struct Coefficients {
+  __m512d c0;
+  __m512d c1;
+  __m512d c2;
+  __m512d c3;
+};
+
+/// The four coefficients of each of eight pieces: eight loads and a transposition, which take a fraction of the time of gathers.
+GRIDLOCK_AVX512 inline Coefficients coefficients_of(double const* pieces, __m256i piece) {
+  alignas(32) std::array<std::int32_t, lane_count> at;
+  _mm256_store_si256(reinterpret_cast<__m256i*>(at.data()), _mm256_slli_epi32(piece, 2));
+  __m512d rows[4];
+  for (std::size_t l = 0; l < 4; ++l) {
+    rows[l] = _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(pieces + at[l])),
+                                 _mm256_loadu_pd(pieces + at[l + 4]), 1);
+  }
+  __m512d const even_low = _mm512_unpacklo_pd(rows[0], rows[1]);
+  __m512d const odd_low = _mm512_unpackhi_pd(rows[0], rows[1]);
+  __m512d const even_high = _mm512_unpacklo_pd(rows[2], rows[3]);
+  __m512d const odd_high = _mm512_unpackhi_pd(rows[2], rows[3]);
+  __m512i const first = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+  __m512i const second = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+  return {_mm512_permutex2var_pd(even_low, first, even_high), _mm512_permutex2var_pd(odd_low, first, odd_high),
+          _mm512_permutex2var_pd(even_low, second, even_high), _mm512_permutex2var_pd(odd_low, second, odd_high)};
+}
+
+/// The table for eight agents at a time; beyond it one after the other.
+GRIDLOCK_AVX512 void add_scattering_avx512(Displacements const& moved, double squared_q, BesselTable const& table,
+                                           Eight& sums) {
+  std::size_t k = 0;
+  for (; k + lane_count <= moved.count; k += lane_count) {
+    __m512d const dx = _mm512_sub_pd(_mm512_loadu_pd(moved.x1 + k), _mm512_loadu_pd(moved.x0 + k));
+    __m512d const dy = _mm512_sub_pd(_mm512_loadu_pd(moved.y1 + k), _mm512_loadu_pd(moved.y0 + k));
+    __m512d const square = _mm512_add_pd(_mm512_mul_pd(dx, dx), _mm512_mul_pd(dy, dy));
+    __m512d const s = _mm512_mul_pd(_mm512_set1_pd(squared_q), square);
+    __mmask8 const inside = _mm512_cmp_pd_mask(s, _mm512_set1_pd(BesselTable::end), _CMP_LT_OQ);
+    __m512d const scaled = _mm512_mul_pd(s, _mm512_set1_pd(1.0 / BesselTable::width));
+    __m256i const piece = _mm512_maskz_cvttpd_epi32(inside, scaled);
+    __m512d const t = _mm512_sub_pd(scaled, _mm512_cvtepi32_pd(piece));
+    auto const [c0, c1, c2, c3] = coefficients_of(table.pieces(), piece);
+    Eight value = _mm512_add_pd(c2, _mm512_mul_pd(t, c3));
+    value = _mm512_add_pd(c1, _mm512_mul_pd(t, value));
+    value = _mm512_add_pd(c0, _mm512_mul_pd(t, value));
+    for (std::size_t l = 0; inside != 0xFF && l < lane_count; ++l) {
+      if ((inside >> l & 1U) == 0) value[l] = table(squared_q * moved.squared(k + l));
+    }
+    sums += value;
+  }
+  add_scattering_from(k, moved, squared_q, table, sums);
+}
+
 auto* const add_displacements = has_avx512() ? &add_avx512 : &add_scalar;
+auto* const add_scattering = has_avx512() ? &add_scattering_avx512 : &add_scattering_scalar;
 #else
 auto* const add_displacements = &add_scalar;
+auto* const add_scattering = &add_scattering_scalar;
 #endif
 
 /// Which pairs of a lag have intervals that do not overlap, one after the other from the first.
@@ -237,9 +301,10 @@ class Walk {
   }
 
   [[nodiscard]] double scattering_of(Displacements const& moved) const {
-    double const squared_q = settings_.wave_number * settings_.wave_number;
+    Eight sums{};
+    add_scattering(moved, settings_.wave_number * settings_.wave_number, *bessel_, sums);
     double sum = 0.0;
-    for (std::size_t k = 0; k < moved.count; ++k) sum += (*bessel_)(squared_q * moved.squared(k));
+    for (std::size_t l = 0; l < lane_count; ++l) sum += sums[l];
     return sum;
   }
 

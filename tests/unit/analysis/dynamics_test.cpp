@@ -65,6 +65,16 @@ TEST(Dynamics, IsThatOfTheDefinitions) {
   }
 }
 
+TEST(Dynamics, HasTheScatteringOfDisplacementsBeyondTheTable) {
+  // Some of eight neighbours in memory are beyond it, some are not.
+  RandomWalk walk(2, 21);
+  for (std::size_t agent = 0; agent < 21; agent += 3) walk.positions[2 * (21 + agent)] += 30.0;
+  Dynamics const found = find_dynamics(walk.view(), {.wave_number = 2.0});
+  double expected = 0.0;
+  for (std::size_t agent = 0; agent < 21; ++agent) expected += ::j0(2.0 * std::sqrt(walk.squared(agent, 0, 1))) / 21.0;
+  EXPECT_NEAR(found.kinds[0].scattering[0].value, expected, 1e-9);
+}
+
 TEST(Dynamics, DoesNotDependOnTheThreadsAndHasEveryKindByItself) {
   RandomWalk const walk(40, 700);
   std::vector<std::uint32_t> kinds(700);
