@@ -11,8 +11,20 @@ True
 """
 
 from . import _core
-from .analysis import bond_orientation, mean_squared_displacement, pair_correlation, structure_factor
+from .analysis import (
+    PairCorrelation,
+    StructureFactor,
+    Voronoi,
+    bond_orientation,
+    mean_squared_displacement,
+    pair_correlation,
+    separations,
+    structure_factor,
+    voronoi,
+)
 from .box import Box
+from .combine import Combined, combine
+from .dynamics import Dynamics, diffusion_coefficient, dynamics
 from .errors import Error, Problem, RunFailure
 from .files import Frame, RunDirectory, Trajectory, read_xyz
 from .files import open as open
@@ -23,10 +35,11 @@ from .sweeps import SweepDirectory, sweep
 
 __version__: str = _core.version
 __all__ = [
-    "Agents", "Box", "Clock", "Column", "Error", "Frame", "Model", "Neighbors", "Problem", "Result", "Results", "RunDirectory", "RunFailure",
-    "Setting", "Simulation", "Start", "SweepDirectory", "Trajectory", "World",
-    "bond_orientation", "explain", "mean_squared_displacement", "neighbors", "pair_correlation", "pairs",
-    "read_xyz", "register_model", "run", "structure_factor", "sweep",
+    "Agents", "Box", "Clock", "Column", "Combined", "Dynamics", "Error", "Frame", "Model", "Neighbors", "PairCorrelation",
+    "Problem", "Result", "Results", "RunDirectory", "RunFailure", "Setting", "Simulation", "Start", "StructureFactor",
+    "SweepDirectory", "Trajectory", "Voronoi", "World", "bond_orientation", "combine", "diffusion_coefficient", "dynamics",
+    "explain", "mean_squared_displacement", "neighbors", "pair_correlation", "pairs", "read_xyz", "register_model", "run",
+    "separations", "structure_factor", "sweep", "voronoi",
 ]
 
 

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Union
+import numbers
+from typing import Any, NamedTuple, Union
 
+import numpy as np
+
+from .arrays import as_number
 from .errors import Error
 
 
@@ -32,12 +36,19 @@ def as_box(box: BoxLike) -> tuple[float, float, bool] | None:
     """A box as the library takes it: a Box, (width, height) or a side of a periodic box, or None for no box."""
     if box is None:
         return None
+    hint = "use Box(width, height, periodic), (width, height), a side, or None"
+    given: Any = box
     if isinstance(box, Box):
-        return float(box.width), float(box.height), bool(box.periodic)
-    if isinstance(box, (int, float)):
-        return float(box), float(box), True
-    try:
-        width, height = (float(side) for side in box)
-    except (TypeError, ValueError):
-        raise Error(f"{box!r} is no box\n  hint: use Box(width, height, periodic), (width, height), a side, or None") from None
-    return width, height, True
+        width, height, periodic = given
+    elif isinstance(box, numbers.Real) or (isinstance(box, np.ndarray) and box.ndim == 0):
+        width = height = given
+        periodic = True
+    else:
+        try:
+            width, height = given
+        except (TypeError, ValueError):
+            raise Error(f"{box!r} is no box\n  hint: {hint}") from None
+        periodic = True
+    if not isinstance(periodic, (bool, np.bool_)):
+        raise Error(f"periodic is {periodic!r}\n  hint: use True or False")
+    return as_number(width, "the width of the box", hint), as_number(height, "the height of the box", hint), bool(periodic)

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import json
+import operator
 import os
 import pathlib
 import sys
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 import numpy as np
 
-from . import _core
+from . import _core, converters
+from .arrays import as_count, as_number
 from .box import Box
 from .errors import Error
 from .settings import as_threads
@@ -20,6 +23,10 @@ from .simulation import Clock, Result, Results, structured
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+
+#: Columns that change where lengths are in diameters.
+LENGTHS = ("x", "y", "radius", "velocity_x", "velocity_y")
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -75,6 +82,42 @@ class Frame:
             return np.zeros(len(self), dtype=np.int64)
         return np.unique(np.stack(named, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
 
+    @property
+    def diameter(self) -> float:
+        """The mean diameter of the agents.
+
+        :raises Error: for agents without a radius.
+        """
+        if "radius" not in self.columns or len(self) == 0:
+            raise Error("the frame has no radii, so there is no diameter\n  hint: keep the column radius in trajectory.columns")
+        return 2 * float(self.columns["radius"].mean())
+
+    def in_diameters(self, diameter: float | None = None) -> Frame:
+        """The same frame with lengths in diameters: the box, x, y, radius, and the velocities, which are in diameters per time.
+
+        :param diameter: the unit; the mean :attr:`diameter` where left out.
+        """
+        unit = self.diameter if diameter is None else as_number(diameter, "the diameter")
+        columns = {name: values / unit if name in LENGTHS else values for name, values in self.columns.items()}
+        box = Box(self.box.width / unit, self.box.height / unit, self.box.periodic)
+        return dataclasses.replace(self, box=box, columns=columns)
+
+    def to_ase(self, *, unwrapped: bool = True) -> Any:
+        """An ``ase.Atoms``: symbol X, kinds in the array "kind", further columns in arrays of their names, z = 0, a cell of height 1.
+
+        :param unwrapped: False for positions inside the box.
+        :raises Error: where ASE is not installed, and as :attr:`unwrapped`.
+        """
+        return converters.to_ase(self, unwrapped=unwrapped)
+
+    def to_mdanalysis(self, *, unwrapped: bool = True) -> Any:
+        """An ``MDAnalysis.Universe`` of this frame; see :meth:`Trajectory.to_mdanalysis`."""
+        return converters.to_mdanalysis([self], unwrapped=unwrapped)
+
+    def to_gsd(self, path: str | os.PathLike[str]) -> None:
+        """Writes a GSD file of this frame; see :meth:`Trajectory.to_gsd`."""
+        converters.to_gsd([self], path)
+
 
 def _frame(values: Any) -> Frame:
     ids, columns, box, step, time = values
@@ -93,6 +136,7 @@ class Trajectory:
     """The frames of a file in H5MD, read one at a time; of a run that still writes those up to its last checkpoint.
 
     ``len(trajectory)``, ``trajectory[3]``, ``trajectory[-1]``, ``for frame in trajectory``; ``steps`` and ``times`` of all.
+    ``trajectory[10:]`` and ``trajectory.since(1000)`` are trajectories too: with fewer frames, of the same file.
 
     :raises Error: for damage, with the place.
     """
@@ -100,35 +144,90 @@ class Trajectory:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = pathlib.Path(path)
         self._core = _core.Trajectory(os.fspath(path))
+        self._frames = range(self._core.size())
 
     def __len__(self) -> int:
-        return self._core.size()
+        return len(self._frames)
 
-    def __getitem__(self, k: int) -> Frame:
-        return _frame(self._core.frame(k + len(self) if k < 0 else k) if -len(self) <= k < len(self) else self._refuse(k))
+    @overload
+    def __getitem__(self, k: SupportsIndex) -> Frame: ...
+    @overload
+    def __getitem__(self, k: slice) -> Trajectory: ...
+    def __getitem__(self, k: SupportsIndex | slice) -> Frame | Trajectory:
+        if isinstance(k, slice):
+            if k.step is not None and k.step < 1:
+                raise Error(f"frames in steps of {k.step}\n  hint: frames of a trajectory ascend in time")
+            part = copy.copy(self)
+            part._frames = self._frames[k]
+            return part
+        if not -len(self) <= operator.index(k) < len(self):
+            raise IndexError(f"there is no frame {k} among {len(self)}")
+        return _frame(self._core.frame(self._frames[k]))
 
     def __iter__(self) -> Iterator[Frame]:
         return (self[k] for k in range(len(self)))
 
-    def _refuse(self, k: int) -> Any:
-        raise IndexError(f"there is no frame {k} among {len(self)}")
+    def since(self, step: int) -> Trajectory:
+        """The frames from a step on: those after the equilibration."""
+        return self[int(np.searchsorted(self.steps, as_count(step, "the step", "use a whole number, 0 or above", least=0))) :]
 
     @property
     def steps(self) -> NDArray[np.uint64]:
         """Of each frame, shape (frames,)."""
-        return self._core.steps()
+        steps: NDArray[np.uint64] = self._core.steps()[self._frames.start : self._frames.stop : self._frames.step]
+        return steps
 
     @property
     def times(self) -> NDArray[np.float64]:
         """Of each frame, shape (frames,)."""
-        return self._core.times()
+        times: NDArray[np.float64] = self._core.times()[self._frames.start : self._frames.stop : self._frames.step]
+        return times
 
     def positions(self, *, unwrapped: bool = True) -> NDArray[np.float64]:
-        """Of all frames, shape (frames, N, 2), for a run without births and deaths: what :func:`mean_squared_displacement` takes."""
+        """Of all frames, shape (frames, N, 2), for a run without births and deaths: what :func:`dynamics` takes.
+
+        In diameters: ``trajectory.positions() / trajectory.diameter``.
+        """
         frames = [frame.unwrapped if unwrapped else frame.positions for frame in self]
         if len({len(frame) for frame in frames}) > 1:
             raise Error("the number of agents changes from frame to frame\n  hint: take the frames one by one")
         return np.array(frames).reshape(len(frames), -1, 2)
+
+    @property
+    def kinds(self) -> NDArray[np.int64]:
+        """The kind of each agent, shape (N,), as :attr:`Frame.kinds` of the first frame."""
+        if len(self) == 0:
+            raise Error(f"{self.path} has no frames\n  hint: wait for the first, or set trajectory.every")
+        return self[0].kinds
+
+    @property
+    def diameter(self) -> float:
+        """The mean diameter, as :attr:`Frame.diameter` of the first frame."""
+        return self[0].diameter
+
+    def to_mdanalysis(self, *, unwrapped: bool = True) -> Any:
+        """An ``MDAnalysis.Universe`` in memory, with the times of the frames: ids, types (A, B, C … by kind), masses and radii, z = 0.
+
+        :param unwrapped: False for positions inside the box. The default is what ``EinsteinMSD`` needs.
+        :raises Error: where MDAnalysis is not installed, for births and deaths, and as :attr:`Frame.unwrapped`.
+
+        MDAnalysis has single precision, and its densities count volumes: with a box of height 1, its ``InterRDF`` is not g(r) of the plane;
+        :func:`pair_correlation` is.
+        """
+        return converters.to_mdanalysis(list(self), unwrapped=unwrapped)
+
+    def to_ase(self, *, unwrapped: bool = True) -> list[Any]:
+        """A list of ``ase.Atoms``; see :meth:`Frame.to_ase`."""
+        return [frame.to_ase(unwrapped=unwrapped) for frame in self]
+
+    def to_gsd(self, path: str | os.PathLike[str]) -> None:
+        """Writes a GSD file of two dimensions: positions about the middle of the box, images, velocities, masses, diameters, kinds.
+
+        :raises Error: where gsd is not installed.
+
+        Single precision. A GSD box is always periodic: walls are lost. ``gsd.hoomd.read_log`` finds the times.
+        """
+        converters.to_gsd(self, path)
 
     def __repr__(self) -> str:
         return f"<gridlock.Trajectory {self.path}: {len(self)} frames>"
@@ -188,6 +287,11 @@ class RunDirectory:
     def final(self) -> Frame:
         """The last state."""
         return read_xyz(self.path / "final.xyz")
+
+    @property
+    def diameter(self) -> float:
+        """The mean diameter of the last state: ``run.table("pair_correlation")["distance"] / run.diameter`` is r/σ."""
+        return self.final.diameter
 
     def resume(self, *, steps: int | None = None, threads: int | None = None) -> None:
         """Finishes a run that was interrupted; with ``steps``, makes it that long from its start."""

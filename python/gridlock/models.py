@@ -15,6 +15,8 @@ import numpy as np
 
 from . import _core
 from ._core import ModelWorld
+from .analysis import separations
+from .arrays import as_count
 from .box import Box
 from .errors import Error
 from .neighbors import Neighbors
@@ -193,12 +195,7 @@ class World:
 
     def separations(self, i: NDArray[np.integer[Any]], j: NDArray[np.integer[Any]]) -> NDArray[np.float64]:
         """The vectors from the agents of rows i to those of rows j, the nearest image in a periodic box, shape (len(i), 2)."""
-        positions = self.positions
-        away: NDArray[np.float64] = positions[j] - positions[i]
-        if self.box.periodic:
-            sides = np.array([self.box.width, self.box.height])
-            away -= sides * np.rint(away / sides)
-        return away
+        return separations(self.positions, i, j, self.box)
 
     def uniform(self, size: int | None = None, *, purpose: int = 0) -> NDArray[np.float64]:
         """Random numbers in [0, 1) for each agent, shape (N,) or (N, size).
@@ -519,9 +516,7 @@ def _tables() -> set[str]:
 
 
 def _whole(what: str, number: Any) -> int:
-    if isinstance(number, bool) or not isinstance(number, (int, np.integer)) or not 0 <= number < 2**63:
-        raise Error(f"{what}={number!r}\n  hint: use a whole number from 0 on")
-    return int(number)
+    return as_count(number, what, "use a whole number from 0 on", least=0)
 
 
 def _numbers(core: ModelWorld, count: int | None, size: int | None, purpose: int, is_normal: bool) -> NDArray[np.float64]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from . import _core
+from .arrays import as_array, as_number, as_numbers
 from .box import BoxLike, as_box
 from .errors import Error
 from .settings import as_threads
@@ -64,16 +65,25 @@ class Neighbors(NamedTuple):
 
 
 def as_points(points: ArrayLike) -> NDArray[np.float64]:
-    """Points as an array of shape (N, 2) of float64 in one piece; not copied where they are one."""
-    try:
-        array = np.ascontiguousarray(points, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise Error(f"the points are no array of numbers: {error}\n  hint: use an array of shape (N, 2)") from None
-    if array.size == 0:
-        array = array.reshape(-1, 2)
-    if array.ndim != 2 or array.shape[1] != 2:
-        raise Error(f"the points have shape {array.shape}\n  hint: use an array of shape (N, 2): x and y of each point")
-    return array
+    """Points as an array of shape (N, 2) of float64 in one piece; not copied where they are one. The library refuses what is not finite."""
+    hint = "use an array of shape (N, 2): x and y of each point"
+    array = as_array(points, "the points are", hint)
+    return as_numbers(array.reshape(-1, 2) if array.shape == (0,) else array, "the points", (None, 2), hint, finite=False)
+
+
+def as_neighbors(found: Any, count: int) -> Neighbors:
+    """Neighbours of ``count`` points, whoever has found them."""
+    hint = "use what neighbors() or voronoi() gives for the same points"
+    if not isinstance(found, tuple) or len(found) != 2:
+        raise Error(f"the neighbours are {type(found).__name__}\n  hint: {hint}")
+    begin = as_array(found[0], "the neighbours begin at", hint, integers=True)
+    indices = as_array(found[1], "the neighbours are", hint, integers=True)
+    is_whole = begin.shape == (count + 1,) and indices.ndim == 1 and begin[0] == 0 and begin[-1] == len(indices)
+    if not is_whole or (np.diff(begin.astype(np.int64)) < 0).any():
+        raise Error(f"the neighbours are not those of {count} points\n  hint: {hint}")
+    if len(indices) > 0 and not 0 <= indices.min() <= indices.max() < count:
+        raise Error(f"there is a neighbour {indices.max()} among {count} points\n  hint: {hint}")
+    return Neighbors(begin.astype(np.uint64), indices.astype(np.uint32))
 
 
 def pairs(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int = 1) -> NDArray[np.uint32]:
@@ -89,7 +99,7 @@ def pairs(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int
     >>> pairs([[0.1, 0.5], [0.9, 0.5], [0.5, 0.5]], 0.3, box=1.0)
     array([[0, 1]], dtype=uint32)
     """
-    return _core.pairs(as_points(points), float(cutoff), as_box(box), as_threads(threads)).T
+    return _core.pairs(as_points(points), as_number(cutoff, "the cutoff", "use a positive length"), as_box(box), as_threads(threads)).T
 
 
 def neighbors(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int = 1) -> Neighbors:
@@ -103,4 +113,4 @@ def neighbors(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads:
     >>> found.of(0)
     array([1], dtype=uint32)
     """
-    return Neighbors(*_core.neighbor_lists(as_points(points), float(cutoff), as_box(box), as_threads(threads)))
+    return Neighbors(*_core.neighbor_lists(as_points(points), as_number(cutoff, "the cutoff", "use a positive length"), as_box(box), as_threads(threads)))

@@ -8,16 +8,34 @@
 #include <cstddef>
 #include <initializer_list>
 #include <string>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "gridlock/core/box.hpp"
+#include "gridlock/grid/neighbour_lists.hpp"
 #include "gridlock/io/table.hpp"
 
 namespace gridlock::python {
 
 namespace nb = nanobind;
+
+using NamedValues = nb::typed<nb::dict, nb::str, nb::any>;
+/// Points of the plane as rows of two numbers.
+using Points = nb::ndarray<double const, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
+/// width, height, whether it is periodic
+using BoxValues = std::tuple<double, double, bool>;
+
+inline PointsInMemory view_of(Points const& points) {
+  return {.x = points.data(), .y = points.data() + 1, .count = points.shape(0), .stride = 2};
+}
+
+inline Box box_of(BoxValues const& values) {
+  auto const& [width, height, is_periodic] = values;
+  return {width, height, is_periodic ? Edge::periodic : Edge::wall};
+}
 
 /// An array that owns what `values` has held, without a copy. `values` is a vector of any allocator.
 template <class Values>
@@ -49,6 +67,7 @@ inline nb::object array_of_cells(CellColumn const& column) {
       column);
 }
 
+void bind_analysis(nb::module_& module);
 void bind_files(nb::module_& module);
 void bind_grid(nb::module_& module);
 void bind_model(nb::module_& module);

@@ -29,9 +29,6 @@ namespace gridlock::python {
 
 namespace {
 
-using NamedValues = nb::typed<nb::dict, nb::str, nb::any>;
-using BoxValues = std::tuple<double, double, bool>;
-
 /// Errors: RunFailure for a run that broke.
 std::string status_of(RunRecord const& record, Listener const& listener) {
   listener.raise();

@@ -8,25 +8,11 @@
 #include <utility>
 
 #include "arrays.hpp"
-#include "gridlock/core/box.hpp"
 #include "gridlock/grid/neighbour_lists.hpp"
 
 namespace gridlock::python {
 
 namespace {
-
-using Points = nb::ndarray<double const, nb::shape<-1, 2>, nb::c_contig, nb::device::cpu>;
-/// width, height, whether it is periodic
-using BoxValues = std::tuple<double, double, bool>;
-
-PointsInMemory view_of(Points const& points) {
-  return {.x = points.data(), .y = points.data() + 1, .count = points.shape(0), .stride = 2};
-}
-
-Box box_of(BoxValues const& values) {
-  auto const& [width, height, is_periodic] = values;
-  return {width, height, is_periodic ? Edge::periodic : Edge::wall};
-}
 
 auto pairs(Points const& points, double cutoff, std::optional<BoxValues> const& box, std::uint64_t threads) {
   PointPairs found;

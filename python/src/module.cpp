@@ -45,6 +45,7 @@ NB_MODULE(_core, module) {
     }
   });
   module.attr("version") = version();
+  bind_analysis(module);
   bind_files(module);
   bind_grid(module);
   bind_model(module);

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import scipy.spatial
 
 import gridlock
 
@@ -29,6 +30,62 @@ def test_sixfold_order_is_that_of_a_triangular_lattice():
     psi = gridlock.bond_orientation(points, 1.2, box=(10.0, 10 * np.sqrt(0.75)))
     assert np.allclose(psi, psi[0]) and np.allclose(abs(psi), 1)
     assert (gridlock.bond_orientation([[0.0, 0.0]], 1.0) == 0).all()
+
+
+def test_partial_pair_correlations_add_up_to_that_of_all():
+    points, kinds = np.random.default_rng(2).random((500, 2)), np.arange(500) % 3
+    all_pairs = gridlock.pair_correlation(points, 1.0, range=0.4, bins=20)
+    partial = gridlock.pair_correlation(points, 1.0, range=0.4, bins=20, kinds=kinds + 7, threads=2)
+    n = np.bincount(kinds)
+    weights = (np.outer(n, n) - np.diag(n)) / (500 * 499)
+    assert partial.g.shape == (3, 3, 20) and np.array_equal(partial.g, partial.g.transpose(1, 0, 2))
+    assert np.allclose(np.einsum("ab,abk->k", weights, partial.g), all_pairs.g, rtol=1e-12)
+    own = gridlock.pair_correlation(points[kinds == 1], 1.0, range=0.4, bins=20)
+    assert np.allclose(partial.g[1, 1], own.g, rtol=1e-12)
+
+
+def test_pair_correlation_is_that_of_all_distances():
+    points = np.random.default_rng(8).random((80, 2)) * [2.0, 1.0]
+    found = gridlock.pair_correlation(points, (2.0, 1.0), range=0.5, bins=11)
+    d = points[:, None] - points[None]
+    d -= [2.0, 1.0] * np.round(d / [2.0, 1.0])
+    counts, edges = np.histogram(np.hypot(*np.moveaxis(d, -1, 0))[np.triu_indices(80, 1)], bins=11, range=(0, 0.5))
+    assert np.allclose(found.g, counts * 2.0 / (80 * 79 / 2 * np.pi * np.diff(edges**2)), rtol=1e-12)
+
+
+@pytest.mark.parametrize("count", [30, 1000])
+def test_voronoi_cells_between_walls_are_those_of_scipy(count):
+    points = np.random.default_rng(count).random((count, 2)) * [2.0, 1.0]
+    found = gridlock.voronoi(points, gridlock.Box(2.0, 1.0, periodic=False))
+    # Mirror images behind each wall cut the cells where the walls are.
+    x, y = points.T
+    mirrored = [np.stack(pair, axis=1) for pair in ((-x, y), (4.0 - x, y), (x, -y), (x, 2.0 - y))]
+    diagram = scipy.spatial.Voronoi(np.concatenate([points, *mirrored]))
+    expected = {tuple(sorted(pair)) for pair in diagram.ridge_points if max(pair) < count}
+    assert {(i, int(j)) for i in range(count) for j in found.neighbors.of(i) if i < j} == expected
+    hulls = [scipy.spatial.ConvexHull(diagram.vertices[diagram.regions[diagram.point_region[i]]]) for i in range(count)]
+    assert found.areas == pytest.approx([hull.volume for hull in hulls], rel=1e-9)
+
+
+def test_voronoi_neighbors_in_a_periodic_box_are_those_of_delaunay():
+    points = np.random.default_rng(6).random((400, 2))
+    found = gridlock.voronoi(points + [3.0, -2.0], 1.0, threads=2)
+    images = np.concatenate([points + [a, b] for a in (0, -1, 1) for b in (0, -1, 1)])
+    begin, indices = scipy.spatial.Delaunay(images).vertex_neighbor_vertices
+    for i in range(400):
+        assert sorted(found.neighbors.of(i)) == sorted(indices[begin[i]:begin[i + 1]] % 400)
+    assert found.sides.sum() == 6 * 400 and found.areas.sum() == pytest.approx(1.0)
+
+
+def test_sixfold_order_by_voronoi_neighbors_needs_no_cutoff():
+    rows = np.arange(10)
+    points = np.array([[x + 0.5 * (y % 2), y * np.sqrt(0.75)] for y in rows for x in rows])
+    box = (10.0, 10 * np.sqrt(0.75))
+    points += np.random.default_rng(1).normal(size=points.shape) * 0.01
+    cells = gridlock.voronoi(points, box)
+    assert (cells.sides == 6).all()
+    by_cells = gridlock.bond_orientation(points, box=box, neighbors=cells.neighbors)
+    assert np.allclose(by_cells, gridlock.bond_orientation(points, 1.3, box)) and (abs(by_cells) > 0.95).all()
 
 
 @pytest.mark.parametrize("drift", [True, False])
@@ -61,16 +118,13 @@ def test_rings_have_the_vectors_at_their_end():
         assert found.s[0] == pytest.approx(direct.mean(), rel=1e-9), k
 
 
-@pytest.mark.parametrize("call", [
-    lambda: gridlock.structure_factor([[np.nan, 0.1]], 1.0, largest_q=10.0),
-    lambda: gridlock.structure_factor([[0.1, 0.1]], 1.0, largest_q=-1.0),
-    lambda: gridlock.pair_correlation([[0.1, 0.1]], None, range=0.1),
-    lambda: gridlock.pair_correlation([[0.1, 0.1]], gridlock.Box(1, 1, False), range=0.1),
-    lambda: gridlock.pair_correlation([[0.1, 0.1]], 1.0, range=0.9),
-    lambda: gridlock.structure_factor([[0.1, 0.1]], None, largest_q=10.0),
-    lambda: gridlock.mean_squared_displacement([[1.0, 2.0]]),
-    lambda: gridlock.mean_squared_displacement(np.full((3, 2, 2), np.nan)),
-])
-def test_bad_input_is_refused(call):
-    with pytest.raises(gridlock.Error):
-        call()
+def test_partial_structure_factors_add_up_to_that_of_all():
+    points, kinds = np.random.default_rng(5).random((60, 2)), np.arange(60) % 4 // 3
+    whole = gridlock.structure_factor(points, 1.0, largest_q=40.0, bins=6)
+    partial = gridlock.structure_factor(points, 1.0, largest_q=40.0, bins=6, kinds=kinds)
+    n = np.bincount(kinds)
+    weights = np.sqrt(np.outer(n, n)) / 60
+    assert partial.s.shape == (2, 2, len(whole.q))
+    assert np.allclose(np.einsum("ab,abk->k", weights, partial.s), whole.s, rtol=1e-12)
+    own = gridlock.structure_factor(points[kinds == 1], 1.0, largest_q=40.0, bins=6)
+    assert np.allclose(partial.s[1, 1], own.s) and np.allclose(partial.s[0, 1], partial.s[1, 0])

@@ -65,6 +65,36 @@ def test_frames_are_unwrapped_and_know_kinds(made):
         trajectory[0].charge
 
 
+def test_a_part_of_a_trajectory_is_a_trajectory(made):
+    trajectory = made.trajectory
+    part = trajectory.since(600)
+    assert part.steps.tolist() == [1000, 1500, 2000] and len(part) == 3
+    assert np.array_equal(part.times, trajectory.times[2:])
+    assert np.array_equal(part.positions(), trajectory.positions()[2:])
+    assert trajectory[1::2].steps.tolist() == [500, 1500] and part[-1].clock.step == 2000
+    assert part[1:][0].clock.step == 1500 and len(trajectory[7:]) == 0
+    for call in (lambda: trajectory[::-1], lambda: trajectory.since(-1), lambda: trajectory.since("1"), lambda: trajectory[7:].kinds):
+        with pytest.raises(gridlock.Error, match="hint"):
+            call()
+
+
+def test_lengths_are_in_diameters_on_request(made, tmp_path):
+    frame = made.trajectory[2]
+    reduced = frame.in_diameters()
+    assert reduced.diameter == pytest.approx(1.0) and frame.diameter == pytest.approx(2 * frame.radius.mean())
+    assert made.diameter == made.trajectory.diameter == frame.diameter
+    assert np.allclose(reduced.positions * frame.diameter, frame.positions)
+    assert reduced.box.width == pytest.approx(frame.box.width / frame.diameter) and reduced.box.periodic
+    assert np.allclose(reduced.unwrapped * frame.diameter, frame.unwrapped)
+    assert np.allclose(reduced.velocity_x * frame.diameter, frame.velocity_x) and np.array_equal(reduced.mass, frame.mass)
+    assert frame.in_diameters(0.5).box.width == 2 * frame.box.width
+    with pytest.raises(gridlock.Error, match="the diameter is 0"):
+        frame.in_diameters(0)
+    gridlock.run({**RUN, "run.steps": 100, "trajectory": {"every": 100, "columns": "x y"}}, tmp_path / "out")
+    with pytest.raises(gridlock.Error, match="no radii"):
+        gridlock.open(tmp_path / "out").trajectory.diameter
+
+
 def test_a_frame_without_images_cannot_be_unwrapped(tmp_path):
     gridlock.run({**RUN, "run.steps": 100, "trajectory": {"every": 100, "columns": "x y"}}, tmp_path / "out")
     frame = gridlock.open(tmp_path / "out").trajectory[0]

@@ -87,7 +87,7 @@ def test_other_types_and_strides_are_read():
         ([[0.1, 0.2, 0.3]], 0.1, 1.0, "shape (1, 3)"),
         ([0.1, 0.2, 0.3], 0.1, 1.0, "shape (3,)"),
         ([["a", "b"]], 0.1, 1.0, "no array of numbers"),
-        ([[0.1, 0.2]], -0.1, 1.0, "the cutoff of a neighbour search is -0.1"),
+        ([[0.1, 0.2]], -0.1, 1.0, "the cutoff is -0.1"),
         ([[0.1, 0.2]], np.nan, 1.0, "the cutoff"),
         ([[0.1, 0.2]], 0.6, 1.0, "more than half a side"),
         ([[0.1, 0.2]], 0.1, (1.0, -1.0), "box"),

@@ -1,13 +1,16 @@
 """Every program in Python that the pages show runs."""
 
+import pathlib
 import re
+import subprocess
 import warnings
 
+import numpy as np
 import pytest
 
 import gridlock
 
-PAGES = ["README.md", "docs/getting_started/python.md", "docs/getting_started/own_model_python.md"]
+PAGES = ["README.md", "docs/getting_started/python.md", "docs/getting_started/own_model_python.md", "docs/how_to/analysis.md"]
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -29,3 +32,13 @@ def test_the_reference_has_every_public_name(root):
     named = set(re.findall(r"auto\w+:: gridlock\.(\w+)$", page, re.MULTILINE))
     assert set(gridlock.__all__) <= named
     assert {name for name in named if not hasattr(gridlock, name)} <= {"turns", "plot", "paper"}
+
+
+def test_the_program_for_partial_g_reads_the_run_of_its_page(root, program, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    page = (root / "docs/how_to/pair_correlation.md").read_text()
+    pathlib.Path("large_mixture.toml").write_text(re.search(r"```toml\n(.*?)```", page, re.DOTALL)[1])
+    subprocess.run([program, "run", "large_mixture.toml", "-o", "results/large", "--set", "disks.count=3000", "-q"], check=True)
+    exec(compile(re.search(r"```python\n(.*?)```", page, re.DOTALL)[1], "page", "exec"), {})  # noqa: S102
+    distance, g = np.loadtxt("small_large.csv", delimiter=",", skiprows=1).T
+    assert 0.9 < distance[g.argmax()] < 1.1 and abs(g[distance > 4].mean() - 1) < 0.05

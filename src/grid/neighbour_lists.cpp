@@ -11,6 +11,7 @@
 
 #include "core/magnitude.hpp"
 #include "grid/require.hpp"
+#include "grid/sorted_points.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/grid/detail/find_neighbours.hpp"
 #include "gridlock/grid/detail/row_block.hpp"
@@ -25,80 +26,6 @@ struct SearchFrame {
   Box box;
   Vector origin;
 };
-
-/// The points in the order of their cells, in a cell in their own order.
-class SortedPoints {
- public:
-  SortedPoints(SearchFrame const& frame, double cutoff, PointsInMemory const& points, ThreadPool& pool)
-      : layout_(layout_for_cutoff(frame.box, cutoff, points.count)),
-        first_(static_cast<std::size_t>(layout_.count()) + 1),
-        index_(points.count),
-        x_(points.count),
-        y_(points.count) {
-    sort(frame, points, pool);
-  }
-
-  [[nodiscard]] CellLayout const& layout() const { return layout_; }
-  [[nodiscard]] std::size_t first_of(std::size_t cell) const { return first_[cell]; }
-  [[nodiscard]] std::uint32_t index(std::size_t row) const { return index_[row]; }
-  [[nodiscard]] double const* x() const { return x_.data(); }
-  [[nodiscard]] double const* y() const { return y_.data(); }
-
- private:
-  void sort(SearchFrame const& frame, PointsInMemory const& points, ThreadPool& pool) {
-    // Every thread counts and places a range of the points; the second knows where those before it end in each cell.
-    std::size_t const parts = pool.size();
-    std::size_t const cells = first_.size() - 1;
-    auto const first_point = [&](std::size_t part) { return part * points.count / parts; };
-    UninitializedArray<std::uint32_t> cell_of(points.count);
-    std::vector<std::vector<std::uint32_t>> places(parts);
-    pool.for_each(parts, [&](std::size_t part) {
-      std::vector<std::uint32_t>& counts = places[part];
-      counts.assign(cells, 0);
-      for (std::size_t i = first_point(part); i < first_point(part + 1); ++i) {
-        Vector const p = Vector{points.x[i * points.stride], points.y[i * points.stride]} - frame.origin;
-        auto const cell = static_cast<std::uint32_t>(layout_.cell_of(p));
-        cell_of[i] = cell;
-        ++counts[cell];
-      }
-    });
-    std::uint32_t next = 0;
-    for (std::size_t cell = 0; cell < cells; ++cell) {
-      first_[cell] = next;
-      for (std::size_t part = 0; part < parts; ++part) next += std::exchange(places[part][cell], next);
-    }
-    first_[cells] = next;
-    pool.for_each(parts, [&](std::size_t part) {
-      std::vector<std::uint32_t>& place = places[part];
-      for (std::size_t i = first_point(part); i < first_point(part + 1); ++i) {
-        std::size_t const row = place[cell_of[i]]++;
-        Vector const p = layout_.image_in_cell({points.x[i * points.stride], points.y[i * points.stride]});
-        index_[row] = static_cast<std::uint32_t>(i);
-        x_[row] = p.x;
-        y_[row] = p.y;
-      }
-    });
-  }
-
-  CellLayout layout_;
-  std::vector<std::uint32_t> first_;
-  UninitializedArray<std::uint32_t> index_;
-  UninitializedArray<double> x_;
-  UninitializedArray<double> y_;
-};
-
-/// Bands of whole rows of cells with about as many points each. How many there are changes nothing but who does what.
-std::vector<int> bands_of(SortedPoints const& points, std::size_t count) {
-  CellLayout const& layout = points.layout();
-  auto const columns = static_cast<std::size_t>(layout.columns());
-  std::size_t const all = points.first_of(columns * static_cast<std::size_t>(layout.rows()));
-  std::vector<int> ends{0};
-  for (int row = 1; row <= layout.rows(); ++row) {
-    bool const is_full = points.first_of(static_cast<std::size_t>(row) * columns) * count >= all * ends.size();
-    if (is_full || row == layout.rows()) ends.push_back(row);
-  }
-  return ends;
-}
 
 /// Grows by halves; what is behind size() is not initialized.
 class Found {
@@ -171,16 +98,6 @@ void search_band(SortedPoints const& points, Box const& box, double cutoff, int 
   }
 }
 
-void require_search(PointsInMemory const& points, double cutoff) {
-  require_bounded_cutoff(cutoff);
-  require_point_count(points.count);
-  for (std::size_t i = 0; i < points.count; ++i) {
-    double const x = points.x[i * points.stride];
-    double const y = points.y[i * points.stride];
-    if (!(x - x == 0.0) | !(y - y == 0.0)) require_finite_point(i, {x, y});
-  }
-}
-
 /// The box around points, no smaller than the cutoff.
 SearchFrame frame_around(PointsInMemory const& points, double cutoff) {
   Vector least{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
@@ -206,8 +123,11 @@ SearchFrame frame_around(PointsInMemory const& points, double cutoff) {
 class Search {
  public:
   Search(SearchFrame const& frame, double cutoff, PointsInMemory const& points, std::uint64_t threads)
-      : box_(frame.box), cutoff_(cutoff), pool_(threads), points_(frame, cutoff, points, pool_) {
-    ends_ = bands_of(points_, pool_.size() == 1 ? 1 : 8 * pool_.size());
+      : box_(frame.box),
+        cutoff_(cutoff),
+        pool_(threads),
+        points_(layout_for_cutoff(frame.box, cutoff, points.count), frame.origin, points, pool_) {
+    ends_ = bands_of(points_, pool_);
     bands_.resize(ends_.size() - 1);
     begin_.resize(bands_.size() + 1, 0);
   }

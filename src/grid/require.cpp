@@ -70,6 +70,20 @@ void require_point_count(std::size_t points) {
                .hint = "use at most " + std::to_string(most_points)});
 }
 
+void require_points_in_memory(PointsInMemory const& points) {
+  require_point_count(points.count);
+  for (std::size_t i = 0; i < points.count; ++i) {
+    double const x = points.x[i * points.stride];
+    double const y = points.y[i * points.stride];
+    if (!(x - x == 0.0) | !(y - y == 0.0)) require_finite_point(i, {x, y});
+  }
+}
+
+void require_search(PointsInMemory const& points, double cutoff) {
+  require_bounded_cutoff(cutoff);
+  require_points_in_memory(points);
+}
+
 void require_all_moved(std::size_t moved, std::size_t held, std::size_t coordinates) {
   if (moved == held) return;
   throw Error({.what = "there are coordinates for " + std::to_string(coordinates) + " agents, but " +

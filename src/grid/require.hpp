@@ -4,6 +4,7 @@
 #include <span>
 
 #include "gridlock/core/box.hpp"
+#include "gridlock/grid/neighbour_lists.hpp"
 
 namespace gridlock {
 
@@ -27,6 +28,12 @@ void require_box_for(Box const& box, double cutoff);
 
 /// Errors: Error for more points than a search can hold.
 void require_point_count(std::size_t points);
+
+/// Errors: Error for coordinates that are not finite, and for more points than a search can hold.
+void require_points_in_memory(PointsInMemory const& points);
+
+/// The same, and those of require_bounded_cutoff().
+void require_search(PointsInMemory const& points, double cutoff);
 
 /// Errors: Error where a grid holds more agents than the lists have coordinates for.
 void require_all_moved(std::size_t moved, std::size_t held, std::size_t coordinates);

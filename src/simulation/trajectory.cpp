@@ -49,6 +49,12 @@ void describe(TrajectorySettings& settings, SettingVisitor& visitor) {
                         "none.",
        .most = 1000},
       settings.per_decade);
+  visitor.visit(
+      {.key = "origin_every",
+       .unit = "steps",
+       .documentation = "Steps after which the frames of per_decade begin anew, so that there are many origins of "
+                        "displacements; 0 for one origin, the start."},
+      settings.origin_every);
   visitor.visit({.key = "steps", .documentation = "Further frames, at these steps after the start of the run."},
                 settings.steps);
   visitor.visit({.key = "times",
@@ -83,30 +89,49 @@ Frame with_columns(Frame frame, std::string const& columns) {
   return frame;
 }
 
-FrameSchedule::FrameSchedule(TrajectorySettings const& settings, double time_step) : every_(settings.every) {
+FrameSchedule::FrameSchedule(TrajectorySettings const& settings, double time_step)
+    : every_(settings.every), origin_every_(settings.origin_every) {
+  if (origin_every_ > 0 && settings.per_decade == 0) {
+    throw Error(
+        {.what = fmt::format("there are origins every {} steps, but no frames that count from them", origin_every_),
+         .hint = "set trajectory.per_decade too, for example to 10; trajectory.every is for frames even in time",
+         .key = "trajectory.origin_every"});
+  }
   steps_.push_back(0);
   for (double const steps : settings.steps) steps_.push_back(whole_steps(steps));
   for (double const time : settings.times) steps_.push_back(steps_until(time, time_step));
   if (settings.per_decade > 0) {
+    if (origin_every_ > 0) after_origin_.push_back(0);
+    double const most = origin_every_ > 0 ? static_cast<double>(origin_every_) : most_steps;
     double const share = 1.0 / static_cast<double>(settings.per_decade);
     for (double k = 0.0;; ++k) {
       double const steps = std::floor(std::pow(10.0, k * share) + 0.5);
-      if (!(steps < most_steps)) break;
-      steps_.push_back(static_cast<std::uint64_t>(steps));
+      if (!(steps < most)) break;
+      (origin_every_ > 0 ? after_origin_ : steps_).push_back(static_cast<std::uint64_t>(steps));
     }
   }
-  std::ranges::sort(steps_);
-  steps_.erase(std::unique(steps_.begin(), steps_.end()), steps_.end());
+  for (std::vector<std::uint64_t>* const list : {&steps_, &after_origin_}) {
+    std::ranges::sort(*list);
+    list->erase(std::unique(list->begin(), list->end()), list->end());
+  }
 }
 
 bool FrameSchedule::is_due(std::uint64_t steps) const {
-  return (every_ > 0 && steps % every_ == 0) || std::ranges::binary_search(steps_, steps);
+  if (every_ > 0 && steps % every_ == 0) return true;
+  if (!after_origin_.empty() && std::ranges::binary_search(after_origin_, steps % origin_every_)) return true;
+  return std::ranges::binary_search(steps_, steps);
 }
 
 std::uint64_t FrameSchedule::next_after(std::uint64_t steps) const {
   auto const named = std::ranges::upper_bound(steps_, steps);
-  std::uint64_t const next = named == steps_.end() ? never_reached : *named;
-  return every_ == 0 ? next : std::min(next, next_multiple(every_, steps));
+  std::uint64_t next = named == steps_.end() ? never_reached : *named;
+  if (every_ > 0) next = std::min(next, next_multiple(every_, steps));
+  if (!after_origin_.empty()) {
+    auto const after = std::ranges::upper_bound(after_origin_, steps % origin_every_);
+    next = std::min(next, after == after_origin_.end() ? next_multiple(origin_every_, steps)
+                                                       : steps - steps % origin_every_ + *after);
+  }
+  return next;
 }
 
 TrajectoryWriter::TrajectoryWriter(TrajectorySettings const& settings, double time_step, Origin origin)

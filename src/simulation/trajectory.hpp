@@ -20,7 +20,8 @@ Frame with_columns(Frame frame, std::string const& columns);
 /// The steps after the start of a run at which frames are due; a function of the settings alone, so that a run that is
 /// resumed has the frames of one that was never interrupted.
 ///
-/// every n: 0, n, 2n …; p frames per decade: 0 and ⌊10^(k/p) + ½⌋ for k = 0, 1, 2 …; a time t: the first step at or after.
+/// every n: 0, n, 2n …; p frames per decade: 0 and ⌊10^(k/p) + ½⌋ for k = 0, 1, 2 …, with origins every m steps those below m
+/// after each multiple of m; a time t: the first step at or after.
 class FrameSchedule {
  public:
   /// Errors: Error under trajectory.steps or trajectory.times for what is no step or time.
@@ -32,7 +33,9 @@ class FrameSchedule {
 
  private:
   std::uint64_t every_;
-  std::vector<std::uint64_t> steps_;  ///< sorted, those of every_ left out
+  std::uint64_t origin_every_;
+  std::vector<std::uint64_t> steps_;         ///< sorted, those of every_ left out
+  std::vector<std::uint64_t> after_origin_;  ///< sorted, below origin_every_; none where the start is the only origin
 };
 
 /// Writes the frames of a run into a file while it runs.

@@ -10,7 +10,6 @@
 #include <set>
 #include <utility>
 
-#include "observe/mean_over_runs.hpp"
 #include "workspace/result_files.hpp"
 
 namespace gridlock {
@@ -68,32 +67,6 @@ void add_key_columns(Table& table, SweepPlan const& plan, std::vector<std::size_
     for (std::size_t const run : runs) values.push_back(bare(plan.runs[run].values[k]));
     table.add_column(plan.keys[k], column_of(values));
   }
-}
-
-/// √(Σ e²)/n from the errors e of the runs; 0 where a run has none.
-double error_by_runs(std::vector<Estimate> const& runs) {
-  double squares = 0.0;
-  for (Estimate const& run : runs) {
-    if (!run.error || !std::isfinite(*run.error)) return 0.0;
-    squares += *run.error * *run.error;
-  }
-  return std::sqrt(squares) / static_cast<double>(runs.size());
-}
-
-/// Mean over runs with its standard error; a single run keeps its own error.
-///
-/// The error is the larger one of two estimates: from the scatter of the runs, and from the errors of the runs. The scatter
-/// of few runs is a poor estimate: that of two is less than half of the true error in 38 % of all cases (|z| < 1/2). The
-/// errors of the runs know nothing of what changes more slowly than their blocks, or from start to start. Where both
-/// are right, the larger one is too large by 17 % on average for two runs, and by less for more (E max(|z|, 1) = 1.17).
-Estimate mean_over(std::vector<Estimate> const& runs) {
-  if (runs.empty()) return {.value = not_measured};
-  if (runs.size() == 1) return runs.front();
-  std::vector<double> values;
-  for (Estimate const& run : runs) values.push_back(run.value);
-  Estimate mean = mean_over_runs(values);
-  mean.error = std::max(*mean.error, error_by_runs(runs));
-  return mean;
 }
 
 }  // namespace
@@ -172,7 +145,7 @@ Table means_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes)
       for (std::size_t const run : group) {
         if (auto const estimate = outcomes[run].find(name)) estimates.push_back(*estimate);
       }
-      Estimate const mean = mean_over(estimates);
+      Estimate const mean = estimates.empty() ? Estimate{.value = not_measured} : combine(estimates).mean;
       values.push_back(mean.value);
       errors.push_back(mean.error.value_or(not_measured));
     }

@@ -2,6 +2,7 @@
 //
 //     core ← grid ← { lattice, engine, observe, model } ← simulation ← workspace ← drawing ← study ← apps
 //     core ← io ← simulation
+//     observe ← analysis
 //
 // The siblings in braces do not include one another, save for engine/engine.hpp.
 
@@ -26,6 +27,7 @@ std::map<std::string, std::set<std::string>> const allowed{
     {"lattice", {"core", "grid", "lattice"}},
     {"engine", {"core", "grid", "engine"}},
     {"observe", {"core", "grid", "observe"}},
+    {"analysis", {"core", "grid", "observe", "analysis"}},
     {"model", {"core", "grid", "model"}},
     {"models", {"core", "grid", "lattice", "model", "models"}},
     {"simulation", {"core", "grid", "io", "lattice", "engine", "observe", "model", "models", "simulation"}},
@@ -134,6 +136,8 @@ TEST(Layers, TheRuleItselfTellsGoodFromBad) {
   EXPECT_FALSE(is_allowed("io", "grid/pairs.hpp"));
   EXPECT_TRUE(is_allowed("observe", "gridlock/engine/engine.hpp"));
   EXPECT_FALSE(is_allowed("observe", "engine/turn.hpp"));
+  EXPECT_TRUE(is_allowed("analysis", "gridlock/observe/estimate.hpp"));
+  EXPECT_FALSE(is_allowed("observe", "gridlock/analysis/dynamics.hpp"));
   EXPECT_FALSE(is_allowed("engine", "gridlock/lattice/start.hpp"));
   EXPECT_FALSE(is_allowed("lattice", "gridlock/observe/speed.hpp"));
   EXPECT_TRUE(is_allowed("engine", "turn.hpp"));

@@ -34,6 +34,13 @@ TEST(FrameSchedule, IsEvenInTheLogarithmOfTheSteps) {
   EXPECT_EQ(steps_of({.per_decade = 3}, 1000), (Steps{0, 1, 2, 5, 10, 22, 46, 100, 215, 464, 1000}));
 }
 
+TEST(FrameSchedule, BeginsAnewAtEveryOrigin) {
+  EXPECT_EQ(steps_of({.per_decade = 2, .origin_every = 20}, 45), (Steps{0, 1, 3, 10, 20, 21, 23, 30, 40, 41, 43}));
+  EXPECT_EQ(steps_of({.every = 15, .per_decade = 1, .origin_every = 20, .steps = {2}}, 31),
+            (Steps{0, 1, 2, 10, 15, 20, 21, 30}));
+  EXPECT_EQ(steps_of({.per_decade = 1, .origin_every = 1}, 3), (Steps{0, 1, 2, 3}));
+}
+
 TEST(FrameSchedule, ATimeIsTheFirstStepThatReachesIt) {
   EXPECT_EQ(steps_of({.times = {1.0, 1.1, 0.7 + 0.1 + 0.2}}, 100), (Steps{0, 4, 5}));
 }
@@ -49,6 +56,7 @@ TEST(FrameSchedule, RefusesWhatIsNoStepOrTime) {
   EXPECT_THROW(FrameSchedule({.steps = {1.5}}, 1.0), Error);
   EXPECT_THROW(FrameSchedule({.steps = {-1.0}}, 1.0), Error);
   EXPECT_THROW(FrameSchedule({.times = {-0.5}}, 1.0), Error);
+  EXPECT_THROW(FrameSchedule({.every = 5, .origin_every = 20}, 1.0), Error) << "there is nothing to begin anew";
 }
 
 TEST(Trajectory, HoldsOnlyTheColumnsAskedForAndRefusesOthers) {
@@ -60,12 +68,12 @@ TEST(Trajectory, HoldsOnlyTheColumnsAskedForAndRefusesOthers) {
   EXPECT_THROW(with_columns(frame, "x colour"), Error);
 }
 
-Setup setup_with_frames() {
+Setup setup_with_frames(TrajectorySettings const& trajectory = {.every = 10}) {
   Configuration configuration;
   configuration.disks = {.count = 25, .packing_fraction = 0.5};
   configuration.run.steps = 60;
   configuration.observe.every = 20;
-  configuration.trajectory.every = 10;
+  configuration.trajectory = trajectory;
   return set_up(configuration);
 }
 
@@ -82,11 +90,11 @@ TEST(Trajectory, OfARunHasItsFramesItsHashesAndTheValuesOfItsSamples) {
   EXPECT_NE(reader.frame(3).observables[0], reader.frame(3).observables[0]) << "no sample was taken there";
 }
 
-TEST(Trajectory, OfARunThatWasInterruptedIsTheSame) {
+void expect_same_frames_after_an_interruption(TrajectorySettings const& trajectory, std::size_t frames) {
   TemporaryDirectory const whole;
   TemporaryDirectory const parts;
-  run_in(whole.path(), setup_with_frames());
-  run_in(parts.path(), setup_with_frames(),
+  run_in(whole.path(), setup_with_frames(trajectory));
+  run_in(parts.path(), setup_with_frames(trajectory),
          {.on_progress = [](Progress const& p) { return p.steps < 25; }, .on_event = {}, .threads = {}});
   // As after a kill that lost the newest checkpoint: the file is ahead of the run.
   for (auto const& entry : std::filesystem::directory_iterator(parts.path())) {
@@ -95,8 +103,14 @@ TEST(Trajectory, OfARunThatWasInterruptedIsTheSame) {
   ASSERT_EQ(resume_in(parts.path()).status, RunStatus::finished);
   H5mdReader const a(whole / "trajectory.h5");
   H5mdReader const b(parts / "trajectory.h5");
-  ASSERT_EQ(b.frame_count(), a.frame_count());
-  for (std::size_t k = 0; k < a.frame_count(); ++k) EXPECT_EQ(a.frame(k).frame, b.frame(k).frame);
+  ASSERT_EQ(a.frame_count(), frames);
+  ASSERT_EQ(b.frame_count(), frames);
+  for (std::size_t k = 0; k < frames; ++k) EXPECT_EQ(a.frame(k).frame, b.frame(k).frame);
+}
+
+TEST(Trajectory, OfARunThatWasInterruptedIsTheSame) {
+  expect_same_frames_after_an_interruption({.every = 10}, 7);
+  expect_same_frames_after_an_interruption({.per_decade = 2, .origin_every = 20}, 13);
 }
 
 TEST(Trajectory, OfAnotherRunIsNotContinued) {

@@ -1,0 +1,146 @@
+"""How agents move: displacements, F_s(q, t), overlap and α₂ of a trajectory, and the diffusion coefficient."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from . import _core
+from .arrays import as_count, as_kinds, as_number, as_numbers
+from .errors import Error
+from .settings import as_threads
+from .simulation import Result
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+
+class Dynamics(NamedTuple):
+    """Means over agents and time origins for L lags: arrays of shape (L,), or (kinds, L) where kinds were given.
+
+    An error is one standard error, from origins whose intervals do not overlap; not a number where there is but one.
+    """
+
+    lag: NDArray[np.float64]  #: t, ascending, above 0; always shape (L,)
+    msd: NDArray[np.float64]  #: ⟨Δr²⟩
+    msd_error: NDArray[np.float64]
+    non_gaussian: NDArray[np.float64]  #: α₂ = ⟨Δr⁴⟩ / (2 ⟨Δr²⟩²) − 1
+    non_gaussian_error: NDArray[np.float64]
+    scattering: NDArray[np.float64] | None  #: F_s(q, t), where q was given
+    scattering_error: NDArray[np.float64] | None
+    overlap: NDArray[np.float64] | None  #: share of agents that moved no further than the overlap length, where it was given
+    overlap_error: NDArray[np.float64] | None
+    origins: NDArray[np.uint64]  #: pairs of frames with this lag, shape (L,)
+    independent_origins: NDArray[np.uint64]  #: those of them whose intervals do not overlap, shape (L,)
+
+
+def as_trajectory(positions: ArrayLike) -> NDArray[np.float64]:
+    """Positions of shape (frames, N, 2), in one piece."""
+    return as_numbers(positions, "the positions", (None, None, 2), "use an array of shape (frames, N, 2)", finite=False)
+
+
+def dynamics(
+    positions: ArrayLike,
+    times: ArrayLike | None = None,
+    *,
+    kinds: ArrayLike | None = None,
+    q: float | None = None,
+    overlap_length: float | None = None,
+    lags: int | None = None,
+    drift: bool = True,
+    threads: int = 1,
+) -> Dynamics:
+    """Mean squared displacement, α₂, F_s(q, t) and overlap, by one walk over all pairs of frames.
+
+    Δr = r(t₀ + t) − r(t₀); msd = ⟨Δr²⟩, α₂ = ⟨Δr⁴⟩ / (2 ⟨Δr²⟩²) − 1 (0 for Gaussian displacements in two dimensions),
+    F_s(q, t) = ⟨J₀(q |Δr|)⟩ (averaged over all directions of q), overlap = share of agents with |Δr| ≤ overlap_length.
+
+    :param positions: unwrapped, shape (frames, N, 2); ``Trajectory.positions()`` gives them.
+    :param times: of the frames, ascending, shape (frames,); the numbers of the frames where left out. They may be even in time, in its
+        logarithm, in blocks of it, or anyhow: lags that differ by less than a thousandth of the shortest time between frames are one.
+    :param kinds: a whole number for each agent, shape (N,); every kind gets its own curves. ``Trajectory.kinds`` gives them.
+    :param q: the wave number of F_s, in 1 / length.
+    :param overlap_length: in length; 0.3 diameters is usual.
+    :param lags: so many lags at most, evenly in their logarithm; all where left out.
+    :param drift: False takes the motion of the mean of all agents out.
+    :param threads: 0 for all cores. The result does not depend on it.
+    :returns: :class:`Dynamics`.
+    :raises Error: for fewer than two frames, times that do not ascend, positions that are not finite, and more than 8192 frames that are
+        not even in time.
+
+    Errors know nothing of what changes more slowly than the trajectory: combine runs of several seeds (:func:`combine`).
+
+    Cost: pairs of frames · N · 0.5 ns with AVX-512, 1.1 ns without; with q 2 ns and 4.3 ns. Source: A. Rahman (1964), doi:10.1103/PhysRev.136.A405;
+    W. Kob, H. C. Andersen (1995), doi:10.1103/PhysRevE.52.4134; N. Lačević et al. (2003), doi:10.1063/1.1605094.
+
+    >>> walk = np.random.default_rng(1).normal(size=(200, 100, 2)).cumsum(axis=0)
+    >>> found = dynamics(walk, lags=3, q=0.5)
+    >>> found.lag
+    array([  1.,  14., 199.])
+    >>> bool(abs(found.msd[0] - 2) < 5 * found.msd_error[0]), bool(abs(found.scattering[0] - np.exp(-0.125)) < 0.01)
+    (True, True)
+    """
+    array = as_trajectory(positions)
+    frames, count, _ = array.shape
+    moments = np.arange(frames, dtype=np.float64) if times is None else as_numbers(
+        times, "the times", (frames,), f"give one time for each of the {frames} frames")
+    labels = None if kinds is None else as_kinds(kinds, count)
+    found = _core.dynamics(
+        array, moments, labels,
+        0.0 if q is None else as_number(q, "q"),
+        0.0 if overlap_length is None else as_number(overlap_length, "overlap_length"),
+        0 if lags is None else as_count(lags, "lags"),
+        bool(drift), as_threads(threads))
+    curves: dict[str, NDArray[np.float64] | None] = {}
+    for name in ("msd", "non_gaussian", "scattering", "overlap"):
+        value, error = (None, None) if found[name] is None else found[name]
+        curves[name] = value[0] if value is not None and labels is None else value
+        curves[name + "_error"] = error[0] if error is not None and labels is None else error
+    return Dynamics(lag=found["lag"], origins=found["origins"], independent_origins=found["independent_origins"],
+                    **curves)  # type: ignore[arg-type]
+
+
+def diffusion_coefficient(
+    lag: ArrayLike, msd: ArrayLike, error: ArrayLike | None = None, *, start: float = 0.0, end: float | None = None
+) -> Result:
+    """D of the straight line msd = 4 D t + c through the lags from ``start`` to ``end``.
+
+    :param lag: shape (L,).
+    :param msd: of one kind, shape (L,).
+    :param error: of msd, shape (L,); points count by 1 / error² then, and D has an error.
+    :param start: the motion must be diffusive from there on; where it is not, D is too large or too small, whatever its error says.
+    :param end: the last lag where left out; its error is large where few origins are left.
+    :returns: D with one standard error in length² / time. The displacements after different lags are those of the same agents, so their
+        errors are not independent; the error of D is the larger one of two: all points off by their errors together, or each for itself.
+    :raises Error: for fewer than two points in the window, and errors that are not positive there.
+
+    Cost: O(L). Source: A. Einstein (1905), doi:10.1002/andp.19053220806.
+
+    >>> diffusion_coefficient([1.0, 2.0, 3.0], [4.1, 8.1, 12.1], start=1.0).value
+    1.0
+    """
+    hint = "use arrays of one length: lags, and what belongs to each"
+    t = as_numbers(lag, "the lags", (None,), hint)
+    y = as_numbers(msd, "the displacements", (len(t),), hint)
+    first = as_number(start, "start", "use a time, 0 or above", least=-np.inf)
+    last = as_number(end, "end", "use a time", least=-np.inf) if end is not None else np.inf
+    wanted = (t >= first) & (t <= last)
+    if np.unique(t[wanted]).size < 2:
+        raise Error(f"there are {int(wanted.sum())} lags from {first:g} to {last:g}\n  hint: a line needs at least two; widen the window")
+    t, y = t[wanted], y[wanted]
+    if error is None:
+        return Result(float(_line(t, np.ones_like(t)) @ y / 4), None, "length² / time")
+    e = as_numbers(error, "the errors", (len(wanted),), hint, finite=False)[wanted]
+    if not (np.isfinite(e) & (e > 0)).all():
+        raise Error(f"the errors in the window are {e}\n  hint: all must be positive numbers; end the window where origins run out")
+    slope = _line(t, 1 / e**2) / 4
+    together, apart = abs(slope @ e), np.sqrt((slope**2) @ e**2)
+    return Result(float(slope @ y), float(max(together, apart)), "length² / time")
+
+
+def _line(t: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What each point contributes to the slope of the straight line of least squares."""
+    middle = weights @ t / weights.sum()
+    slope: NDArray[np.float64] = weights * (t - middle) / (weights @ (t - middle) ** 2)
+    return slope

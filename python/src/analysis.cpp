@@ -1,0 +1,134 @@
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/tuple.h>
+
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "gridlock/analysis/dynamics.hpp"
+#include "gridlock/analysis/pair_correlation.hpp"
+#include "gridlock/analysis/voronoi.hpp"
+#include "gridlock/observe/observable.hpp"
+
+namespace gridlock::python {
+
+namespace {
+
+using Frames = nb::ndarray<double const, nb::shape<-1, -1, 2>, nb::c_contig, nb::device::cpu>;
+using Numbers = nb::ndarray<double const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Kinds = nb::ndarray<std::uint32_t const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+std::span<std::uint32_t const> span_of(std::optional<Kinds> const& kinds) {
+  return kinds ? std::span(kinds->data(), kinds->shape(0)) : std::span<std::uint32_t const>{};
+}
+
+/// One curve of every kind as two arrays of shape (kinds, lags): values, and errors or no number.
+nb::object arrays_of(Dynamics const& dynamics, std::vector<Estimate> DynamicsOfKind::*curve) {
+  std::size_t const kinds = dynamics.kinds.size();
+  std::size_t const lags = (dynamics.kinds.front().*curve).size();
+  if (lags == 0) return nb::none();
+  std::vector<double> values;
+  std::vector<double> errors;
+  for (DynamicsOfKind const& kind : dynamics.kinds) {
+    for (Estimate const& estimate : kind.*curve) {
+      values.push_back(estimate.value);
+      errors.push_back(estimate.error.value_or(no_value));
+    }
+  }
+  return nb::make_tuple(owned_array(std::move(values), {kinds, lags}), owned_array(std::move(errors), {kinds, lags}));
+}
+
+NamedValues dynamics(Frames const& positions, Numbers const& times, std::optional<Kinds> const& kinds,
+                     double wave_number, double overlap_length, std::size_t most_lags, bool keeps_drift,
+                     std::uint64_t threads) {
+  Dynamics found;
+  {
+    nb::gil_scoped_release const released;
+    found = find_dynamics({.positions = positions.data(),
+                           .frames = positions.shape(0),
+                           .agents = positions.shape(1),
+                           .times = std::span(times.data(), times.shape(0)),
+                           .kinds = span_of(kinds)},
+                          {.wave_number = wave_number,
+                           .overlap_length = overlap_length,
+                           .most_lags = most_lags,
+                           .keeps_drift = keeps_drift,
+                           .threads = threads});
+  }
+  NamedValues result;
+  result["msd"] = arrays_of(found, &DynamicsOfKind::squared_displacement);
+  result["non_gaussian"] = arrays_of(found, &DynamicsOfKind::non_gaussian);
+  result["scattering"] = arrays_of(found, &DynamicsOfKind::scattering);
+  result["overlap"] = arrays_of(found, &DynamicsOfKind::overlap);
+  result["lag"] = owned_array(std::move(found.lag));
+  result["origins"] = owned_array(std::move(found.origins));
+  result["independent_origins"] = owned_array(std::move(found.independent_origins));
+  return result;
+}
+
+/// distances of shape (bins,), and g of shape (kinds, kinds, bins)
+auto pair_correlation(Points const& points, BoxValues const& box, double range, std::size_t bins,
+                      std::optional<Kinds> const& kinds, std::uint64_t threads) {
+  PairCorrelations found;
+  {
+    nb::gil_scoped_release const released;
+    found = find_pair_correlations(box_of(box), view_of(points), range, bins, span_of(kinds), threads);
+  }
+  std::size_t const count = found.kinds;
+  return std::pair(owned_array(std::move(found.distance)), owned_array(std::move(found.g), {count, count, bins}));
+}
+
+/// where the neighbours of each point begin, the neighbours, and areas
+auto voronoi(Points const& points, BoxValues const& box, std::uint64_t threads) {
+  VoronoiCells found;
+  {
+    nb::gil_scoped_release const released;
+    found = find_voronoi_cells(box_of(box), view_of(points), threads);
+  }
+  return std::tuple(owned_array(std::move(found.neighbours.begin)), owned_array(std::move(found.neighbours.neighbours)),
+                    owned_array(std::move(found.areas)));
+}
+
+using Table = nb::ndarray<double const, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+/// Of values and errors of shape (runs, points), an error that is no number for none: mean, error, error by scatter, error
+/// by runs, and χ² of every point.
+auto combine_runs(Table const& values, Table const& errors) {
+  std::size_t const points = values.shape(1);
+  auto const number = [](std::optional<double> const& value) { return value.value_or(no_value); };
+  std::vector<double> result(5 * points);
+  for (std::size_t point = 0; point < points; ++point) {
+    std::vector<Estimate> runs;
+    for (std::size_t run = 0; run < values.shape(0); ++run) {
+      double const error = errors(run, point);
+      runs.push_back({.value = values(run, point), .error = std::isnan(error) ? std::nullopt : std::optional(error)});
+    }
+    CombinedEstimate const found = combine(runs);
+    result[point] = found.mean.value;
+    result[points + point] = number(found.mean.error);
+    result[2 * points + point] = number(found.error_by_scatter);
+    result[3 * points + point] = number(found.error_by_runs);
+    result[4 * points + point] = number(found.chi_squared);
+  }
+  return owned_array(std::move(result), {5, points});
+}
+
+}  // namespace
+
+void bind_analysis(nb::module_& module) {
+  module.def("dynamics", &dynamics, nb::arg("positions"), nb::arg("times"), nb::arg("kinds").none(),
+             nb::arg("wave_number"), nb::arg("overlap_length"), nb::arg("most_lags"), nb::arg("keeps_drift"),
+             nb::arg("threads"));
+  module.def("pair_correlation", &pair_correlation, nb::arg("points"), nb::arg("box"), nb::arg("range"),
+             nb::arg("bins"), nb::arg("kinds").none(), nb::arg("threads"));
+  module.def("combine", &combine_runs, nb::arg("values"), nb::arg("errors"));
+  module.def("voronoi", &voronoi, nb::arg("points"), nb::arg("box"), nb::arg("threads"));
+}
+
+}  // namespace gridlock::python

@@ -1,0 +1,224 @@
+#include "gridlock/analysis/voronoi.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "analysis/voronoi_polygon.hpp"
+#include "grid/require.hpp"
+#include "grid/sorted_points.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
+
+namespace gridlock {
+
+namespace {
+
+/// About two points a cell, cells as square as the box allows.
+CellLayout layout_for(Box const& box, std::size_t points) {
+  auto const cells = std::max(1.0, 0.5 * static_cast<double>(points));
+  double const side = std::sqrt(box.area() / cells);
+  auto const along = [&](double length) {
+    return static_cast<std::uint64_t>(std::clamp(std::round(length / side), 1.0, cells));
+  };
+  return {box, along(box.width()), along(box.height())};
+}
+
+/// What a band of cells has found, in the order of its rows.
+struct Band {
+  std::vector<std::uint32_t> neighbours;
+  std::vector<std::uint32_t> counts;
+  std::vector<double> areas;
+};
+
+/// Makes the cells of the points in a range of rows of grid cells.
+class CellMaker {
+ public:
+  CellMaker(Box const& box, SortedPoints const& points)
+      : box_(box),
+        points_(points),
+        layout_(points.layout()),
+        cell_width_(box.width() / layout_.columns()),
+        cell_height_(box.height() / layout_.rows()) {}
+
+  [[nodiscard]] Band make(int first, int end) {
+    Band band;
+    for (int row = first; row < end; ++row) {
+      for (int column = 0; column < layout_.columns(); ++column) {
+        std::size_t const cell = cell_at(column, row);
+        for (std::size_t k = points_.first_of(cell); k < points_.first_of(cell + 1); ++k) {
+          make_polygon(k, column, row);
+          std::size_t const before = band.neighbours.size();
+          polygon_.for_each_neighbour([&](std::uint32_t neighbour) { band.neighbours.push_back(neighbour); });
+          band.counts.push_back(static_cast<std::uint32_t>(band.neighbours.size() - before));
+          band.areas.push_back(polygon_.area());
+        }
+      }
+    }
+    return band;
+  }
+
+ private:
+  [[nodiscard]] std::size_t cell_at(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(layout_.columns()) +
+           static_cast<std::size_t>(column);
+  }
+
+  void make_polygon(std::size_t k, int column, int row) {
+    Vector const p{points_.x()[k], points_.y()[k]};
+    if (box_.is_periodic()) {
+      // The bisectors with its own images left, right, above and below.
+      Vector const half = 0.5 * Vector{box_.width(), box_.height()};
+      polygon_.begin(-1.0 * half, half, points_.index(k));
+    } else {
+      polygon_.begin(-1.0 * p, Vector{box_.width(), box_.height()} - p, VoronoiPolygon::nobody);
+    }
+    int const last = std::max(layout_.columns(), layout_.rows());
+    for (int ring = 0; ring <= last; ++ring) {
+      cut_by_ring(k, p, column, row, ring);
+      double const seen = distance_seen(p, column, row, ring);
+      if (seen > 0.0 && seen * seen >= 4.0 * polygon_.squared_radius()) return;
+    }
+  }
+
+  /// All points nearer than this are in the rings so far. Images more than a whole side away cut nothing: another image of the same
+  /// point is nearer to every place of the cell.
+  [[nodiscard]] double distance_seen(Vector p, int column, int row, int ring) const {
+    double seen = std::numeric_limits<double>::infinity();
+    if (ring < layout_.columns()) {
+      double const inside = p.x - column * cell_width_;
+      seen = ring * cell_width_ + std::min(inside, cell_width_ - inside);
+    }
+    if (ring < layout_.rows()) {
+      double const inside = p.y - row * cell_height_;
+      seen = std::min(seen, ring * cell_height_ + std::min(inside, cell_height_ - inside));
+    }
+    return seen * (1.0 - 1e-9);
+  }
+
+  void cut_by_ring(std::size_t k, Vector p, int column, int row, int ring) {
+    int const rows = std::min(ring, layout_.rows());
+    for (int down = -rows; down <= rows; ++down) {
+      bool const is_whole_row = std::abs(down) == ring;
+      int const step = is_whole_row || ring == 0 ? 1 : 2 * ring;
+      for (int right = -ring; right <= ring; right += step) {
+        if (std::abs(right) <= layout_.columns()) cut_by_cell(k, p, column + right, row + down);
+      }
+    }
+  }
+
+  /// Cuts by the points of a cell, which may be the image of one.
+  void cut_by_cell(std::size_t k, Vector p, int column, int row) {
+    Vector shift{};
+    if (box_.is_periodic()) {
+      shift.x = box_.width() * wrap(column, layout_.columns());
+      shift.y = box_.height() * wrap(row, layout_.rows());
+    } else if (column < 0 || column >= layout_.columns() || row < 0 || row >= layout_.rows()) {
+      return;
+    }
+    std::size_t const cell = cell_at(column, row);
+    Vector const from = p - shift;
+    for (std::size_t other = points_.first_of(cell); other < points_.first_of(cell + 1); ++other) {
+      Vector const separation = Vector{points_.x()[other], points_.y()[other]} - from;
+      if (separation == Vector{}) {
+        if (other != k) refuse(k, other);
+        continue;
+      }
+      polygon_.cut(separation, points_.index(other));
+    }
+  }
+
+  /// Brings a number of a cell into 0 … count − 1; returns how many boxes away it was.
+  static int wrap(int& number, int count) {
+    int boxes = 0;
+    for (; number < 0; number += count) --boxes;
+    for (; number >= count; number -= count) ++boxes;
+    return boxes;
+  }
+
+  [[noreturn]] void refuse(std::size_t k, std::size_t other) const {
+    std::uint32_t const first = std::min(points_.index(k), points_.index(other));
+    std::uint32_t const second = std::max(points_.index(k), points_.index(other));
+    throw Error({.what = fmt::format("the points {} and {} are at the same place", first, second),
+                 .hint = "leave one of them out: neither has a cell"});
+  }
+
+  Box const& box_;
+  SortedPoints const& points_;
+  CellLayout const& layout_;
+  double cell_width_;
+  double cell_height_;
+  VoronoiPolygon polygon_;
+};
+
+void require_inside_walls(Box const& box, PointsInMemory const& points) {
+  if (box.is_periodic()) return;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    double const x = points.x[i * points.stride];
+    double const y = points.y[i * points.stride];
+    if (x >= 0.0 && x <= box.width() && y >= 0.0 && y <= box.height()) continue;
+    throw Error({.what = fmt::format("point {} at ({}, {}) is outside of the walls", i, x, y),
+                 .hint = fmt::format("the box is {} × {}", box.width(), box.height())});
+  }
+}
+
+/// The lists of all bands in the order of the points.
+VoronoiCells collected(std::vector<Band> const& bands, SortedPoints const& points, std::size_t count) {
+  VoronoiCells cells{.neighbours = {.begin = std::vector<std::uint64_t>(count + 1, 0), .neighbours = {}},
+                     .areas = std::vector<double>(count)};
+  std::size_t row = 0;
+  for (Band const& band : bands) {
+    for (std::size_t k = 0; k < band.counts.size(); ++k, ++row) {
+      cells.neighbours.begin[points.index(row) + 1] = band.counts[k];
+      cells.areas[points.index(row)] = band.areas[k];
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i) cells.neighbours.begin[i + 1] += cells.neighbours.begin[i];
+  cells.neighbours.neighbours.resize(cells.neighbours.begin[count]);
+  row = 0;
+  for (Band const& band : bands) {
+    auto from = band.neighbours.begin();
+    for (std::uint32_t const size : band.counts) {
+      std::copy_n(from, size, cells.neighbours.neighbours.data() + cells.neighbours.begin[points.index(row++)]);
+      from += size;
+    }
+  }
+  return cells;
+}
+
+/// Drops neighbours that only one of the two knows, for an edge near the limit of what counts.
+void make_mutual(NeighbourLists& lists) {
+  std::size_t const count = lists.begin.size() - 1;
+  auto const knows = [&](std::uint32_t i, std::uint32_t j) {
+    auto const* const all = lists.neighbours.data();
+    return std::find(all + lists.begin[i], all + lists.begin[i + 1], j) != all + lists.begin[i + 1];
+  };
+  NeighbourLists mutual{.begin = {0}, .neighbours = {}};
+  for (std::uint32_t i = 0; i < count; ++i) {
+    for (std::uint64_t k = lists.begin[i]; k < lists.begin[i + 1]; ++k) {
+      if (knows(lists.neighbours[k], i)) mutual.neighbours.push_back(lists.neighbours[k]);
+    }
+    mutual.begin.push_back(mutual.neighbours.size());
+  }
+  lists = std::move(mutual);
+}
+
+}  // namespace
+
+VoronoiCells find_voronoi_cells(Box const& box, PointsInMemory const& points, std::uint64_t threads) {
+  require_points_in_memory(points);
+  require_box_for(box, 0.0);
+  require_inside_walls(box, points);
+  ThreadPool pool(threads);
+  SortedPoints const sorted(layout_for(box, points.count), {}, points, pool);
+  std::vector<int> const ends = bands_of(sorted, pool);
+  std::vector<Band> bands(ends.size() - 1);
+  pool.for_each(bands.size(), [&](std::size_t b) { bands[b] = CellMaker(box, sorted).make(ends[b], ends[b + 1]); });
+  VoronoiCells cells = collected(bands, sorted, points.count);
+  make_mutual(cells.neighbours);
+  return cells;
+}
+
+}  // namespace gridlock
