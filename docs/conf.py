@@ -105,6 +105,12 @@ sphinxrenderer.SphinxRenderer.visit_namespace = render_content_of_namespace
 sphinxrenderer.SphinxRenderer.make_initializer = make_short_initializer
 
 
+def keep_bars(app, what, name, object, options, lines):
+    """Formulas such as |Δr| in documentation strings mean no substitutions."""
+    lines[:] = [line if line.startswith((" ", ">")) else line.replace("|", "\\|") for line in lines]
+
+
 def setup(app):
+    app.connect("autodoc-process-docstring", keep_bars)
     app.connect("builder-inited", write_api_pages)
     app.connect("source-read", link_chapters)
