@@ -33,10 +33,10 @@ from .sweeps import SweepDirectory, sweep
 
 __version__: str = _core.version
 __all__ = [
-    "Agents", "Box", "Clock", "Column", "Combined", "Dynamics", "Error", "Frame", "Neighbors", "PairCorrelation", "Problem", "Result", "Results",
-    "RunDirectory", "RunFailure", "Simulation", "StructureFactor", "SweepDirectory", "Trajectory", "Voronoi",
-    "bond_orientation", "combine", "diffusion_coefficient", "dynamics", "explain", "mean_squared_displacement", "neighbors", "pair_correlation",
-    "pairs", "read_xyz", "run", "structure_factor", "sweep", "voronoi",
+    "Agents", "Box", "Clock", "Column", "Combined", "Dynamics", "Error", "Frame", "Neighbors", "PairCorrelation", "Problem",
+    "Result", "Results", "RunDirectory", "RunFailure", "Simulation", "StructureFactor", "SweepDirectory", "Trajectory", "Voronoi",
+    "bond_orientation", "combine", "diffusion_coefficient", "dynamics", "explain", "mean_squared_displacement", "neighbors",
+    "pair_correlation", "pairs", "read_xyz", "run", "structure_factor", "sweep", "voronoi",
 ]
 
 
