@@ -4,9 +4,9 @@
     pip install scipy freud-analysis MDAnalysis
     PYTHONPATH=build/python benchmarks/python_analysis.py 5
 
-Every row gives the least and the median time of all turns, how many times as long as gridlock it takes, and a number that all rows of a group
-share up to their conventions. Timings are of the wall clock. freud is asked for what its own classes offer; its LinkCell is not used, for its
-time grows with the square of the points in two dimensions.
+Every row gives the least and the median time of all turns, how many times as long as gridlock it takes, and a number that all
+rows of a group share up to their conventions. Timings are of the wall clock. freud is asked for what its own classes offer; its
+LinkCell is not used, for its time grows with the square of the points in two dimensions.
 """
 
 import statistics

@@ -31,9 +31,10 @@ class Combined(NamedTuple):
 def combine(runs: Sequence[Any]) -> Any:
     """The mean of what equally good runs have measured, such as runs of different seeds.
 
-    error = max(√(Σ (v − mean)² / (n (n − 1))), √(Σ e²) / n): the scatter of few runs is a poor estimate, and the errors of the runs know
-    nothing of what changes more slowly than their blocks, or from start to start. A χ² far above n − 1 says that the runs differ by more
-    than their errors. Every run counts alike: weights from errors would favour those that are too small by chance.
+    error = max(√(Σ (v − mean)² / (n (n − 1))), √(Σ e²) / n): the scatter of few runs is a poor estimate, and the errors of the
+    runs know nothing of what changes more slowly than their blocks, or from start to start. A χ² far above n − 1 says that the
+    runs differ by more than their errors. Every run counts alike: weights from errors would favour those that are too small by
+    chance.
 
     :param runs: one entry for each run: a :class:`Result`; or ``(value, error)``, numbers or arrays of one shape; or all
         ``results`` of a run, or any other mapping of names.

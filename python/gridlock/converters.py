@@ -55,7 +55,7 @@ def _velocities(frame: Frame) -> NDArray[np.float64] | None:
 
 
 def to_ase(frame: Frame, *, unwrapped: bool = True) -> Any:
-    """One frame as ``ase.Atoms`` with the symbol X; the kinds are in the array "kind", and all other columns in arrays of their names."""
+    """One frame as ``ase.Atoms`` with the symbol X; kinds are in the array "kind", all other columns in arrays of their names."""
     ase = library("ase", "ase")
     sides = [frame.box.width, frame.box.height, 1.0]
     periodic = [frame.box.periodic, frame.box.periodic, False]
@@ -76,8 +76,8 @@ def to_ase(frame: Frame, *, unwrapped: bool = True) -> Any:
 def to_mdanalysis(frames: Sequence[Frame], *, unwrapped: bool = True) -> Any:
     """All frames as an ``MDAnalysis.Universe`` in memory, in single precision as MDAnalysis has it.
 
-    Atoms have ids, types (A, B, C … by kind), and masses and radii where the frames have them. Between walls there are no dimensions,
-    for MDAnalysis takes every box for a periodic one.
+    Atoms have ids, types (A, B, C … by kind), and masses and radii where the frames have them. Between walls there are no
+    dimensions, for MDAnalysis takes every box for a periodic one.
     """
     mda = library("MDAnalysis", "MDAnalysis")
     reader = library("gridlock._mdanalysis", "MDAnalysis").TimedReader
@@ -102,8 +102,8 @@ def to_mdanalysis(frames: Sequence[Frame], *, unwrapped: bool = True) -> Any:
 def to_gsd(frames: Iterable[Frame], path: str | os.PathLike[str]) -> None:
     """Writes frames as a GSD file of two dimensions, as HOOMD-blue, OVITO and freud read it, in single precision.
 
-    The origin is the middle of the box. Images, velocities, masses, diameters and kinds (types A, B, C …) are in it where the frames have
-    them; the log has ``time``. A GSD box is always periodic, so that walls are lost.
+    The origin is the middle of the box. Images, velocities, masses, diameters and kinds (types A, B, C …) are in it where the
+    frames have them; the log has ``time``. A GSD box is always periodic, so that walls are lost.
     """
     gsd = library("gsd.hoomd", "gsd")
     with gsd.open(os.fspath(path), "w") as file:

@@ -57,8 +57,9 @@ def dynamics(
     F_s(q, t) = ⟨J₀(q |Δr|)⟩ (averaged over all directions of q), overlap = share of agents with |Δr| ≤ overlap_length.
 
     :param positions: unwrapped, shape (frames, N, 2); ``Trajectory.positions()`` gives them.
-    :param times: of the frames, ascending, shape (frames,); the numbers of the frames where left out. They may be even in time, in its
-        logarithm, in blocks of it, or anyhow: lags that differ by less than a thousandth of the shortest time between frames are one.
+    :param times: of the frames, ascending, shape (frames,); the numbers of the frames where left out. They may be even in time,
+        in its logarithm, in blocks of it, or anyhow: lags that differ by less than a thousandth of the shortest time between
+        frames are one.
     :param kinds: a whole number for each agent, shape (N,); every kind gets its own curves. ``Trajectory.kinds`` gives them.
     :param q: the wave number of F_s, in 1 / length.
     :param overlap_length: in length; 0.3 diameters is usual.
@@ -66,13 +67,14 @@ def dynamics(
     :param drift: False takes the motion of the mean of all agents out.
     :param threads: 0 for all cores. The result does not depend on it.
     :returns: :class:`Dynamics`.
-    :raises Error: for fewer than two frames, times that do not ascend, positions that are not finite, and more than 8192 frames that are
-        not even in time.
+    :raises Error: for fewer than two frames, times that do not ascend, positions that are not finite, and more than 8192 frames
+        that are not even in time.
 
     Errors know nothing of what changes more slowly than the trajectory: combine runs of several seeds (:func:`combine`).
 
-    Cost: pairs of frames · N · 0.5 ns with AVX-512, 1.1 ns without; with q 2 ns and 4.3 ns. Source: A. Rahman (1964), doi:10.1103/PhysRev.136.A405;
-    W. Kob, H. C. Andersen (1995), doi:10.1103/PhysRevE.52.4134; N. Lačević et al. (2003), doi:10.1063/1.1605094.
+    Cost: pairs of frames · N · 0.5 ns with AVX-512, 1.1 ns without; with q 2 ns and 4.3 ns. Source: A. Rahman (1964),
+    doi:10.1103/PhysRev.136.A405; W. Kob, H. C. Andersen (1995), doi:10.1103/PhysRevE.52.4134; N. Lačević et al. (2003),
+    doi:10.1063/1.1605094.
 
     >>> walk = np.random.default_rng(1).normal(size=(200, 100, 2)).cumsum(axis=0)
     >>> found = dynamics(walk, lags=3, q=0.5)
@@ -109,10 +111,12 @@ def diffusion_coefficient(
     :param lag: shape (L,).
     :param msd: of one kind, shape (L,).
     :param error: of msd, shape (L,); points count by 1 / error² then, and D has an error.
-    :param start: the motion must be diffusive from there on; where it is not, D is too large or too small, whatever its error says.
+    :param start: the motion must be diffusive from there on; where it is not, D is too large or too small, whatever its error
+        says.
     :param end: the last lag where left out; its error is large where few origins are left.
-    :returns: D with one standard error in length² / time. The displacements after different lags are those of the same agents, so their
-        errors are not independent; the error of D is the larger one of two: all points off by their errors together, or each for itself.
+    :returns: D with one standard error in length² / time. The displacements after different lags are those of the same agents,
+        so their errors are not independent; the error of D is the larger one of two: all points off by their errors together,
+        or each for itself.
     :raises Error: for fewer than two points in the window, and errors that are not positive there.
 
     Cost: O(L). Source: A. Einstein (1905), doi:10.1002/andp.19053220806.
@@ -127,13 +131,13 @@ def diffusion_coefficient(
     last = as_number(end, "end", "use a time", least=-np.inf) if end is not None else np.inf
     wanted = (t >= first) & (t <= last)
     if np.unique(t[wanted]).size < 2:
-        raise Error(f"there are {int(wanted.sum())} lags from {first:g} to {last:g}\n  hint: a line needs at least two; widen the window")
+        raise Error(f"there are {int(wanted.sum())} lags from {first:g} to {last:g}\n  hint: a line needs two; widen the window")
     t, y = t[wanted], y[wanted]
     if error is None:
         return Result(float(_line(t, np.ones_like(t)) @ y / 4), None, "length² / time")
     e = as_numbers(error, "the errors", (len(wanted),), hint, finite=False)[wanted]
     if not (np.isfinite(e) & (e > 0)).all():
-        raise Error(f"the errors in the window are {e}\n  hint: all must be positive numbers; end the window where origins run out")
+        raise Error(f"the errors in the window are {e}\n  hint: all must be positive; end the window where origins run out")
     slope = _line(t, 1 / e**2) / 4
     together, apart = abs(slope @ e), np.sqrt((slope**2) @ e**2)
     return Result(float(slope @ y), float(max(together, apart)), "length² / time")

@@ -103,7 +103,7 @@ class Frame:
         return dataclasses.replace(self, box=box, columns=columns)
 
     def to_ase(self, *, unwrapped: bool = True) -> Any:
-        """An ``ase.Atoms``: symbol X, kinds in the array "kind", further columns in arrays of their names, z = 0, a cell of height 1.
+        """An ``ase.Atoms`` of symbol X, with z = 0 and a cell of height 1; kinds and further columns are in arrays of their names.
 
         :param unwrapped: False for positions inside the box.
         :raises Error: where ASE is not installed, and as :attr:`unwrapped`.
@@ -206,12 +206,13 @@ class Trajectory:
         return self[0].diameter
 
     def to_mdanalysis(self, *, unwrapped: bool = True) -> Any:
-        """An ``MDAnalysis.Universe`` in memory, with the times of the frames: ids, types (A, B, C … by kind), masses and radii, z = 0.
+        """An ``MDAnalysis.Universe`` in memory: times, ids, types (A, B, C … by kind), masses and radii; z is 0.
 
         :param unwrapped: False for positions inside the box. The default is what ``EinsteinMSD`` needs.
         :raises Error: where MDAnalysis is not installed, for births and deaths, and as :attr:`Frame.unwrapped`.
 
-        MDAnalysis has single precision, and its densities count volumes: with a box of height 1, its ``InterRDF`` is not g(r) of the plane;
+        MDAnalysis has single precision, and its densities count volumes: with a box of height 1, its ``InterRDF`` is not g(r)
+        of the plane;
         :func:`pair_correlation` is.
         """
         return converters.to_mdanalysis(list(self), unwrapped=unwrapped)
@@ -221,7 +222,7 @@ class Trajectory:
         return [frame.to_ase(unwrapped=unwrapped) for frame in self]
 
     def to_gsd(self, path: str | os.PathLike[str]) -> None:
-        """Writes a GSD file of two dimensions: positions about the middle of the box, images, velocities, masses, diameters, kinds.
+        """Writes a GSD file of two dimensions: positions about the middle of the box, images, velocities, masses, diameters.
 
         :raises Error: where gsd is not installed.
 

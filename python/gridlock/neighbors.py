@@ -65,7 +65,10 @@ class Neighbors(NamedTuple):
 
 
 def as_points(points: ArrayLike) -> NDArray[np.float64]:
-    """Points as an array of shape (N, 2) of float64 in one piece; not copied where they are one. The library refuses what is not finite."""
+    """Points as an array of shape (N, 2) of float64 in one piece; not copied where they are one.
+
+    The library refuses what is not finite.
+    """
     hint = "use an array of shape (N, 2): x and y of each point"
     array = as_array(points, "the points are", hint)
     return as_numbers(array.reshape(-1, 2) if array.shape == (0,) else array, "the points", (None, 2), hint, finite=False)
@@ -86,6 +89,10 @@ def as_neighbors(found: Any, count: int) -> Neighbors:
     return Neighbors(begin.astype(np.uint64), indices.astype(np.uint32))
 
 
+def _as_cutoff(cutoff: Any) -> float:
+    return as_number(cutoff, "the cutoff", "use a positive length")
+
+
 def pairs(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int = 1) -> NDArray[np.uint32]:
     """All pairs of points nearer than the cutoff, each once.
 
@@ -99,7 +106,7 @@ def pairs(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int
     >>> pairs([[0.1, 0.5], [0.9, 0.5], [0.5, 0.5]], 0.3, box=1.0)
     array([[0, 1]], dtype=uint32)
     """
-    return _core.pairs(as_points(points), as_number(cutoff, "the cutoff", "use a positive length"), as_box(box), as_threads(threads)).T
+    return _core.pairs(as_points(points), _as_cutoff(cutoff), as_box(box), as_threads(threads)).T
 
 
 def neighbors(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int = 1) -> Neighbors:
@@ -113,4 +120,4 @@ def neighbors(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads:
     >>> found.of(0)
     array([1], dtype=uint32)
     """
-    return Neighbors(*_core.neighbor_lists(as_points(points), as_number(cutoff, "the cutoff", "use a positive length"), as_box(box), as_threads(threads)))
+    return Neighbors(*_core.neighbor_lists(as_points(points), _as_cutoff(cutoff), as_box(box), as_threads(threads)))

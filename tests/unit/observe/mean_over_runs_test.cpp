@@ -28,7 +28,7 @@ TEST(Combine, TakesTheLargerOneOfTwoErrorsAndTellsWhetherTheRunsAgree) {
   EXPECT_DOUBLE_EQ(apart.mean.value, 1.2);
   EXPECT_DOUBLE_EQ(*apart.mean.error, 0.2);
   EXPECT_DOUBLE_EQ(*apart.error_by_runs, 0.1 / std::sqrt(2.0));
-  EXPECT_DOUBLE_EQ(*apart.chi_squared, 8.0);
+  EXPECT_NEAR(*apart.chi_squared, 8.0, 1e-12);
   CombinedEstimate const together = combine(std::vector<Estimate>{{1.0, 0.3}, {1.0, 0.4}});
   EXPECT_DOUBLE_EQ(*together.mean.error, 0.25);
   EXPECT_EQ(*together.error_by_scatter, 0.0);
