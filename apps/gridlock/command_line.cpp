@@ -3,15 +3,18 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <functional>
 #include <new>
 #include <string>
+#include <vector>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/workspace/run_directory.hpp"
+#include "other_program.hpp"
 #include "usage_error.hpp"
 #include "verbs.hpp"
 
@@ -27,6 +30,33 @@ void refuse_empty_values(CLI::App& app) {
     for (CLI::Option* const option : verb->get_options()) {
       if (option->get_items_expected_max() > 0) option->check(cli::not_empty());
     }
+  }
+}
+
+/// `help` and `help WORD` are --help and WORD --help.
+std::vector<std::string> without_help(std::vector<std::string> words) {
+  if (words.empty() || words.front() != "help") return words;
+  words.erase(words.begin());
+  words.insert(words.empty() ? words.begin() : words.begin() + 1, "--help");
+  return words;
+}
+
+bool has_command(CLI::App& app, std::string const& word) {
+  return !app.get_subcommands([&](CLI::App const* command) { return command->check_name(word); }).empty();
+}
+
+/// Becomes the program of a first word that is no command of this one, where there is such a program.
+void hand_over(CLI::App& app, std::vector<std::string> const& words) {
+  if (words.empty() || has_command(app, words.front())) return;
+  std::filesystem::path const program = cli::find_other_program(words.front());
+  if (!program.empty()) cli::become(program, {words.begin() + 1, words.end()});
+}
+
+/// Lists the other programs in the help, which alone takes the time to look for them.
+void add_other_programs(CLI::App& app) {
+  for (std::string const& word : cli::other_programs()) {
+    if (has_command(app, word)) continue;
+    app.add_subcommand(word, fmt::format("The program gridlock-{}", word))->group("Other programs");
   }
 }
 
@@ -55,14 +85,18 @@ ExitCode run_command_line(int argc, char** argv, AddCommand const& add_more) {
   for (CLI::App* const command : app.get_subcommands({})) command->group("Commands");
   std::string const example = add_more ? fmt::format("{} paper --quick    or    ", cli::program_name()) : "";
   app.footer(fmt::format("Start with:  {}{} explain", example, cli::program_name()));
+  std::vector<std::string> const words = without_help({argv + std::min(argc, 1), argv + argc});
+  hand_over(app, words);
   try {
-    app.parse(argc, argv);
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 takes them from the end
   } catch (CLI::ParseError const& error) {
+    bool const is_version = dynamic_cast<CLI::CallForVersion const*>(&error) != nullptr;
+    if (!is_version && app.get_subcommands().empty()) add_other_programs(app);
     if (error.get_exit_code() == 0) {  // --help and --version
       app.exit(error);
       return ExitCode::good;
     }
-    throw Error(cli::usage_problem(app, error, argc > 1 ? argv[1] : ""));
+    throw Error(cli::usage_problem(app, error, words.empty() ? "" : words.front()));
   }
   return exit_code;
 }
