@@ -207,7 +207,9 @@ std::vector<FrameColumn> others_of(Rows& rows, Header const& header) {
 XyzFrame frame_of(Rows& rows, Header const& header, std::uint64_t count, Lines& lines) {
   XyzFrame frame{.state = {.box = header.box, .agents = {}, .clock = header.clock, .seed = header.seed},
                  .has_velocities = header.has(Role::velocity_x),
-                 .has_radii = header.has(Role::radius)};
+                 .has_radii = header.has(Role::radius),
+                 .has_masses = header.has(Role::mass),
+                 .has_images = header.has(Role::image_x)};
   Disks& disks = frame.state.agents;
   // A population keeps a place for every slot up to the largest: a damaged id must not ask for all the memory.
   std::uint64_t const most_slots = (std::uint64_t{1} << 22) + 64 * count;

@@ -45,6 +45,8 @@ struct XyzFrame {
   State state;
   bool has_velocities = false;  ///< where not, all are 0
   bool has_radii = false;       ///< where not, all are 0 and the caller has to give them
+  bool has_masses = false;      ///< where not, all are 1
+  bool has_images = false;      ///< where not, all are 0
   /// The other columns that hold one number for each row, in the order of the ids; nan where there is none.
   std::vector<FrameColumn> others = {};
 };
