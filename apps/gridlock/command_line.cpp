@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <functional>
 #include <new>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
@@ -45,11 +47,26 @@ bool has_command(CLI::App& app, std::string const& word) {
   return !app.get_subcommands([&](CLI::App const* command) { return command->check_name(word); }).empty();
 }
 
+/// The commands of Gridlock that are programs of its Python package, with what the help says of them.
+constexpr std::array<std::pair<char const*, char const*>, 2> python_commands{
+    {{"plot", "Draw the pictures of a run or sweep from its data"},
+     {"paper", "Make the paper's Figures 4 to 7 and check its claims"}}};
+
+bool is_python_command(std::string_view word) {
+  return std::ranges::find(python_commands, word, [](auto const& command) {
+           return std::string_view(command.first);
+         }) != python_commands.end();
+}
+
 /// Becomes the program of a first word that is no command of this one, where there is such a program.
+/// Errors: Error where a program of the Python package is missing.
 void hand_over(CLI::App& app, std::vector<std::string> const& words) {
-  if (words.empty() || has_command(app, words.front())) return;
+  if (words.empty() || (has_command(app, words.front()) && !is_python_command(words.front()))) return;
   std::filesystem::path const program = cli::find_other_program(words.front());
   if (!program.empty()) cli::become(program, {words.begin() + 1, words.end()});
+  if (!is_python_command(words.front())) return;
+  throw Error(
+      {.what = fmt::format("the program gridlock-{} is not installed", words.front()), .hint = cli::python_package()});
 }
 
 /// Lists the other programs in the help, which alone takes the time to look for them.
@@ -60,9 +77,7 @@ void add_other_programs(CLI::App& app) {
   }
 }
 
-using AddCommand = std::function<void(CLI::App& app, ExitCode& exit_code)>;
-
-ExitCode run_command_line(int argc, char** argv, AddCommand const& add_more) {
+ExitCode run_command_line(int argc, char** argv) {
   if (argc > 0) cli::set_program_name(std::filesystem::path(argv[0]).filename().string());
   CLI::App app{"gridlock: simulates many agents that interact only with nearby neighbours", cli::program_name()};
   app.set_version_flag("--version", std::string("gridlock ") + gridlock::version());
@@ -77,14 +92,14 @@ ExitCode run_command_line(int argc, char** argv, AddCommand const& add_more) {
   cli::add_check(app, exit_code);
   cli::add_explain(app, exit_code);
   cli::add_info(app, exit_code);
-  cli::add_plot(app, exit_code);
   cli::add_export(app, exit_code);
   cli::add_movie(app, exit_code);
-  if (add_more) add_more(app, exit_code);
   refuse_empty_values(app);
   for (CLI::App* const command : app.get_subcommands({})) command->group("Commands");
-  std::string const example = add_more ? fmt::format("{} paper --quick    or    ", cli::program_name()) : "";
-  app.footer(fmt::format("Start with:  {}{} explain", example, cli::program_name()));
+  for (auto const& [name, documentation] : python_commands) {
+    app.add_subcommand(name, documentation)->group("Commands of the Python package");
+  }
+  app.footer(fmt::format("Start with:  {} explain", cli::program_name()));
   std::vector<std::string> const words = without_help({argv + std::min(argc, 1), argv + argc});
   hand_over(app, words);
   try {
@@ -103,9 +118,9 @@ ExitCode run_command_line(int argc, char** argv, AddCommand const& add_more) {
 
 }  // namespace
 
-int cli::command_line(int argc, char** argv, AddCommand const& add_more) {
+int command_line(int argc, char** argv) {
   try {
-    return static_cast<int>(run_command_line(argc, argv, add_more));
+    return static_cast<int>(run_command_line(argc, argv));
   } catch (gridlock::Error const& error) {
     for (gridlock::Problem const& problem : error.problems()) {
       fmt::print(stderr, "error: {}\n", gridlock::to_text(problem));
@@ -119,7 +134,5 @@ int cli::command_line(int argc, char** argv, AddCommand const& add_more) {
     return static_cast<int>(ExitCode::run_failed);
   }
 }
-
-int command_line(int argc, char** argv) { return cli::command_line(argc, argv, {}); }
 
 }  // namespace gridlock

@@ -74,6 +74,10 @@ std::vector<std::string> other_programs() {
   return {words.begin(), words.end()};
 }
 
+char const* python_package() {
+  return "it comes with the Python package: pip install \".[plots]\" in the sources of Gridlock";
+}
+
 void become(fs::path const& program, std::vector<std::string> const& arguments) {
   std::vector<char*> words{const_cast<char*>(program.c_str())};
   for (std::string const& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));

@@ -17,6 +17,9 @@ std::filesystem::path find_other_program(std::string const& word);
 /// The words of all such programs, each once, in alphabetical order. Cost: a walk through the directories of PATH.
 std::vector<std::string> other_programs();
 
+/// Where the programs of Gridlock's own Python package come from.
+char const* python_package();
+
 /// Becomes the program, with the arguments that follow its word: its output, exit code and signals are those of this process.
 /// Errors: Error where the system cannot start it.
 [[noreturn]] void become(std::filesystem::path const& program, std::vector<std::string> const& arguments);

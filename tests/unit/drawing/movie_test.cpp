@@ -1,23 +1,17 @@
-// What the pictures of a run, of a sweep and of a movie show.
+// What a movie shows.
 
-#include "drawing/pictures.hpp"
+#include "drawing/movie.hpp"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "drawing/frame_picture.hpp"
-#include "drawing/movie.hpp"
 #include "gridlock/core/disks.hpp"
-#include "gridlock/io/table.hpp"
-#include "gridlock/workspace/run_directory.hpp"
 #include "io/file.hpp"
-#include "unit/io/markup_document.hpp"
 #include "unit/io/temporary_directory.hpp"
 
 namespace gridlock {
@@ -69,49 +63,6 @@ TEST(Movie, HasOneBarInAllFramesThatReachesOverTheValuesOfAll) {
     expected += painter.pixels(frames[static_cast<std::size_t>(title[5] - '0')], 200, title).bytes;
   }
   EXPECT_TRUE(read_file(directory / "ffmpeg.frames") == expected);
-}
-
-/// The largest of the numbers that stand in a picture by themselves.
-double largest_number_in(fs::path const& svg) {
-  double largest = -1.0;
-  for (auto const& text : MarkupDocument(read_file(svg)).named("text")) {
-    char* end = nullptr;
-    double const number = std::strtod(text.text.c_str(), &end);
-    if (!text.text.empty() && *end == '\0') largest = std::max(largest, number);
-  }
-  return largest;
-}
-
-TEST(Pictures, OfARunShowDisplacementsInSidesOfTheBox) {
-  TemporaryDirectory const directory;
-  Configuration configuration;
-  configuration.box.width = 1000.0;
-  configuration.box.height = 1000.0;
-  configuration.disks = {.count = 16, .packing_fraction = 0.2};
-  configuration.run.steps = 200;
-  run_in(directory.path(), set_up(configuration));
-  draw_results(directory.path());
-  double const mean = read_csv(directory / "series.csv").numbers("mean_displacement").back();
-  ASSERT_GT(mean, 0.01);
-  double const largest = largest_number_in(directory / "final.svg");
-  EXPECT_GT(largest, 0.5 * mean);
-  EXPECT_LT(largest, std::sqrt(2.0)) << "nobody comes farther in a box between walls";
-}
-
-TEST(Pictures, OfASweepAreDrawnAgainstTheSettingWithTheMostValuesIfThatHasTwo) {
-  TemporaryDirectory const directory;
-  auto const drawn = [&](std::string const& rows) {
-    write_file(directory / "means.csv",
-               "disks.packing_fraction,engine.substeps,runs,collision_rate,collision_rate_error\n" + rows);
-    fs::remove(directory / "collision_rate.gp");
-    draw_results(directory.path());
-    return fs::exists(directory / "collision_rate.gp") ? read_file(directory / "collision_rate.gp") : "";
-  };
-  EXPECT_EQ(drawn("0.3,2,5,1.5,0.1\n"), "");
-  std::string const by_substeps = drawn("0.3,2,5,1.5,0.1\n0.3,4,5,1.6,0.1\n");
-  std::string const by_fraction = drawn("0.3,2,5,1.5,0.1\n0.4,2,5,1.6,0.1\n");
-  EXPECT_NE(by_substeps, "");
-  EXPECT_NE(by_substeps, by_fraction);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
-#include "io/markup.hpp"
+#include "io/utf8.hpp"
 
 #include <cstddef>
-#include <cstdint>
 
 namespace gridlock {
 
@@ -34,7 +33,7 @@ std::size_t length_of_character(std::string_view text) {
   bool const is_overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
   bool const is_surrogate = first == 0xED && second >= 0xA0;
   bool const is_beyond_unicode = first == 0xF4 && second >= 0x90;
-  // U+FFFE and U+FFFF are no characters of XML.
+  // U+FFFE and U+FFFF are no characters.
   bool const is_noncharacter = first == 0xEF && second == 0xBF && byte(2) >= 0xBE;
   return is_overlong || is_surrogate || is_beyond_unicode || is_noncharacter ? 0 : length;
 }
@@ -50,37 +49,6 @@ void for_each_character(std::string_view text, Visit visit) {
 }
 
 }  // namespace
-
-std::string escape_markup(std::string_view text) {
-  std::string escaped;
-  escaped.reserve(text.size());
-  for_each_character(text, [&](std::string_view character) {
-    switch (character.front()) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      case '\'':
-        escaped += "&#39;";
-        break;
-      case '\n':
-      case '\t':
-        escaped += character;
-        break;
-      default:
-        if (!is_control(character.front())) escaped += character;
-    }
-  });
-  return escaped;
-}
 
 std::string one_line(std::string_view text) {
   std::string line;
@@ -103,23 +71,6 @@ std::size_t text_length(std::string_view text) {
     end += length;
   }
   return end;
-}
-
-std::string to_base64(std::string_view bytes) {
-  static constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string encoded;
-  encoded.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::size_t const present = bytes.size() - i < 3 ? bytes.size() - i : 3;
-    std::uint32_t group = 0;
-    for (std::size_t j = 0; j < 3; ++j) {
-      group = (group << 8) | (j < present ? static_cast<unsigned char>(bytes[i + j]) : 0U);
-    }
-    for (std::size_t j = 0; j < 4; ++j) {
-      encoded += j <= present ? digits[(group >> (18 - 6 * j)) & 0x3FU] : '=';
-    }
-  }
-  return encoded;
 }
 
 }  // namespace gridlock
