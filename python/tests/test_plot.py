@@ -191,6 +191,10 @@ def test_series_and_curves_are_those_of_the_run(simulation):
     curve = gridlock.plot.curve(simulation, "pair_correlation")
     assert np.array_equal(curve.lines[0].get_ydata(), simulation.distributions["pair_correlation"]["pair_correlation"])
     assert len(curve.collections) == 1
+    denser = gridlock.Simulation(disks={"count": 100, "packing_fraction": 0.65}, observe={"every": 10, "structure_every": 1})
+    denser.run(steps=300)
+    gridlock.plot.curve(denser, "pair_correlation", axes=curve)
+    assert curve.get_ylim()[0] == 0 and curve.get_ylim()[1] > denser.distributions["pair_correlation"]["pair_correlation"].max()
     speeds = gridlock.plot.curve(simulation, "speed_distribution")
     assert np.array_equal(speeds.patches[0].get_data().values, simulation.distributions["speed_distribution"]["density"])
     assert [text.get_text() for text in speeds.get_legend().get_texts()] == ["measured", "Maxwell"]

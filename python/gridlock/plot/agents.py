@@ -60,7 +60,7 @@ def usual_colour(frame: Frame) -> str:
 
 
 def values_of(frame: Frame, colour: str) -> NDArray[Any]:
-    """The numbers that a colour stands for: one for each agent."""
+    """The numbers that a colour shows: one for each agent."""
     if colour == "psi6":
         return _local_order(frame)
     if colour == "speed" and "velocity_x" in frame.columns:

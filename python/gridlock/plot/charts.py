@@ -63,6 +63,12 @@ def reference(axes: Axes, at: float, label: str = "") -> None:
                       color=GREY, fontsize="small")
 
 
+def _begin_at_zero(axes: Axes) -> None:
+    """Both axes, whose other ends suit all that is drawn."""
+    axes.autoscale()
+    axes.set(xlim=(0, None), ylim=(0, None))
+
+
 def series(run: Any, columns: str | Sequence[str], *, against: str = "time", axes: Axes | None = None) -> Axes:
     """Columns of the series of a simulation or a run directory against time."""
     table = run.series
@@ -95,13 +101,13 @@ def curve(run: Any, name: str, *, unit: float = 1.0, axes: Axes | None = None, l
     if name == "speed_distribution":
         histogram(axes, table[x], table[y], error, label=label or "measured")
         line(axes, table[x], table["maxwell"], label="Maxwell", color=LINE_COLOURS[1])
-        axes.set(xlim=(0, None), ylim=(0, None))
+        _begin_at_zero(axes)
         axes.legend()
         return axes
     line(axes, table[x] / unit, table[y], error, label=label)
     if name == "pair_correlation":
         reference(axes, 1.0)
-        axes.set(xlim=(0, None), ylim=(0, None))
+        _begin_at_zero(axes)
     return axes
 
 
