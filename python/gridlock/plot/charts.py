@@ -56,11 +56,11 @@ def histogram(axes: Axes, middles: ArrayLike, heights: ArrayLike, error: ArrayLi
 
 
 def reference(axes: Axes, at: float, label: str = "") -> None:
-    """A thin line across the chart, with a word at its right end."""
+    """A thin line across the chart, with a word below its right end."""
     axes.axhline(at, color=GREY, linewidth=0.7, linestyle=":", zorder=1)
     if label:
-        axes.annotate(label, (1.0, at), (-2, 2), xycoords=("axes fraction", "data"), textcoords="offset points", ha="right", va="bottom",
-                      color=GREY, fontsize="small")
+        axes.annotate(label, (1.0, at), (-2, -2), xycoords=("axes fraction", "data"), textcoords="offset points", ha="right", va="top",
+                      color=GREY, fontsize="small", annotation_clip=True, in_layout=False)
 
 
 def _begin_at_zero(axes: Axes) -> None:

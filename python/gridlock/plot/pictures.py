@@ -134,9 +134,10 @@ def _draw_curves(artist: _Artist, run: RunDirectory, last: Frame) -> None:
 def _draw_series(artist: _Artist, run: RunDirectory, column: str, *, name: str = "", mark: float | None = None) -> None:
     def draw(axes: Any) -> None:
         series(run, column, axes=axes)
-        axes.set_ylim(min(0.0, axes.get_ylim()[0]), None)
         if mark is not None:
             reference(axes, mark, f"{100 * mark:g} % of the box")
+        if np.nanmin(run.series[column], initial=0.0) >= 0.0:
+            axes.set_ylim(0.0, None)
 
     artist.chart(name or column, draw)
 
