@@ -10,7 +10,7 @@ RUN ./dev package
 FROM debian:bookworm-slim
 COPY --from=build /source/build-program/*.deb /tmp/
 RUN apt-get update -qq \
- && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends /tmp/*.deb gnuplot-nox ffmpeg \
+ && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends /tmp/*.deb ffmpeg \
  && rm -rf /tmp/*.deb /var/lib/apt/lists/*
 WORKDIR /work
 ENTRYPOINT ["gridlock"]

@@ -5,7 +5,7 @@ find_package(tomlplusplus REQUIRED)   # the configuration, with line and column 
 find_package(nlohmann_json REQUIRED)  # summary.json
 find_package(TBB REQUIRED)            # sweeps on all cores
 find_package(PkgConfig REQUIRED)
-pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)      # pictures of disks, SVG and PNG
+pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)      # the pictures of movies
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash) # the state hash
 include(cmake/Hdf5.cmake)                                    # trajectories in H5MD
 pkg_check_modules(LIBDEFLATE REQUIRED IMPORTED_TARGET libdeflate) # their chunks, compressed on all cores

@@ -19,8 +19,17 @@ cat <<'PAGE'
 Messages go to the standard error stream, results to the standard output. Ctrl-C and SIGTERM stop a run, a sweep or the study
 after a checkpoint; `gridlock resume`, or the same command again, continues it
 ([stop and continue](../explanation/reliability.md)).
+
+A command that is not on this page is a program of its own: `gridlock greet Anna` runs `gridlock-greet Anna`, the program of that name
+beside `gridlock` or, if there is none, on the path. Any language will do. `gridlock --help` lists the programs that it finds, and
+`gridlock help COMMAND` is `gridlock COMMAND --help`.
 PAGE
 
-section() { printf '\n## `%s`\n\n```text\n%s\n```\n' "gridlock${1:+ $1}" "$("$program" $1 --help)"; }
+section() { printf '\n## `%s`\n\n```text\n%s\n```\n' "gridlock${1:+ $1}" "$(PATH=/usr/bin:/bin "$program" $1 --help)"; }
 section ""
-for command in $("$program" --help | sed -n '/^Commands:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do section "$command"; done
+for command in $(PATH=/usr/bin:/bin "$program" --help | sed -n '/^Commands:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do section "$command"; done
+# Those of the Python package, where it is built.
+for other in "$(dirname "$program")"/gridlock-*; do
+  [[ -x $other ]] && COLUMNS=110 section "${other##*/gridlock-}"
+done
+exit 0

@@ -61,4 +61,5 @@ awk 'BEGIN {
   }
 }' >validation/results/sir.csv
 
-gnuplot validation/models.gp
+# The environment of ./dev build, in which the Python package has its plots.
+PYTHONPATH=build/python build-python-environment/bin/python validation/models.py docs/images

@@ -1,7 +1,5 @@
 #include "drawing/colour.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,13 +15,7 @@ constexpr Colour from_hex(unsigned hex) {
           static_cast<double>(hex & 0xFFU) / 255.0};
 }
 
-int to_byte(double part) { return static_cast<int>(std::lround(std::clamp(part, 0.0, 1.0) * 255.0)); }
-
 }  // namespace
-
-std::string to_hex(Colour colour) {
-  return fmt::format("#{:02x}{:02x}{:02x}", to_byte(colour.red), to_byte(colour.green), to_byte(colour.blue));
-}
 
 Colour mixed(Colour from, Colour to, double share) {
   return {from.red + share * (to.red - from.red), from.green + share * (to.green - from.green),

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <span>
-#include <string>
 
 namespace gridlock {
 
@@ -11,9 +10,6 @@ struct Colour {
   double green = 0.0;
   double blue = 0.0;
 };
-
-/// "#rrggbb".
-std::string to_hex(Colour colour);
 
 /// The colour at the fraction `share` between `from` and `to`.
 Colour mixed(Colour from, Colour to, double share);

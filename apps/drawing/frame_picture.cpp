@@ -17,8 +17,6 @@ namespace gridlock {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 /// The values of a column that the frame has.
 std::vector<double> numbers_of(Frame const& frame, std::string const& name) {
   return std::visit([](auto const& values) { return std::vector<double>(values.begin(), values.end()); },
@@ -178,9 +176,9 @@ auto FramePainter::with_picture(Frame const& frame, std::uint32_t width, std::st
   return visit(state, picture);
 }
 
-void FramePainter::draw(Frame const& frame, std::uint32_t width, std::string const& title, fs::path const& file) const {
+void FramePainter::draw(Frame const& frame, std::uint32_t width, std::string const& title, Canvas& canvas) const {
   with_picture(frame, width, title,
-               [&](State const& state, PictureSettings const& settings) { draw_disks(state, settings, file); });
+               [&](State const& state, PictureSettings const& settings) { draw_picture(state, settings, canvas); });
 }
 
 PicturePixels FramePainter::pixels(Frame const& frame, std::uint32_t width, std::string const& title) const {

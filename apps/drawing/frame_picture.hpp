@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,8 +32,8 @@ class FramePainter {
   [[nodiscard]] bool has_bar() const { return colour_ != "radius" && colour_ != "neighbourhood"; }
   /// Lets the bar reach over the numbers of this frame, which has the columns of the first one, too.
   void widen_bar(Frame const& frame);
-  /// Errors: those of draw_disks().
-  void draw(Frame const& frame, std::uint32_t width, std::string const& title, std::filesystem::path const& file) const;
+  /// Errors: those of draw_picture().
+  void draw(Frame const& frame, std::uint32_t width, std::string const& title, Canvas& canvas) const;
   /// The same as pixels.
   [[nodiscard]] PicturePixels pixels(Frame const& frame, std::uint32_t width, std::string const& title) const;
 

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -15,7 +14,6 @@
 #include "drawing/colour.hpp"
 #include "drawing/neighbourhood_colour.hpp"
 #include "gridlock/core/error.hpp"
-#include "io/file.hpp"
 
 namespace gridlock {
 
@@ -25,10 +23,8 @@ constexpr double reference_width = 720.0;  // the picture width the sizes below 
 constexpr std::uint32_t least_pixels = 16;
 constexpr std::uint32_t most_pixels = 16'384;
 constexpr double narrowest_cell = 4.0;  // pixels; the lines of a finer grid would hide the disks
-constexpr std::size_t most_arrows = 2'000;
 constexpr std::size_t most_species_colours = 6;
 constexpr double tallest_picture = 2.0;  // height over width, where the box asks for more
-constexpr double raster_magnification = 2.0;
 
 constexpr Colour white{1.0, 1.0, 1.0};
 constexpr Colour ink{0.13, 0.14, 0.16};
@@ -53,13 +49,9 @@ struct Arrangement {
   PixelRectangle bar;
 };
 
-bool has_bar(Colouring colouring) {
-  return colouring == Colouring::speed || colouring == Colouring::values || colouring == Colouring::directions;
-}
+bool has_bar(Colouring colouring) { return colouring == Colouring::values || colouring == Colouring::directions; }
 
-bool has_values(Colouring colouring) {
-  return colouring == Colouring::values || colouring == Colouring::directions || colouring == Colouring::kinds;
-}
+bool has_values(Colouring colouring) { return has_bar(colouring) || colouring == Colouring::kinds; }
 
 /// What a list beside the picture says of a colour.
 struct ColourName {
@@ -81,12 +73,10 @@ double list_width(std::vector<ColourName> const& names, std::string const& title
 }
 
 void check(State const& state, PictureSettings const& settings) {
-  for (auto const& [key, pixels] : {std::pair{"width", settings.width}, std::pair{"height", settings.height}}) {
-    bool const follows = pixels == 0 && std::string_view(key) == "height";
-    if (follows || (pixels >= least_pixels && pixels <= most_pixels)) continue;
-    throw Error({.what = fmt::format("a picture {} of {} pixels cannot be drawn", key, pixels),
+  if (settings.width < least_pixels || settings.width > most_pixels) {
+    throw Error({.what = fmt::format("a picture width of {} pixels cannot be drawn", settings.width),
                  .hint = fmt::format("use {} to {} pixels", least_pixels, most_pixels),
-                 .key = key});
+                 .key = "width"});
   }
   if (has_values(settings.colouring) && settings.values.size() != state.agents.size()) {
     throw Error({.what = fmt::format("{} values to colour {} disks by", settings.values.size(), state.agents.size()),
@@ -104,12 +94,12 @@ Arrangement arrange(Box const& box, PictureSettings const& settings, std::vector
   bool const has_side = has_bar(settings.colouring) || !names.empty();
   double const right = has_side ? beside * a.unit : margin;
   double const room = a.width - margin - right;
-  double const most_height = (settings.height > 0 ? settings.height : tallest_picture * a.width) - top - margin;
+  double const most_height = tallest_picture * a.width - top - margin;
   a.pixels = std::min(room / box.width(), std::max(1.0, most_height) / box.height());
   a.box = {.width = a.pixels * box.width(), .height = a.pixels * box.height()};
   double const least_height = has_side ? 160.0 * a.unit : 0.0;
   double const content = std::max(a.box.height, least_height);
-  a.height = settings.height > 0 ? settings.height : std::max(1.0, std::round(top + content + margin));
+  a.height = std::max(1.0, std::round(top + content + margin));
   a.box.x = margin + 0.5 * (room - a.box.width);
   a.box.y = top + 0.5 * (a.height - top - margin - a.box.height);
   a.bar = {.x = a.box.x + a.box.width + 18.0 * a.unit,
@@ -123,11 +113,7 @@ Arrangement arrange(Box const& box, PictureSettings const& settings, std::vector
 class DiskColours {
  public:
   DiskColours(State const& state, PictureSettings const& settings) : state_(state), settings_(settings) {
-    if (settings.colouring == Colouring::speed) {
-      for (std::size_t i = 0; i < state.agents.size(); ++i) {
-        values_.push_back(std::sqrt(squared_length(velocity(state.agents, i))));
-      }
-    } else if (has_values(settings.colouring)) {
+    if (has_values(settings.colouring)) {
       values_.assign(settings.values.begin(), settings.values.end());
     } else if (settings.colouring == Colouring::radius) {
       find_radii();
@@ -167,7 +153,6 @@ class DiskColours {
         return of_cell(position(state_.agents, i));
       case Colouring::kinds:
         return of_kind(values_[i]);
-      case Colouring::speed:
       case Colouring::values:
       case Colouring::directions:
         break;
@@ -274,8 +259,6 @@ class Picture {
       double const radius = state_.agents.column<Radius>()[i] * at_.pixels - 0.5 * outline;
       for_each_image(i, [&](Vector centre) { canvas.circle(to_pixels(centre), radius, colours_.of(i)); });
     }
-    canvas.end_circles();
-    if (settings_.shows_velocities && state_.agents.size() <= most_arrows) draw_arrows(canvas);
   }
 
   void draw_frame(Canvas& canvas) const {
@@ -314,29 +297,6 @@ class Picture {
         if (reaches(image.x, state_.box.width()) && reaches(image.y, state_.box.height())) visit(image);
       }
     }
-  }
-
-  void draw_arrows(Canvas& canvas) const {
-    double squares = 0.0;
-    for (std::size_t i = 0; i < state_.agents.size(); ++i) squares += squared_length(velocity(state_.agents, i));
-    if (!(squares > 0.0) || !std::isfinite(squares)) return;
-    double const speed = std::sqrt(squares / static_cast<double>(state_.agents.size()));
-    double const pixels_per_speed = 2.0 * radius_range(state_.agents).smallest * at_.pixels / speed;
-    for (std::size_t i = 0; i < state_.agents.size(); ++i) {
-      Vector const v = velocity(state_.agents, i);
-      Vector const along{v.x * pixels_per_speed, -v.y * pixels_per_speed};
-      if (squared_length(along) > 1.0) draw_arrow(canvas, to_pixels(position(state_.agents, i)), along);
-    }
-  }
-
-  void draw_arrow(Canvas& canvas, Vector from, Vector along) const {
-    double const length = std::sqrt(squared_length(along));
-    double const head = std::min(7.0 * at_.unit, 0.5 * length);
-    Vector const to = from + along;
-    Vector const neck = to - (head / length) * along;
-    Vector const across = (0.45 * head / length) * Vector{-along.y, along.x};
-    canvas.line(from, neck, {.colour = ink, .width = std::min(1.5 * at_.unit, 0.3 * head)});
-    canvas.triangle(to, neck + across, neck - across, ink);
   }
 
   void draw_grid(Canvas& canvas) const {
@@ -384,9 +344,7 @@ class Picture {
         draw_tick(scale.place_of(n * step), fmt::format("{:.6g}", n * step + 0.0));  // the sum turns −0 into 0
       }
     }
-    std::string const label =
-        settings_.bar_label.empty() && settings_.colouring == Colouring::speed ? "speed" : settings_.bar_label;
-    canvas.text({bar.x + 74.0 * at_.unit, bar.y + 0.5 * bar.height}, label,
+    canvas.text({bar.x + 74.0 * at_.unit, bar.y + 0.5 * bar.height}, settings_.bar_label,
                 {.size = 15.0 * at_.unit, .anchor = TextAnchor::middle, .is_upright = true, .colour = ink});
   }
 
@@ -422,82 +380,27 @@ class Picture {
   Arrangement at_;
 };
 
-bool is_raster(State const& state, PictureSettings const& settings) {
-  return state.agents.size() > settings.most_vector_disks;
-}
-
-PixelCanvas painted(State const& state, PictureSettings const& settings) {
-  check(state, settings);
-  Picture const picture(state, settings);
-  Arrangement const& at = picture.arrangement();
-  PixelCanvas canvas({.width = at.width, .height = at.height}, 1.0);
+void draw(Picture const& picture, Canvas& canvas) {
   picture.draw_background(canvas);
-  canvas.begin_clip(at.box);
+  canvas.begin_clip(picture.arrangement().box);
   picture.draw_disks(canvas);
   canvas.end_clip();
   picture.draw_frame(canvas);
-  return canvas;
 }
 
 }  // namespace
 
-std::string picture_svg(State const& state, PictureSettings const& settings) {
+void draw_picture(State const& state, PictureSettings const& settings, Canvas& canvas) {
   check(state, settings);
-  Picture const picture(state, settings);
-  Arrangement const& at = picture.arrangement();
-  SvgCanvas canvas(at.width, at.height);
-  picture.draw_background(canvas);
-  canvas.begin_clip(at.box);
-  if (is_raster(state, settings)) {
-    PixelCanvas layer(at.box, raster_magnification);
-    layer.fill(at.box, white);
-    picture.draw_disks(layer);
-    canvas.image(at.box, layer.png());
-  } else {
-    picture.draw_disks(canvas);
-  }
-  canvas.end_clip();
-  picture.draw_frame(canvas);
-  return canvas.document();
+  draw(Picture(state, settings), canvas);
 }
-
-std::string picture_pdf(State const& state, PictureSettings const& settings) {
-  check(state, settings);
-  Picture const picture(state, settings);
-  Arrangement const& at = picture.arrangement();
-  PdfCanvas canvas(at.width, at.height);
-  picture.draw_background(canvas);
-  canvas.begin_clip(at.box);
-  if (is_raster(state, settings)) {
-    PixelCanvas layer(at.box, raster_magnification);
-    layer.fill(at.box, white);
-    picture.draw_disks(layer);
-    canvas.image(at.box, layer);
-  } else {
-    picture.draw_disks(canvas);
-  }
-  canvas.end_clip();
-  picture.draw_frame(canvas);
-  return canvas.document();
-}
-
-std::string picture_png(State const& state, PictureSettings const& settings) { return painted(state, settings).png(); }
 
 PicturePixels picture_pixels(State const& state, PictureSettings const& settings) {
-  PixelCanvas const canvas = painted(state, settings);
+  check(state, settings);
+  Picture const picture(state, settings);
+  PixelCanvas canvas(picture.arrangement().width, picture.arrangement().height);
+  draw(picture, canvas);
   return {.width = canvas.width(), .height = canvas.height(), .bytes = canvas.pixels()};
-}
-
-PictureKind draw_disks(State const& state, PictureSettings const& settings, std::filesystem::path const& file) {
-  if (file.extension() == ".svg" || file.extension() == ".pdf") {
-    write_file(file, file.extension() == ".svg" ? picture_svg(state, settings) : picture_pdf(state, settings));
-    return is_raster(state, settings) ? PictureKind::raster : PictureKind::vector;
-  }
-  if (file.extension() != ".png") {
-    throw Error({.what = fmt::format("{}: a picture is written as .svg, .png or .pdf", file.string())});
-  }
-  write_file(file, picture_png(state, settings));
-  return PictureKind::raster;
 }
 
 }  // namespace gridlock

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "drawing/pictures.hpp"
 #include "gridlock/workspace/sweep.hpp"
+#include "pictures.hpp"
 #include "verbs.hpp"
 
 namespace gridlock::cli {
@@ -24,7 +24,7 @@ ExitCode collect(CollectOptions const& options) {
   std::filesystem::path const into =
       options.output.empty() ? directories.front() : std::filesystem::path(options.output);
   gridlock::SweepResult const result = gridlock::collect_sweep(directories, into);
-  for (std::string const& note : gridlock::draw_results(into).notes) fmt::print(stderr, "note: {}\n", note);
+  draw_pictures(into);
   for (std::string const& message : result.messages) fmt::print(stderr, "error: {}\n", message);
   std::size_t const all = result.rows.row_count();
   std::size_t const good = all - result.failures - result.interruptions;

@@ -3,15 +3,20 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <functional>
 #include <new>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/workspace/run_directory.hpp"
+#include "other_program.hpp"
 #include "usage_error.hpp"
 #include "verbs.hpp"
 
@@ -30,9 +35,49 @@ void refuse_empty_values(CLI::App& app) {
   }
 }
 
-using AddCommand = std::function<void(CLI::App& app, ExitCode& exit_code)>;
+/// `help` and `help WORD` are --help and WORD --help.
+std::vector<std::string> without_help(std::vector<std::string> words) {
+  if (words.empty() || words.front() != "help") return words;
+  words.erase(words.begin());
+  words.insert(words.empty() ? words.begin() : words.begin() + 1, "--help");
+  return words;
+}
 
-ExitCode run_command_line(int argc, char** argv, AddCommand const& add_more) {
+bool has_command(CLI::App& app, std::string const& word) {
+  return !app.get_subcommands([&](CLI::App const* command) { return command->check_name(word); }).empty();
+}
+
+/// The commands of Gridlock that are programs of its Python package, with what the help says of them.
+constexpr std::array<std::pair<char const*, char const*>, 2> python_commands{
+    {{"plot", "Draw the pictures of a run or sweep from its data"},
+     {"paper", "Make the paper's Figures 4 to 7 and check its claims"}}};
+
+bool is_python_command(std::string_view word) {
+  return std::ranges::find(python_commands, word, [](auto const& command) {
+           return std::string_view(command.first);
+         }) != python_commands.end();
+}
+
+/// Becomes the program of a first word that is no command of this one, where there is such a program.
+/// Errors: Error where a program of the Python package is missing.
+void hand_over(CLI::App& app, std::vector<std::string> const& words) {
+  if (words.empty() || (has_command(app, words.front()) && !is_python_command(words.front()))) return;
+  std::filesystem::path const program = cli::find_other_program(words.front());
+  if (!program.empty()) cli::become(program, {words.begin() + 1, words.end()});
+  if (!is_python_command(words.front())) return;
+  throw Error(
+      {.what = fmt::format("the program gridlock-{} is not installed", words.front()), .hint = cli::python_package()});
+}
+
+/// Lists the other programs in the help, which alone takes the time to look for them.
+void add_other_programs(CLI::App& app) {
+  for (std::string const& word : cli::other_programs()) {
+    if (has_command(app, word)) continue;
+    app.add_subcommand(word, fmt::format("The program gridlock-{}", word))->group("Other programs");
+  }
+}
+
+ExitCode run_command_line(int argc, char** argv) {
   if (argc > 0) cli::set_program_name(std::filesystem::path(argv[0]).filename().string());
   CLI::App app{"gridlock: simulates many agents that interact only with nearby neighbours", cli::program_name()};
   app.set_version_flag("--version", std::string("gridlock ") + gridlock::version());
@@ -47,31 +92,35 @@ ExitCode run_command_line(int argc, char** argv, AddCommand const& add_more) {
   cli::add_check(app, exit_code);
   cli::add_explain(app, exit_code);
   cli::add_info(app, exit_code);
-  cli::add_plot(app, exit_code);
   cli::add_export(app, exit_code);
   cli::add_movie(app, exit_code);
-  if (add_more) add_more(app, exit_code);
   refuse_empty_values(app);
   for (CLI::App* const command : app.get_subcommands({})) command->group("Commands");
-  std::string const example = add_more ? fmt::format("{} paper --quick    or    ", cli::program_name()) : "";
-  app.footer(fmt::format("Start with:  {}{} explain", example, cli::program_name()));
+  for (auto const& [name, documentation] : python_commands) {
+    app.add_subcommand(name, documentation)->group("Commands of the Python package");
+  }
+  app.footer(fmt::format("Start with:  {} explain", cli::program_name()));
+  std::vector<std::string> const words = without_help({argv + std::min(argc, 1), argv + argc});
+  hand_over(app, words);
   try {
-    app.parse(argc, argv);
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 takes them from the end
   } catch (CLI::ParseError const& error) {
+    bool const is_version = dynamic_cast<CLI::CallForVersion const*>(&error) != nullptr;
+    if (!is_version && app.get_subcommands().empty()) add_other_programs(app);
     if (error.get_exit_code() == 0) {  // --help and --version
       app.exit(error);
       return ExitCode::good;
     }
-    throw Error(cli::usage_problem(app, error, argc > 1 ? argv[1] : ""));
+    throw Error(cli::usage_problem(app, error, words.empty() ? "" : words.front()));
   }
   return exit_code;
 }
 
 }  // namespace
 
-int cli::command_line(int argc, char** argv, AddCommand const& add_more) {
+int command_line(int argc, char** argv) {
   try {
-    return static_cast<int>(run_command_line(argc, argv, add_more));
+    return static_cast<int>(run_command_line(argc, argv));
   } catch (gridlock::Error const& error) {
     for (gridlock::Problem const& problem : error.problems()) {
       fmt::print(stderr, "error: {}\n", gridlock::to_text(problem));
@@ -85,7 +134,5 @@ int cli::command_line(int argc, char** argv, AddCommand const& add_more) {
     return static_cast<int>(ExitCode::run_failed);
   }
 }
-
-int command_line(int argc, char** argv) { return cli::command_line(argc, argv, {}); }
 
 }  // namespace gridlock

@@ -1,3 +1,3 @@
-#include "verbs.hpp"
+#include "gridlock/command_line.hpp"
 
-int main(int argc, char** argv) { return gridlock::cli::command_line(argc, argv, gridlock::cli::add_paper); }
+int main(int argc, char** argv) { return gridlock::command_line(argc, argv); }

@@ -9,9 +9,10 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
-#include "drawing/labels.hpp"
-#include "drawing/pictures.hpp"
+#include "gridlock/observe/observable.hpp"
+#include "pictures.hpp"
 
 namespace gridlock::cli {
 
@@ -86,6 +87,12 @@ bool has_last_state(std::filesystem::path const& directory) {
   return std::filesystem::exists(directory / "final.xyz", ignored);
 }
 
+/// Whether a column is one that a model itself observes, and not one of the observables that any model can have.
+bool is_of_model(std::string_view name) {
+  static std::vector<gridlock::ColumnInfo> const observed = gridlock::observed_columns();
+  return std::ranges::find(observed, name, &gridlock::ColumnInfo::name) == observed.end();
+}
+
 bool is_headline(gridlock::NamedEstimate const& result) {
   return std::ranges::find(headlines, result.name) != std::end(headlines);
 }
@@ -93,7 +100,7 @@ bool is_headline(gridlock::NamedEstimate const& result) {
 /// What the model itself observes, and the headlines of the rest.
 void print_results(gridlock::RunRecord const& record) {
   for (gridlock::NamedEstimate const& result : record.results) {
-    if (gridlock::is_of_model(result.name) || is_headline(result)) print_estimate(result);
+    if (is_of_model(result.name) || is_headline(result)) print_estimate(result);
   }
 }
 
@@ -175,7 +182,7 @@ ExitCode RunOutput::finish(gridlock::RunRecord const& record, std::filesystem::p
   if (draws_ && !has_last_state(directory)) {
     fmt::print(stderr, "note: no pictures without the last state, which run.final_state = false leaves out\n");
   } else if (draws_) {
-    for (std::string const& note : gridlock::draw_results(directory).notes) fmt::print(stderr, "note: {}\n", note);
+    draw_pictures(directory);
   }
   if (!is_quiet_) print_end(record, directory);
   if (record.status == gridlock::RunStatus::finished) return ExitCode::good;

@@ -8,9 +8,9 @@
 #include <optional>
 #include <string_view>
 
-#include "drawing/pictures.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/workspace/run_directory.hpp"
+#include "pictures.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 
@@ -23,6 +23,7 @@ struct SweepOptions {
   OutputOptions output;
   unsigned threads = 0;
   std::string shard;
+  bool draws = true;
   bool is_quiet = false;
 };
 
@@ -78,9 +79,7 @@ ExitCode sweep(SweepOptions const& options) {
                                           return !StopSignals::is_stop_asked();
                                         }});
   }
-  if (!shard) {
-    for (std::string const& note : gridlock::draw_results(directory).notes) fmt::print(stderr, "note: {}\n", note);
-  }
+  if (!shard && options.draws) draw_pictures(directory);
   if (!options.is_quiet) {
     for (std::string const& note : result.notes) fmt::print(stderr, "note: {}\n", note);
   }
@@ -118,6 +117,8 @@ void add_sweep(CLI::App& app, ExitCode& exit_code) {
       ->check(whole_number(1, 4096));
   verb->add_option("--shard", options->shard, "Make only part I of N, for one of N jobs; gridlock collect joins them")
       ->type_name("I/N");
+  verb->add_flag("--pictures,!--no-pictures", options->draws,
+                 "Draw the results against what varies, as gridlock plot DIR does");
   verb->add_flag("-q,--quiet", options->is_quiet, "Print errors only");
   verb->callback([options, &exit_code] { exit_code = sweep(*options); });
 }

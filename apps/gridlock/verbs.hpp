@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -28,15 +27,8 @@ void add_collect(CLI::App& app, ExitCode& exit_code);
 void add_check(CLI::App& app, ExitCode& exit_code);
 void add_explain(CLI::App& app, ExitCode& exit_code);
 void add_info(CLI::App& app, ExitCode& exit_code);
-void add_plot(CLI::App& app, ExitCode& exit_code);
 void add_export(CLI::App& app, ExitCode& exit_code);
 void add_movie(CLI::App& app, ExitCode& exit_code);
-
-/// Makes the figures of the paper: a command of the program gridlock alone.
-void add_paper(CLI::App& app, ExitCode& exit_code);
-
-/// gridlock::command_line() with one more command; none where it is empty.
-int command_line(int argc, char** argv, std::function<void(CLI::App& app, ExitCode& exit_code)> const& add_more);
 
 /// The name the program was started by, for messages that say what to type; "gridlock" before it is known.
 std::string const& program_name();

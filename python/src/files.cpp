@@ -4,9 +4,10 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <iterator>
 #include <optional>
 #include <set>
 #include <string>
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "gridlock/core/disks.hpp"
 #include "gridlock/core/frame.hpp"
 #include "gridlock/io/h5md.hpp"
 #include "gridlock/io/table.hpp"
@@ -24,6 +26,8 @@
 #include "gridlock/workspace/sweep.hpp"
 #include "listener.hpp"
 #include "settings.hpp"
+#include "simulation/kind_names.hpp"
+#include "workspace/result_files.hpp"
 
 namespace gridlock::python {
 
@@ -134,21 +138,40 @@ FrameValuesOfPython values_of(Frame frame) {
           frame.clock.time};
 }
 
-FrameValuesOfPython read_xyz_frame(std::string const& path) {
-  XyzFrame file;
-  {
-    nb::gil_scoped_release const released;
-    file = read_xyz(path);
+/// Whole numbers, such as kinds, as such: XYZ does not tell them from others.
+FrameColumn of_own_type(FrameColumn column) {
+  auto const& values = std::get<std::vector<double>>(column.values);
+  constexpr double most = 1e9;
+  if (std::ranges::all_of(values, [](double v) { return v >= 0.0 && v < most && v == std::floor(v); })) {
+    column.values = std::vector<std::uint32_t>(values.begin(), values.end());
   }
+  return column;
+}
+
+/// What the file has of disks, and its other columns.
+Frame frame_of(XyzFrame file) {
   Frame frame = frame_of(file.state);
-  // Of agents that are no disks the state has columns that the file does not have.
   std::erase_if(frame.columns, [&](FrameColumn const& column) {
     return (column.name.starts_with("velocity_") && !file.has_velocities) ||
-           (column.name == "radius" && !file.has_radii) || (column.name == "mass" && !file.has_masses) ||
+           (column.name == Radius::name && !file.has_radii) || (column.name == Mass::name && !file.has_masses) ||
            (column.name.starts_with("image_") && !file.has_images);
   });
-  std::ranges::move(file.others, std::back_inserter(frame.columns));
-  return values_of(std::move(frame));
+  for (FrameColumn& column : file.others) frame.columns.push_back(of_own_type(std::move(column)));
+  return frame;
+}
+
+FrameValuesOfPython read_xyz_frame(std::string const& path) {
+  std::optional<Frame> frame;
+  {
+    nb::gil_scoped_release const released;
+    frame.emplace(frame_of(read_xyz(path)));
+  }
+  return values_of(std::move(*frame));
+}
+
+/// What the model of a run calls the numbers 0, 1, 2 … of a column; none where they have no names.
+std::vector<std::string> kind_names_of(std::string const& settings_file, std::string const& column) {
+  return kind_names(SettingsFile::from_path(settings_file), column);
 }
 
 /// A trajectory that is open.
@@ -195,6 +218,9 @@ void bind_files(nb::module_& module) {
   module.def(
       "read_csv", [](std::string const& path) { return columns_of(read_csv(path)); }, nb::arg("path"));
   module.def("read_xyz", &read_xyz_frame, nb::arg("path"));
+  module.def("kind_names", &kind_names_of, nb::arg("settings_file"), nb::arg("column"));
+  module.def(
+      "record_result", [](std::string const& path) { record_result(path); }, nb::arg("path"));
   nb::class_<PythonTrajectory>(module, "Trajectory")
       .def(nb::init<std::string const&>(), nb::arg("path"))
       .def("size", &PythonTrajectory::size)

@@ -34,9 +34,6 @@ namespace gridlock::python {
 
 namespace {
 
-/// A dict for the modules in Python, which give its entries their shape.
-using NamedValues = nb::typed<nb::dict, nb::str, nb::any>;
-
 /// Calls a Python function at every multiple of some steps, and lets what it raises pass through the run.
 class PythonWriter final : public Writer {
  public:

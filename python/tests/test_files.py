@@ -209,3 +209,16 @@ def test_runs_that_fail_are_told_and_the_others_finish(tmp_path):
         gridlock.sweep({"run.steps": 20, "disks.count": 30}, {"disks.packing_fraction": [0.2, 0.95]}, tmp_path / "a")
     assert sorted(gridlock.open(tmp_path / "a").table["status"].tolist()) == ["failed", "finished"]
     assert json.loads(next((tmp_path / "a/runs").glob("*0.2/summary.json")).read_text())["status"] == "finished"
+
+
+def test_a_state_has_the_columns_of_its_file_and_no_others(tmp_path):
+    walkers = gridlock.Simulation({"model.kind": "epidemic", "epidemic.count": 20, "box.edge": "periodic"})
+    walkers.write(tmp_path / "a.xyz")
+    read = gridlock.read_xyz(tmp_path / "a.xyz")
+    assert list(read.columns) == ["x", "y", "velocity_x", "velocity_y", "health"]
+    assert read.health.dtype == np.uint32
+    with pytest.raises(gridlock.Error, match="how often an agent has crossed the edges"):
+        read.unwrapped  # noqa: B018
+    disks = gridlock.Simulation(disks={"count": 4, "packing_fraction": 0.2})
+    disks.write(tmp_path / "b.xyz")
+    assert set(gridlock.read_xyz(tmp_path / "b.xyz").columns) == set(disks.agents.names)

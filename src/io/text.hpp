@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "io/markup.hpp"
+#include "io/utf8.hpp"
 
 namespace gridlock {
 

@@ -1,6 +1,6 @@
 // Who may include whom, as ARCHITECTURE.md says:
 //
-//     core ← grid ← { lattice, engine, observe, model } ← simulation ← workspace ← drawing ← study ← apps
+//     core ← grid ← { lattice, engine, observe, model } ← simulation ← workspace ← drawing ← apps
 //     core ← io ← simulation
 //     observe ← analysis
 //
@@ -33,10 +33,8 @@ std::map<std::string, std::set<std::string>> const allowed{
     {"simulation", {"core", "grid", "io", "lattice", "engine", "observe", "model", "models", "simulation"}},
     {"workspace", {"core", "grid", "io", "lattice", "engine", "observe", "model", "simulation", "workspace"}},
     {"drawing", {"core", "io", "observe", "simulation", "workspace", "drawing"}},
-    {"study", {"core", "grid", "io", "lattice", "engine", "observe", "simulation", "workspace", "drawing", "study"}},
     {"apps",
-     {"core", "grid", "io", "lattice", "engine", "observe", "model", "simulation", "workspace", "drawing", "study",
-      "apps"}},
+     {"core", "grid", "io", "lattice", "engine", "observe", "model", "simulation", "workspace", "drawing", "apps"}},
 };
 
 struct Include {
@@ -60,7 +58,7 @@ std::vector<Include> includes_of(fs::path const& path) {
 struct Source {
   fs::path path;      ///< as it can be opened
   std::string name;   ///< from the root of the repository, for messages
-  std::string layer;  ///< its folder in include/gridlock or src, "drawing", "study" or "apps"
+  std::string layer;  ///< its folder in include/gridlock or src, "drawing" or "apps"
 };
 
 bool is_source(fs::path const& path) { return path.extension() == ".hpp" || path.extension() == ".cpp"; }
@@ -82,11 +80,9 @@ std::vector<Source> sources_under(std::string const& folder, bool is_layered) {
 std::vector<Source> all_sources() {
   std::vector<Source> all = sources_under("include/gridlock", true);
   for (Source const& source : sources_under("src", true)) all.push_back(source);
-  for (std::string const layer : {"drawing", "study"}) {
-    for (Source source : sources_under("apps/" + layer, false)) {
-      source.layer = layer;
-      all.push_back(source);
-    }
+  for (Source source : sources_under("apps/drawing", false)) {
+    source.layer = "drawing";
+    all.push_back(source);
   }
   for (Source const& source : sources_under("apps/gridlock", false)) all.push_back(source);
   return all;
@@ -145,8 +141,8 @@ TEST(Layers, TheRuleItselfTellsGoodFromBad) {
   EXPECT_TRUE(is_allowed("simulation", "gridlock/io/table.hpp"));
   EXPECT_FALSE(is_allowed("io", "gridlock/simulation/run.hpp"));
   EXPECT_FALSE(is_allowed("simulation", "gridlock/workspace/sweep.hpp"));
-  EXPECT_FALSE(is_allowed("workspace", "study/paper.hpp"));
-  EXPECT_TRUE(is_allowed("apps", "study/paper.hpp"));
+  EXPECT_FALSE(is_allowed("workspace", "drawing/movie.hpp"));
+  EXPECT_TRUE(is_allowed("apps", "drawing/movie.hpp"));
   EXPECT_FALSE(is_allowed("engine", "../grid/pairs.hpp"));
   EXPECT_TRUE(is_allowed("apps", "gridlock/command_line.hpp"));
   EXPECT_FALSE(is_allowed("simulation", "gridlock/command_line.hpp"));

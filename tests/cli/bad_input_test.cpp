@@ -193,8 +193,6 @@ std::vector<Mistake> const mistakes_on_the_command_line{
      "[sweep]\nrun.seed = [1, 2]\n",
      {"--shard must not be empty"},
      {"sweep", "bad.toml", "-o", "out", "--shard", ""}},
-    {"NegativeSeedOfThePaper", "", {"--seed", "at least 0, but is -1"}, {"paper", "--seed", "-1", "-o", "out"}},
-    {"PaperFigureAsWord", "", {"--figure", "from 4 to 7, but is four"}, {"paper", "--figure", "four", "-o", "out"}},
     {"TooManyThreads",
      "[sweep]\nrun.seed = [1, 2]\n",
      {"--threads", "from 1 to 4096, but is 5000"},
@@ -246,8 +244,6 @@ std::vector<Mistake> const mistakes_on_the_command_line{
     {"ExplainPartOfNames", "", {"no column \"pressure\"", "virial_pressure, wall_pressure"}, {"explain", "pressure"}},
     {"InfoOnNothing", "", {"nowhere"}, {"info", "nowhere"}},
     {"InfoOnOtherFile", "", {"bad.toml"}, {"info", "bad.toml"}},
-    {"PlotOfNoResults", "", {"."}, {"plot", "."}},
-    {"PaperFigureNine", "", {"9"}, {"paper", "--figure", "9", "-o", "out"}},
 };
 INSTANTIATE_TEST_SUITE_P(CommandLine, BadInput, testing::ValuesIn(mistakes_on_the_command_line),
                          [](auto const& one) { return std::string(one.param.name); });

@@ -24,10 +24,10 @@ nlohmann::json summary_of(fs::path const& directory) {
 TEST(Run, LeavesEverythingItPromises) {
   Workplace const workplace;
   write(workplace / "a.toml", small_run);
-  expect_good(gridlock::test::gridlock({"run", "a.toml", "-o", "out", "--pictures"}, workplace.path()));
-  for (char const* name :
-       {"config.resolved.toml", "summary.json", "series.csv", "final.xyz", "pair_correlation.csv", "start.svg",
-        "start.png", "final.svg", "final.png", "displacement.svg", "displacement.png", "displacement.gp"}) {
+  Outcome const run = gridlock::test::gridlock({"run", "a.toml", "-o", "out"}, workplace.path());
+  expect_good(run);
+  EXPECT_NE(run.out.find("pictures: gridlock plot out\n"), std::string::npos) << run.out;
+  for (char const* name : {"config.resolved.toml", "summary.json", "series.csv", "final.xyz", "pair_correlation.csv"}) {
     EXPECT_GT(fs::file_size(workplace / "out" / name), 100U) << name;
   }
   auto const summary = summary_of(workplace / "out");
@@ -44,26 +44,6 @@ TEST(Run, LeavesEverythingItPromises) {
   gridlock::Table const series = gridlock::read_csv(workplace / "out/series.csv");
   EXPECT_EQ(series.row_count(), 21U);
   EXPECT_EQ(series.numbers("mean_displacement").back(), summary["mean_displacement"]["value"].get<double>());
-}
-
-bool holds_pictures(fs::path const& directory) {
-  return std::ranges::any_of(contents(directory), [](std::string const& name) {
-    return name.ends_with(".svg") || name.ends_with(".png") || name.ends_with(".gp");
-  });
-}
-
-TEST(Run, DrawsNothingUnlessAskedAndSaysHowTo) {
-  Workplace const workplace;
-  write(workplace / "a.toml", small_run);
-  Outcome const run = gridlock::test::gridlock({"run", "a.toml", "-o", "out"}, workplace.path());
-  expect_good(run);
-  EXPECT_NE(run.out.find("pictures: gridlock plot out\n"), std::string::npos) << run.out;
-  EXPECT_FALSE(holds_pictures(workplace / "out"));
-  Outcome const drawn = gridlock::test::gridlock({"run", "a.toml", "-o", "drawn", "--pictures"}, workplace.path());
-  expect_good(drawn);
-  EXPECT_EQ(drawn.out.find("gridlock plot"), std::string::npos) << drawn.out;
-  EXPECT_TRUE(holds_pictures(workplace / "drawn"));
-  EXPECT_NE(gridlock::test::gridlock({"resume", "--help"}, workplace.path()).out.find("--pictures"), std::string::npos);
 }
 
 TEST(Run, FromItsResolvedConfigurationGivesTheSameBytes) {
@@ -220,8 +200,7 @@ TEST(Help, IsThereForEveryVerb) {
   Workplace const workplace;
   expect_good(gridlock::test::gridlock({"--help"}, workplace.path()));
   expect_good(gridlock::test::gridlock({"--version"}, workplace.path()));
-  for (char const* verb :
-       {"run", "resume", "sweep", "collect", "paper", "check", "explain", "info", "plot", "export", "movie"}) {
+  for (char const* verb : {"run", "resume", "sweep", "collect", "check", "explain", "info", "export", "movie"}) {
     expect_good(gridlock::test::gridlock({verb, "--help"}, workplace.path()));
   }
 }
@@ -237,18 +216,6 @@ TEST(Info, KnowsRunsSweepsStatesAndTables) {
     EXPECT_NE(outcome.out.find(state_hash), std::string::npos) << outcome.out;
   }
   expect_good(gridlock::test::gridlock({"info", "out/series.csv"}, workplace.path()));
-}
-
-TEST(Plot, DrawsAgainFromTheDataAlone) {
-  Workplace const workplace;
-  write(workplace / "a.toml", small_run);
-  expect_good(gridlock::test::gridlock({"run", "a.toml", "-o", "out", "--pictures"}, workplace.path()));
-  std::string const before = text_of(workplace / "out/final.svg");
-  fs::remove(workplace / "out/final.svg");
-  fs::remove(workplace / "out/displacement.png");
-  expect_good(gridlock::test::gridlock({"plot", "out"}, workplace.path()));
-  EXPECT_EQ(text_of(workplace / "out/final.svg"), before);
-  EXPECT_TRUE(fs::exists(workplace / "out/displacement.png"));
 }
 
 }  // namespace

@@ -207,31 +207,22 @@ TEST(Colour, MayBeSpeltTheAmericanWay) {
   run_with_frames(workplace, "2");
   for (char const* colour : {"psi6", "neighborhood"}) {
     EXPECT_EQ(in(workplace, {"movie", "run", "--color", colour, "--width", "101"}).exit_code, 0) << colour;
-    EXPECT_EQ(in(workplace, {"plot", "run", "--color", colour}).exit_code, 0) << colour;
   }
 }
 
 TEST(Colour, ThatTheAgentsDoNotHaveIsRefusedBeforeAnythingIsDrawn) {
   Workplace const workplace;
   run_with_frames(workplace, "2");
-  write(workplace / "walkers.toml", "model.kind = \"epidemic\"\nepidemic.count = 20\nrun.steps = 2\n");
+  write(workplace / "walkers.toml",
+        "model.kind = \"epidemic\"\nepidemic.count = 20\nrun.steps = 2\ntrajectory.every = 1\n");
   ASSERT_EQ(in(workplace, {"run", "walkers.toml", "-o", "walkers", "-q"}).exit_code, 0);
   for (auto const& [directory, colour] : {std::pair{"run", "velocity_x"}, {"walkers", "health"}}) {
     auto const before = contents(workplace / directory);
-    Outcome const outcome = in(workplace, {"plot", directory, "--colour", "smell"});
+    Outcome const outcome = in(workplace, {"movie", directory, "--colour", "smell"});
     expect_refusal(outcome, {"smell", "displacement, psi6", colour});
     EXPECT_EQ(outcome.err.find("smell"), outcome.err.rfind("smell")) << "twice:\n" << outcome.err;
     EXPECT_EQ(contents(workplace / directory), before);
   }
-}
-
-TEST(Pictures, OfARunWithoutItsLastStateAreRefusedWithTheReason) {
-  Workplace const workplace;
-  write(workplace / "run.toml", "disks.count = 9\nrun.steps = 2\nrun.final_state = false\n");
-  Outcome const run = in(workplace, {"run", "run.toml", "-o", "run", "--pictures"});
-  EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_NE(run.err.find("no pictures without the last state"), std::string::npos) << run.err;
-  expect_refusal(in(workplace, {"plot", "run"}), {"a run without its last state", "run.final_state"});
 }
 
 }  // namespace

@@ -38,11 +38,9 @@ TEST(OwnProgram, ChecksRunsShowsAndExportsItsModel) {
   Workplace const workplace;
   write(workplace / "town.toml", schelling_toml);
   expect_says(own(workplace.path(), {"check", "town.toml"}), "100 agents, periodic box 1 × 1, model schelling");
-  expect_says(own(workplace.path(), {"run", "town.toml", "--set", "trajectory.every=20", "--pictures", "-o", "town"}),
+  expect_says(own(workplace.path(), {"run", "town.toml", "--set", "trajectory.every=20", "-o", "town"}),
               "finished 40 steps of 100 agents");
-  EXPECT_TRUE(fs::exists(workplace / "town/left.svg"));
   expect_says(own(workplace.path(), {"info", "town"}), "schelling");
-  expect_says(own(workplace.path(), {"plot", "town", "--colour", "side"}), "final.svg");
   expect_good(own(workplace.path(), {"export", "town", "--to", "csv"}));
   EXPECT_TRUE(fs::exists(workplace / "town/trajectory.csv"));
   expect_good(own(workplace.path(), {"movie", "town", "--width", "64"}));

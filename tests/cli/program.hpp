@@ -107,6 +107,9 @@ inline Outcome in(Workplace const& workplace, std::vector<std::string> arguments
   return gridlock(std::move(arguments), workplace.path());
 }
 
+/// Whether this build has the Python package, and with it the commands that are programs in Python.
+inline bool has_python_commands() { return fs::exists(fs::path(GRIDLOCK_PROGRAM).parent_path() / "gridlock-plot"); }
+
 inline void expect_good(Outcome const& outcome) { EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err; }
 
 /// A settings file that takes a moment.

@@ -159,30 +159,6 @@ TEST(UnusedSettings, AreNotedByCheckAndRunUnlessQuiet) {
   EXPECT_EQ(with({"run", "-o", "two", "--no-pictures", "--quiet"}), "");
 }
 
-TEST(Sweep, OfAModelIsDrawn) {
-  Workplace const workplace;
-  write(workplace / "s.toml",
-        "model.kind = \"flocking\"\nflocking.count = 40\nrun.steps = 20\nobserve.every = 5\n[sweep]\n"
-        "flocking.noise = [0.1, 0.5, 0.9]\nrun.seed = [1, 2]\n");
-  expect_good(in(workplace.path(), {"sweep", "s.toml", "-o", "out"}));
-  EXPECT_TRUE(fs::exists(workplace / "out/order.svg"));
-  fs::remove(workplace / "out/order.svg");
-  Outcome const plot = in(workplace.path(), {"plot", "out"});
-  expect_good(plot);
-  EXPECT_NE(plot.out.find("out/order.svg"), std::string::npos) << plot.out;
-  EXPECT_TRUE(fs::exists(workplace / "out/order.svg"));
-}
-
-TEST(Sweep, WithNothingToDrawItAgainstSaysSoWhenItIsToBeDrawn) {
-  Workplace const workplace;
-  write(workplace / "s.toml", "disks.count = 16\nrun.steps = 5\n[sweep]\nrun.seed = [1, 2]\n");
-  expect_good(in(workplace.path(), {"sweep", "s.toml", "-o", "out"}));
-  Outcome const plot = in(workplace.path(), {"plot", "out"});
-  EXPECT_EQ(plot.exit_code, 2);
-  EXPECT_NE(plot.err.find("nothing to draw of out"), std::string::npos) << plot.err;
-  EXPECT_NE(plot.err.find("hint: "), std::string::npos) << plot.err;
-}
-
 TEST(Collect, RefusesADirectoryWithoutASweep) {
   Workplace const workplace;
   fs::create_directories(workplace / "empty");

@@ -185,7 +185,7 @@ TEST(Trajectories, BecomeMoviesInEveryColour) {
   }
 }
 
-TEST(Trajectories, OfAgentsWithoutARadiusBecomeMoviesAndPicturesByAnyColumn) {
+TEST(Trajectories, OfAgentsWithoutARadiusBecomeMoviesByAnyColumn) {
   if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "ffmpeg is not installed: ./dev install";
   Workplace const workplace;
   write(workplace / "walkers.toml",
@@ -197,10 +197,6 @@ TEST(Trajectories, OfAgentsWithoutARadiusBecomeMoviesAndPicturesByAnyColumn) {
         gridlock_in(workplace, {"movie", "run", "--colour", colour, "--width", "201", "-o", colour + ".mp4"});
     EXPECT_EQ(movie.exit_code, 0) << movie.err;
   }
-  Outcome const plot = gridlock_in(workplace, {"plot", "run", "--color", "direction"});
-  EXPECT_EQ(plot.exit_code, 0);
-  EXPECT_EQ(plot.err, "");
-  EXPECT_NE(plot.out.find("final.png"), std::string::npos) << plot.out;
 }
 
 TEST(Trajectories, ThatAreNoneAreRefusedByName) {

@@ -5,16 +5,13 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
-#include "io/file.hpp"
 #include "simulation/kind_names.hpp"
-#include "unit/io/markup_document.hpp"
-#include "unit/io/temporary_directory.hpp"
+#include "unit/drawing/recording_canvas.hpp"
 
 namespace gridlock {
 namespace {
@@ -40,31 +37,19 @@ Frame walkers() {
   return frame_of(box, {}, 1, agents);
 }
 
-std::size_t circles_in(std::filesystem::path const& file) {
-  std::string const text = read_file(file);
-  std::size_t circles = 0;
-  for (std::size_t at = text.find("<circle"); at != std::string::npos; at = text.find("<circle", at + 1)) ++circles;
-  return circles;
+RecordingCanvas painted(FramePainter const& painter, Frame const& frame) {
+  RecordingCanvas canvas;
+  painter.draw(frame, 300, "title", canvas);
+  return canvas;
 }
 
 TEST(FramePainter, AgentsWithoutARadiusGetAMarkEach) {
-  TemporaryDirectory const directory;
   Frame const frame = walkers();
   for (char const* colour : {"", "heading_y", "direction", "displacement", "radius", "neighbourhood", "psi6"}) {
     FramePainter painter(frame, colour);
     painter.widen_bar(frame);
-    painter.draw(frame, 300, "title", directory / "marks.svg");
-    EXPECT_EQ(circles_in(directory / "marks.svg"), 7U) << colour;
+    EXPECT_EQ(painted(painter, frame).circles.size(), 7U) << colour;
   }
-}
-
-/// The colours of the agents of a picture, one after the other.
-std::vector<std::string> colours_in(std::filesystem::path const& file) {
-  std::vector<std::string> colours;
-  for (auto const& circle : MarkupDocument(read_file(file)).named("circle")) {
-    colours.push_back(circle.attributes.at("fill"));
-  }
-  return colours;
 }
 
 TEST(FramePainter, ADisplacementGoesOnAcrossEitherEdgeOfABoxThatIsNoSquare) {
@@ -79,11 +64,9 @@ TEST(FramePainter, ADisplacementGoesOnAcrossEitherEdgeOfABoxThatIsNoSquare) {
   start.add(0.7, 2.0, 0, 0), end.add(0.7, 2.0, 0, 0);
   Frame const first = frame_of(tall, {}, 1, start);
   Frame const last = frame_of(tall, {}, 1, end);
-  TemporaryDirectory const directory;
   FramePainter painter(first, "displacement");
   painter.widen_bar(last);
-  painter.draw(last, 300, "", directory / "way.svg");
-  auto const colours = colours_in(directory / "way.svg");
+  auto const colours = painted(painter, last).colours_of_circles();
   ASSERT_EQ(colours.size(), 5U);
   for (std::size_t i = 1; i < 4; ++i) EXPECT_EQ(colours[i], colours[0]) << i;
   EXPECT_NE(colours[4], colours[0]);
@@ -99,11 +82,10 @@ TEST(FramePainter, ADirectionIsTheAngleFromTheXAxis) {
     state.agents.add(x, 0.5, 0.0, 0.0, 0.02, 1.0, 0, 0);
     angles.push_back(angle);
   }
-  TemporaryDirectory const directory;
-  FramePainter const painter(frame_of(box, {}, 1, agents), "direction");
-  painter.draw(frame_of(box, {}, 1, agents), 300, "", directory / "painted.svg");
-  draw_disks(state, {.width = 300, .colouring = Colouring::directions, .values = angles}, directory / "expected.svg");
-  EXPECT_EQ(colours_in(directory / "painted.svg"), colours_in(directory / "expected.svg"));
+  Frame const frame = frame_of(box, {}, 1, agents);
+  RecordingCanvas expected;
+  draw_picture(state, {.width = 300, .colouring = Colouring::directions, .values = angles}, expected);
+  EXPECT_EQ(painted(FramePainter(frame, "direction"), frame).colours_of_circles(), expected.colours_of_circles());
 }
 
 TEST(FramePainter, AColumnThatIsNotThereIsAnErrorThatNamesItAndThoseThereAre) {
@@ -121,7 +103,7 @@ TEST(FramePainter, AgentsWithoutPositionsAreRefused) {
   EXPECT_THROW(FramePainter(frame_of(box, {}, 1, Population<Radius>{}), ""), Error);
 }
 
-TEST(FramePainter, PixelsAreThoseOfThePngFile) {
+TEST(FramePainter, PixelsAreWhiteButForTheAgents) {
   FramePainter const painter(walkers(), "radius");
   PicturePixels const pixels = painter.pixels(walkers(), 101, "");
   EXPECT_EQ(pixels.width, 101U);
@@ -141,20 +123,16 @@ TEST(FramePainter, PixelsAreThoseOfThePngFile) {
 TEST(FramePainter, KindsAreListedByTheirNamesAndManyNumbersStandOnABar) {
   Population<X, Y, Health> agents;
   for (std::uint32_t n = 0; n < 3; ++n) agents.add(0.2 + 0.2 * n, 0.5, n);
-  auto const text_of = [](Frame const& frame) {
-    TemporaryDirectory const directory;
+  auto const texts_of = [](Frame const& frame) {
     FramePainter painter(frame, "health");
     painter.name_kinds({"well", "ill"});
     painter.widen_bar(frame);
-    painter.draw(frame, 300, "title", directory / "kinds.svg");
-    return read_file(directory / "kinds.svg");
+    return painted(painter, frame).texts;
   };
-  std::string const few = text_of(frame_of(box, {}, 1, agents));
-  for (char const* name : {">health<", ">well<", ">ill<", ">2<"}) EXPECT_NE(few.find(name), std::string::npos) << name;
+  EXPECT_EQ(texts_of(frame_of(box, {}, 1, agents)), (std::vector<std::string>{"title", "health", "well", "ill", "2"}));
   agents.add(0.8, 0.5, 40U);
-  std::string const many = text_of(frame_of(box, {}, 1, agents));
-  EXPECT_EQ(many.find(">well<"), std::string::npos);
-  EXPECT_NE(many.find(">40<"), std::string::npos) << "the bar";
+  EXPECT_EQ(texts_of(frame_of(box, {}, 1, agents)),
+            (std::vector<std::string>{"title", "0", "10", "20", "30", "40", "health"}));
 }
 
 TEST(KindNames, AreThoseOfTheModel) {

@@ -17,10 +17,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/grid/cell_layout.hpp"
-#include "io/file.hpp"
-#include "unit/drawing/number_in_png.hpp"
-#include "unit/io/markup_document.hpp"
-#include "unit/io/temporary_directory.hpp"
+#include "unit/drawing/recording_canvas.hpp"
 
 namespace gridlock {
 namespace {
@@ -50,27 +47,27 @@ State one_disk_per_cell(Edge edge, int columns, int rows) {
   return state;
 }
 
-MarkupDocument drawn(State const& state, PictureSettings const& settings) {
-  MarkupDocument document(picture_svg(state, settings));
-  EXPECT_EQ(document.problem, "");
-  return document;
+RecordingCanvas drawn(State const& state, PictureSettings const& settings) {
+  RecordingCanvas canvas;
+  draw_picture(state, settings, canvas);
+  return canvas;
 }
 
 std::vector<std::string> colours_of_disks(State const& state, PictureSettings const& settings) {
-  std::vector<std::string> colours;
-  for (auto const& circle : drawn(state, settings).named("circle")) colours.push_back(circle.attributes.at("fill"));
-  return colours;
+  return drawn(state, settings).colours_of_circles();
 }
 
+std::string to_hex(Colour colour) { return RecordingCanvas::hex(colour); }
+
 TEST(Picture, OfAWalledBoxHoldsOneCircleForEachDisk) {
-  EXPECT_EQ(drawn(scattered(Box(1, 1, Edge::wall), 321, 0.02), {}).count("circle"), 321U);
+  EXPECT_EQ(drawn(scattered(Box(1, 1, Edge::wall), 321, 0.02), {}).circles.size(), 321U);
 }
 
 TEST(Picture, OfNoDisksIsAnEmptyBox) {
   State state;
-  for (Colouring const colouring : {Colouring::radius, Colouring::neighbourhood, Colouring::speed, Colouring::values}) {
-    EXPECT_EQ(drawn(state, {.colouring = colouring, .columns = 3, .rows = 3}).count("circle"), 0U);
-    EXPECT_FALSE(picture_png(state, {.colouring = colouring}).empty());
+  for (Colouring const colouring : {Colouring::radius, Colouring::neighbourhood, Colouring::values}) {
+    EXPECT_EQ(drawn(state, {.colouring = colouring, .columns = 3, .rows = 3}).circles.size(), 0U);
+    EXPECT_EQ(picture_pixels(state, {.colouring = colouring}).width, 720U);
   }
 }
 
@@ -85,20 +82,19 @@ RC_GTEST_PROP(Picture, ShowsEveryPeriodicImageThatReachesIntoTheBox, ()) {
     auto const along = [&](double x, double side) { return 1U + (x - radius < 0.0) + (x + radius > side); };
     images += along(p.x, width) * along(p.y, 1.0);
   }
-  RC_ASSERT(MarkupDocument(picture_svg(state, {})).count("circle") == images);
+  RC_ASSERT(drawn(state, {}).circles.size() == images);
 }
 
 TEST(Picture, PutsDisksWhereTheyAreWithTheOriginAtTheLowerLeft) {
   State state;
   state.agents.add(0.25, 0.25, 0, 0, 0.2, 1, 0, 0);
   state.agents.add(0.75, 0.5, 0, 0, 0.2, 1, 0, 0);
-  auto const circles = drawn(state, {.width = 720}).named("circle");
-  auto const number = [&](int i, char const* name) { return std::stod(circles.at(i).attributes.at(name)); };
-  double const pixels = 2.0 * (number(1, "cx") - number(0, "cx"));  // the side of the box
+  auto const circles = drawn(state, {.width = 720}).circles;
+  double const pixels = 2.0 * (circles.at(1).centre.x - circles.at(0).centre.x);  // the side of the box
   EXPECT_GT(pixels, 0.9 * 720);
-  EXPECT_NEAR(number(0, "cy") - number(1, "cy"), 0.25 * pixels, 1e-2);
+  EXPECT_NEAR(circles.at(0).centre.y - circles.at(1).centre.y, 0.25 * pixels, 1e-2);
   // The outline of 0.8 pixels lies inside the disk.
-  EXPECT_NEAR(number(0, "r"), 0.2 * pixels - 0.4, 0.05);
+  EXPECT_NEAR(circles.at(0).radius, 0.2 * pixels - 0.4, 0.05);
 }
 
 RC_GTEST_PROP(NeighbourhoodColours, DifferBetweenAllAdjacentCellsAcrossPeriodicEdgesToo, ()) {
@@ -146,17 +142,14 @@ TEST(NeighbourhoodColours, AreFourBetweenWallsAndNoMoreThanNineAnywhere) {
   EXPECT_EQ(number_of(Edge::periodic, 9), 9U);
 }
 
-TEST(Picture, ColoursSpeedsFromDarkToBrightAndSaysSo) {
-  State state;
-  for (int i = 0; i < 5; ++i) state.agents.add(0.1 + 0.2 * i, 0.5, 0.0, -0.5 * i, 0.05, 1, 0, 0);
-  MarkupDocument const document = drawn(state, {.colouring = Colouring::speed});
-  auto const circles = document.named("circle");
-  EXPECT_EQ(circles.front().attributes.at("fill"), to_hex(viridis(0.0)));
-  EXPECT_EQ(circles.at(2).attributes.at("fill"), to_hex(viridis(0.5)));
-  EXPECT_EQ(circles.back().attributes.at("fill"), to_hex(viridis(1.0)));
-  std::vector<std::string> texts;
-  for (auto const& text : document.named("text")) texts.push_back(text.text);
-  EXPECT_EQ(texts, (std::vector<std::string>{"0", "0.5", "1", "1.5", "2", "speed"}));
+TEST(Picture, ColoursValuesFromDarkToBrightAndSaysSo) {
+  State const state = one_disk_per_cell(Edge::wall, 5, 1);
+  std::vector<double> const values{0.0, 0.5, 1.0, 1.5, 2.0};
+  RecordingCanvas const canvas = drawn(state, {.colouring = Colouring::values, .values = values, .bar_label = "speed"});
+  EXPECT_EQ(canvas.circles.front().colour, to_hex(viridis(0.0)));
+  EXPECT_EQ(canvas.circles.at(2).colour, to_hex(viridis(0.5)));
+  EXPECT_EQ(canvas.circles.back().colour, to_hex(viridis(1.0)));
+  EXPECT_EQ(canvas.texts, (std::vector<std::string>{"0", "0.5", "1", "1.5", "2", "speed"}));
 }
 
 TEST(Picture, ColoursGivenValuesWithinTheGivenRangeAndUnknownOnesGrey) {
@@ -168,36 +161,27 @@ TEST(Picture, ColoursGivenValuesWithinTheGivenRangeAndUnknownOnesGrey) {
             (std::vector<std::string>{to_hex(viridis(0.0)), to_hex(viridis(0.5)), "#bfbfbf", to_hex(viridis(1.0))}));
 }
 
-std::vector<std::string> texts_of(MarkupDocument const& document) {
-  std::vector<std::string> texts;
-  for (auto const& text : document.named("text")) texts.push_back(text.text);
-  return texts;
-}
-
 TEST(Picture, NamesEachKindBesideItsColour) {
   State const state = one_disk_per_cell(Edge::wall, 4, 1);
   std::vector<double> const kinds{0.0, 2.0, 0.0, 1.0};
   PictureSettings settings{.colouring = Colouring::kinds, .values = kinds, .bar_label = "health"};
   settings.kind_names = {"susceptible", "infected"};
-  MarkupDocument const document = drawn(state, settings);
-  EXPECT_EQ(texts_of(document), (std::vector<std::string>{"health", "susceptible", "infected", "2"}));
-  auto const circles = document.named("circle");
-  EXPECT_EQ(circles.at(0).attributes.at("fill"), circles.at(2).attributes.at("fill"));
+  RecordingCanvas const canvas = drawn(state, settings);
+  EXPECT_EQ(canvas.texts, (std::vector<std::string>{"health", "susceptible", "infected", "2"}));
+  std::vector<std::string> const colours = canvas.colours_of_circles();
+  EXPECT_EQ(colours.at(0), colours.at(2));
   std::vector<std::string> listed;
-  for (auto const& square : document.named("rect")) {
-    if (square.attributes.contains("width") && square.attributes.at("width") == "13") {
-      listed.push_back(square.attributes.at("fill"));
-    }
+  for (auto const& square : canvas.filled) {
+    if (square.place.width == 13.0) listed.push_back(square.colour);
   }
-  EXPECT_EQ(listed, (std::vector<std::string>{circles.at(0).attributes.at("fill"), circles.at(3).attributes.at("fill"),
-                                              circles.at(1).attributes.at("fill")}));
+  EXPECT_EQ(listed, (std::vector<std::string>{colours.at(0), colours.at(3), colours.at(1)}));
 }
 
 TEST(Picture, ListsTheRadiiOfAMixtureAndOfNothingElse) {
   State state;
   for (double const r : {0.1, 0.14, 0.1}) state.agents.add(0.5, 0.5, 0, 0, r, 1, 0, 0);
-  EXPECT_EQ(texts_of(drawn(state, {})), (std::vector<std::string>{"R = 0.1", "R = 0.14"}));
-  EXPECT_TRUE(texts_of(drawn(one_disk_per_cell(Edge::wall, 2, 2), {})).empty());
+  EXPECT_EQ(drawn(state, {}).texts, (std::vector<std::string>{"R = 0.1", "R = 0.14"}));
+  EXPECT_TRUE(drawn(one_disk_per_cell(Edge::wall, 2, 2), {}).texts.empty());
 }
 
 TEST(Picture, GivesOppositeEndsOfTheAnglesOneColour) {
@@ -209,7 +193,7 @@ TEST(Picture, GivesOppositeEndsOfTheAnglesOneColour) {
   EXPECT_EQ(colours.at(0), colours.at(1));
   EXPECT_NE(colours.at(0), colours.at(2));
   EXPECT_NE(colours.at(2), colours.at(3));
-  EXPECT_EQ(texts_of(drawn(state, settings)), (std::vector<std::string>{"−π", "−π/2", "0", "π/2", "π", "direction"}));
+  EXPECT_EQ(drawn(state, settings).texts, (std::vector<std::string>{"−π", "−π/2", "0", "π/2", "π", "direction"}));
 }
 
 TEST(ColourCircle, GoesAroundInSmallStepsToWhereItBegan) {
@@ -223,34 +207,21 @@ TEST(ColourCircle, GoesAroundInSmallStepsToWhereItBegan) {
   }
 }
 
-TEST(Picture, AsPdfIsAPdfOfTheSizeAskedForEvenOfManyDisks) {
-  State const state = one_disk_per_cell(Edge::wall, 3, 3);
-  std::string const vectors = picture_pdf(state, {.width = 300});
-  std::string const raster = picture_pdf(state, {.width = 300, .most_vector_disks = 4});
-  for (std::string const& pdf : {vectors, raster}) {
-    EXPECT_TRUE(pdf.starts_with("%PDF-")) << pdf.substr(0, 20);
-    EXPECT_NE(pdf.find("%%EOF"), std::string::npos);
-    EXPECT_NE(pdf.find("/MediaBox [ 0 0 300 300 ]"), std::string::npos);
-  }
-  EXPECT_EQ(vectors.find("/Subtype /Image"), std::string::npos);
-  EXPECT_NE(raster.find("/Subtype /Image"), std::string::npos);
-}
-
 TEST(Picture, SurvivesValuesThatAreAllAlikeOrAllUnknown) {
   State const state = one_disk_per_cell(Edge::wall, 2, 2);
   constexpr double huge = 1e300;
   for (double const value : {0.0, 7.0, -7.0, huge, std::nan(""), std::numeric_limits<double>::infinity()}) {
     std::vector<double> const values(4, value);
-    EXPECT_EQ(drawn(state, {.colouring = Colouring::values, .values = values}).count("circle"), 4U) << value;
+    EXPECT_EQ(drawn(state, {.colouring = Colouring::values, .values = values}).circles.size(), 4U) << value;
   }
 }
 
 TEST(Picture, SurvivesValuesThatAreFarApartOrAlmostAlike) {
   State const state = one_disk_per_cell(Edge::wall, 2, 1);
   for (auto const& values : {std::vector{-1.7e308, 1.7e308}, {1.0, std::nextafter(1.0, 2.0)}, {0.0, 5e-324}}) {
-    MarkupDocument const document = drawn(state, {.colouring = Colouring::values, .values = values});
-    EXPECT_EQ(document.count("circle"), 2U);
-    EXPECT_LT(document.count("text"), 15U);
+    RecordingCanvas const canvas = drawn(state, {.colouring = Colouring::values, .values = values});
+    EXPECT_EQ(canvas.circles.size(), 2U);
+    EXPECT_LT(canvas.texts.size(), 15U);
   }
 }
 
@@ -267,51 +238,32 @@ TEST(Picture, LeavesOutDisksThatAreNowhere) {
   State state = one_disk_per_cell(Edge::wall, 2, 2);
   state.agents.column<X>()[1] = std::nan("");
   state.agents.column<Y>()[2] = std::numeric_limits<double>::infinity();
-  for (Colouring const colouring : {Colouring::radius, Colouring::neighbourhood, Colouring::speed}) {
-    EXPECT_EQ(drawn(state, {.colouring = colouring, .columns = 2, .rows = 2}).count("circle"), 2U);
+  for (Colouring const colouring : {Colouring::radius, Colouring::neighbourhood}) {
+    EXPECT_EQ(drawn(state, {.colouring = colouring, .columns = 2, .rows = 2}).circles.size(), 2U);
   }
 }
 
 TEST(Picture, DrawsTheGridOnlyWhereItsCellsCanBeSeen) {
   State const state = one_disk_per_cell(Edge::wall, 2, 2);
-  EXPECT_EQ(drawn(state, {.columns = 10, .rows = 7}).count("line"), 9U + 6U);
-  EXPECT_EQ(drawn(state, {.width = 720, .columns = 100'000, .rows = 100'000}).count("line"), 0U);
+  EXPECT_EQ(drawn(state, {.columns = 10, .rows = 7}).lines, 9U + 6U);
+  EXPECT_EQ(drawn(state, {.width = 720, .columns = 100'000, .rows = 100'000}).lines, 0U);
 }
 
-TEST(Picture, ShowsVelocitiesAsArrowsThatGrowWithSpeed) {
-  State state = one_disk_per_cell(Edge::wall, 2, 1);
-  state.agents.column<VelocityX>()[0] = 1.0;
-  state.agents.column<VelocityX>()[1] = -2.0;
-  auto const heads = drawn(state, {.shows_velocities = true}).named("path");
-  auto const shafts = drawn(state, {.shows_velocities = true}).named("line");
-  ASSERT_EQ(heads.size(), 2U);
-  auto const run = [&](int i) {
-    return std::stod(shafts.at(i).attributes.at("x2")) - std::stod(shafts.at(i).attributes.at("x1"));
-  };
-  EXPECT_GT(run(0), 0.0);
-  EXPECT_LT(run(1), -run(0));
-  EXPECT_EQ(drawn(state, {}).count("path"), 0U);
-}
-
-TEST(Picture, KeepsATitleOfAnyCharactersInOneLine) {
+TEST(Picture, KeepsATitleOfAnyCharacters) {
   State const state = one_disk_per_cell(Edge::wall, 1, 1);
-  MarkupDocument const document = drawn(state, {.title = "<b>R&D</b>\n\"φ\" \x01\xFF"});
-  EXPECT_EQ(document.named("text").at(0).text, "&lt;b&gt;R&amp;D&lt;/b&gt; &quot;φ&quot;  \xEF\xBF\xBD");
-  EXPECT_NE(picture_png(state, {.title = "\xFF\nφ"}), picture_png(state, {}));
+  PicturePixels const odd = picture_pixels(state, {.title = "<b>\n\"φ\" \x01\xFF"});
+  PicturePixels const other = picture_pixels(state, {.title = "<b>"});
+  EXPECT_EQ(odd.height, other.height);
+  EXPECT_TRUE(odd.bytes != other.bytes);
 }
 
-TEST(Picture, AsPngHasTheSizeAskedFor) {
-  State const state = scattered(Box(2, 1, Edge::wall), 10, 0.05);
-  std::string const given = picture_png(state, {.width = 640, .height = 480});
-  EXPECT_EQ(given.substr(1, 3), "PNG");
-  EXPECT_EQ(number_at(given, 16), 640U);
-  EXPECT_EQ(number_at(given, 20), 480U);
-  // Left out, the height follows the box: half as high as wide, but for the margins.
-  std::string const following = picture_png(state, {.width = 640});
-  EXPECT_EQ(number_at(following, 16), 640U);
-  EXPECT_NEAR(number_at(following, 20), 320U, 20U);
+TEST(Picture, IsAsHighAsTheBoxButForTheMargins) {
+  auto const height = [](double width, double box_height) {
+    return picture_pixels(scattered(Box(width, box_height, Edge::wall), 10, 0.001), {.width = 640}).height;
+  };
+  EXPECT_NEAR(height(2.0, 1.0), 320U, 20U);
   // A channel does not make a picture as tall as itself.
-  EXPECT_EQ(number_at(picture_png(scattered(Box(0.01, 100, Edge::wall), 1, 0.001), {.width = 100}), 20), 200U);
+  EXPECT_EQ(height(0.01, 100.0), 1280U);
 }
 
 /// How many pieces of line the edge of an empty box consists of: runs of coloured pixels in the row that has the most.
@@ -346,54 +298,25 @@ TEST(Picture, OfPixelsHasAWholeLineForWallsAndADashedOneForPeriodicEdges) {
 
 TEST(Picture, IsTheSameEveryTime) {
   State const state = scattered(Box(1, 1, Edge::periodic), 100, 0.03);
-  EXPECT_EQ(picture_svg(state, {}), picture_svg(state, {}));
-  EXPECT_EQ(picture_png(state, {}), picture_png(state, {}));
-}
-
-TEST(Picture, OfManyDisksStaysSmallByHoldingAnImageOfThem) {
-  State const state = scattered(Box(1, 1, Edge::wall), 5'000, 0.003);
-  TemporaryDirectory const directory;
-  EXPECT_EQ(draw_disks(state, {}, directory / "few.svg"), PictureKind::vector);
-  EXPECT_EQ(draw_disks(state, {.most_vector_disks = 4'999}, directory / "many.svg"), PictureKind::raster);
-  EXPECT_EQ(draw_disks(state, {}, directory / "any.png"), PictureKind::raster);
-  MarkupDocument const few(read_file(directory / "few.svg"));
-  MarkupDocument const many(read_file(directory / "many.svg"));
-  EXPECT_EQ(few.count("circle"), 5'000U);
-  EXPECT_EQ(few.count("image"), 0U);
-  EXPECT_EQ(many.problem, "");
-  EXPECT_EQ(many.count("circle"), 0U);
-  ASSERT_EQ(many.count("image"), 1U);
-  EXPECT_TRUE(many.named("image").at(0).attributes.at("xlink:href").starts_with("data:image/png;base64,iVBOR"));
-}
-
-TEST(Picture, SpendsAboutSixtyBytesOnADisk) {
-  State const state = scattered(Box(1, 1, Edge::wall), 10'000, 0.003);
-  State const empty{.box = state.box};
-  double const bytes = static_cast<double>(picture_svg(state, {}).size() - picture_svg(empty, {}).size());
-  EXPECT_LT(bytes / 10'000, 70.0);
+  EXPECT_TRUE(picture_pixels(state, {}).bytes == picture_pixels(state, {}).bytes);
 }
 
 TEST(Picture, RefusesWhatCannotBeDrawn) {
   State const state = one_disk_per_cell(Edge::wall, 2, 2);
   std::vector<double> const three{1, 2, 3};
-  EXPECT_THROW(picture_svg(state, {.width = 0}), Error);
-  EXPECT_THROW(picture_png(state, {.width = 15}), Error);
-  EXPECT_THROW(picture_png(state, {.width = 16'385}), Error);
-  EXPECT_THROW(picture_png(state, {.height = 4'000'000'000}), Error);
-  EXPECT_THROW(picture_svg(state, {.colouring = Colouring::values, .values = three}), Error);
-  TemporaryDirectory const directory;
-  EXPECT_THROW(draw_disks(state, {}, directory / "picture.gif"), Error);
-  EXPECT_THROW(draw_disks(state, {}, directory / "missing/picture.svg"), RunFailure);
-  EXPECT_TRUE(std::filesystem::is_empty(directory.path()));
+  EXPECT_THROW(drawn(state, {.width = 0}), Error);
+  EXPECT_THROW(picture_pixels(state, {.width = 15}), Error);
+  EXPECT_THROW(picture_pixels(state, {.width = 16'385}), Error);
+  EXPECT_THROW(drawn(state, {.colouring = Colouring::values, .values = three}), Error);
 }
 
 TEST(Picture, CanBeAsSmallAsAnyPictureAllowed) {
   State const state = one_disk_per_cell(Edge::wall, 2, 2);
   for (std::uint32_t const pixels : {16U, 17U, 40U}) {
     PictureSettings const settings{
-        .width = pixels, .height = pixels, .colouring = Colouring::speed, .columns = 2, .rows = 2, .title = "t"};
-    EXPECT_EQ(drawn(state, settings).count("circle"), 4U);
-    EXPECT_EQ(number_at(picture_png(state, settings), 20), pixels);
+        .width = pixels, .colouring = Colouring::neighbourhood, .columns = 2, .rows = 2, .title = "t"};
+    EXPECT_EQ(drawn(state, settings).circles.size(), 4U);
+    EXPECT_EQ(picture_pixels(state, settings).width, pixels);
   }
 }
 

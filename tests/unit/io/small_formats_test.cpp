@@ -13,7 +13,6 @@
 #include "drawing/colour.hpp"
 #include "drawing/neighbourhood_colour.hpp"
 #include "drawing/picture.hpp"
-#include "drawing/plot.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/settings_file.hpp"
 #include "io/checkpoint.hpp"
@@ -22,6 +21,7 @@
 #include "io/h5md_layout.hpp"
 #include "io/nearest_name.hpp"
 #include "io/text.hpp"
+#include "unit/drawing/recording_canvas.hpp"
 #include "unit/io/temporary_directory.hpp"
 
 namespace gridlock {
@@ -186,50 +186,16 @@ TEST(CheckpointFiles, OfWhichNoneCanBeUsedTheNewestIsNamedAndBothAreRemoved) {
   EXPECT_TRUE(std::filesystem::is_empty(directory.path()));
 }
 
-State two_disks_for_pictures(Edge edge) {
-  State state{.box = Box(1.0, 1.0, edge)};
+TEST(Picture, TheBarBeginsAtTheLeastValueAlsoBelowZero) {
+  State state{.box = Box(1.0, 1.0, Edge::wall)};
   state.agents.add(0.25, 0.5, 0.0, 0.0, 0.1, 1.0, 0, 0);
   state.agents.add(0.75, 0.5, 0.0, 0.0, 0.1, 1.0, 0, 0);
-  return state;
-}
-
-TEST(Picture, TheBarBeginsAtTheLeastValueAlsoBelowZero) {
   std::vector<double> const values{-3.0, 1.0};
-  std::string const svg =
-      picture_svg(two_disks_for_pictures(Edge::wall), {.colouring = Colouring::values, .values = values});
-  std::size_t const circles = svg.find("<circle");
-  std::string const drawn = svg.substr(circles, svg.rfind("<circle") + 200 - circles);
-  EXPECT_NE(drawn.find(to_hex(viridis(0.0))), std::string::npos);
-  EXPECT_NE(drawn.find(to_hex(viridis(1.0))), std::string::npos);
-  EXPECT_NE(svg.find(">-3<"), std::string::npos) << "the least value has its tick";
-}
-
-TEST(Picture, TheImageOfManyDisksIsTheSameUnderATitle) {
-  auto const image_of = [](std::string const& title) {
-    std::string const svg = picture_svg(two_disks_for_pictures(Edge::wall), {.title = title, .most_vector_disks = 1});
-    std::size_t const begin = svg.find("base64,");
-    return svg.substr(begin, svg.find('"', begin) - begin);
-  };
-  EXPECT_GT(image_of("").size(), 100U);
-  EXPECT_TRUE(image_of("") == image_of("a title moves the box down"));
-}
-
-TEST(Plot, TheErrorOfACurveIsScaledAsTheCurve) {
-  TemporaryDirectory const directory;
-  write_file(directory / "t.csv", "time,value,error\n0,1,0.5\n1,2,0.5\n");
-  Plot const plot{.name = "scaled",
-                  .curves = {{.file = "t.csv", .x = "time", .y = "value", .error = "error", .y_factor = 0.25}},
-                  .width = 240,
-                  .height = 180};
-  static_cast<void>(draw_plot(plot, directory.path()));
-  std::string const script = read_file(directory / "scaled.gp");
-  EXPECT_NE(script.find("(0.25*column('value') + 0.25*column('error'))"), std::string::npos) << script;
-}
-
-TEST(Plot, AProgramThatMayNotBeRunCountsAsMissing) {
-  TemporaryDirectory const directory;
-  write_file(directory / "gnuplot", "no program\n");
-  EXPECT_FALSE(is_gnuplot_available({.program = (directory / "gnuplot").string()}));
+  RecordingCanvas canvas;
+  draw_picture(state, {.colouring = Colouring::values, .values = values}, canvas);
+  EXPECT_EQ(canvas.colours_of_circles(),
+            (std::vector<std::string>{RecordingCanvas::hex(viridis(0.0)), RecordingCanvas::hex(viridis(1.0))}));
+  EXPECT_EQ(canvas.texts.front(), "-3") << "the least value has its tick";
 }
 
 }  // namespace

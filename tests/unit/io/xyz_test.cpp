@@ -182,7 +182,8 @@ TEST(Xyz, ColumnsMayStandInAnyOrderAndOthersAreSkipped) {
       "disks.xyz");
   EXPECT_FALSE(frame.has_velocities);
   EXPECT_FALSE(frame.has_radii);
-  EXPECT_FALSE(frame.has_masses || frame.has_images);
+  EXPECT_TRUE(frame.has_masses);
+  EXPECT_FALSE(frame.has_images);
   EXPECT_EQ(frame.state.box, Box(2, 1, Edge::periodic));
   ASSERT_EQ(frame.state.agents.size(), 2U);
   std::size_t const seven = frame.state.agents.index_of(7);

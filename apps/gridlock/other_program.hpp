@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace gridlock::cli {
+
+/// The program `gridlock-WORD` in the directory of this program, else in the first directory of PATH that has one; empty where
+/// there is none, and for a word of anything but letters, digits, - and _.
+///
+/// The prefix is `gridlock-` whatever this program is called: `plot` of a program with models of its own is the same
+/// gridlock-plot, and what somebody puts on the path serves every such program.
+/// A file that may not be executed, or that is none, is passed over, as a shell does.
+std::filesystem::path find_other_program(std::string const& word);
+
+/// The words of all such programs, each once, in alphabetical order. Cost: a walk through the directories of PATH.
+std::vector<std::string> other_programs();
+
+/// Where the programs of Gridlock's own Python package come from.
+char const* python_package();
+
+/// Becomes the program, with the arguments that follow its word: its output, exit code and signals are those of this process.
+/// Errors: Error where the system cannot start it.
+[[noreturn]] void become(std::filesystem::path const& program, std::vector<std::string> const& arguments);
+
+}  // namespace gridlock::cli

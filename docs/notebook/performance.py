@@ -1,0 +1,56 @@
+#!/usr/bin/env python3
+"""The charts of docs/reference/performance.md from the committed results: python docs/notebook/performance.py docs/images
+
+Needs the Python package gridlock with its plots (pip install ".[plots]").
+"""
+
+import csv
+import pathlib
+import sys
+
+from matplotlib.figure import Figure
+
+import gridlock.plot
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+def rows():
+    with open(ROOT / "benchmarks/results/paper_rule.csv", encoding="utf-8") as file:
+        return list(csv.DictReader(line for line in file if not line.startswith("#")))
+
+
+def draw(file, curves, title, x_label, limits, legend):
+    """``curves`` are pairs of a label and points (x, y)."""
+    figure = Figure((5.0, 3.6), layout="constrained")
+    axes = figure.subplots()
+    for number, (label, points) in enumerate(curves):
+        gridlock.plot.points(axes, *zip(*sorted(points)), label=label, number=number)
+    axes.set(xscale="log", yscale="log", title=title, xlabel=x_label, ylabel="ns per disk and step", ylim=limits)
+    axes.legend(loc=legend)
+    figure.savefig(file, metadata={"Date": None})
+
+
+def over_n(name, fraction):
+    return [(float(row["n"]), float(row["nanoseconds_min"])) for row in rows()
+            if row["name"] == name and row["packing_fraction"] == fraction]
+
+
+def over_k(count):
+    return [(float(row["name"].removeprefix("lists k=")), float(row["nanoseconds_min"])) for row in rows()
+            if row["benchmark"] == "paper_rule_over_k" and row["n"] == str(count)]
+
+
+def main(directory):
+    names = {"lists finest k": "linked lists, finest k", "stepped": "stepped", "tiled 1 thread": "tiled"}
+    curves = [(f"{label}, φ = {fraction}", over_n(name, fraction)) for name, label in names.items() for fraction in ("0.7", "0.3")]
+    curves.append(("tiled, 2 threads, wall time, φ = 0.7", over_n("tiled 2 threads (wall)", "0.7")))
+    with gridlock.plot.style():
+        draw(directory / "performance_n.svg", curves, "The paper's rule, one core, cost against N", "number of disks N", (15, 1500), "upper left")
+        curves = [(f"N = {count:,}", over_k(count)) for count in (100, 841, 10_000, 100_000, 1_000_000, 10_000_000)]
+        draw(directory / "performance_k.svg", curves, "The paper's rule on linked lists, one core, cost against k, φ = 0.7", "cells a side k",
+             (100, 200_000), "upper right")
+
+
+if __name__ == "__main__":
+    main(pathlib.Path(sys.argv[1]))

@@ -1,0 +1,1 @@
+"""Commands of ``gridlock`` that are programs of their own: the module ``gridlock.commands.plot`` is the program ``gridlock-plot``."""
