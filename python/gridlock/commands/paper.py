@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 import os
 import pathlib
+import re
 import signal
 import sys
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from ..errors import Error, RunFailure
 
@@ -30,9 +31,21 @@ def _whole_number(least: int, most: int | None = None) -> Callable[[str], int]:
     return parse
 
 
+#: What argparse says of bad use, and what this command says.
+_COMPLAINTS = (
+    (r"argument (?:-\w/)?(--\w+): (must be .*)", r"\1 \2"),
+    (r"argument (?:-\w/)?(--\w+): expected one argument", r"\1 needs a value"),
+    (r"argument (?:-\w/)?(--\w+): not allowed with argument (--\w+)", r"\2 and \1 cannot be given together"),
+    (r"unrecognized arguments: (-\S+).*", r"gridlock paper has no option \1"),
+    (r"unrecognized arguments: (\S+).*", r'"\1" is one word too many: gridlock paper takes options only'),
+)
+
+
 class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> None:  # type: ignore[override]
-        print(f"error: {message.removeprefix('argument ')}\n  hint: {self.prog} --help lists its arguments", file=sys.stderr)
+    def error(self, message: str) -> NoReturn:
+        for pattern, complaint in _COMPLAINTS:
+            message = re.sub(f"^{pattern}$", complaint, message)
+        print(f"error: {message}\n  hint: {self.prog} --help lists its options", file=sys.stderr)
         raise SystemExit(BAD_USE)
 
 

@@ -76,11 +76,15 @@ def sequence(count: int) -> list[tuple[float, ...]]:
 
 def draw_disks(axes: Axes, positions: NDArray[Any], radius: float, colours: ArrayLike | str, *, edge: float = 0.3) -> None:
     """Disks of one size in the unit box."""
-    from matplotlib.collections import EllipseCollection
+    from matplotlib.collections import PathCollection
+    from matplotlib.path import Path
+    from matplotlib.transforms import AffineDeltaTransform
 
-    width = np.full(len(positions), 2.0 * radius)
-    disks = EllipseCollection(width, width, np.zeros(len(positions)), units="xy", offsets=positions,
-                              offset_transform=axes.transData, facecolors=colours, edgecolors="black", linewidths=edge)
+    to_picture: Any = axes.transData
+    # One circle used at all places keeps the SVG small.
+    disks = PathCollection([Path.circle((0.0, 0.0), radius)], offsets=positions, offset_transform=to_picture,
+                           facecolors=colours, edgecolors="black", linewidths=edge)
+    disks.set_transform(AffineDeltaTransform(to_picture))
     axes.add_collection(disks)
     axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0), aspect="equal", xticks=[], yticks=[])
     axes.grid(False)
