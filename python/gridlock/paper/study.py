@@ -180,9 +180,9 @@ def _make(context: Context, figure: int | None, jobs: int, progression: _Progres
     if context.partial_results.problem:
         context.notes.append(f"partial results were not all kept: {context.partial_results.problem}")
     seconds = time.perf_counter() - start
+    progression.report(1.0, "drawing")  # a wish to stop that comes later comes too late
     context.write(REPORT, report.html(context, chapters, seconds, is_resumed=is_resumed).encode())
     context.partial_results.remove_all()
-    progression.report(1.0, "drawing")
     claims = [claim for chapter in chapters for claim in chapter.claims]
     return Paper(claims, context.files, context.notes, seconds)
 
