@@ -47,8 +47,8 @@ def paper_checks(disks: int, k: int) -> float:
 def mean_block_size(k: int) -> float:
     """How many neighbourhoods a 3×3 block holds on average, (3k − 2)²/k², since a block at a wall is cut.
 
-    >>> mean_block_size(1), mean_block_size(2), mean_block_size(10)
-    (1.0, 4.0, 7.84)
+    >>> mean_block_size(1), mean_block_size(2), mean_block_size(4)
+    (1.0, 4.0, 6.25)
     """
     return ((3.0 * k - 2.0) / k) ** 2
 
