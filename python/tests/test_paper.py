@@ -4,6 +4,7 @@ import csv
 import dataclasses
 import gzip
 import html.parser
+import importlib.util
 import os
 import pathlib
 import re
@@ -468,6 +469,14 @@ def test_arguments_that_cannot_be_used_are_named(words, complaint, capsys):
     assert errors.startswith("error: ") and complaint in errors
     assert "hint: gridlock paper --help lists its options" in errors
     assert "usage" not in errors
+
+
+def test_a_package_that_is_missing_is_named_before_anything_is_run(tmp_path, monkeypatch):
+    find = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "jinja2" else find(name))
+    with pytest.raises(gridlock.Error, match="the study of the paper needs jinja2\n  hint: pip install jinja2"):
+        paper.make(tmp_path / "out", TINY)
+    assert not (tmp_path / "out").exists()
 
 
 def test_importing_the_package_imports_nothing_of_the_study():

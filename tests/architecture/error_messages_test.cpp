@@ -24,10 +24,10 @@ std::string literals() {
   static std::regex const broken(R"re("\s*\n?\s*")re");
   static std::regex const quote(R"re(\\")re");
   std::string all;
-  for (char const* folder : {"src", "apps", "models", "include"}) {
+  for (char const* folder : {"src", "apps", "models", "include", "python/gridlock"}) {
     for (fs::directory_entry const& entry : fs::recursive_directory_iterator(fs::path(GRIDLOCK_SOURCE_DIR) / folder)) {
       fs::path const extension = entry.path().extension();
-      if (extension == ".cpp" || extension == ".hpp") all += text_of(entry.path());
+      if (extension == ".cpp" || extension == ".hpp" || extension == ".py") all += text_of(entry.path());
     }
   }
   // Quotes inside a literal first, under a mark, so that they do not look like its end.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib.util
 import os
 import pathlib
 import time
@@ -119,6 +120,7 @@ def make(
         extent = extents.quick() if extent == "quick" else extents.full()
     if figure not in (None, 4, 5, 6, 7):
         raise Error(f"the study has no Figure {figure!r}\n  hint: use 4, 5, 6 or 7")
+    _require_packages()
     extents.require_possible(extent)
     figure_5.require_possible(extent)
     jobs = min(as_threads(threads or 0) or cores(), cores())
@@ -142,6 +144,13 @@ def make(
                 raise Stopped(partial_results.directory, len(context.runs), context.runs.finished) from None
     finally:
         kept.release()
+
+
+def _require_packages() -> None:
+    """Before anything is run, not when the report is to be written."""
+    missing = [name for name in ("jinja2", "matplotlib", "scipy") if importlib.util.find_spec(name) is None]
+    if missing:
+        raise Error(f"the study of the paper needs {' and '.join(missing)}\n  hint: pip install {' '.join(missing)}")
 
 
 def _as_bar(progress: Progress) -> bool:
