@@ -76,7 +76,7 @@ def _draw(context: Context, results: Sequence[Measured], *, is_logarithmic: bool
     axes.axhline(0.1, color=style.GREY, linewidth=0.8, linestyle=":", label="10 % of the side")
     axes.set(xlim=(context.extent.figure_6.sample_every if is_logarithmic else 0, context.extent.figure_6.steps))
     if is_logarithmic:
-        axes.set(xscale="log", yscale="log")
+        style.logarithmic(axes, "x", "y")
     else:
         axes.set_ylim(0.0, None)
         axes.xaxis.set_major_formatter("{x:,.0f}")

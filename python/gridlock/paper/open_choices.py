@@ -134,7 +134,8 @@ def _draw(context: Context, choices: Sequence[Choices]) -> Figure:
                   textcoords="offset points", color=style.GREY, fontsize=8)
     longest = max(context.extent.choice_time_steps)
     # The dynamics without a time step is at 0, a little inside the frame.
-    axes.set(yscale="log", xlim=(-0.1 * longest, 1.1 * longest))
+    axes.set_xlim(-0.1 * longest, 1.1 * longest)
+    style.logarithmic(axes, "y")
     figure.legend(loc="outside right upper")
     return figure
 

@@ -153,6 +153,18 @@ class Outcome:
         series[ABOUT_CENTRE] = np.sqrt(np.maximum(0.0, squared))
         return cls(series, simulation.state_hash, seconds)
 
+    @property
+    def arrays(self) -> dict[str, Any]:
+        """To be kept."""
+        return {"names": list(self.series), "series": np.stack(list(self.series.values())), "state_hash": self.state_hash,
+                "seconds": self.seconds}
+
+    @classmethod
+    def restored(cls, arrays: Mapping[str, NDArray[Any]]) -> Outcome:
+        """From what was kept."""
+        series = dict(zip(arrays["names"].tolist(), arrays["series"]))
+        return cls(series, str(arrays["state_hash"]), float(arrays["seconds"]))
+
 
 class PartialResults:
     """Finished pieces of a study that is not finished, one file each, so that a study that is stopped or killed continues
@@ -229,7 +241,7 @@ class RunPool:
         if kept is None:
             self._outcomes[run] = None
         else:
-            self._outcomes[run] = Outcome(kept, str(kept.pop("state_hash")), float(kept.pop("seconds")))
+            self._outcomes[run] = Outcome.restored(kept)
 
     def __len__(self) -> int:
         return len(self._outcomes)
@@ -292,7 +304,7 @@ class RunPool:
             self._done[run] = 1.0
             return
         outcome = Outcome.of(simulation, time.perf_counter() - start)
-        self._partial_results.keep(_key(run), {**outcome.series, "state_hash": outcome.state_hash, "seconds": outcome.seconds})
+        self._partial_results.keep(_key(run), outcome.arrays)
         self._outcomes[run] = outcome
         self._done[run] = 1.0
 

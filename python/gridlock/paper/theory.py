@@ -68,14 +68,16 @@ def mean_distance_after_diffusion(sites: NDArray[Any], lower: float, upper: floa
     # Narrower than a few bins, the walls are far for nearly all sites and the value of the plane holds.
     if deviation < 3.0 * side / _BINS:
         return deviation * math.sqrt(0.5 * math.pi)
-    # Sites of a lattice share few coordinates, so each of them is diffused once.
+    # A site and its mirror images count alike, and sites of a lattice share few coordinates: each is diffused once.
+    folded = np.round(0.5 * side - np.abs(sites - 0.5 * (lower + upper)), 14)
+    starts, places = np.unique(folded, return_inverse=True)
+    pairs, counts = np.unique(np.sort(places.reshape(sites.shape), axis=1), axis=0, return_counts=True)
     middles = side * (np.arange(_BINS) + 0.5) / _BINS
-    starts, places = np.unique(sites - lower, return_inverse=True)
     likely = _diffused_between_walls(starts, side, deviation)
     squares = (middles - starts[:, None]) ** 2
     distance = 0.0
-    for column, row in places.reshape(sites.shape):
-        distance += likely[column] @ np.sqrt(squares[column][:, None] + squares[row]) @ likely[row]
+    for (column, row), count in zip(pairs, counts):
+        distance += count * (likely[column] @ np.sqrt(squares[column][:, None] + squares[row]) @ likely[row])
     return float(distance) / len(sites)
 
 

@@ -224,7 +224,7 @@ def _draw(context: Context) -> Figure:
                 axes.errorbar(x, y, error, color=colour, marker=marker, markersize=3.5, linestyle="none", capsize=2)
         axes.plot([], [], color=colour, marker=marker, label=f"{orders.by_id.run.start} "
                                                              f"{plain(orders.by_id.run.packing_fraction)}")
-    axes.set(xscale="log", yscale="log")
+    style.logarithmic(axes, "x", "y")
     figure.legend(loc="outside right upper", title="lines: stepped\npoints: tiled", title_fontsize=8)
     return figure
 
