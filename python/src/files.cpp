@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -24,6 +25,7 @@
 #include "gridlock/simulation/setup.hpp"
 #include "gridlock/workspace/run_directory.hpp"
 #include "gridlock/workspace/sweep.hpp"
+#include "io/file.hpp"
 #include "listener.hpp"
 #include "settings.hpp"
 #include "simulation/kind_names.hpp"
@@ -204,6 +206,25 @@ class PythonTrajectory {
   H5mdReader reader_;
 };
 
+/// A directory that is kept from all other processes, and lists what is written into it as results of Gridlock.
+class PythonDirectory {
+ public:
+  PythonDirectory(std::string const& directory, bool overwrites) : directory_(directory) {
+    open_run_directory(directory_, overwrites);
+    lock_.emplace(directory_);
+  }
+  void write(std::string const& name, nb::bytes const& content) const {
+    std::filesystem::path const file = directory_ / name;
+    record_result(file);
+    write_file(file, std::string_view(content.c_str(), content.size()));
+  }
+  void release() { lock_.reset(); }
+
+ private:
+  std::filesystem::path directory_;
+  std::optional<DirectoryLock> lock_;
+};
+
 }  // namespace
 
 void bind_files(nb::module_& module) {
@@ -227,6 +248,10 @@ void bind_files(nb::module_& module) {
       .def("steps", &PythonTrajectory::steps)
       .def("times", &PythonTrajectory::times)
       .def("frame", &PythonTrajectory::frame, nb::arg("k"));
+  nb::class_<PythonDirectory>(module, "Directory")
+      .def(nb::init<std::string const&, bool>(), nb::arg("directory"), nb::arg("overwrites"))
+      .def("write", &PythonDirectory::write, nb::arg("name"), nb::arg("content"))
+      .def("release", &PythonDirectory::release);
 }
 
 }  // namespace gridlock::python

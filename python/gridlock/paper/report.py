@@ -1,0 +1,85 @@
+"""The report: one page that needs no other file."""
+
+from __future__ import annotations
+
+import base64
+import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from .. import _core
+from .chapter import Chapter, Claim, Context, Table
+from .statistics import Verdict
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+
+def _emphasized(text: str) -> Markup:
+    """Words between ** as strong, everything else as it is."""
+    from markupsafe import Markup, escape
+
+    return Markup(re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", str(escape(text))))
+
+
+def _number_columns(table: Table) -> list[bool]:
+    """Whether all cells of a column read as numbers, perhaps with an error or unit behind them, or say that there is none."""
+    def reads_as_number(cell: object) -> bool:
+        return isinstance(cell, str) and len(cell) <= 32 and re.match(r"[–+−]?\d|–$|nan$", cell) is not None
+
+    columns = range(len(table.header))
+    return [bool(table.rows) and all(reads_as_number(row[column]) for row in table.rows) for column in columns]
+
+
+def _count(claims: Sequence[Claim], verdict: Verdict) -> int:
+    return sum(claim.verdict is verdict for claim in claims)
+
+
+def _conclusion(claims: Sequence[Claim]) -> str:
+    """What a reader is to take away, from the verdicts alone."""
+    differing = [f"“{claim.statement}” ({claim.where})" for claim in claims if claim.verdict is Verdict.DIFFERS]
+    undecided = _count(claims, Verdict.UNDECIDED)
+    text = f"What to conclude: {_count(claims, Verdict.AGREES)} of the {len(claims)} claims tested here hold"
+    if undecided:
+        text += f", these runs cannot decide {undecided}"
+    return f"{text}, and these do not: {' '.join(differing)}" if differing else f"{text}."
+
+
+def _overview(claims: Sequence[Claim]) -> Table:
+    table = Table(["where", "the paper says", "verdict"])
+    # "Figure 5" stays on one line, however narrow its column.
+    table.rows += [[claim.where.replace(" ", "\u00a0"), claim.statement, claim.verdict] for claim in claims]
+    return table
+
+
+def _claim_table(claims: Sequence[Claim]) -> Table:
+    table = Table(["the paper says", "measured here", "verdict"])
+    table.rows += [[claim.statement, claim.measured, claim.verdict] for claim in claims]
+    return table
+
+
+def html(context: Context, chapters: Sequence[Chapter], seconds: float, *, is_resumed: bool) -> str:
+    """The page."""
+    import jinja2
+
+    claims = [claim for chapter in chapters for claim in chapter.claims]
+    made = (f"Extent: {context.extent.name}. Gridlock {_core.version}, seed {context.seed}, {seconds:.0f} s"
+            f"{' since the last interruption' if is_resumed else ''}. Every plot has its data (.csv) beside it.")
+    if len(context.runs):
+        made += f" Each of the {len(context.runs)} simulations is listed in runs.csv with its settings and state hash."
+    environment = jinja2.Environment(loader=jinja2.PackageLoader("gridlock.paper", "."), autoescape=True, trim_blocks=True,
+                                     lstrip_blocks=True, undefined=jinja2.StrictUndefined)
+    environment.filters["emphasized"] = _emphasized
+    environment.filters["number_columns"] = _number_columns
+    environment.filters["verdict"] = lambda cell: cell if isinstance(cell, Verdict) else None
+    return environment.get_template("report.html.jinja").render(
+        title="The paper's figures, made afresh",
+        summary="Agent based simulations and optimization with uniform grid applied to colloidal jamming transitions (J.-X. "
+        f"Shen). Verdicts: {_count(claims, Verdict.AGREES)} agree, {_count(claims, Verdict.DIFFERS)} differ, "
+        f"{_count(claims, Verdict.UNDECIDED)} undecided.",
+        introduction=[made, *([_conclusion(claims)] if claims else [])],
+        overview=_overview(claims),
+        chapters=[(chapter, _claim_table(chapter.claims)) for chapter in chapters],
+        notes=context.notes,
+        pictures={name: base64.b64encode(svg).decode() for name, svg in context.pictures.items()},
+    )
