@@ -151,8 +151,8 @@ class Measurement:
         return simulation
 
     def measure(self, jobs: int, on_progress: Callable[[float], None]) -> list[StepCost]:
-        """Counts the distances of every size on some cores, then times one size after the other on this thread: anything else running
-        in the process would be in the CPU time."""
+        """Counts the distances of every size on some cores, then times one size after the other on this thread: anything else
+        running in the process would be in the CPU time."""
         def report() -> None:
             done = sum((cost.checks > 0.0) + min(len(cost.times), self._repeats) for cost in self.costs)
             on_progress(done / (len(self.costs) * (self._repeats + 1)))
