@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import concurrent.futures
 import dataclasses
 import json
 import math
@@ -149,18 +150,17 @@ class Measurement:
         simulation.run(steps=0)  # takes the sample of the start, which is no part of what is timed
         return simulation
 
-    def measure(self, on_progress: Callable[[float], None]) -> list[StepCost]:
-        """Counts and times every size, one after the other on this thread: anything else running in the process would be in the
-        CPU time."""
+    def measure(self, jobs: int, on_progress: Callable[[float], None]) -> list[StepCost]:
+        """Counts the distances of every size on some cores, then times one size after the other on this thread: anything else
+        running in the process would be in the CPU time."""
         def report() -> None:
             done = sum((cost.checks > 0.0) + min(len(cost.times), self._repeats) for cost in self.costs)
             on_progress(done / (len(self.costs) * (self._repeats + 1)))
 
+        counting = concurrent.futures.ThreadPoolExecutor(jobs)
         try:
-            for cost in self.costs:
-                if cost.checks == 0.0:
-                    self._count(cost)
-                    report()
+            for _ in counting.map(self._count, [cost for cost in self.costs if cost.checks == 0.0]):
+                report()
             # All sizes once, then all again: a machine that slows down for a while then spoils one repeat, not one size.
             for repeat in range(self._repeats):
                 self._keep()
@@ -169,6 +169,7 @@ class Measurement:
                         cost.times.append(self._seconds(cost))
                         report()
         finally:
+            counting.shutdown(cancel_futures=True)
             self._keep()
         return self.costs
 

@@ -176,7 +176,7 @@ def _make(context: Context, figure: int | None, jobs: int, progression: _Progres
     costs: list[figure_5.StepCost] = []
     if measures_times:
         costs = figure_5.Measurement(context).measure(
-            lambda share: progression.report(share, "Figure 5: counting distances and timing steps"))
+            jobs, lambda share: progression.report(share, "Figure 5: counting distances and timing steps"))
     progression.part = 1
     if len(context.runs):
         context.runs.run_all(jobs, lambda share: progression.report(
