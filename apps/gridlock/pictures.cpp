@@ -20,9 +20,10 @@ constexpr std::chrono::minutes time_limit{10};
 
 }  // namespace
 
-void draw_pictures(std::filesystem::path const& directory) {
+void draw_pictures(std::filesystem::path const& directory, bool is_quiet) {
   std::filesystem::path const program = find_other_program("plot");
   if (program.empty()) {
+    if (is_quiet) return;
     fmt::print(stderr, "note: the pictures are drawn by gridlock-plot, which is not installed: {}\n", python_package());
     return;
   }

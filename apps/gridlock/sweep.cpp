@@ -79,10 +79,10 @@ ExitCode sweep(SweepOptions const& options) {
                                           return !StopSignals::is_stop_asked();
                                         }});
   }
-  if (!shard && options.draws) draw_pictures(directory);
   if (!options.is_quiet) {
     for (std::string const& note : result.notes) fmt::print(stderr, "note: {}\n", note);
   }
+  if (!shard && options.draws) draw_pictures(directory, options.is_quiet);
   for (std::string const& message : result.messages) fmt::print(stderr, "error: {}\n", message);
   if (shard) return finish_shard(*shard, plan.runs.size(), result, directory);
   std::size_t const good = plan.runs.size() - result.failures - result.interruptions;

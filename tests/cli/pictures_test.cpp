@@ -66,6 +66,12 @@ TEST_F(DrawnByAnother, RunSaysHowToGetThemWhereThatProgramIsMissing) {
   }
 }
 
+TEST_F(DrawnByAnother, QuietSweepSaysNothingOfThatProgram) {
+  Outcome const outcome = run({"sweep", "sweep.toml", "-o", "sweep", "-q"});
+  expect_good(outcome);
+  EXPECT_EQ(outcome.out + outcome.err, "");
+}
+
 TEST_F(DrawnByAnother, NotesAndFailuresAreNotesOfTheRun) {
   draw_by("#!/bin/sh\necho out\necho 'note: too many curves' >&2\n");
   Outcome const noted = run({"run", "run.toml", "-o", "a", "--pictures"});
