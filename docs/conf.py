@@ -22,7 +22,7 @@ extensions = ["myst_nb", "breathe", "sphinx.ext.autodoc"]
 root_doc = "index"
 myst_enable_extensions = ["colon_fence"]
 myst_heading_anchors = 4
-exclude_patterns = ["requirements.txt"]
+exclude_patterns = ["requirements-docs.txt"]
 # Notebooks are kept without results: they are run for the site, as they are by the tests.
 nb_execution_mode = "force"
 nb_execution_timeout = 120

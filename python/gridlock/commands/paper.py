@@ -115,12 +115,15 @@ class _ProgressLine:
 
 class _StopSignals:
     """Stops work politely: Ctrl-C and SIGTERM are remembered, and the work asks now and then. A second signal ends the program at
-    once."""
+    once. Afterwards signals do what they did before."""
 
     def __init__(self) -> None:
         self.is_stop_asked = False
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._remember)
+        self._former = {number: signal.signal(number, self._remember) for number in (signal.SIGINT, signal.SIGTERM)}
+
+    def close(self) -> None:
+        for number, handler in self._former.items():
+            signal.signal(number, handler)
 
     def _remember(self, number: int, frame: FrameType | None) -> None:
         if self.is_stop_asked:
@@ -149,6 +152,7 @@ def _make(options: argparse.Namespace) -> int:
         return RUN_FAILED
     finally:
         line.close()
+        signals.close()
     for note in paper.notes:
         print(f"note: {note}", file=sys.stderr)
     if not options.quiet:

@@ -59,7 +59,7 @@ def _draw(context: Context, results: Sequence[Measured], *, is_logarithmic: bool
     figure, axes = style.new_axes(title, "time steps", "mean displacement / side of the box", height=4.8)
     first_engine = context.extent.engines[0]
     densities = context.extent.fan_densities
-    colours = style.sequence(len(densities))
+    colours = style.sequential(len(densities))
     for result in results:
         number = densities.index(result.set.run.packing_fraction)
         is_first = result.set.engine == first_engine

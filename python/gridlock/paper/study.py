@@ -111,7 +111,7 @@ def make(
     :raises Stopped: a KeyboardInterrupt, within about a second after Ctrl-C. What is finished is kept in ``partial_results``,
         also of a study that was killed; the same call again does only the rest, with the same results.
 
-    Needs the packages NumPy, SciPy, matplotlib and Jinja2: ``pip install gridlock[paper]``. Source: J.-X. Shen, Agent based
+    Needs the packages NumPy, SciPy, matplotlib and Jinja2: ``pip install ".[paper]"`` in the sources of Gridlock. Source: J.-X. Shen, Agent based
     simulations and optimization with uniform grid applied to colloidal jamming transitions.
     """
     if isinstance(extent, str):

@@ -8,28 +8,26 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..plot import COLOURS
+from ..plot.style import COLOURS, GREY, MARKERS, STYLE, sequential
+
+__all__ = ["COLOURS", "DASHED", "GREY", "MARKERS", "draw_disks", "logarithmic", "new_axes", "reference", "rendered", "sequential"]
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike, NDArray
 
-#: The shapes of points, one for each colour, so that no curve is told by its colour alone.
-MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "*")
-GREY = "#5d6672"
 #: The width of a picture in inches, that of a page of print.
 WIDTH = 6.4
 #: Longer dashes than those of matplotlib, which show where curves are short.
 DASHED = (0, (5, 2.5))
 
+#: The style of all charts in letters for a page; text stays text in SVG, so that a report can be searched.
 _SETTINGS: dict[str, Any] = {
-    "font.family": "sans-serif", "font.sans-serif": ["DejaVu Sans", "Liberation Sans", "Arial", "Helvetica"], "font.size": 9.0,
-    "axes.titlesize": 10.0, "axes.labelsize": 9.0, "legend.fontsize": 8.0, "legend.frameon": False, "axes.linewidth": 0.7,
-    "axes.grid": True, "grid.color": "#dfe2e6", "grid.linewidth": 0.5, "axes.axisbelow": True, "lines.linewidth": 1.2,
-    "lines.markersize": 4.5, "xtick.direction": "in", "ytick.direction": "in",
-    # The same bytes for the same numbers.
-    "svg.fonttype": "none", "svg.hashsalt": "gridlock", "savefig.dpi": 160.0,
+    **STYLE,
+    "font.size": 9.0, "axes.titlesize": 10.0, "axes.labelsize": 9.0, "legend.fontsize": 8.0, "xtick.labelsize": 8.0, "ytick.labelsize": 8.0,
+    "lines.linewidth": 1.2, "lines.markersize": 4.5, "xtick.direction": "in", "ytick.direction": "in", "svg.fonttype": "none",
+    "savefig.dpi": 160.0,
 }
 
 
@@ -77,13 +75,6 @@ def logarithmic(axes: Axes, *names: str) -> None:
         axis = axes.xaxis if name == "x" else axes.yaxis
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter("")
-
-
-def sequence(count: int) -> list[tuple[float, ...]]:
-    """Colours from dark to bright for curves that differ in one number; the palest end, which paper swallows, is left out."""
-    import matplotlib
-
-    return [tuple(colour) for colour in matplotlib.colormaps["viridis"](np.linspace(0.0, 0.88, count))]
 
 
 def draw_disks(axes: Axes, positions: NDArray[Any], radius: float, colours: ArrayLike | str, *, edge: float = 0.3) -> None:

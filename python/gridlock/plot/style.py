@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#F0E442", "#000000")
 LINE_COLOURS = COLOURS[:6]
 #: Shapes of points differ as colours do, for a printer without colours.
-MARKERS = ("o", "s", "D", "^", "v", "p")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "*")
 #: The width of one column of a journal, and of a page, in inches.
 COLUMN = 3.4
 PAGE = 7.0
