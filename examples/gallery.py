@@ -7,12 +7,16 @@
 Needs the Python package with its plots: pip install ".[plots]" in the sources.
 """
 
+from __future__ import annotations
+
 import argparse
 import pathlib
 import tempfile
 import warnings
+from collections.abc import Callable
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import gridlock
@@ -21,13 +25,13 @@ import gridlock.plot as plot
 PERIODIC = {"box": {"edge": "periodic"}}
 
 
-def save(directory, name, draw, size=(3.4, 2.55)):
-    figure = Figure(size, layout="constrained")
+def save(directory: pathlib.Path, name: str, draw: Callable[[Axes], None], size: tuple[float, float] = (3.4, 2.55)) -> None:
+    figure = Figure(figsize=size, layout="constrained")
     draw(figure.subplots())
     figure.savefig(directory / f"gallery_{name}.png", dpi=150)
 
 
-def million_disks(axes, small):
+def million_disks(axes: Axes, small: bool) -> None:
     """A crystal that is hot in the middle: a shock runs into the cold part."""
     count = 2_500 if small else 1_000_000
     simulation = gridlock.Simulation(PERIODIC, disks={"count": count, "packing_fraction": 0.72, "start": "triangular"},
@@ -39,7 +43,7 @@ def million_disks(axes, small):
     axes.set_title(f"{count:,} disks, hot in the middle")
 
 
-def melting(axes, small):
+def melting(axes: Axes, small: bool) -> None:
     simulation = gridlock.Simulation(PERIODIC, disks={"count": 400 if small else 3_600, "packing_fraction": 0.69, "start": "triangular"},
                                      engine={"kind": "exact"}, velocities={"kind": "maxwell"})
     simulation.run(steps=50 if small else 3_000)
@@ -47,14 +51,14 @@ def melting(axes, small):
     axes.set_title("a crystal that melts, φ = 0.69")
 
 
-def flock(axes, small):
+def flock(axes: Axes, small: bool) -> None:
     simulation = gridlock.Simulation(PERIODIC, model={"kind": "flocking"}, flocking={"count": 2_000, "noise": 1.0}, box={"side": 22.36})
     simulation.run(steps=20 if small else 300)
     plot.snapshot(simulation, "direction", axes=axes)
     axes.set_title("Vicsek's flock, η = 1")
 
 
-def mixture(axes, small):
+def mixture(axes: Axes, small: bool) -> None:
     species = [{"fraction": 0.7, "size_ratio": 1.0}, {"fraction": 0.3, "size_ratio": 2.0}]
     simulation = gridlock.Simulation(PERIODIC, disks={"count": 600, "packing_fraction": 0.62, "start": "random", "species": species},
                                      engine={"kind": "exact"})
@@ -63,7 +67,7 @@ def mixture(axes, small):
     axes.set_title("a mixture of two sizes, φ = 0.62")
 
 
-def pair_correlation(axes, small):
+def pair_correlation(axes: Axes, small: bool) -> None:
     for number, fraction in enumerate((0.3, 0.5, 0.68)):
         simulation = gridlock.Simulation(PERIODIC, disks={"count": 1_000, "packing_fraction": fraction}, engine={"kind": "exact"},
                                          observe={"every": 10, "structure_every": 1})
@@ -75,7 +79,7 @@ def pair_correlation(axes, small):
     axes.legend()
 
 
-def displacement(axes, small):
+def displacement(axes: Axes, small: bool) -> None:
     """The mean over seeds with its standard error."""
     colours = plot.sequential(3)
     for colour, fraction in zip(colours, (0.3, 0.5, 0.65)):
@@ -91,7 +95,7 @@ def displacement(axes, small):
     axes.legend(loc="upper left", ncols=3)
 
 
-def equation_of_state(axes, small):
+def equation_of_state(axes: Axes, small: bool) -> None:
     """Exact dynamics and the rule with its time step, beside the equation of Henderson (1975), doi:10.1080/00268977500102511."""
     with tempfile.TemporaryDirectory() as directory:
         made = gridlock.sweep({"box.edge": "periodic", "disks.count": 400, "run.steps": 100 if small else 3_000, "observe.every": 20},
@@ -101,7 +105,7 @@ def equation_of_state(axes, small):
     plot.line(axes, fraction, (1 + fraction**2 / 8) / (1 - fraction) ** 2, color="black", linestyle=":")
 
 
-def speeds(axes, small):
+def speeds(axes: Axes, small: bool) -> None:
     simulation = gridlock.Simulation(PERIODIC, disks={"count": 400, "packing_fraction": 0.4}, engine={"kind": "exact"}, observe={"every": 10})
     simulation.equilibrate(steps=20 if small else 200)
     simulation.run(steps=40 if small else 3_000)
@@ -113,7 +117,7 @@ PICTURES = {"million_disks": million_disks, "melting": melting, "flock": flock, 
 BOXES = ("million_disks", "melting", "flock", "mixture")
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(description="Eight pictures of what Gridlock simulates.")
     parser.add_argument("directory", metavar="DIR", type=pathlib.Path)
     parser.add_argument("--small", action="store_true", help="small systems, for a look in some seconds")

@@ -105,10 +105,8 @@ class Agents:
         return self[name]
 
     def __setattr__(self, name: str, values: Any) -> None:
-        if name.startswith("_"):
+        if name.startswith("_") or name in ("positions", "velocities"):
             object.__setattr__(self, name, values)
-        elif name in ("positions", "velocities"):
-            getattr(self, name)[...] = values
         elif name in self.names:
             self[name] = values
         else:
@@ -124,10 +122,18 @@ class Agents:
         """x and y, shape (N, 2)."""
         return self._simulation._array(self._simulation._core.columns("x", "y"))
 
+    @positions.setter
+    def positions(self, values: Any) -> None:
+        self.positions[...] = values
+
     @property
     def velocities(self) -> NDArray[np.float64]:
         """Velocities, shape (N, 2); models without velocities have none."""
         return self._simulation._array(self._simulation._core.columns("velocity_x", "velocity_y"))
+
+    @velocities.setter
+    def velocities(self, values: Any) -> None:
+        self.velocities[...] = values
 
     def __repr__(self) -> str:
         return f"{len(self)} agents with {', '.join(self.names)}"

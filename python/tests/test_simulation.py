@@ -338,7 +338,7 @@ def test_memory_stays_flat():
     use(500)
     gc.collect()
     before = resident()
-    use(3000)
+    use(10_000)
     gc.collect()
     assert resident() - before < 8e6
 
