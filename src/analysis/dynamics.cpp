@@ -258,8 +258,9 @@ class Walk {
     for (std::size_t f = 0; f < trajectory_.frames; ++f, to += 2 * agents.size()) {
       double const* const frame = trajectory_.positions + 2 * f * trajectory_.agents;
       for (std::size_t k = 0; k < agents.size(); ++k) {
-        to[k] = frame[2 * agents[k]] - drift_[f].x;
-        to[k + agents.size()] = frame[2 * agents[k] + 1] - drift_[f].y;
+        double const* const agent = frame + 2 * std::size_t{agents[k]};
+        to[k] = agent[0] - drift_[f].x;
+        to[k + agents.size()] = agent[1] - drift_[f].y;
       }
     }
     return block;
