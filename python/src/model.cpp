@@ -111,6 +111,11 @@ class PythonModelKind final : public detail::AgentsKind {
     return found == definition_->value_names.end() ? std::vector<std::string>() : found->second;
   }
   [[nodiscard]] bool uses_threads(Configuration const& /*configuration*/) const override { return true; }
+  [[nodiscard]] std::string unused_because_of(Configuration const& configuration, std::string_view key) const override {
+    // Its searches are those of the package, which the tests compare with brute force.
+    if (key == "model.verify_every") return "model.kind = \"" + definition_->name + "\"";
+    return AgentsKind::unused_because_of(configuration, key);
+  }
   void check(Configuration const& configuration) const override {
     Box const box = make_box(configuration.box);
     detail::blame_table(name(), [&] {

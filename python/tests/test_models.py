@@ -420,6 +420,13 @@ def test_an_observation_changes_nothing():
     assert simulation.series["age"].tolist() == [0, 1, 2, 3, 4, 5]
 
 
+def test_settings_without_effect_are_told_of():
+    with pytest.warns(UserWarning, match="verify_every has no effect"):
+        made(model={"verify_every": 10})
+    with pytest.warns(UserWarning, match="engine.kind has no effect"):
+        made(engine={"kind": "exact"})
+
+
 def test_what_is_kept_of_a_step_is_dead():
     kept = {}
 
