@@ -265,8 +265,8 @@ def test_settings_are_those_of_every_model():
         made(test_walkers={"length": 0.5})
     with pytest.raises(gridlock.Error, match="test_walkers.count"):
         made(test_walkers={"count": 0})
-    with pytest.raises(gridlock.Error, match="lengthh"):
-        made(test_walkers={"lengthh": 0.1})
+    with pytest.raises(gridlock.Error, match="step_size"):
+        made(test_walkers={"step_size": 0.1})
     with pytest.raises(gridlock.Error, match="kind"):
         made(test_walkers={"kind": "sideways"})
     by_object = gridlock.Simulation(SETTINGS, model=Walkers(count=30, kind="uniform", is_charged=True))
