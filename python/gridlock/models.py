@@ -16,9 +16,9 @@ import numpy as np
 from . import _core
 from ._core import ModelWorld
 from .analysis import separations
-from .arrays import as_count
+from .arrays import as_array, as_count
 from .box import Box
-from .errors import Error
+from .errors import Error, RunFailure
 from .neighbors import Neighbors
 from .simulation import Clock
 
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 _column_types = ("float64", "int32", "uint32", "uint64")
+#: Of columns that observables know.
+_types_of_columns = {"velocity_x": "float64", "velocity_y": "float64", "radius": "float64", "mass": "float64", "image_x": "int32", "image_y": "int32"}
 _names_of_world = ("x", "y", "ids", "positions", "box", "clock", "seed", "time_step")
 
 
@@ -48,17 +50,24 @@ class Setting:
         most: float = math.inf,
         choices: Sequence[str] = (),
     ) -> None:
-        self.default = default if isinstance(default, (bool, int, float, str)) else [float(number) for number in default]
+        try:
+            self.default = default if isinstance(default, (bool, int, float, str)) else [float(number) for number in default]
+        except (TypeError, ValueError):
+            raise Error(f"a setting has the default {default!r}\n  hint: use True or False, a number, a text, or a list of numbers") from None
         self.documentation = documentation
         self.unit = unit
         self.least = least
         self.most = most
         self.choices = list(choices)
         self.key = ""
+        if not isinstance(self.default, (bool, str, list)) and not math.isfinite(self.default):
+            raise Error(f"a setting has the default {default}\n  hint: use a finite number")
         if isinstance(default, int) and not isinstance(default, bool):
             self.least = max(0.0, least)
             if default < 0:
                 raise Error(f"a setting has the default {default}\n  hint: whole numbers begin at 0; write {default}.0 for a number below")
+        if isinstance(self.default, (int, float)) and not self.least <= self.default <= self.most:
+            raise Error(f"a setting has the default {default}, which is not between {self.least} and {self.most}\n  hint: use a value that it may have")
         if self.choices and default not in self.choices:
             raise Error(f"a setting has the default {default!r}, which is none of {', '.join(self.choices)}\n  hint: use one of them")
 
@@ -217,11 +226,14 @@ class World:
     def move(self, displacements: ArrayLike) -> NDArray[np.bool_]:
         """Moves every agent by its row of an array of shape (N, 2), around the edges of a periodic box or turned back by walls.
 
+        A model with columns ``image_x`` and ``image_y`` (int32) has the edges counted there that an agent has crossed, so that trajectories
+        can be unwrapped.
+
         :returns: in which directions walls turned it back, shape (N, 2).
         :raises RunFailure: for a displacement that is not finite or as long as a side of the box.
         """
         self._require_writable("move agents")
-        array = np.asarray(displacements, dtype=np.float64)
+        array = np.asarray(as_array(displacements, "the displacements are", "use an array of numbers"), dtype=np.float64)
         if array.shape != (len(self), 2):
             raise Error(f"the displacements have shape {array.shape}\n  hint: use an array of shape ({len(self)}, 2)")
         turned: Any = self._core.move(array)
@@ -369,9 +381,11 @@ class Model:
 
     def _observed(self, core: ModelWorld) -> list[tuple[str, str, str]]:
         seen = self._seen(core)
+        taken = ("step", "time", "agents", *self.events)
         for name in seen:
-            if not isinstance(name, str) or not name.isidentifier():
-                raise Error(f"observe() of the model {self.name} has the name {name!r}\n  hint: use letters, digits and _")
+            if not isinstance(name, str) or not name.isidentifier() or name in taken:
+                raise Error(f"observe() of the model {self.name} has the name {name!r}\n"
+                            f"  hint: use letters, digits and _, and no name of another column: {', '.join(taken)}")
         return [(name, "", self.observations.get(name, "")) for name in seen]
 
     def _observe(self, core: ModelWorld, names: list[str]) -> list[float]:
@@ -383,9 +397,12 @@ class Model:
     def _seen(self, core: ModelWorld) -> Mapping[str, float]:
         world = World(core, self, is_read_only=True)
         try:
-            return self.observe(world) or {}
+            seen = self.observe(world) or {}
         finally:
             world._close()
+        if not isinstance(seen, Mapping):
+            raise Error(f"observe() of the model {self.name} returned {type(seen).__name__}\n  hint: return numbers by name, {{\"order\": 0.5}}")
+        return seen
 
 
 def register_model(model: type[Model]) -> type[Model]:
@@ -465,6 +482,8 @@ def failure_text(exception: BaseException, model: str, step: int) -> str:
     package = os.path.dirname(__file__)
     frames = [frame for frame in traceback.extract_tb(exception.__traceback__) if os.path.dirname(frame.filename) != package]
     place = f" ({os.path.basename(frames[-1].filename)}, line {frames[-1].lineno})" if frames else ""
+    if isinstance(exception, RunFailure):
+        return str(exception)
     is_ours = isinstance(exception, Error)
     text = str(exception) if is_ours else "raised " + "".join(traceback.format_exception_only(type(exception), exception)).strip()
     what, mark, hint = text.partition("\n  hint: ")
@@ -501,10 +520,14 @@ def _require_possible(model: type[Model], columns: Mapping[str, str], settings: 
     for name, kind in columns.items():
         if not name.isidentifier() or keyword.iskeyword(name) or name in _names_of_world or hasattr(World, name):
             raise Error(f"{what} has a column {name!r}\n  hint: choose another name")
+        known = _types_of_columns.get(name, kind)
+        if kind != known:
+            raise Error(f"the column {name} of {what} has the type {kind}\n  hint: observables take it for {known}; use that, or another name")
         if kind not in _column_types:
             raise Error(f"the column {name} of {what} has the type {kind}\n  hint: use {', '.join(_column_types)}")
     names = [*columns, *model.events]
-    if len(set(model.events)) < len(model.events) or not all(isinstance(name, str) and name.isidentifier() for name in names):
+    is_taken = any(name in ("step", "time", "agents") for name in model.events)
+    if is_taken or len(set(model.events)) < len(model.events) or not all(isinstance(name, str) and name.isidentifier() for name in names):
         raise Error(f"{what} has the events {list(model.events)}\n  hint: give each a name of its own")
     for name in model.value_names:
         if name not in columns:

@@ -76,7 +76,8 @@ class Agents:
     their order while a simulation runs, Ids do not.
 
     An array is the simulation's own until it goes on, or until the callback returns that took it. Afterwards it keeps the values it
-    had, and cannot be written any more; slices of it that were made before can be, without effect. In an observable arrays are copies.
+    had, and cannot be written any more; slices of it that were made before can be, without effect. In an observable, a progress function and a
+    step of a model arrays are copies that cannot be written.
     The engine checks what was written: of disks positions, overlaps, radii, masses and velocities, of other models positions.
     """
 
@@ -186,11 +187,15 @@ class Simulation:
         if steps is not None:
             _require_steps(steps)
         self._forget_arrays()
+        # Only callbacks of on_step are called between two steps; whoever else asks meanwhile gets copies.
+        before, self._hands_out_copies = self._hands_out_copies, True
         with ProgressBar(progress, steps) as on_progress:
             try:
                 self._core.run(None if steps is None else int(steps), on_progress)
             except RunFailure as failure:
                 raise failure from _take_failure()
+            finally:
+                self._hands_out_copies = before
 
     def step(self) -> None:
         """Runs one step."""

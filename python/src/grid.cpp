@@ -57,6 +57,9 @@ auto neighbor_sums(Ends const& ends, Indices const& indices, Rows const& values)
   LargeArray<double> sums(points * columns);
   {
     nb::gil_scoped_release const released;
+    bool is_whole = ends(0) == 0 && ends(points) == indices.shape(0);
+    for (std::size_t k = 0; k < points; ++k) is_whole = is_whole && ends(k) <= ends(k + 1);
+    if (!is_whole) throw Error(Problem{.what = "the neighbours do not begin where those before them end"});
     for (std::size_t k = 0; k < indices.shape(0); ++k) {
       if (indices(k) >= values.shape(0)) throw Error(Problem{.what = "a neighbour has no row among the values"});
     }

@@ -70,9 +70,12 @@ void PythonModelEngine::serialize(Archive& archive, World<TableModel> const& /*w
 void PythonModelEngine::step(World<TableModel>& world) {
   if (world.clock.step % steps_between_sorts == 0) sort_rows(world);
   before_ = world.agents;
-  bool const was_interrupted = !try_step(world);
-  if (!was_interrupted) return;
-  while (!try_step(world)) {
+  if (try_step(world)) return;
+  // A model that raises it again does so by itself.
+  if (!try_step(world)) {
+    nb::gil_scoped_acquire const acquired;
+    PyErr_SetNone(PyExc_KeyboardInterrupt);
+    throw nb::python_error();
   }
   // For whoever listens between the steps.
   nb::gil_scoped_acquire const acquired;

@@ -6,7 +6,9 @@
 #include <nanobind/stl/tuple.h>
 
 #include <algorithm>
+#include <span>
 #include <stdexcept>
+#include <string_view>
 #include <type_traits>
 #include <variant>
 
@@ -21,6 +23,14 @@ namespace {
 
 PointsInMemory points_of(AgentTable const& agents) {
   return {.x = agents.x().data(), .y = agents.y().data(), .count = agents.size()};
+}
+
+/// The column that counts how often agents crossed the edges; empty where the model has none.
+std::span<std::int32_t> images(AgentTable& agents, std::string_view name) {
+  for (NamedColumn const& column : agents.columns()) {
+    if (column.name == name) return std::get<std::span<std::int32_t>>(column.values);
+  }
+  return {};
 }
 
 /// What an array of Python holds, as a column of that type.
@@ -121,6 +131,8 @@ nb::object ModelWorld::move(nb::ndarray<double const, nb::shape<-1, 2>, nb::devi
                  .hint = "give an array of shape (N, 2)"});
   }
   std::vector<std::uint8_t> bounces(2 * agents.size());
+  auto const images_x = images(agents, ImageX::name);
+  auto const images_y = images(agents, ImageY::name);
   auto const by = displacements.view();
   for (std::size_t row = 0; row < agents.size(); ++row) {
     Vector const displacement{by(row, 0), by(row, 1)};
@@ -130,6 +142,8 @@ nb::object ModelWorld::move(nb::ndarray<double const, nb::shape<-1, 2>, nb::devi
     Motion const moved = motion(world_.box, {agents.x()[row], agents.y()[row]}, displacement);
     agents.x()[row] = moved.end.x;
     agents.y()[row] = moved.end.y;
+    if (!images_x.empty()) images_x[row] += moved.crossed_x;
+    if (!images_y.empty()) images_y[row] += moved.crossed_y;
     bounces[2 * row] = static_cast<std::uint8_t>(moved.bounce.x);
     bounces[2 * row + 1] = static_cast<std::uint8_t>(moved.bounce.y);
   }

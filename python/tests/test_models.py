@@ -171,6 +171,23 @@ def test_walkers_spread_as_they_must():
     assert abs(squared.mean() - expected) < 4 * squared.std() / np.sqrt(len(squared))
 
 
+def test_images_are_counted_so_that_trajectories_unwrap(tmp_path):
+    class Drift(gridlock.Model):
+        name = "test_drift"
+        columns = {"image_x": np.int32, "image_y": np.int32}
+
+        def start(self, start):
+            start.add(positions=start.anywhere(20))
+
+        def step(self, world):
+            world.move(np.tile([0.1, -0.07], (len(world), 1)))
+
+    gridlock.register_model(Drift)
+    gridlock.run({"model.kind": "test_drift", "box.edge": "periodic", "run.steps": 100, "trajectory.every": 50}, tmp_path / "run")
+    positions = gridlock.open(tmp_path / "run").trajectory.positions()
+    assert np.allclose(positions[-1] - positions[0], [10.0, -7.0])
+
+
 def test_the_flock_orders_as_that_in_cpp():
     def order(kind, seed):
         simulation = gridlock.Simulation(
@@ -345,13 +362,61 @@ def test_ctrl_c_within_a_step_is_heard_after_it():
     simulation.run(steps=2)
 
 
+def test_a_step_that_raises_ctrl_c_by_itself_ends_the_run():
+    class Raises(gridlock.Model):
+        name = "test_raises_ctrl_c"
+        columns = {"age": float}
+
+        def start(self, start):
+            start.add(x=0.5, y=0.5)
+
+        def step(self, world):
+            world.age += 1
+            if world.clock.step == 2:
+                raise KeyboardInterrupt
+
+    simulation = gridlock.Simulation(model=Raises)
+    with pytest.raises(KeyboardInterrupt):
+        simulation.run(steps=5)
+    assert simulation.clock.step == 2 and simulation.agents.age[0] == 2.0
+
+
+def test_arrays_taken_while_a_run_is_in_a_step_are_copies():
+    class Grows(gridlock.Model):
+        name = "test_grows"
+        columns = {"height": float}
+
+        def start(self, start):
+            start.add(positions=start.anywhere(500), height=1.0)
+
+        def step(self, world):
+            kept.append(simulation.agents.height)
+            with pytest.raises(ValueError, match="read-only"):
+                simulation.agents.x[:] = 0.25
+            world.add(positions=world.positions, height=1.0)
+
+        def observe(self, world):
+            if simulation is not None:
+                with pytest.raises(ValueError, match="read-only"):
+                    simulation.agents.x[:] = 0.25
+            return {"plants": len(world)}
+
+    kept = []
+    simulation = None
+    simulation = gridlock.Simulation(model=Grows, box={"edge": "periodic"}, observe={"every": 1})
+    simulation.run(steps=6, progress=lambda steps, fraction: kept.append(simulation.agents.height))
+    assert len(kept) > 6 and all((heights == 1.0).all() and not heights.flags.writeable for heights in kept)
+    simulation.agents.height[:] = 2.0
+    assert simulation.agents.height.sum() == 2.0 * 500 * 2**6
+
+
 STEPS = {
     "positions outside": (lambda world: world.x.__setitem__(0, 7.0), "outside the box"),
     "not a number": (lambda world: world.y.__setitem__(0, np.nan), "outside the box"),
     "long displacements": (lambda world: world.move(np.full((len(world), 2), 3.0)), "displacement"),
     "infinite displacements": (lambda world: world.move(np.full((len(world), 2), np.inf)), "displacement"),
     "shape of displacements": (lambda world: world.move(np.zeros(len(world))), "shape"),
-    "text displacements": (lambda world: world.move([["a", "b"]] * len(world)), "could not convert"),
+    "text displacements": (lambda world: world.move([["a", "b"]] * len(world)), "no array of numbers"),
     "birth outside": (lambda world: world.add(x=1.5, y=0.5), "newborn"),
     "birth without a place": (lambda world: world.add(age=1), "no place"),
     "birth with another column": (lambda world: world.add(x=0.5, y=0.5, size=3), "size"),
@@ -369,6 +434,7 @@ STEPS = {
     "column that is not there": (lambda world: world.size, "no column 'size'"),
     "assigned column that is not there": (lambda world: setattr(world, "size", 3), "no column 'size'"),
     "purpose below": (lambda world: world.uniform(purpose=-1), "purpose"),
+    "complex displacements": (lambda world: world.move(np.zeros((len(world), 2), dtype=complex)), "complex"),
     "shape of a column": (lambda world: setattr(world, "age", np.zeros(3)), "broadcast"),
 }
 
@@ -470,6 +536,8 @@ REFUSED = {
     "a type": ({"columns": {"age": np.float32}}, "type float32"),
     "a column of the world": ({"columns": {"ids": float}}, "column 'ids'"),
     "a column that is a word": ({"columns": {"class": float}}, "column 'class'"),
+    "a column of another type": ({"columns": {"velocity_x": np.int32}}, "observables take it for float64"),
+    "an event that is a column": ({"events": ("step",)}, "events"),
     "events twice": ({"events": ("a", "a")}, "events"),
     "values of nothing": ({"value_names": {"state": ("a", "b")}}, "names the values"),
 }
@@ -504,6 +572,32 @@ def test_starts_that_cannot_be_are_refused():
     nobody = simulation(lambda self, start: None)
     nobody.run(steps=40)
     assert len(nobody.agents) == 0
+
+
+@pytest.mark.parametrize("wrong", [{"default": 5.0, "least": 10.0}, {"default": float("nan")}, {"default": None}, {"default": ["a"]}, {"default": -1},
+                                   {"default": "a", "choices": ["b"]}])
+def test_settings_that_cannot_be_are_refused(wrong):
+    with pytest.raises(gridlock.Error, match="default"):
+        gridlock.Setting(**wrong)
+
+
+@pytest.mark.parametrize("seen, words", [(0.5, "returned float"), ({"step": 1.0}, "name 'step'"), ({"a b": 1.0}, "name 'a b'")])
+def test_observations_that_cannot_be_are_refused(seen, words):
+    body = {"name": "test_observes", "start": lambda self, start: start.add(x=0.5, y=0.5), "step": lambda self, world: None,
+            "observe": lambda self, world: seen}
+    with pytest.raises(gridlock.Error, match=words):
+        gridlock.Simulation(model=type("Observes", (gridlock.Model,), body))
+
+
+def test_turns_beyond_an_array_end_the_run():
+    pytest.importorskip("numba")
+
+    def turn(row, neighbors, separations, now, next, settings, random, events):
+        events[7] += 1
+
+    model = type("Beyond", (Contagion,), {"name": "test_beyond", "turn": staticmethod(turn)})
+    with pytest.raises(gridlock.RunFailure, match="IndexError"):
+        gridlock.Simulation(model=model, box={"edge": "periodic"}).run(steps=1)
 
 
 def test_a_setting_has_one_name():
@@ -645,5 +739,11 @@ def test_neighbor_sums_are_those_of_numpy():
         assert np.allclose(mean[some], (expected.T / np.maximum(found.counts, 1)).T[some]) and np.all(np.isnan(mean[~some]))
     nobody = gridlock.neighbors(np.empty((0, 2)), 0.1, box=1.0)
     assert nobody.sum(np.empty(0)).shape == (0,)
-    with pytest.raises(gridlock.Error, match="shape"):
-        found.sum(np.zeros(3))
+    near = found.sum(np.arange(500) < 250)
+    assert near.max() > 0 and np.array_equal(near, found.sum((np.arange(500) < 250).astype(float)))
+    for wrong in (np.zeros(3), np.zeros(500, dtype=complex), ["a"] * 500, np.ma.masked_array(np.zeros(500), mask=points[:, 0] < 0.5)):
+        with pytest.raises(gridlock.Error):
+            found.sum(wrong)
+    for ends in (found.indptr * 10**9, found.indptr[::-1].copy(), found.indptr + 1):
+        with pytest.raises(gridlock.Error, match="begin"):
+            gridlock.Neighbors(ends, found.indices).sum(np.ones(500))

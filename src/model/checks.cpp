@@ -49,10 +49,11 @@ void require_displacement(Box const& box, double longest, std::string const& key
 }
 
 void throw_outside(std::uint64_t step, Id agent, Vector p, Box const& box) {
-  throw RunFailure(fmt::format(
-      "step {}: agent {} is put at {}, outside the box of {} × {}\n  hint: this is a mistake of the model: "
-      "move_by() goes around the edges and turns back at walls, while start() and move_to() need a point in the box",
-      step, agent, in_words(p), box.width(), box.height()));
+  throw RunFailure(
+      fmt::format("step {}: agent {} is put at {}, outside the box of {} × {}\n  hint: this is a mistake of the model: "
+                  "moves go around "
+                  "the edges and turn back at walls, but a position that is set needs a point in the box",
+                  step, agent, in_words(p), box.width(), box.height()));
 }
 
 void throw_birth_outside(std::uint64_t step, std::optional<Id> parent, Vector p, Box const& box) {
