@@ -32,7 +32,7 @@ that walls turn back. All agents act at the same time, upon the world as it was 
   displacements ``next.dx`` and ``next.dy``, and ``next.dies``.
 - ``settings``: the numbers among the settings. ``random``: ``random_numbers`` uniform numbers. ``events``: a count for each of ``events``.
 
-Numba compiles at the first step, for some seconds; afterwards Vicsek's flock takes about twice as long as in C++. Indices beyond an
+Numba compiles at the first step, for some seconds; afterwards Vicsek's flock takes about three times as long as in C++. Indices beyond an
 array end the run. Without Numba the same function runs in Python, some hundred times slower, with a warning.
 """
 
