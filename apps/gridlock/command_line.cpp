@@ -65,8 +65,8 @@ void hand_over(CLI::App& app, std::vector<std::string> const& words) {
   std::filesystem::path const program = cli::find_other_program(words.front());
   if (!program.empty()) cli::become(program, {words.begin() + 1, words.end()});
   if (!is_python_command(words.front())) return;
-  throw Error(
-      {.what = fmt::format("the program gridlock-{} is not installed", words.front()), .hint = cli::python_package()});
+  throw Error({.what = fmt::format("the program gridlock-{} is not installed", words.front()),
+               .hint = cli::python_package(words.front())});
 }
 
 /// Lists the other programs in the help, which alone takes the time to look for them.

@@ -74,8 +74,9 @@ std::vector<std::string> other_programs() {
   return {words.begin(), words.end()};
 }
 
-char const* python_package() {
-  return "it comes with the Python package: pip install \".[plots]\" in the sources of Gridlock";
+std::string python_package(std::string_view command) {
+  return fmt::format("it comes with the Python package: pip install \".[{}]\" in the sources of Gridlock",
+                     command == "paper" ? "paper" : "plots");
 }
 
 void become(fs::path const& program, std::vector<std::string> const& arguments) {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gridlock::cli {
@@ -17,8 +18,8 @@ std::filesystem::path find_other_program(std::string const& word);
 /// The words of all such programs, each once, in alphabetical order. Cost: a walk through the directories of PATH.
 std::vector<std::string> other_programs();
 
-/// Where the programs of Gridlock's own Python package come from.
-char const* python_package();
+/// Where a command of Gridlock's own Python package comes from: "plot" and "paper" need different packages of others.
+std::string python_package(std::string_view command);
 
 /// Becomes the program, with the arguments that follow its word: its output, exit code and signals are those of this process.
 /// Errors: Error where the system cannot start it.

@@ -24,7 +24,8 @@ void draw_pictures(std::filesystem::path const& directory, bool is_quiet) {
   std::filesystem::path const program = find_other_program("plot");
   if (program.empty()) {
     if (is_quiet) return;
-    fmt::print(stderr, "note: the pictures are drawn by gridlock-plot, which is not installed: {}\n", python_package());
+    fmt::print(stderr, "note: the pictures are drawn by gridlock-plot, which is not installed: {}\n",
+               python_package("plot"));
     return;
   }
   gridlock::ProcessResult const result = gridlock::run_process({program.string(), "--if-any", "--", directory.string()},

@@ -42,11 +42,15 @@ def separations(points: ArrayLike, i: ArrayLike, j: ArrayLike, box: BoxLike = No
     array([[-0.2,  0. ]])
     """
     array = as_points(points)
-    ends = [as_array(k, "the indices of points are", "use arrays of whole numbers", integers=True) for k in (i, j)]
+    hint = "use two arrays of whole numbers of one length"
+    ends = [as_array(k, "the indices of points are", hint, integers=True) for k in (i, j)]
+    if ends[0].ndim != 1 or ends[0].shape != ends[1].shape:
+        raise Error(f"the indices of points have the shapes {ends[0].shape} and {ends[1].shape}\n  hint: {hint}")
     for k in ends:
         if len(k) and not 0 <= k.min() <= k.max() < len(array):
             raise Error(f"there is no point {k.max()} among {len(array)}\n  hint: use indices of the points")
-    difference = array[ends[1]] - array[ends[0]]
+    first, second = (k.astype(np.intp) for k in ends)  # an empty list has the type of numbers, not of indices
+    difference = array[second] - array[first]
     sides = as_box(box)
     if sides is not None and sides[2]:
         lengths = np.array(sides[:2])
@@ -142,7 +146,11 @@ def bond_orientation(
     :param cutoff: all points nearer than this are neighbours.
     :param neighbors: in place of the cutoff: ``voronoi(points, box).neighbors``, or any others.
     :returns: shape (N,), complex. ``abs(psi).mean()`` is the local order, ``abs(psi.mean())`` the global one.
-    :raises Error: where cutoff and neighbours are both given or both missing.
+    :raises Error: where cutoff and neighbours are both given or both missing, and for lists in which a point is its own neighbour
+        or has one twice.
+
+    In a periodic box the direction to a neighbour is that to its nearest image. Beside voids wider than half the box a Voronoi
+    cell can touch another image than that one.
 
     Source: D. R. Nelson, B. I. Halperin (1979), doi:10.1103/PhysRevB.19.2457; on the choice of neighbours W. Mickel et al.
     (2013), doi:10.1063/1.4774084.
@@ -162,18 +170,30 @@ def bond_orientation(
         found = as_neighbors(neighbors, len(array))
     order = as_count(k, "k")
     counts = found.counts
-    i = np.repeat(np.arange(len(array)), counts)
+    i = found.owners
     x, y = separations(array, i, found.indices, box).T
+    if neighbors is not None:
+        _expect_one_image_each(i, found.indices, len(array))
     angles = np.exp(1j * order * np.arctan2(y, x))
     sums = np.bincount(i, angles.real, len(array)) + 1j * np.bincount(i, angles.imag, len(array))
     return np.where(counts > 0, sums / np.maximum(counts, 1), 0.0)
+
+
+def _expect_one_image_each(i: NDArray[np.int64], j: NDArray[np.uint32], count: int) -> None:
+    """Refuses neighbours whose direction is not one: in a small box the cells of a point meet several images of another."""
+    own = int((i == j).sum())
+    repeated = int((np.diff(np.sort(i * count + j)) == 0).sum())
+    if own > 0 or repeated > 0:
+        raise Error(f"{own} neighbours are the points themselves and {repeated} stand in a list twice, so that they have no one direction\n"
+                    "  hint: the box is too small for Voronoi neighbours; use a larger one, or a cutoff")
 
 
 def mean_squared_displacement(positions: ArrayLike, *, drift: bool = True) -> NDArray[np.float64]:
     """⟨|r(t₀ + t) − r(t₀)|²⟩ over all agents and all time origins t₀, for every lag t.
 
     :param positions: unwrapped, shape (frames, N, 2), at equal times.
-    :param drift: False takes the motion of the mean of all agents out.
+    :param drift: False takes out the motion of the mean of all positions, which is that of the centre of mass only where all masses
+        are equal.
     :returns: shape (frames,), from lag 0 on.
 
     For other frames, with errors and of several kinds: :func:`dynamics`.
@@ -210,6 +230,10 @@ def mean_squared_displacement(positions: ArrayLike, *, drift: bool = True) -> ND
     return means
 
 
+#: What structure_factor() may take, in bytes.
+MOST_MEMORY = 8 * 2**30
+
+
 class StructureFactor(NamedTuple):
     """S(q) in rings of wave vectors of the box."""
 
@@ -228,7 +252,7 @@ def structure_factor(
     :param largest_q: the end of the rings, in 1 / length.
     :param kinds: a whole number for each point, shape (N,).
     :returns: rings that have wave vectors, the lengths ascending.
-    :raises Error: for points that are not finite, and boxes that are not periodic.
+    :raises Error: for points that are not finite, boxes that are not periodic, and what needs more than 8 GiB of memory.
 
     Cost: O(N · wave vectors). Source: N. W. Ashcroft, D. C. Langreth (1967), doi:10.1103/PhysRev.156.685, for kinds.
 
@@ -243,7 +267,10 @@ def structure_factor(
     largest_q, bins = as_number(largest_q, "largest_q"), as_count(bins, "bins")
     labels = np.zeros(len(array), dtype=np.uint32) if kinds is None else as_kinds(kinds, len(array))
     # One more on every side: rounding must not cost the vectors at the end of the last ring.
-    most_x, most_y = (int(largest_q * side / (2 * np.pi)) + 1 for side in (width, height))
+    ends = [largest_q / (2 * np.pi) * side + 1 for side in (width, height)]
+    size = int(labels.max(initial=0)) + 1
+    _expect_room(len(array), ends[0] + 1, 2 * ends[1] + 1, size, bins)
+    most_x, most_y = (int(end) for end in ends)
     columns = np.arange(0, most_x + 1)
     rows = np.arange(-most_y, most_y + 1)
     q = 2 * np.pi * np.hypot(columns[:, None] / width, rows[None, :] / height)
@@ -253,7 +280,6 @@ def structure_factor(
     counts = np.bincount(ring, minlength=bins)
     along_x = np.exp(2j * np.pi / width * np.outer(columns, array[:, 0]))
     along_y = np.exp(2j * np.pi / height * np.outer(rows, array[:, 1]))
-    size = int(labels.max(initial=0)) + 1
     waves = []
     for a in range(size):
         of_kind = labels == a
@@ -266,3 +292,11 @@ def structure_factor(
                 means[a, b] = np.bincount(ring, (waves[a] * waves[b].conj()).real, bins) / counts
     found = means[:, :, counts > 0]
     return StructureFactor(lengths[counts > 0], found[0, 0] if kinds is None else found)
+
+
+def _expect_room(points: int, columns: float, rows: float, kinds: int, bins: int) -> None:
+    """Refuses more wave vectors than fit. Waves of points and of their kinds are complex, and so is a table of each kind."""
+    needed = 32 * points * (columns + rows) + columns * rows * (16 * kinds + 64) + 16 * kinds**2 * bins
+    if needed > MOST_MEMORY:
+        raise Error(f"{columns * rows:.3g} wave vectors, {points} points, {kinds} kinds and {bins} bins need {needed / 2**30:.3g} GiB of memory; "
+                    f"the most is {MOST_MEMORY // 2**30}\n  hint: use a smaller largest_q, or fewer points, kinds or bins")

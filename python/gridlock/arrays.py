@@ -25,7 +25,7 @@ def as_array(values: Any, what: str, hint: str, *, integers: bool = False) -> ND
     """
     if np.ma.isMaskedArray(values) and np.ma.getmaskarray(values).any():
         masked = int(np.ma.getmaskarray(values).sum())
-        raise Error(f"{what} an array with {masked} masked values\n  hint: leave them out, for example array[~array.mask]")
+        raise Error(f"{what} an array with {masked} masked values\n  hint: leave them out or fill them: array[~array.mask], array.filled(0)")
     try:
         array = np.asarray(values)
     except (TypeError, ValueError) as error:
@@ -69,9 +69,13 @@ def as_number(value: Any, what: str, hint: str = "use a positive number", *, lea
     return float(value)
 
 
-def as_count(value: Any, what: str, hint: str = "use a whole number, at least 1", *, least: int = 1) -> int:
-    """A whole number of at least ``least``."""
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)) or not least <= value < 2**31:
+#: The largest number of steps.
+MOST_STEPS = 2**63 - 1
+
+
+def as_count(value: Any, what: str, hint: str = "use a whole number, at least 1", *, least: int = 1, most: int = 2**31 - 1) -> int:
+    """A whole number from ``least`` to ``most``."""
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)) or not least <= value <= most:
         raise Error(f"{what} is {value!r}\n  hint: {hint}")
     return int(value)
 

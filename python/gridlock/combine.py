@@ -39,7 +39,7 @@ def combine(runs: Sequence[Any]) -> Any:
     :param runs: one entry for each run: a :class:`Result`; or ``(value, error)``, numbers or arrays of one shape; or all
         ``results`` of a run, or any other mapping of names.
     :returns: :class:`Combined`; of mappings a dictionary of them, for the names that all runs have.
-    :raises Error: for no runs, and arrays of different shapes.
+    :raises Error: for no runs, arrays of different shapes, different units, and mappings without a common name.
 
     Cost: O(runs · numbers). Source: H. Flyvbjerg, H. G. Petersen (1989), doi:10.1063/1.457480, for the errors of the runs.
 
@@ -52,6 +52,9 @@ def combine(runs: Sequence[Any]) -> Any:
         raise Error("there are no runs to combine\n  hint: give one result for each run")
     if all(isinstance(entry, Mapping) for entry in entries):
         shared = [name for name in entries[0] if all(name in entry for entry in entries)]
+        if not shared:
+            raise Error(f"the runs have no name in common; the first has {', '.join(map(str, entries[0])) or 'none'}\n"
+                        "  hint: combine what all runs have alike")
         return {name: combine([entry[name] for entry in entries]) for name in shared}
     pairs = [_value_and_error(entry) for entry in entries]
     shape = pairs[0][0].shape
@@ -61,13 +64,17 @@ def combine(runs: Sequence[Any]) -> Any:
     values, errors = (np.array([pair[k] for pair in pairs]).reshape(len(pairs), -1) for k in (0, 1))
     found = _core.combine(values, errors)
     value, error, by_scatter, by_runs, chi = (float(row[0]) if shape == () else row.reshape(shape) for row in found)
-    unit = entries[0].unit if isinstance(entries[0], Result) else ""
+    units = {entry.unit for entry in entries if isinstance(entry, (Result, Combined))} or {""}
+    if len(units) > 1:
+        raise Error(f"the runs have the units {', '.join(repr(unit) for unit in sorted(units))}\n  hint: combine what all runs have alike")
+    unit = units.pop()
     return Combined(value, error, by_scatter, by_runs, chi, len(pairs), unit)
 
 
 def _value_and_error(entry: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     hint = "use results, (value, error), or mappings of names to them"
-    if isinstance(entry, str) or not isinstance(entry, (tuple, list)) or len(entry) < 2:
+    is_pair = isinstance(entry, (tuple, list)) and (isinstance(entry, (Result, Combined)) or len(entry) == 2)
+    if not is_pair:
         raise Error(f"{entry!r} is no result\n  hint: {hint}")
     value = as_array(entry[0], "the values are", hint).astype(np.float64)
     if entry[1] is None:

@@ -39,6 +39,14 @@ def kind_names(kinds: NDArray[np.int64]) -> list[str]:
     return [chr(ord("A") + kind) if kind < 26 else f"kind_{kind}" for kind in range(int(kinds.max(initial=-1)) + 1)]
 
 
+def _kinds(frame: Frame) -> NDArray[np.int64]:
+    """One kind for all agents where no column tells them apart."""
+    try:
+        return frame.kinds
+    except Error:
+        return np.zeros(len(frame), dtype=np.int64)
+
+
 def _solid(flat: NDArray[np.float64]) -> NDArray[np.float64]:
     """Vectors of the plane with z = 0."""
     return np.concatenate([flat, np.zeros((len(flat), 1))], axis=1)
@@ -66,7 +74,7 @@ def to_ase(frame: Frame, *, unwrapped: bool = True) -> Any:
     if velocities is not None:
         atoms.set_velocities(velocities)
     atoms.set_array("id", frame.ids)
-    atoms.set_array("kind", frame.kinds)
+    atoms.set_array("kind", _kinds(frame))
     for name, values in frame.columns.items():
         if name not in ("x", "y", "velocity_x", "velocity_y", "mass"):
             atoms.set_array(name, values)
@@ -81,10 +89,15 @@ def to_mdanalysis(frames: Sequence[Frame], *, unwrapped: bool = True) -> Any:
     """
     mda = library("MDAnalysis", "MDAnalysis")
     reader = library("gridlock._mdanalysis", "MDAnalysis").TimedReader
-    first = _same_agents(frames)
+    if len(frames) == 0:
+        raise Error("a trajectory without frames\n  hint: wait for the first, or set trajectory.every")
+    first = frames[0]
+    for frame in frames:
+        expect_same_agents(first, frame)
     universe = mda.Universe.empty(len(first), trajectory=True)
-    names = kind_names(first.kinds)
-    universe.add_TopologyAttr("types", [names[kind] for kind in first.kinds])
+    kinds = _kinds(first)
+    names = kind_names(kinds)
+    universe.add_TopologyAttr("types", [names[kind] for kind in kinds])
     universe.add_TopologyAttr("ids", first.ids.astype(np.int64))
     for attribute, column in (("masses", "mass"), ("radii", "radius")):
         if column in first.columns:
@@ -120,8 +133,8 @@ def _gsd_frame(gsd: Any, frame: Frame) -> Any:
     particles = result.particles
     particles.N = len(frame)
     particles.position = _solid(frame.positions - [0.5 * frame.box.width, 0.5 * frame.box.height])
-    particles.typeid = frame.kinds
-    particles.types = kind_names(frame.kinds)
+    particles.typeid = _kinds(frame)
+    particles.types = kind_names(particles.typeid)
     particles.velocity = _velocities(frame)
     particles.mass = frame.columns.get("mass")
     if "radius" in frame.columns:
@@ -131,12 +144,10 @@ def _gsd_frame(gsd: Any, frame: Frame) -> Any:
     return result
 
 
-def _same_agents(frames: Sequence[Frame]) -> Frame:
-    """The first frame, where all have its agents."""
-    if len(frames) == 0:
-        raise Error("a trajectory without frames\n  hint: wait for the first, or set trajectory.every")
-    for frame in frames:
-        if not np.array_equal(frame.ids, frames[0].ids):
-            raise Error(f"the agents of step {frame.clock.step} are not those of step {frames[0].clock.step}\n"
-                        "  hint: convert the frames one by one")
-    return frames[0]
+def expect_same_agents(first: Frame, frame: Frame) -> None:
+    """Refuses births and deaths: an agent has one place in arrays over frames."""
+    if np.array_equal(frame.ids, first.ids):
+        return
+    born, dead = len(np.setdiff1d(frame.ids, first.ids)), len(np.setdiff1d(first.ids, frame.ids))
+    raise Error(f"the agents of step {frame.clock.step} are not those of step {first.clock.step}: {born} are new and {dead} are gone\n"
+                "  hint: take the frames one by one, or a part without births and deaths")

@@ -64,7 +64,8 @@ def dynamics(
     :param q: the wave number of F_s, in 1 / length.
     :param overlap_length: in length; 0.3 diameters is usual.
     :param lags: so many lags at most, evenly in their logarithm; all where left out.
-    :param drift: False takes the motion of the mean of all agents out.
+    :param drift: False takes out the motion of the mean of all positions, which is that of the centre of mass only where all masses
+        are equal.
     :param threads: 0 for all cores. The result does not depend on it.
     :returns: :class:`Dynamics`.
     :raises Error: for fewer than two frames, times that do not ascend, positions that are not finite, and more than 8192 frames

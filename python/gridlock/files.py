@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 import numpy as np
 
 from . import _core, converters
-from .arrays import as_count, as_number
+from .arrays import MOST_STEPS, as_count, as_number
 from .box import Box
 from .errors import Error
 from .settings import as_threads
@@ -66,7 +66,8 @@ class Frame:
         if "image_x" not in self.columns:
             raise Error(
                 "the frame does not say how often an agent has crossed the edges\n"
-                "  hint: keep the columns image_x and image_y in trajectory.columns"
+                "  hint: of disks, keep the columns image_x and image_y in trajectory.columns; in a model of your own, keep unwrapped "
+                "coordinates in columns of their own"
             )
         images = np.stack([self.columns["image_x"], self.columns["image_y"]], axis=1)
         unwrapped: NDArray[np.float64] = self.positions + images * np.array([self.box.width, self.box.height])
@@ -74,12 +75,18 @@ class Frame:
 
     @property
     def kinds(self) -> NDArray[np.int64]:
-        """The kind of each agent, shape (N,): by the column ``species``, else by radius and mass, the smallest first."""
+        """The kind of each agent, shape (N,): by the column ``species``, else by radius and mass, the smallest first.
+
+        :raises Error: for frames with none of these columns, as those of most models.
+        """
         if "species" in self.columns:
             return np.unique(self.columns["species"], return_inverse=True)[1].reshape(-1)
         named = [self.columns[name] for name in ("radius", "mass") if name in self.columns]
         if not named:
-            return np.zeros(len(self), dtype=np.int64)
+            raise Error(
+                "the frame has neither species, radii nor masses, so there are no kinds\n"
+                "  hint: keep the column radius or species in trajectory.columns; where all agents are alike, no kinds are needed"
+            )
         return np.unique(np.stack(named, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
 
     @property
@@ -169,7 +176,8 @@ class Trajectory:
 
     def since(self, step: int) -> Trajectory:
         """The frames from a step on: those after the equilibration."""
-        return self[int(np.searchsorted(self.steps, as_count(step, "the step", "use a whole number, 0 or above", least=0))) :]
+        first = as_count(step, "the step", "use a whole number, 0 or above", least=0, most=MOST_STEPS)
+        return self[int(np.searchsorted(self.steps, np.uint64(first))) :]
 
     @property
     def steps(self) -> NDArray[np.uint64]:
@@ -187,26 +195,43 @@ class Trajectory:
         """Of all frames, shape (frames, N, 2), for a run without births and deaths: what :func:`dynamics` takes.
 
         In diameters: ``trajectory.positions() / trajectory.diameter``.
+
+        :raises Error: for births and deaths, no frames, and as :attr:`Frame.unwrapped`.
         """
-        frames = [frame.unwrapped if unwrapped else frame.positions for frame in self]
-        if len({len(frame) for frame in frames}) > 1:
-            raise Error("the number of agents changes from frame to frame\n  hint: take the frames one by one")
-        return np.array(frames).reshape(len(frames), -1, 2)
+        self.expect_frames()
+        first, frames = self[0], []
+        for frame in self:
+            converters.expect_same_agents(first, frame)
+            frames.append(frame.unwrapped if unwrapped else frame.positions)
+        return np.array(frames)
+
+    def expect_frames(self) -> None:
+        """Refuses a trajectory without frames.
+
+        :raises Error: with the steps that the file has.
+        """
+        if len(self) > 0:
+            return
+        steps = self._core.steps()
+        if len(steps) == 0:
+            raise Error(f"{self.path} has no frames\n  hint: wait for the first, or set trajectory.every")
+        raise Error(f"this part of {self.path} has no frames\n"
+                    f"  hint: its {len(steps)} frames are those of steps {steps[0]} to {steps[-1]}")
 
     @property
     def kinds(self) -> NDArray[np.int64]:
         """The kind of each agent, shape (N,), as :attr:`Frame.kinds` of the first frame."""
-        if len(self) == 0:
-            raise Error(f"{self.path} has no frames\n  hint: wait for the first, or set trajectory.every")
+        self.expect_frames()
         return self[0].kinds
 
     @property
     def diameter(self) -> float:
         """The mean diameter, as :attr:`Frame.diameter` of the first frame."""
+        self.expect_frames()
         return self[0].diameter
 
     def to_mdanalysis(self, *, unwrapped: bool = True) -> Any:
-        """An ``MDAnalysis.Universe`` in memory: times, ids, types (A, B, C … by kind), masses and radii; z is 0.
+        """An ``MDAnalysis.Universe`` in memory: times, ids, types (A, B, C … by kind, or A alone), masses and radii; z is 0.
 
         :param unwrapped: False for positions inside the box. The default is what ``EinsteinMSD`` needs.
         :raises Error: where MDAnalysis is not installed, for births and deaths, and as :attr:`Frame.unwrapped`.
@@ -215,6 +240,7 @@ class Trajectory:
         of the plane;
         :func:`pair_correlation` is.
         """
+        self.expect_frames()
         return converters.to_mdanalysis(list(self), unwrapped=unwrapped)
 
     def to_ase(self, *, unwrapped: bool = True) -> list[Any]:
@@ -228,6 +254,7 @@ class Trajectory:
 
         Single precision. A GSD box is always periodic: walls are lost. ``gsd.hoomd.read_log`` finds the times.
         """
+        self.expect_frames()
         converters.to_gsd(self, path)
 
     def __repr__(self) -> str:
@@ -296,6 +323,8 @@ class RunDirectory:
 
     def resume(self, *, steps: int | None = None, threads: int | None = None) -> None:
         """Finishes a run that was interrupted; with ``steps``, makes it that long from its start."""
+        if steps is not None:
+            steps = as_count(steps, "steps", most=MOST_STEPS)
         _core.resume_directory(str(self.path), steps, None if threads is None else as_threads(threads), None)
 
     def __repr__(self) -> str:

@@ -6,7 +6,7 @@ import concurrent.futures
 import os
 import pathlib
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from . import _core
@@ -67,7 +67,8 @@ def sweep(
         None: the cores of this machine.
     :param threads: runs at a time without an executor; 0 for one on each core.
     :raises Error: where not one run can be made, and for a directory that holds something else.
-    :raises RunFailure: where runs failed; the others are finished, and the tables written.
+    :raises RunFailure: where runs failed; the others are finished, and the tables written. Where a worker of the
+        executor died; the tables have the runs so far, and the same call continues.
 
     >>> import tempfile
     >>> made = sweep({"run.steps": 50, "disks.count": 16}, {"disks.packing_fraction": [0.2, 0.4]}, tempfile.mkdtemp())
@@ -88,17 +89,43 @@ def sweep(
     else:
         count, kinds = _core.sweep_size(file, base)
         models = [model for model in registered_models() if model.name in kinds]
-        tasks = [executor.submit(_run_one, (file, base), path, overwrite, number, count, models) for number in range(1, count + 1)]
-        with ProgressBar(progress, None) as on_progress:
-            for number, task in enumerate(tasks, start=1):
-                task.result()
-                if on_progress is not None:
-                    on_progress(number, number / count)
+        tasks = ((_run_one, (file, base), path, overwrite, number, count, models) for number in range(1, count + 1))
+        try:
+            with ProgressBar(progress, None) as on_progress:
+                _wait_for(executor, tasks, count, on_progress)
+        except concurrent.futures.BrokenExecutor as error:
+            executor.shutdown()  # it takes no more tasks; its other workers must have left the directory
+            _collect_what_there_is(path)
+            raise RunFailure(f"a worker of the executor died: {error}\n"
+                             "  hint: the same call with another executor continues the sweep") from error
         made = _core.collect_directory(path)
     _, _, failures, interruptions, messages = made
     if failures or interruptions:
         raise RunFailure(f"{failures} runs failed and {interruptions} were stopped; the tables have the others\n" + "\n".join(messages))
     return SweepDirectory(path)
+
+
+def _wait_for(executor: concurrent.futures.Executor, tasks: Iterable[tuple[Any, ...]], count: int, on_progress: Any) -> None:
+    """Has the executor do all tasks; what ends the waiting, such as Ctrl-C, takes back those that have not begun."""
+    submitted: list[concurrent.futures.Future[None]] = []
+    try:
+        for task in tasks:
+            submitted.append(executor.submit(*task))
+        for number, future in enumerate(submitted, start=1):
+            future.result()
+            if on_progress is not None:
+                on_progress(number, number / count)
+    finally:
+        for future in submitted:
+            future.cancel()
+
+
+def _collect_what_there_is(directory: str) -> None:
+    """Tables of the runs so far; none where not one has begun."""
+    try:
+        _core.collect_directory(directory)
+    except Error as error:
+        warnings.warn(f"the tables could not be written: {error}", stacklevel=3)
 
 
 def _run_one(settings: Settings, directory: str, overwrite: bool, number: int, count: int, models: list[type[Model]]) -> None:

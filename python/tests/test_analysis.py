@@ -88,6 +88,16 @@ def test_sixfold_order_by_voronoi_neighbors_needs_no_cutoff():
     assert np.allclose(by_cells, gridlock.bond_orientation(points, 1.3, box)) and (abs(by_cells) > 0.95).all()
 
 
+@pytest.mark.parametrize("points", [[[0.5, 0.5]], [[0.2, 0.5], [0.8, 0.5]]])
+def test_neighbors_of_no_one_direction_are_refused(points):
+    cells = gridlock.voronoi(points, 1.0)
+    with pytest.raises(gridlock.Error, match="no one direction\n  hint: the box is too small"):
+        gridlock.bond_orientation(points, box=1.0, neighbors=cells.neighbors)
+    twice = gridlock.Neighbors(np.array([0, 2, 3], np.uint64), np.array([1, 1, 0], np.uint32))
+    with pytest.raises(gridlock.Error, match="0 neighbours are the points themselves and 1 stand in a list twice"):
+        gridlock.bond_orientation([[0.1, 0.5], [0.2, 0.5]], neighbors=twice)
+
+
 @pytest.mark.parametrize("drift", [True, False])
 def test_mean_squared_displacement_is_that_of_the_definition(drift):
     positions = np.random.default_rng(1).normal(size=(30, 5, 2)).cumsum(axis=0) + 100
@@ -104,6 +114,15 @@ def test_structure_factor_is_that_of_the_definition():
     q = q[np.hypot(*q.T) <= 12.0]
     direct = np.abs(np.exp(1j * points @ q.T).sum(axis=0)) ** 2 / 50
     assert found.s[0] == pytest.approx(direct.mean(), rel=1e-12)
+
+
+@pytest.mark.parametrize("wanted", [
+    {"largest_q": 1e6}, {"largest_q": 1e300}, {"largest_q": 20.0, "bins": 2**31 - 1},
+    {"largest_q": 20.0, "bins": 10**6, "kinds": np.arange(50)}, {"box": (1e9, 1.0), "largest_q": 20.0},
+])
+def test_more_wave_vectors_than_fit_are_refused(wanted):
+    with pytest.raises(gridlock.Error, match="wave vectors, 50 points, .* GiB of memory; the most is 8\n  hint: use a smaller largest_q"):
+        gridlock.structure_factor(np.random.default_rng(1).random((50, 2)), **{"box": 1.0, **wanted})
 
 
 def test_rings_have_the_vectors_at_their_end():

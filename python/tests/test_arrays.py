@@ -108,6 +108,13 @@ def test_what_does_not_fit_together_is_refused(call):
         call()
 
 
+@pytest.mark.parametrize(("i", "j"), [(1, 2), ([1], 2), ([1, 2], [3]), ([[1]], [[2]]), ([1.0], [2.0]), ([True], [False])])
+def test_indices_are_two_lists_of_one_length(i, j):
+    with pytest.raises(gridlock.Error, match="hint: use two arrays of whole numbers of one length"):
+        gridlock.separations(GOOD, i, j)
+    assert gridlock.separations(GOOD, [], []).shape == (0, 2)
+
+
 def test_a_bad_number_is_told_with_its_place():
     with pytest.raises(gridlock.Error, match=r"the times have the value nan at \(2,\)"):
         gridlock.dynamics(WALK, [0.0, 1.0, np.nan, 3.0, 4.0])

@@ -148,6 +148,8 @@ def test_seeds_are_combined_with_the_errors_of_both_kinds():
     assert np.allclose(both.error_by_scatter, values.std(axis=0, ddof=1) / 2)
     assert np.allclose(both.error_by_runs, np.sqrt((errors**2).sum(axis=0)) / 4, equal_nan=True)
     assert np.array_equal(both.error, np.fmax(both.error_by_scatter, both.error_by_runs))
+    again = gridlock.combine([gridlock.combine([gridlock.Result(v, 0.1, "length")]) for v in (1.0, 1.4)])
+    assert again.unit == "length" and again.value == pytest.approx(1.2)
     chi = (((values - values.mean(axis=0)) / errors) ** 2).sum(axis=0)
     assert np.allclose(both.chi_squared, chi, equal_nan=True)
 
@@ -165,6 +167,9 @@ def test_results_of_runs_are_combined_by_their_names_as_a_sweep_does(tmp_path):
 
 @pytest.mark.parametrize("runs", [
     [], ["ab"], [1.0], [(1.0, -0.1)], [(1.0, "x")], [([1.0, 2.0], [0.1, 0.1]), ([1.0], [0.1])], [{"a": (1.0, 0.1)}, (1.0, 0.1)],
+    [(1.0,)], [(1.0, 0.1, 2.0)], [{"a": (1.0, 0.1)}, {"b": (1.0, 0.1)}], [{}],
+    [gridlock.Result(1.0, 0.1, "length"), gridlock.Result(1.0, 0.1, "time")],
+    [{"a": gridlock.Result(1.0, 0.1, "length")}, {"a": gridlock.Result(1.0, 0.1, "")}],
 ])
 def test_what_cannot_be_combined_is_refused(runs):
     with pytest.raises(gridlock.Error, match="hint"):

@@ -73,10 +73,56 @@ def test_a_part_of_a_trajectory_is_a_trajectory(made):
     assert np.array_equal(part.positions(), trajectory.positions()[2:])
     assert trajectory[1::2].steps.tolist() == [500, 1500] and part[-1].clock.step == 2000
     assert part[1:][0].clock.step == 1500 and len(trajectory[7:]) == 0
-    empty = trajectory[7:]
-    for call in (lambda: trajectory[::-1], lambda: trajectory.since(-1), lambda: trajectory.since("1"), lambda: empty.kinds):
+    assert trajectory.since(2**63 - 1).steps.tolist() == [] and trajectory.since(1000).steps[0] == 1000
+    for call in (lambda: trajectory[::-1], lambda: trajectory.since(-1), lambda: trajectory.since("1"), lambda: trajectory.since(2**63)):
         with pytest.raises(gridlock.Error, match="hint"):
             call()
+
+
+def test_a_part_without_frames_says_which_there_are(made, tmp_path):
+    for empty in (made.trajectory[:0], made.trajectory.since(2001)):
+        assert list(empty) == [] and empty.steps.shape == empty.times.shape == (0,) and empty.to_ase() == []
+        for call in (empty.positions, lambda: empty.kinds, lambda: empty.diameter, empty.to_mdanalysis, lambda: empty.to_gsd(tmp_path / "a.gsd")):
+            with pytest.raises(gridlock.Error, match="no frames\n  hint: its 5 frames are those of steps 0 to 2000"):
+                call()
+    assert not (tmp_path / "a.gsd").exists()
+
+
+class Succession(gridlock.Model):
+    """In every step the first agent dies and another one is born."""
+
+    name = "test_succession"
+    time_step = 1.0
+
+    def start(self, start):
+        start.add(positions=start.anywhere(10))
+
+    def step(self, world):
+        world.remove(np.arange(len(world)) == 0)
+        world.add(x=0.5, y=0.5)
+
+
+def test_positions_of_other_agents_are_refused_though_they_are_as_many(tmp_path):
+    gridlock.register_model(Succession)
+    gridlock.run({"model.kind": "test_succession", "run.steps": 4, "trajectory.every": 2}, tmp_path / "out")
+    trajectory = gridlock.open(tmp_path / "out").trajectory
+    assert [len(frame) for frame in trajectory] == [10, 10, 10]
+    for call in (trajectory.positions, lambda: gridlock.dynamics(trajectory.positions())):
+        with pytest.raises(gridlock.Error, match="the agents of step 2 are not those of step 0: 2 are new and 2 are gone\n  hint: take"):
+            call()
+    assert trajectory[1:2].positions(unwrapped=False).shape == (1, 10, 2)
+
+
+def test_agents_that_no_column_tells_apart_have_no_kinds(tmp_path):
+    gridlock.run({**RUN, "run.steps": 100, "trajectory": {"every": 100, "columns": "x y"}}, tmp_path / "out")
+    disks = gridlock.open(tmp_path / "out").trajectory
+    gridlock.Simulation({"model.kind": "epidemic", "epidemic.count": 20}).write(tmp_path / "a.xyz")
+    walkers = gridlock.read_xyz(tmp_path / "a.xyz")
+    for call in (lambda: disks.kinds, lambda: disks[0].kinds, lambda: walkers.kinds):
+        with pytest.raises(gridlock.Error, match="no kinds\n  hint: keep the column radius or species in trajectory.columns"):
+            call()
+    pytest.importorskip("ase")
+    assert walkers.to_ase().arrays["kind"].tolist() == [0] * 20
 
 
 def test_lengths_are_in_diameters_on_request(made, tmp_path):
@@ -99,7 +145,7 @@ def test_lengths_are_in_diameters_on_request(made, tmp_path):
 def test_a_frame_without_images_cannot_be_unwrapped(tmp_path):
     gridlock.run({**RUN, "run.steps": 100, "trajectory": {"every": 100, "columns": "x y"}}, tmp_path / "out")
     frame = gridlock.open(tmp_path / "out").trajectory[0]
-    with pytest.raises(gridlock.Error, match="crossed the edges"):
+    with pytest.raises(gridlock.Error, match="crossed the edges\n  hint: of disks, keep the columns image_x and image_y .* in a model of your own, keep"):
         frame.unwrapped
 
 
@@ -125,6 +171,9 @@ def test_interrupted_runs_are_continued(tmp_path):
     longer = gridlock.Simulation({**RUN, "trajectory": None, "run.steps": 3000})
     longer.run()
     assert gridlock.open(shorter).state_hash == longer.state_hash
+    for steps in (-1, 0, "4000", True, 1.5, 2**63):
+        with pytest.raises(gridlock.Error, match=f"steps is {steps!r}\n  hint"):
+            gridlock.open(shorter).resume(steps=steps)
 
 
 SWEEP = ({"run.steps": 200, "disks.count": 30, "observe.every": 20},
@@ -156,6 +205,31 @@ def test_executors_make_the_same_tables(kind, tmp_path):
     with kind(2) as executor:
         there = gridlock.sweep(*SWEEP, tmp_path / "b", executor=executor)
     expect_same(here, there)
+
+
+def test_a_worker_that_dies_is_told_and_the_same_call_continues(tmp_path):
+    settings = {"run.steps": 100_000, "disks.count": 200, "observe.every": 1000, "checkpoint.every_steps": 2000}
+    values = {"disks.packing_fraction": [0.5, 0.6], "run.seed": [1, 2]}
+    with concurrent.futures.ProcessPoolExecutor(1) as executor, concurrent.futures.ThreadPoolExecutor(1) as beside:
+        victim = executor.submit(os.getpid).result()
+        killer = beside.submit(lambda: (_wait_for(tmp_path / "a/runs"), os.kill(victim, signal.SIGKILL)))
+        with pytest.raises(gridlock.RunFailure, match="a worker of the executor died: .*\n  hint: the same call"):
+            gridlock.sweep(settings, values, tmp_path / "a", executor=executor)
+        killer.result()
+    assert len(gridlock.open(tmp_path / "a").table) == 4
+    with concurrent.futures.ProcessPoolExecutor(2) as executor:
+        made = gridlock.sweep(settings, values, tmp_path / "a", executor=executor)
+    assert set(made.table["status"]) == {"finished"}
+
+
+def test_ctrl_c_takes_back_the_runs_that_have_not_begun(tmp_path):
+    def stop(number, share):
+        raise KeyboardInterrupt
+
+    with concurrent.futures.ThreadPoolExecutor(1) as executor:
+        with pytest.raises(KeyboardInterrupt):
+            gridlock.sweep({**SWEEP[0], "run.steps": 20_000}, SWEEP[1], tmp_path / "a", executor=executor, progress=stop)
+    assert 1 <= len(list((tmp_path / "a/runs").iterdir())) < 6
 
 
 def test_a_sweep_is_resumed(tmp_path):

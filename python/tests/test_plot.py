@@ -235,6 +235,13 @@ def test_sweeps_have_a_line_for_each_combination(tmp_path):
 
 @pytest.mark.parametrize("draw", [
     lambda s: gridlock.plot.snapshot(s, [1.0, 2.0]),
+    lambda s: gridlock.plot.snapshot(s, np.arange(100) * 1j),
+    lambda s: gridlock.plot.snapshot(s, ["red"] * 100),
+    lambda s: gridlock.plot.snapshot(s, np.ma.masked_less(np.arange(100), 50)),
+    lambda s: gridlock.plot.snapshot(s, "speed", limits=(1, 0)),
+    lambda s: gridlock.plot.snapshot(s, "speed", limits=(1, 1)),
+    lambda s: gridlock.plot.snapshot(s, "speed", limits=(0, 1, 2)),
+    lambda s: gridlock.plot.snapshot(s, "speed", limits=(0, np.nan)),
     lambda s: gridlock.plot.snapshot("nothing"),
     lambda s: gridlock.plot.series(s, "nothing"),
     lambda s: gridlock.plot.curve(s, "nothing"),
@@ -242,6 +249,14 @@ def test_sweeps_have_a_line_for_each_combination(tmp_path):
 def test_mistakes_are_refused(simulation, draw):
     with pytest.raises(gridlock.Error):
         draw(simulation)
+
+
+def test_a_trajectory_without_frames_cannot_be_drawn(tmp_path):
+    gridlock.run({"disks": {"count": 9, "packing_fraction": 0.3}, "run.steps": 10, "trajectory.every": 5}, tmp_path / "out")
+    trajectory = gridlock.open(tmp_path / "out").trajectory
+    assert len(gridlock.plot.snapshot(trajectory, "psi6", limits=(0, 0.5)).collections[0].get_offsets()) == 9
+    with pytest.raises(gridlock.Error, match="no frames\n  hint: its 3 frames are those of steps 0 to 10"):
+        gridlock.plot.snapshot(trajectory[:0])
 
 
 def test_no_agents_at_all_are_an_empty_box():

@@ -99,10 +99,9 @@ TEST_F(DrawnByAnother, CommandThatIsMissingSaysWhatToInstall) {
          {std::vector<std::string>{command}, {command, "--help"}, {"help", command}}) {
       Outcome const outcome = run(words);
       EXPECT_EQ(outcome.exit_code, 2);
-      EXPECT_EQ(outcome.err,
-                "error: the program gridlock-" + command +
-                    " is not installed\n  hint: it comes with the Python package: pip install \".[plots]\" in "
-                    "the sources of Gridlock\n");
+      EXPECT_EQ(outcome.err, "error: the program gridlock-" + command +
+                                 " is not installed\n  hint: it comes with the Python package: pip install \".[" +
+                                 (command == "paper" ? "paper" : "plots") + "]\" in the sources of Gridlock\n");
     }
   }
   std::string const help = run({"--help"}).out;

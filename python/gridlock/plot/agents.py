@@ -11,6 +11,7 @@ from matplotlib.colors import ListedColormap, to_rgba_array
 from matplotlib.patches import Patch, Rectangle
 
 from ..analysis import bond_orientation
+from ..arrays import as_array, as_numbers
 from ..errors import Error
 from ..files import Frame, RunDirectory, Trajectory
 from ..simulation import Simulation
@@ -35,6 +36,7 @@ def frame_of(agents: Any) -> Frame:
     if isinstance(agents, RunDirectory):
         return agents.final
     if isinstance(agents, Trajectory):
+        agents.expect_frames()
         return agents[-1]
     if isinstance(agents, Frame):
         return agents
@@ -206,6 +208,22 @@ def _draw_box(axes: Any, frame: Frame, grid: tuple[int, int] | None) -> None:
     axes.axis("off")
 
 
+def _values_given(colour: Any, count: int) -> NDArray[np.float64]:
+    hint = "give one number for each agent"
+    values = as_array(colour, "the colours are", hint)
+    if values.shape != (count,):
+        raise Error(f"colour has shape {values.shape} for {count} agents\n  hint: {hint}")
+    return values.astype(np.float64)
+
+
+def _limits_given(limits: Any) -> tuple[float, float]:
+    hint = "give two numbers, the lower one first"
+    low, high = as_numbers(limits, "the limits of the colours", (2,), hint)
+    if not low < high:
+        raise Error(f"the limits of the colours are {low:g} and {high:g}\n  hint: {hint}")
+    return float(low), float(high)
+
+
 def snapshot(
     agents: Any,
     colour: ArrayLike | str | None = None,
@@ -223,7 +241,7 @@ def snapshot(
     :param colour: one number for each agent, shape (N,), in the order of ``agents``; or ``"psi6"`` (|ψ6|), ``"speed"``, ``"direction"``,
         ``"neighbourhood"`` (the grid cell), ``"radius"`` or the name of a column. Left out: one colour for each radius.
     :param label: beside the bar of colours.
-    :param limits: the ends of the bar.
+    :param limits: the ends of the bar, the lower one first.
     :param names: of the kinds 0, 1, 2 …, where the colour is a column of them.
     :param grid: cells along both axes of a grid that is drawn over the agents, which are coloured by their cells without ``colour``.
 
@@ -235,9 +253,8 @@ def snapshot(
     16
     """
     frame = frame_of(agents)
-    values = None if colour is None or isinstance(colour, str) else np.asarray(colour, dtype=np.float64)
-    if values is not None and values.shape != (len(frame),):
-        raise Error(f"colour has shape {values.shape} for {len(frame)} agents\n  hint: give one number for each agent")
+    values = None if colour is None or isinstance(colour, str) else _values_given(colour, len(frame))
+    limits = None if limits is None else _limits_given(limits)
     if isinstance(colour, str) and colour not in colours_of(frame):
         values_of(frame, colour)
     if axes is None:
