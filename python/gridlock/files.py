@@ -66,8 +66,8 @@ class Frame:
         if "image_x" not in self.columns:
             raise Error(
                 "the frame does not say how often an agent has crossed the edges\n"
-                "  hint: of disks, keep the columns image_x and image_y in trajectory.columns; in a model of your own, keep unwrapped "
-                "coordinates in columns of their own"
+                "  hint: of disks, keep the columns image_x and image_y in trajectory.columns; a model of your own needs such columns, "
+                "of type int32, in which move() counts"
             )
         images = np.stack([self.columns["image_x"], self.columns["image_y"]], axis=1)
         unwrapped: NDArray[np.float64] = self.positions + images * np.array([self.box.width, self.box.height])
