@@ -145,7 +145,7 @@ def test_lengths_are_in_diameters_on_request(made, tmp_path):
 def test_a_frame_without_images_cannot_be_unwrapped(tmp_path):
     gridlock.run({**RUN, "run.steps": 100, "trajectory": {"every": 100, "columns": "x y"}}, tmp_path / "out")
     frame = gridlock.open(tmp_path / "out").trajectory[0]
-    with pytest.raises(gridlock.Error, match="crossed the edges\n  hint: of disks, keep the columns image_x and image_y .* in a model of your own, keep"):
+    with pytest.raises(gridlock.Error, match="crossed the edges\n  hint: of disks, keep the columns image_x and image_y .* a model of your own needs such columns"):
         frame.unwrapped
 
 
