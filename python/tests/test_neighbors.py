@@ -54,6 +54,21 @@ def test_pairs_are_those_of_scipy(box):
     assert as_set(gridlock.pairs(points, cutoff, box)) == {(a, b) for a, b in expected.tolist()}
 
 
+@pytest.mark.parametrize("sides", [(1.0, 1.0), (2.0, 0.7)])
+def test_pairs_are_those_of_freud(sides):
+    freud = pytest.importorskip("freud")
+    points = np.random.default_rng(6).random((20_000, 2)) * sides
+    cutoff = 0.012
+    # freud counts with single precision around the middle of the box: what lies at the cutoff itself may be on either side.
+    centred = np.column_stack([points - np.array(sides) / 2, np.zeros(len(points))])
+    query = freud.locality.AABBQuery(freud.box.Box(*sides, is2D=True), centred)
+    i, j = query.query(centred, {"r_max": cutoff, "exclude_ii": True}).toNeighborList()[:].T
+    theirs = {(a, b) for a, b in zip(i.tolist(), j.tolist()) if a < b}
+    ours = as_set(gridlock.pairs(points, cutoff, sides))
+    away = gridlock.separations(points, *np.array(sorted(ours ^ theirs), dtype=np.int64).reshape(-1, 2).T, sides)
+    assert len(ours) > 10_000 and np.all(np.abs(np.hypot(*away.T) - cutoff) < 1e-6)
+
+
 def test_the_order_does_not_depend_on_the_number_of_threads():
     points = np.random.default_rng(2).random((5000, 2))
     one = gridlock.pairs(points, 0.03, box=1.0)
