@@ -11,12 +11,12 @@ LinkCell is not used, for its time grows with the square of the points in two di
 
 import statistics
 import sys
-import time
 import warnings
 
 import numpy as np
 
 import gridlock
+from in_turns import timed_in_turns
 
 COUNT = 100_000
 FRAMES, AGENTS = 1000, 1000
@@ -123,13 +123,7 @@ def cells(points, box):
 
 
 def compare(title, todo, turns):
-    times = {name: [] for name in todo}
-    found = {}
-    for _ in range(turns):
-        for name, call in todo.items():
-            begin = time.perf_counter()
-            found[name] = call()
-            times[name].append(time.perf_counter() - begin)
+    times, found = timed_in_turns(todo, turns)
     base = statistics.median(next(iter(times.values())))
     print(f"\n{title:<40}{'least ms':>10}{'median ms':>11}{'times':>8}{'value':>14}")
     for name, seconds in times.items():

@@ -10,11 +10,11 @@ time of all turns, and the number of pairs that were found, each counted once. T
 
 import statistics
 import sys
-import time
 
 import numpy as np
 
 import gridlock
+from in_turns import timed_in_turns
 
 
 def searches(points, cutoff):
@@ -75,13 +75,7 @@ def main():
     points = np.random.default_rng(1).random((count, 2))
     cutoff = float(np.sqrt(6 / (np.pi * count)))
     todo = dict(searches(points, cutoff))
-    times = {name: [] for name in todo}
-    found = {}
-    for _ in range(turns):
-        for name, search in todo.items():
-            begin = time.perf_counter()
-            found[name] = search()
-            times[name].append(time.perf_counter() - begin)
+    times, found = timed_in_turns(todo, turns)
     base = statistics.median(times["gridlock.pairs"])
     print(f"{count} points{'':<20}{'least ms':>10}{'median ms':>11}{'ns / point':>12}{'times':>8}{'pairs':>12}")
     for name, seconds in times.items():

@@ -87,12 +87,14 @@ class Setting:
         return (self.key, self.unit, self.documentation, float(self.least), float(self.most), self.choices, kind, default)
 
 
-class Start:
-    """What a model fills in its ``start``: a box without agents."""
+class _SeenByModel:
+    """What a model sees of its world in its start and in a step."""
 
-    def __init__(self, core: ModelWorld, model: Model) -> None:
-        self._core = core
-        self._model = model
+    _core: ModelWorld
+    _model: Model
+
+    def __len__(self) -> int:
+        return self._core.size()
 
     @property
     def box(self) -> Box:
@@ -102,8 +104,13 @@ class Start:
     def seed(self) -> int:
         return self._core.seed()
 
-    def __len__(self) -> int:
-        return self._core.size()
+
+class Start(_SeenByModel):
+    """What a model fills in its ``start``: a box without agents."""
+
+    def __init__(self, core: ModelWorld, model: Model) -> None:
+        self._core = core
+        self._model = model
 
     def anywhere(self, count: int) -> NDArray[np.float64]:
         """Places of so many agents anywhere in the box, shape (count, 2)."""
@@ -126,7 +133,7 @@ class Start:
         self._core.add(_new_agents(self._model, columns))
 
 
-class World:
+class World(_SeenByModel):
     """What a model sees and changes in its ``step``.
 
     ``world.x``, ``world["x"]`` and every other column are arrays of shape (N,), ``positions`` of shape (N, 2): the agents themselves,
@@ -134,8 +141,6 @@ class World:
     order between steps.
     """
 
-    _core: ModelWorld
-    _model: Model
     _arrays: dict[str, NDArray[Any]]
     _is_read_only: bool
 
@@ -145,13 +150,6 @@ class World:
         object.__setattr__(self, "_arrays", {})
         object.__setattr__(self, "_is_read_only", is_read_only)
 
-    def __len__(self) -> int:
-        return self._core.size()
-
-    @property
-    def box(self) -> Box:
-        return Box(*self._core.box())
-
     @property
     def clock(self) -> Clock:
         return Clock(*self._core.clock())
@@ -159,10 +157,6 @@ class World:
     @property
     def time_step(self) -> float:
         return float(self._model.time_step)
-
-    @property
-    def seed(self) -> int:
-        return self._core.seed()
 
     @property
     def ids(self) -> NDArray[np.uint64]:
@@ -182,12 +176,12 @@ class World:
 
     def __getattr__(self, name: str) -> NDArray[Any]:
         if name.startswith("_") or (name not in ("x", "y") and name not in self._model.columns):
-            raise AttributeError(f"there is no column {name!r}; there are {', '.join(['x', 'y', *self._model.columns])}")
+            raise self._no_column(name)
         return self[name]
 
     def __setattr__(self, name: str, values: Any) -> None:
         if name not in ("x", "y", "positions") and name not in self._model.columns:
-            raise AttributeError(f"there is no column {name!r}; there are {', '.join(['x', 'y', *self._model.columns])}")
+            raise self._no_column(name)
         array = self.positions if name == "positions" else self[name]
         array[...] = values
 
@@ -262,6 +256,9 @@ class World:
         if event not in self._model.events:
             raise Error(f"the model declares no event {event!r}\n  hint: it has {', '.join(self._model.events) or 'none; name them in events'}")
         self._core.count(list(self._model.events).index(event), _whole("times", times))
+
+    def _no_column(self, name: str) -> AttributeError:
+        return AttributeError(f"there is no column {name!r}; there are {', '.join(['x', 'y', *self._model.columns])}")
 
     def _require_writable(self, what: str) -> None:
         if self._is_read_only:

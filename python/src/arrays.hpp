@@ -54,6 +54,17 @@ auto owned_array(Values&& values) {
   return owned_array(std::forward<Values>(values), {size});
 }
 
+/// The pairs of a search as an array of shape (2, P).
+inline auto array_of_pairs(PointPairs&& found) {
+  std::size_t const count = found.size();
+  return owned_array(std::move(found.indices), {2, count});
+}
+
+/// The lists of a search: where they begin, and the neighbours.
+inline auto arrays_of_lists(NeighbourLists&& found) {
+  return std::pair(owned_array(std::move(found.begin)), owned_array(std::move(found.neighbours)));
+}
+
 /// A column of a table: an array of numbers, or a list of words.
 inline nb::object array_of_cells(CellColumn const& column) {
   return std::visit(

@@ -21,8 +21,7 @@ auto pairs(Points const& points, double cutoff, std::optional<BoxValues> const& 
     found =
         box ? find_pairs(box_of(*box), cutoff, view_of(points), threads) : find_pairs(cutoff, view_of(points), threads);
   }
-  std::size_t const count = found.size();
-  return owned_array(std::move(found.indices), {2, count});
+  return array_of_pairs(std::move(found));
 }
 
 auto neighbor_lists(Points const& points, double cutoff, std::optional<BoxValues> const& box, std::uint64_t threads) {
@@ -32,7 +31,7 @@ auto neighbor_lists(Points const& points, double cutoff, std::optional<BoxValues
     found = box ? find_neighbour_lists(box_of(*box), cutoff, view_of(points), threads)
                 : find_neighbour_lists(cutoff, view_of(points), threads);
   }
-  return std::pair(owned_array(std::move(found.begin)), owned_array(std::move(found.neighbours)));
+  return arrays_of_lists(std::move(found));
 }
 
 using Indices = nb::ndarray<std::uint32_t const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;

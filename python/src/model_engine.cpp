@@ -123,7 +123,7 @@ void PythonModelEngine::sort_rows(World<TableModel>& world) {
 PythonModelObservations::PythonModelObservations(ModelInstance model, World<TableModel>& world)
     : model_(std::move(model)), world_(world) {}
 
-void PythonModelObservations::begin(Snapshot const& start) {
+void PythonModelObservations::begin(Snapshot const& /*start*/) {
   std::vector<ColumnInfo> columns{{"agents", "", "Agents alive."}};
   for (std::string const& event : model_.definition->events) columns.push_back({event, "", "Times since the start."});
   observed_.clear();
@@ -138,7 +138,6 @@ void PythonModelObservations::begin(Snapshot const& start) {
   }
   columns.insert(columns.end(), observed_.begin(), observed_.end());
   reset(std::move(columns));
-  static_cast<void>(start);
 }
 
 void PythonModelObservations::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {

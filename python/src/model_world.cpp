@@ -108,7 +108,7 @@ nb::object ModelWorld::neighbor_lists(double cutoff) const {
     nb::gil_scoped_release const released;
     found = find_neighbour_lists(world_.box, cutoff, points_of(world_.agents), threads_);
   }
-  return nb::cast(std::pair(owned_array(std::move(found.begin)), owned_array(std::move(found.neighbours))));
+  return nb::cast(arrays_of_lists(std::move(found)));
 }
 
 nb::object ModelWorld::pairs(double cutoff) const {
@@ -118,8 +118,7 @@ nb::object ModelWorld::pairs(double cutoff) const {
     nb::gil_scoped_release const released;
     found = find_pairs(world_.box, cutoff, points_of(world_.agents), threads_);
   }
-  std::size_t const count = found.size();
-  return nb::cast(owned_array(std::move(found.indices), {2, count}));
+  return nb::cast(array_of_pairs(std::move(found)));
 }
 
 nb::object ModelWorld::move(nb::ndarray<double const, nb::shape<-1, 2>, nb::device::cpu> const& displacements) {
