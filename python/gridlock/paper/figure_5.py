@@ -115,7 +115,7 @@ def require_possible(extent: Extent) -> None:
     # A step of 0.1 diameters per v_max, and no disk is likely to become three times as fast as v_max.
     if 2.0 * _radius(extent) * 1.3 * max(KS) > 1.0:
         raise Error("the disks of Figure 5 are too large for its finest neighbourhoods, so blocks would be wider than 3×3\n"
-                    "  hint: let timing_counts reach 700 disks or more")
+                    "  hint: let timing_counts go up to 700 disks or more")
 
 
 def expected_seconds(extent: Extent) -> float:

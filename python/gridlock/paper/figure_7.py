@@ -334,7 +334,7 @@ def make(context: Context) -> Chapter:
         conclusions=[
             _standstill_text(figure),
             "For comparison: an infinite system of hard disks freezes between φ = 0.700 (liquid) and 0.720 (hexatic and solid), "
-            "Engel et al. 2013, doi:10.1103/PhysRevE.87.042134. That the 10 % line is crossed hereabouts is what one expects of "
+            "Engel et al. 2013, doi:10.1103/PhysRevE.87.042134. That the 10 % line is crossed near this density is what one expects of "
             "a crystal, whose disks keep their neighbours; the lattices themselves are jammed only when close packed.",
         ],
     )

@@ -99,13 +99,13 @@ def _radii(frame: Frame) -> NDArray[np.float64]:
 
 def _rows_with_images(frame: Frame, radii: NDArray[np.float64]) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
     """Rows and positions of all that shows in the box: a disk that an edge of a periodic box cuts shows on both sides."""
-    positions, sides, reach = frame.positions, np.array([frame.box.width, frame.box.height]), radii[:, None]
+    positions, sides, radius = frame.positions, np.array([frame.box.width, frame.box.height]), radii[:, None]
     rows, places = [np.arange(len(frame))], [positions]
-    is_cut = ((positions < reach) | (positions > sides - reach)).any(axis=1) & frame.box.periodic
+    is_cut = ((positions < radius) | (positions > sides - radius)).any(axis=1) & frame.box.periodic
     cut = np.flatnonzero(is_cut)
     for shift in [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]:
         images = positions[cut] + shift * sides
-        shows = ((images > -reach[cut]) & (images < sides + reach[cut])).all(axis=1)
+        shows = ((images > -radius[cut]) & (images < sides + radius[cut])).all(axis=1)
         rows.append(cut[shows])
         places.append(images[shows])
     return np.concatenate(rows), np.concatenate(places)
