@@ -1,0 +1,79 @@
+#include "packing/hessian.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace gridlock {
+
+namespace {
+
+/// A symmetric matrix of 2 × 2.
+struct Block {
+  double xx = 0.0;
+  double xy = 0.0;
+  double yy = 0.0;
+
+  Block& operator+=(Block const& other) {
+    xx += other.xx;
+    xy += other.xy;
+    yy += other.yy;
+    return *this;
+  }
+};
+
+Block block_of(Contact const& contact, Potential potential, bool is_at_wall) {
+  double const stiffness = stiffness_of(contact, potential);
+  // A wall is straight: the force on a disk does not turn as the disk slides along.
+  double const stress = is_at_wall ? 0.0 : force_of(contact, potential) / contact.distance;
+  Vector const n = contact.normal;
+  double const along = stiffness + stress;
+  return {.xx = along * n.x * n.x - stress, .xy = along * n.x * n.y, .yy = along * n.y * n.y - stress};
+}
+
+}  // namespace
+
+Unknowns::Unknowns(std::size_t all) : place(all), disks(all) { std::iota(place.begin(), place.end(), std::uint32_t{0}); }
+
+Unknowns::Unknowns(std::vector<bool> const& takes_part) : place(takes_part.size(), none) {
+  for (std::size_t i = 0; i < takes_part.size(); ++i) {
+    if (takes_part[i]) place[i] = static_cast<std::uint32_t>(disks++);
+  }
+}
+
+SparseMatrix hessian_of(std::span<Contact const> contacts, Potential potential, Unknowns const& unknowns) {
+  std::size_t const all = unknowns.place.size();
+  std::vector<Block> diagonal(unknowns.disks);
+  std::vector<Eigen::Triplet<double, int>> entries;
+  entries.reserve(4 * contacts.size() + 3 * unknowns.disks);
+  for (Contact const& contact : contacts) {
+    if (contact.overlap() <= 0.0) continue;
+    bool const is_at_wall = contact.second >= all;
+    Block const block = block_of(contact, potential, is_at_wall);
+    std::uint32_t const a = unknowns.place[contact.first];
+    if (a == Unknowns::none) continue;
+    diagonal[a] += block;
+    if (is_at_wall) continue;
+    std::uint32_t const b = unknowns.place[contact.second];
+    if (b == Unknowns::none) continue;
+    diagonal[b] += block;
+    // Places grow with the numbers of the disks, so that b > a: below the diagonal.
+    auto const row = static_cast<int>(2 * b);
+    auto const column = static_cast<int>(2 * a);
+    entries.emplace_back(row, column, -block.xx);
+    entries.emplace_back(row + 1, column, -block.xy);
+    entries.emplace_back(row, column + 1, -block.xy);
+    entries.emplace_back(row + 1, column + 1, -block.yy);
+  }
+  for (std::size_t k = 0; k < diagonal.size(); ++k) {
+    auto const row = static_cast<int>(2 * k);
+    entries.emplace_back(row, row, diagonal[k].xx);
+    entries.emplace_back(row + 1, row, diagonal[k].xy);
+    entries.emplace_back(row + 1, row + 1, diagonal[k].yy);
+  }
+  auto const size = static_cast<Eigen::Index>(2 * unknowns.disks);
+  SparseMatrix hessian(size, size);
+  hessian.setFromTriplets(entries.begin(), entries.end());
+  return hessian;
+}
+
+}  // namespace gridlock
