@@ -32,7 +32,9 @@ Block block_of(Contact const& contact, Potential potential, bool is_at_wall) {
 
 }  // namespace
 
-Unknowns::Unknowns(std::size_t all) : place(all), disks(all) { std::iota(place.begin(), place.end(), std::uint32_t{0}); }
+Unknowns::Unknowns(std::size_t all) : place(all), disks(all) {
+  std::iota(place.begin(), place.end(), std::uint32_t{0});
+}
 
 Unknowns::Unknowns(std::vector<bool> const& takes_part) : place(takes_part.size(), none) {
   for (std::size_t i = 0; i < takes_part.size(); ++i) {

@@ -4,6 +4,7 @@
 #define EIGEN_DONT_VECTORIZE
 #define EIGEN_DONT_PARALLELIZE
 #include <Eigen/SparseCore>
+
 #include <cstdint>
 #include <limits>
 #include <span>

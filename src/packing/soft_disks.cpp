@@ -35,9 +35,10 @@ std::array<double, 2> largest_radii(Packing const& packing) {
 void require_room_for_images(Box const& box, double cutoff) {
   double const side = std::min(box.width(), box.height());
   if (!box.is_periodic() || side > 2.0 * cutoff) return;
-  throw Error({.what = fmt::format("in a periodic box of {} × {} a disk could touch two images of the same partner; distances of "
-                                   "{:.6g} need sides above {:.6g}",
-                                   box.width(), box.height(), cutoff, 2.0 * cutoff),
+  throw Error({.what = fmt::format(
+                   "in a periodic box of {} × {} a disk could touch two images of the same partner; distances of "
+                   "{:.6g} need sides above {:.6g}",
+                   box.width(), box.height(), cutoff, 2.0 * cutoff),
                .hint = "use more disks, smaller disks or a larger box",
                .key = "disks"});
 }
@@ -86,9 +87,7 @@ double packing_fraction(Packing const& packing) {
   return std::numbers::pi * sum / packing.box.area();
 }
 
-double energy_of(Contact const& contact, Potential potential) {
-  return Law(potential).energy(contact.overlap());
-}
+double energy_of(Contact const& contact, Potential potential) { return Law(potential).energy(contact.overlap()); }
 double force_of(Contact const& contact, Potential potential) {
   return Law(potential).force(contact.overlap(), contact.contact_distance);
 }
@@ -151,16 +150,19 @@ double pressure_of(std::span<Contact const> contacts, Potential potential, Box c
 void require_valid(Packing const& packing) {
   std::size_t const disks = packing.size();
   if (packing.y.size() != disks || packing.radius.size() != disks) {
-    throw Error({.what = fmt::format("a packing of {} x, {} y and {} radii", disks, packing.y.size(), packing.radius.size()),
-                 .hint = "give one of each for every disk",
-                 .key = "disks"});
+    throw Error(
+        {.what = fmt::format("a packing of {} x, {} y and {} radii", disks, packing.y.size(), packing.radius.size()),
+         .hint = "give one of each for every disk",
+         .key = "disks"});
   }
   for (std::size_t i = 0; i < disks; ++i) {
     double const x = packing.x[i];
     double const y = packing.y[i];
     double const radius = packing.radius[i];
     auto const refuse = [&](std::string_view what) {
-      throw Error({.what = fmt::format("disk {} at ({}, {}) of radius {}: {}", i, x, y, radius, what), .hint = {}, .key = "disks"});
+      throw Error({.what = fmt::format("disk {} at ({}, {}) of radius {}: {}", i, x, y, radius, what),
+                   .hint = {},
+                   .key = "disks"});
     };
     if (!std::isfinite(x) || !std::isfinite(y)) refuse("a position must be finite");
     if (!(radius > 0.0) || !std::isfinite(radius)) refuse("a radius must be a number above 0");

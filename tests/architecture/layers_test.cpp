@@ -1,6 +1,6 @@
 // Who may include whom, as ARCHITECTURE.md says:
 //
-//     core ← grid ← { lattice, engine, observe, model } ← simulation ← workspace ← drawing ← apps
+//     core ← grid ← { lattice, engine, observe, model, packing } ← simulation ← workspace ← drawing ← apps
 //     core ← io ← simulation
 //     observe ← analysis
 //
@@ -29,12 +29,16 @@ std::map<std::string, std::set<std::string>> const allowed{
     {"observe", {"core", "grid", "observe"}},
     {"analysis", {"core", "grid", "observe", "analysis"}},
     {"model", {"core", "grid", "model"}},
+    {"packing", {"core", "grid", "packing"}},
+    {"protocol", {"core", "grid", "engine", "packing", "protocol"}},
     {"models", {"core", "grid", "lattice", "model", "models"}},
-    {"simulation", {"core", "grid", "io", "lattice", "engine", "observe", "model", "models", "simulation"}},
+    {"simulation",
+     {"core", "grid", "io", "lattice", "engine", "observe", "model", "models", "packing", "protocol", "simulation"}},
     {"workspace", {"core", "grid", "io", "lattice", "engine", "observe", "model", "simulation", "workspace"}},
     {"drawing", {"core", "io", "observe", "simulation", "workspace", "drawing"}},
     {"apps",
-     {"core", "grid", "io", "lattice", "engine", "observe", "model", "simulation", "workspace", "drawing", "apps"}},
+     {"core", "grid", "io", "lattice", "engine", "observe", "model", "packing", "simulation", "workspace", "drawing",
+      "apps"}},
 };
 
 struct Include {
