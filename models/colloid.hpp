@@ -42,7 +42,7 @@ struct ColloidInOrder {
   VelocitySettings velocities;
   double step_length = 0.1;
   std::uint64_t substeps = 5;
-  Contact contact = Contact::always;
+  CollisionRule contact = CollisionRule::always;
 
   void describe(SettingVisitor& visitor) {
     static constexpr std::array<std::string_view, 2> contacts{"always", "approaching"};
@@ -204,7 +204,7 @@ struct ColloidInOrder {
     count_halt(self);
     Vector const b = self.box().displacement(here, other.position());
     double const approach = dot(velocity(self) - velocity(other), b);
-    if (contact == Contact::approaching && !(approach > 0.0)) return;
+    if (contact == CollisionRule::approaching && !(approach > 0.0)) return;
     double const m_i = self.template get<Mass>();
     double const m_j = other.template get<Mass>();
     double const along = 2.0 * approach / ((m_i + m_j) * squared_length(b));

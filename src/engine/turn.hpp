@@ -30,7 +30,7 @@ struct TurnView {
   std::span<DiskInTurn> disks;
   double substep;          ///< physical length of one sub-step
   std::uint64_t substeps;  ///< sub-steps in a turn
-  Contact contact;
+  CollisionRule contact;
 };
 
 /// The overlapped disk nearest to a trial point, ties to the lower Id: a choice that no order of visits can change, so
@@ -95,7 +95,7 @@ inline void collide(TurnView const& view, std::size_t i, std::size_t j, Counters
   Vector const b = view.box.displacement_inside(self.position, other.position);
   Vector const w = self.velocity - other.velocity;
   double const approach = dot(w, b);
-  if (view.contact == Contact::approaching && !(approach > 0.0)) return;
+  if (view.contact == CollisionRule::approaching && !(approach > 0.0)) return;
   double const total_mass = self.mass + other.mass;
   double const along = 2.0 * approach / (total_mass * squared_length(b));
   Vector const change_self = (-other.mass * along) * b;

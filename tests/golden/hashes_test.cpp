@@ -43,7 +43,7 @@ std::vector<Scene> scenes() {
       {.name = "triangular",
        .box = walls,
        .disks = {.count = 400, .packing_fraction = 0.8, .start = StartKind::triangular},
-       .engine = {.contact = Contact::approaching}},
+       .engine = {.contact = CollisionRule::approaching}},
       {.name = "mixture",
        .box = periodic,
        .disks = {.count = 200,

@@ -247,7 +247,7 @@ TEST(ExactPhysics, TheSteppedRuleConvergesToItWithTheFirstPowerOfTheTimeStep) {
     State stepped = start;
     Counters unused;
     EngineSettings const settings{
-        .kind = "stepped", .time_step = time_step, .speed = 1.0, .contact = Contact::approaching};
+        .kind = "stepped", .time_step = time_step, .speed = 1.0, .contact = CollisionRule::approaching};
     auto const steps = static_cast<std::uint64_t>(std::llround(0.2 / time_step));
     make_engine(settings, stepped)->advance(stepped, unused, {.step = steps});
     double sum = 0.0;

@@ -103,7 +103,7 @@ TEST(HardDiskFluid, PressureFromVirialAndFromCollisionRateAreThatOfTheVirialSeri
   // η = 0.3: Z = 2.063261 and Γσ/√(kT/m) = 2.399523 (Kolafa & Rottner 2006 and Z = 1 + (σ/4)√(πm/kT) Γ), for disks
   // that approach and a short time step. Three seeds, each within its own errors.
   for (std::uint64_t const seed : {1U, 2U, 3U}) {
-    MeasuredFluid run({.edge = Edge::periodic, .engine = {.time_step = 0.02, .contact = Contact::approaching}}, seed);
+    MeasuredFluid run({.edge = Edge::periodic, .engine = {.time_step = 0.02, .contact = CollisionRule::approaching}}, seed);
     run.advance(1000);
     for (int k = 0; k < 64; ++k) {
       run.advance(100);
@@ -147,7 +147,7 @@ TEST(HardDiskFluid, PairCorrelationVanishesInsideTheDiameterAndGivesThePressureA
   // g(σ) = (Z − 1)/2η = 1.772101 at η = 0.3, by extrapolation from 1.06 σ to 1.44 σ. Nearer than the way of one step
   // the stepped rule keeps disks apart: a disk that halts stays where it is until its next turn.
   Fluid const fluid{.edge = Edge::periodic,
-                    .engine = {.time_step = 0.02, .contact = Contact::approaching},
+                    .engine = {.time_step = 0.02, .contact = CollisionRule::approaching},
                     .observe = {.structure_every = 1, .pair_correlation_range = 2.0, .pair_correlation_bins = 100}};
   MeasuredFluid run(fluid, 1);
   run.advance(1000);

@@ -31,7 +31,7 @@ double virial_of_motion(State const& state) {
 ///
 /// with K + W/2t and the wall term from the observables and the change of Σ m r·v taken into account, so that no
 /// statistical error is left at all.
-double shortfall_of_walls(double time_step, Contact contact, std::uint64_t steps) {
+double shortfall_of_walls(double time_step, CollisionRule contact, std::uint64_t steps) {
   State state = make_start(Box(1, 1, Edge::wall), {.count = 100, .packing_fraction = 0.4}, 3);
   draw_velocities(state, {});
   auto const engine = make_engine({.time_step = time_step, .contact = contact}, state);
@@ -54,7 +54,7 @@ double shortfall_of_walls(double time_step, Contact contact, std::uint64_t steps
   return 1.0 - walls * (1.0 - 2.0 * radius) / (pairs - boundary);
 }
 
-class WallVirialIdentity : public testing::TestWithParam<Contact> {};
+class WallVirialIdentity : public testing::TestWithParam<CollisionRule> {};
 
 TEST_P(WallVirialIdentity, HoldsForOneTrajectoryUpToAnErrorProportionalToTheTimeStep) {
   // The stepped rule halts a disk for the rest of a step at every encounter, so that a share of 2K t, proportional to
@@ -69,9 +69,9 @@ TEST_P(WallVirialIdentity, HoldsForOneTrajectoryUpToAnErrorProportionalToTheTime
   EXPECT_LT(std::abs(fine), 0.005);
 }
 
-INSTANTIATE_TEST_SUITE_P(Contacts, WallVirialIdentity, testing::Values(Contact::always, Contact::approaching),
+INSTANTIATE_TEST_SUITE_P(Contacts, WallVirialIdentity, testing::Values(CollisionRule::always, CollisionRule::approaching),
                          [](auto const& contact) {
-                           return contact.param == Contact::always ? "always" : "approaching";
+                           return contact.param == CollisionRule::always ? "always" : "approaching";
                          });
 
 TEST(OneDiskBetweenWalls, ObeysTheVirialTheoremUpToTheTimeStep) {

@@ -71,12 +71,12 @@ double impulse_on_walls(Counters const& counters) {
   return sum;
 }
 
-std::string contact_name(testing::TestParamInfo<Contact> const& info) {
-  return info.param == Contact::always ? "always" : "approaching";
+std::string contact_name(testing::TestParamInfo<CollisionRule> const& info) {
+  return info.param == CollisionRule::always ? "always" : "approaching";
 }
 
-class SteppedPhysics : public testing::TestWithParam<Contact> {};
-INSTANTIATE_TEST_SUITE_P(Contacts, SteppedPhysics, testing::Values(Contact::always, Contact::approaching),
+class SteppedPhysics : public testing::TestWithParam<CollisionRule> {};
+INSTANTIATE_TEST_SUITE_P(Contacts, SteppedPhysics, testing::Values(CollisionRule::always, CollisionRule::approaching),
                          contact_name);
 
 // ---- the virial theorem ---------------------------------------------------------------------------------------------
@@ -88,7 +88,7 @@ TEST_P(SteppedPhysics, TheVirialChangesByFlightPairsAndWallsToTheLastDigits) {
     State state = reference::random_scene(
         {.width = 1.3, .count = 50, .packing_fraction = 0.5, .smallest_ratio = 0.5, .heaviest_mass = 3.0, .seed = 3});
     auto const engine = make_engine({.time_step = time_step, .contact = GetParam()}, state);
-    reference::PaperRule rule(state, engine->time_step(), 5, GetParam() == Contact::always);
+    reference::PaperRule rule(state, engine->time_step(), 5, GetParam() == CollisionRule::always);
     double const before = rule.virial();
     Counters counters;
     constexpr std::uint64_t steps = 1000;
@@ -235,7 +235,7 @@ TEST(SteppedTwoDisks, HitWallsAndEachOtherAsOftenAsTheyShould) {
   std::array<Measured, 3> walls;
   std::array<Measured, 3> pairs;
   for (std::size_t n = 0; n < 3; ++n) {
-    EngineSettings const settings{.time_step = halving_time_steps[n], .contact = Contact::approaching};
+    EngineSettings const settings{.time_step = halving_time_steps[n], .contact = CollisionRule::approaching};
     Blocks const blocks{.count = 25, .duration = 1000.0};
     walls[n] = measure(two_disks(0.15), settings, blocks, [](State const&, Counters const& counters, double time) {
       return static_cast<double>(counters.all_wall_hits()) / time;

@@ -76,7 +76,7 @@ class ColloidOn : public testing::TestWithParam<ColloidCase> {
     for (std::size_t i = 0; i < state.agents.size(); i += 7) state.agents.column<VelocityX>()[i] *= GetParam().fastest;
     return state;
   }
-  static End end_of_engine(std::string const& kind, Contact contact) {
+  static End end_of_engine(std::string const& kind, CollisionRule contact) {
     State state = start();
     EngineSettings const settings{.kind = kind,
                                   .time_step = GetParam().step_length,
@@ -89,7 +89,7 @@ class ColloidOn : public testing::TestWithParam<ColloidCase> {
     return {hash(state), counters};
   }
   template <class Model>
-  static void expect_the_same(End const& expected, Contact contact, ModelEngineSettings const& settings) {
+  static void expect_the_same(End const& expected, CollisionRule contact, ModelEngineSettings const& settings) {
     Model model;
     model.step_length = GetParam().step_length;
     model.substeps = GetParam().substeps;
@@ -106,7 +106,7 @@ class ColloidOn : public testing::TestWithParam<ColloidCase> {
 };
 
 TEST_P(ColloidOn, OneAfterTheOtherHasTheBitsOfTheEngineStepped) {
-  for (Contact const contact : {Contact::always, Contact::approaching}) {
+  for (CollisionRule const contact : {CollisionRule::always, CollisionRule::approaching}) {
     End const expected = end_of_engine("stepped", contact);
     EXPECT_GE(expected.counters.pair_collisions, GetParam().scene.count > 20 ? 20U : 0U) << "little happens";
     expect_the_same<Colloid>(expected, contact, {.verify_every = 13});
@@ -114,7 +114,7 @@ TEST_P(ColloidOn, OneAfterTheOtherHasTheBitsOfTheEngineStepped) {
 }
 
 TEST_P(ColloidOn, TileByTileOnAnyNumberOfThreadsHasTheBitsOfTheEngineTiled) {
-  for (Contact const contact : {Contact::always, Contact::approaching}) {
+  for (CollisionRule const contact : {CollisionRule::always, CollisionRule::approaching}) {
     End const expected = end_of_engine("tiled", contact);
     for (std::uint64_t const threads : {1, 2, 3, 8}) {
       expect_the_same<TiledColloid>(expected, contact, {.threads = threads, .verify_every = 13});

@@ -42,7 +42,7 @@ PackedSystem any_packed_system(std::uint64_t seed) {
              .seed = seed};
   s.engine = {.time_step = 0.02 + 0.4 * random.uniform(),
               .substeps = 1 + random.below(8),
-              .contact = random.below(2) == 0 ? Contact::always : Contact::approaching};
+              .contact = random.below(2) == 0 ? CollisionRule::always : CollisionRule::approaching};
   s.engine.cells = 1 + random.below(20);
   s.fastest = random.below(3) == 0 ? 8.0 : 1.0;
   return s;

@@ -41,13 +41,13 @@ void expect_same_counters(Counters const& a, Counters const& b) {
 struct Case {
   std::string name;
   SceneSettings scene;
-  Contact contact = Contact::always;
+  CollisionRule contact = CollisionRule::always;
   double time_step = 0.1;
   std::uint64_t substeps = 5;
 
   friend std::ostream& operator<<(std::ostream& out, Case const& c) {
     return out << c.scene << ", time step " << c.time_step << ", sub-steps " << c.substeps
-               << (c.contact == Contact::always ? ", always" : ", approaching");
+               << (c.contact == CollisionRule::always ? ", always" : ", approaching");
   }
 };
 
@@ -57,7 +57,7 @@ std::vector<Case> cases() {
       .width = 1.7, .height = 0.9, .count = 60, .packing_fraction = 0.5, .smallest_ratio = 0.3, .heaviest_mass = 5.0};
   std::vector<Case> all{
       {.name = "dense", .scene = dense},
-      {.name = "dense_approaching", .scene = dense, .contact = Contact::approaching},
+      {.name = "dense_approaching", .scene = dense, .contact = CollisionRule::approaching},
       {.name = "mixture", .scene = mixture},
       // Several cells of the finer grids in one step, so that the block must widen.
       {.name = "long_steps", .scene = {.count = 30, .packing_fraction = 0.1}, .time_step = 2.0, .substeps = 6},
@@ -115,7 +115,7 @@ TEST_P(SteppedRule, GivesTheBitsOfTheRuleWrittenASecondTime) {
   State state = random_scene(GetParam().scene);
   auto const engine = make_engine(settings(), state);
   reference::PaperRule rule(state, engine->time_step(), static_cast<int>(GetParam().substeps),
-                            GetParam().contact == Contact::always);
+                            GetParam().contact == CollisionRule::always);
   Counters counters;
   for (std::uint64_t step = 1; step <= steps; ++step) {
     engine->advance(state, counters, {.step = step});
@@ -152,7 +152,7 @@ TEST(SteppedStress, ThreeHundredTinySystemsOfAFewCellsGiveTheBitsOfAllPairs) {
                               .seed = static_cast<std::uint64_t>(n)};
     EngineSettings settings{.time_step = 0.02 + 0.5 * random.uniform(),
                             .substeps = 1 + random.below(8),
-                            .contact = random.below(2) == 0 ? Contact::always : Contact::approaching};
+                            .contact = random.below(2) == 0 ? CollisionRule::always : CollisionRule::approaching};
     // 1–3 cells of the default layout in most of these boxes, and of these settings in all.
     if (random.below(2) == 0) settings.cells = 1 + random.below(3);
     settings.grid = n % 4 < 2 ? GridKind::linked : GridKind::packed;

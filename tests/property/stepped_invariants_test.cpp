@@ -28,7 +28,7 @@ struct System {
 
   friend std::ostream& operator<<(std::ostream& out, System const& s) {
     out << s.scene << ", time step " << s.engine.time_step << ", sub-steps " << s.engine.substeps
-        << (s.engine.contact == Contact::always ? ", always" : ", approaching")
+        << (s.engine.contact == CollisionRule::always ? ", always" : ", approaching")
         << (s.engine.grid == GridKind::linked ? ", linked" : ", packed") << ", cells ";
     return s.engine.cells ? out << *s.engine.cells : out << "default";
   }
@@ -52,7 +52,7 @@ rc::Gen<System> any_system() {
                            // Room for disks to gain four times the speed of the start before a sub-step is too long.
                            s.engine.time_step =
                                std::min(number_between(0.02, 1.0), 0.25 * static_cast<double>(s.engine.substeps));
-                           s.engine.contact = *rc::gen::element(Contact::always, Contact::approaching);
+                           s.engine.contact = *rc::gen::element(CollisionRule::always, CollisionRule::approaching);
                            auto const cells = static_cast<std::uint64_t>(*rc::gen::inRange(0, 16));
                            if (cells > 0) s.engine.cells = cells;
                            s.engine.grid = *rc::gen::element(GridKind::linked, GridKind::packed);
@@ -97,7 +97,7 @@ RC_GTEST_PROP(SteppedInvariants, HoldForEverySystem, ()) {
     RC_ASSERT(counters.moves == step * count);
     RC_ASSERT(counters.halted_moves <= counters.moves);
     RC_ASSERT(counters.pair_collisions <= counters.halted_moves);
-    if (system.engine.contact == Contact::approaching) RC_ASSERT(counters.pair_virial >= 0.0);
+    if (system.engine.contact == CollisionRule::approaching) RC_ASSERT(counters.pair_virial >= 0.0);
   }
   RC_CLASSIFY(counters.pair_collisions > 0);
   RC_CLASSIFY(state.box.is_periodic());

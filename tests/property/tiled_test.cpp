@@ -48,7 +48,7 @@ TiledSystem any_tiled_system(std::uint64_t seed) {
   s.engine = {.kind = "tiled",
               .time_step = 0.02 + 0.3 * random.uniform(),
               .substeps = 1 + random.below(8),
-              .contact = random.below(2) == 0 ? Contact::always : Contact::approaching};
+              .contact = random.below(2) == 0 ? CollisionRule::always : CollisionRule::approaching};
   s.fastest = random.below(3) == 0 ? 6.0 : 1.0;
   return s;
 }

@@ -111,7 +111,7 @@ class EngineFor {
 
 /// Whether a disk that halts collides with its partner whatever their motion (the paper's rule) or only when the two
 /// approach each other.
-enum class Contact { always, approaching };
+enum class CollisionRule { always, approaching };
 
 /// What finds the neighbours of a disk in `stepped`: the paper's linked lists, the readable reference, or cells packed
 /// into cache lines. Both give the same bits.
@@ -124,7 +124,7 @@ struct EngineSettings {
   std::optional<double> speed;  ///< the speed time_step refers to; left out: velocities.max
   std::uint64_t substeps = 5;
   std::optional<std::uint64_t> cells;  ///< k of the k × k linked lists; left out: chosen from the sizes
-  Contact contact = Contact::always;
+  CollisionRule contact = CollisionRule::always;
   std::uint64_t audit_every = 0;  ///< pair collisions between two audits of the exact engine; 0: never
   GridKind grid = GridKind::packed;
   std::uint64_t threads = 0;  ///< of the engine tiled; 0: all cores

@@ -36,7 +36,7 @@ State make_state(Edge edge, std::initializer_list<DiskAt> disks, double width = 
 }
 
 /// With disks of radius 1/8 and speed 1: a step lasts 1/16, a sub-step 1/64.
-EngineSettings exact_settings(Contact contact = Contact::always) {
+EngineSettings exact_settings(CollisionRule contact = CollisionRule::always) {
   return {.time_step = 0.25, .substeps = 4, .contact = contact};
 }
 constexpr double substep = 1.0 / 64.0;
@@ -248,14 +248,14 @@ TEST(SteppedPairs, AlwaysScattersAPairThatSeparatesAndApproachingLetsItGo) {
                                    {.position = {0.5, 0.5}, .velocity = {1.0, 0.0}}});
   };
   State always = start();
-  Counters const scattered = advance(always, 1, exact_settings(Contact::always));
+  Counters const scattered = advance(always, 1, exact_settings(CollisionRule::always));
   EXPECT_EQ(velocity(always.agents, 0), (Vector{1.0, 0.0})) << "the paper's rule makes it approach";
   EXPECT_EQ(velocity(always.agents, 1), (Vector{0.5, 0.0}));
   EXPECT_EQ(scattered.pair_collisions, 1U);
   EXPECT_LT(scattered.pair_virial, 0.0) << "a pull, not a push";
 
   State approaching = start();
-  Counters const let_go = advance(approaching, 1, exact_settings(Contact::approaching));
+  Counters const let_go = advance(approaching, 1, exact_settings(CollisionRule::approaching));
   EXPECT_EQ(velocity(approaching.agents, 0), (Vector{0.5, 0.0}));
   EXPECT_EQ(velocity(approaching.agents, 1), (Vector{1.0, 0.0}));
   EXPECT_EQ(let_go.pair_collisions, 0U);
@@ -267,7 +267,7 @@ TEST(SteppedPairs, AlwaysScattersAPairThatSeparatesAndApproachingLetsItGo) {
 }
 
 TEST(SteppedPairs, BothContactRulesAgreeOnAPairThatApproaches) {
-  for (Contact const contact : {Contact::always, Contact::approaching}) {
+  for (CollisionRule const contact : {CollisionRule::always, CollisionRule::approaching}) {
     State state = make_state(Edge::wall, {{.position = {0.25, 0.5}, .velocity = {1.0, 0.0}}, {.position = {0.5, 0.5}}});
     Counters const counters = advance(state, 1, exact_settings(contact));
     EXPECT_EQ(velocity(state.agents, 1), (Vector{1.0, 0.0}));
