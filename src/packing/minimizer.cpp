@@ -1,0 +1,292 @@
+#include "gridlock/packing/minimizer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "gridlock/core/error.hpp"
+#include "packing/hessian.hpp"
+// After hessian.hpp, which says how Eigen is compiled.
+#include <Eigen/SparseCholesky>
+
+#include "packing/soft_forces.hpp"
+
+namespace gridlock {
+
+namespace {
+
+/// E/N of disks that do not press on each other.
+constexpr double unjammed_energy = 1e-16;
+
+constexpr double first_time_step = 0.1;  // √(m D²/ε), as the next
+constexpr double longest_time_step = 0.45;
+constexpr double shortest_time_step = 0.002;
+constexpr std::uint64_t delay = 20;
+constexpr double first_mixing = 0.25;
+
+constexpr double least_shift = 1e-9;  // ε/D², as the next
+constexpr double most_shift = 1e3;
+constexpr double longest_step = 0.1;  // D
+
+constexpr std::uint64_t iterations_per_look = 8;
+
+MinimizerSettings const& checked(MinimizerSettings const& settings) {
+  if (!(settings.residual > 0.0 && settings.residual < 1.0)) {
+    throw Error({.what = fmt::format("the residual to reach is {}", settings.residual),
+                 .hint = "use a number above 0 and below 1, such as 1e-8",
+                 .key = "soft.residual"});
+  }
+  return settings;
+}
+
+}  // namespace
+
+char const* to_text(MinimumStatus status) {
+  switch (status) {
+    case MinimumStatus::searching:
+      return "searching";
+    case MinimumStatus::converged:
+      return "converged";
+    case MinimumStatus::unjammed:
+      return "unjammed";
+    case MinimumStatus::unconverged:
+      break;
+  }
+  return "unconverged";
+}
+
+/// Where FIRE and Newton's method are between two iterations.
+class Minimizer::Search {
+ public:
+  Search(MinimizerSettings const& settings, Packing const& packing)
+      : settings_(settings),
+        forces_(packing, settings.potential, settings.threads),
+        diameter_(smallest_diameter(packing)),
+        velocity_(packing.size()),
+        force_(packing.size()),
+        newton_residual_(settings.newton_residual) {
+    time_step_ = first_time_step * diameter_;
+  }
+
+  [[nodiscard]] double diameter() const { return diameter_; }
+
+  ForceSums evaluate(Packing const& packing) { return forces_.evaluate(packing, velocity_, force_); }
+  [[nodiscard]] std::vector<Contact> contacts(Packing const& packing) { return forces_.contacts(packing); }
+
+  /// At rest, with disks that may have another size.
+  void restart(Packing const& packing) {
+    diameter_ = smallest_diameter(packing);
+    std::ranges::fill(velocity_.x, 0.0);
+    std::ranges::fill(velocity_.y, 0.0);
+    time_step_ = first_time_step * diameter_;
+    mixing_ = first_mixing;
+    downhill_ = 0;
+    iterations_ = 0;
+    newton_residual_ = settings_.newton_residual;
+    shift_ = least_shift;
+  }
+
+  /// Whether the residual is as small as asked for, or as the digits of positions allow.
+  [[nodiscard]] bool is_converged(ForceSums const& sums, Box const& box) const {
+    if (sums.contacts == 0) return false;
+    auto const contacts = static_cast<double>(sums.contacts);
+    double const overlap_length = sums.contact_distances / contacts * (sums.overlaps / contacts);
+    double const rounding = 0x1p-50 * std::max(box.width(), box.height()) / overlap_length;
+    return sums.residual() <= std::max(settings_.residual, rounding);
+  }
+  [[nodiscard]] bool is_for_newton(ForceSums const& sums) const {
+    return sums.contacts > 0 && sums.residual() <= newton_residual_;
+  }
+  [[nodiscard]] bool is_given_up() const { return iterations_ >= settings_.iterations; }
+
+  void fire_step(Packing& packing, ForceSums const& sums) {
+    ++iterations_;
+    if (sums.power > 0.0) {
+      if (++downhill_ > delay) {
+        time_step_ = std::min(time_step_ * 1.1, longest_time_step * diameter_);
+        mixing_ *= 0.99;
+      }
+    } else {
+      downhill_ = 0;
+      if (iterations_ > delay) {
+        time_step_ = std::max(time_step_ * 0.5, shortest_time_step * diameter_);
+        mixing_ = first_mixing;
+      }
+      for (std::size_t i = 0; i < packing.size(); ++i) {
+        packing.x[i] -= 0.5 * time_step_ * velocity_.x[i];
+        packing.y[i] -= 0.5 * time_step_ * velocity_.y[i];
+        velocity_.x[i] = 0.0;
+        velocity_.y[i] = 0.0;
+      }
+      // The forces are those of before the half step back; with them the next step would go uphill at a steep place.
+      evaluate_again_ = true;
+    }
+    ForceSums const here = std::exchange(evaluate_again_, false) ? evaluate(packing) : sums;
+    double const dt = time_step_;
+    double const squared_speed = here.speed_squares + 2.0 * dt * here.power + dt * dt * here.force_squares;
+    double const along = here.force_squares > 0.0 ? mixing_ * std::sqrt(squared_speed / here.force_squares) : 0.0;
+    double const kept = 1.0 - mixing_;
+    for (std::size_t i = 0; i < packing.size(); ++i) {
+      velocity_.x[i] = kept * (velocity_.x[i] + dt * force_.x[i]) + along * force_.x[i];
+      velocity_.y[i] = kept * (velocity_.y[i] + dt * force_.y[i]) + along * force_.y[i];
+      packing.x[i] += dt * velocity_.x[i];
+      packing.y[i] += dt * velocity_.y[i];
+    }
+  }
+
+  /// Where no step can be found FIRE takes over, down to a tenth of the residual.
+  void newton_step(Packing& packing, ForceSums const& sums) {
+    ++iterations_;
+    std::vector<Contact> const all = contacts(packing);
+    SparseMatrix const hessian = hessian_of(all, settings_.potential, Unknowns(packing.size()));
+    Eigen::VectorXd right(hessian.rows());
+    for (std::size_t i = 0; i < packing.size(); ++i) {
+      right[static_cast<Eigen::Index>(2 * i)] = force_.x[i];
+      right[static_cast<Eigen::Index>(2 * i + 1)] = force_.y[i];
+    }
+    Packing const before = packing;
+    Columns const force_before = force_;
+    std::ranges::fill(velocity_.x, 0.0);
+    std::ranges::fill(velocity_.y, 0.0);
+    for (; shift_ <= most_shift; shift_ *= 10.0) {
+      Eigen::SimplicialLLT<SparseMatrix> factors;
+      factors.setShift(shift_ / (diameter_ * diameter_));
+      factors.compute(hessian);
+      if (factors.info() != Eigen::Success) continue;
+      Eigen::VectorXd const step = factors.solve(right);
+      double const scale = move(packing, step);
+      ForceSums const there = evaluate(packing);
+      if (there.energy < sums.energy || there.residual() <= 0.5 * sums.residual()) {
+        if (scale == 1.0) shift_ = std::max(0.2 * shift_, least_shift);
+        return;
+      }
+      packing = before;
+    }
+    force_ = force_before;
+    shift_ = least_shift;
+    newton_residual_ = 0.1 * std::min(newton_residual_, sums.residual());
+    time_step_ = first_time_step * diameter_;
+    mixing_ = first_mixing;
+    downhill_ = 0;
+  }
+
+  void serialize(Archive& archive) {
+    archive.visit("velocity_x", velocity_.x);
+    archive.visit("velocity_y", velocity_.y);
+    archive.require(velocity_.x.size() == force_.x.size() && velocity_.y.size() == force_.y.size(),
+                    "a minimization has another number of velocities than of disks");
+    archive.visit("time_step", time_step_);
+    archive.visit("mixing", mixing_);
+    archive.visit("downhill", downhill_);
+    archive.visit("iterations", iterations_);
+    archive.visit("newton_residual", newton_residual_);
+    archive.visit("shift", shift_);
+    archive.visit("diameter", diameter_);
+  }
+
+ private:
+  /// Returns the factor by which the step was shortened.
+  double move(Packing& packing, Eigen::VectorXd const& step) const {
+    double square = 0.0;
+    for (Eigen::Index k = 0; k < step.size(); k += 2)
+      square = std::max(square, step[k] * step[k] + step[k + 1] * step[k + 1]);
+    double const longest = longest_step * diameter_;
+    double const scale = square > longest * longest ? longest / std::sqrt(square) : 1.0;
+    for (std::size_t i = 0; i < packing.size(); ++i) {
+      packing.x[i] += scale * step[static_cast<Eigen::Index>(2 * i)];
+      packing.y[i] += scale * step[static_cast<Eigen::Index>(2 * i + 1)];
+    }
+    return scale;
+  }
+
+  MinimizerSettings settings_;
+  SoftForces forces_;
+  double diameter_;
+  Columns velocity_;
+  Columns force_;
+  double newton_residual_;
+  double time_step_ = 0.0;
+  double mixing_ = first_mixing;
+  double shift_ = least_shift;
+  std::uint64_t downhill_ = 0;
+  std::uint64_t iterations_ = 0;  ///< of this search
+  bool evaluate_again_ = false;
+};
+
+Minimizer::Minimizer(MinimizerSettings const& settings, Packing packing)
+    : settings_(checked(settings)), packing_(std::move(packing)) {
+  require_valid(packing_);
+  search_ = std::make_unique<Search>(settings_, packing_);
+}
+
+Minimizer::~Minimizer() = default;
+
+bool Minimizer::advance(std::function<bool()> const& should_continue) {
+  while (status_ == MinimumStatus::searching) {
+    for (std::uint64_t k = 0; k < iterations_per_look && status_ == MinimumStatus::searching; ++k) {
+      ForceSums const sums = search_->evaluate(packing_);
+      energy_ = sums.energy;
+      residual_ = sums.residual();
+      if (energy_ < unjammed_energy * static_cast<double>(packing_.size())) {
+        status_ = MinimumStatus::unjammed;
+      } else if (search_->is_converged(sums, packing_.box)) {
+        status_ = MinimumStatus::converged;
+      } else if (search_->is_given_up()) {
+        status_ = MinimumStatus::unconverged;
+      } else if (search_->is_for_newton(sums)) {
+        search_->newton_step(packing_, sums);
+        ++newton_iterations_;
+      } else {
+        search_->fire_step(packing_, sums);
+        ++fire_iterations_;
+      }
+    }
+    if (status_ == MinimumStatus::searching && should_continue && !should_continue()) return false;
+  }
+  return true;
+}
+
+void Minimizer::search_anew() {
+  status_ = MinimumStatus::searching;
+  search_->restart(packing_);
+}
+
+void Minimizer::scale_radii(double factor) {
+  for (double& radius : packing_.radius) radius *= factor;
+  search_anew();
+}
+
+void Minimizer::restart(Packing packing) {
+  packing_ = std::move(packing);
+  search_anew();
+}
+
+double Minimizer::pressure() const {
+  double const diameter = search_->diameter();
+  return pressure_of(contacts(), settings_.potential, packing_.box) * diameter * diameter;
+}
+
+std::vector<Contact> Minimizer::contacts() const { return search_->contacts(packing_); }
+
+void Minimizer::serialize(Archive& archive) {
+  auto place = static_cast<std::uint64_t>(status_);
+  archive.visit("status", place);
+  archive.require(place <= static_cast<std::uint64_t>(MinimumStatus::unconverged), "a minimization has no such status");
+  status_ = static_cast<MinimumStatus>(place);
+  std::size_t const disks = packing_.size();
+  archive.visit("x", packing_.x);
+  archive.visit("y", packing_.y);
+  archive.visit("radius", packing_.radius);
+  archive.require(packing_.x.size() == disks && packing_.y.size() == disks && packing_.radius.size() == disks,
+                  "a minimization has another number of positions than of disks");
+  if (archive.is_restoring()) require_valid(packing_);
+  archive.visit("energy", energy_);
+  archive.visit("residual", residual_);
+  archive.visit("fire_iterations", fire_iterations_);
+  archive.visit("newton_iterations", newton_iterations_);
+  search_->serialize(archive);
+}
+
+}  // namespace gridlock

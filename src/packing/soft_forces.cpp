@@ -1,0 +1,298 @@
+#include "packing/soft_forces.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/grid/neighbour_lists.hpp"
+#include "packing/potential.hpp"
+
+namespace gridlock {
+
+namespace {
+
+/// Disks whose forces and sums are one piece of work; the bits of sums depend on it.
+constexpr std::size_t block_size = 256;
+
+/// An entry of the list: a partner, and which of its images, up to `farthest_image` boxes away in each direction.
+constexpr std::uint32_t partner_bits = 26;
+constexpr std::uint32_t partner_mask = (1U << partner_bits) - 1;
+constexpr int farthest_image = 3;
+constexpr int images_across = 2 * farthest_image + 1;
+
+std::size_t blocks_of(std::size_t disks) { return (disks + block_size - 1) / block_size; }
+
+double largest_contact_distance(Packing const& packing) {
+  double largest = 0.0;
+  double second = 0.0;
+  for (double const radius : packing.radius) {
+    second = std::max(second, std::min(largest, radius));
+    largest = std::max(largest, radius);
+  }
+  return largest + second;
+}
+
+int image_of(double separation, double nearest, double side) {
+  auto const image = static_cast<int>(std::lround((nearest - separation) / side));
+  if (std::abs(image) > farthest_image)
+    throw RunFailure("a soft disk has moved farther than three boxes while energy was minimized");
+  return image;
+}
+
+/// The push of a wall on a disk, along the inward direction.
+template <class Push>
+void for_each_wall(Box const& box, Vector p, double radius, Push push) {
+  if (p.x < radius) push(p.x, Vector{1.0, 0.0});
+  if (box.width() - p.x < radius) push(box.width() - p.x, Vector{-1.0, 0.0});
+  if (p.y < radius) push(p.y, Vector{0.0, 1.0});
+  if (box.height() - p.y < radius) push(box.height() - p.y, Vector{0.0, -1.0});
+}
+
+}  // namespace
+
+void ForceSums::add(ForceSums const& part) {
+  energy += part.energy;
+  contact_forces += part.contact_forces;
+  contact_distances += part.contact_distances;
+  overlaps += part.overlaps;
+  virial += part.virial;
+  contacts += part.contacts;
+  largest_square = std::max(largest_square, part.largest_square);
+  force_squares += part.force_squares;
+  power += part.power;
+  speed_squares += part.speed_squares;
+}
+
+double ForceSums::residual() const {
+  if (contacts == 0) return 0.0;
+  return std::sqrt(largest_square) * static_cast<double>(contacts) / contact_forces;
+}
+
+SoftForces::SoftForces(Packing const& packing, Potential potential, std::uint64_t threads)
+    : potential_(potential), pool_(packing.size() > 4 * block_size ? threads : 1) {
+  if (packing.size() > partner_mask) {
+    throw Error({.what = fmt::format("{} soft disks; at most {} can be minimized", packing.size(), partner_mask),
+                 .hint = "use fewer disks",
+                 .key = "disks.count"});
+  }
+  for (int y = -farthest_image; y <= farthest_image; ++y) {
+    for (int x = -farthest_image; x <= farthest_image; ++x) {
+      shifts_.push_back({x * packing.box.width(), y * packing.box.height()});
+    }
+  }
+}
+
+std::uint32_t SoftForces::entry_of(Packing const& packing, std::uint32_t i, std::uint32_t j) const {
+  if (!packing.box.is_periodic()) return j | (static_cast<std::uint32_t>(shifts_.size() / 2) << partner_bits);
+  Vector const from{packing.x[i], packing.y[i]};
+  Vector const to{packing.x[j], packing.y[j]};
+  Vector const nearest = packing.box.displacement(from, to);
+  Vector const d = to - from;
+  int const image_x = image_of(d.x, nearest.x, packing.box.width());
+  int const image_y = image_of(d.y, nearest.y, packing.box.height());
+  int const code = (image_y + farthest_image) * images_across + image_x + farthest_image;
+  return j | (static_cast<std::uint32_t>(code) << partner_bits);
+}
+
+bool SoftForces::is_outdated(Packing const& packing) const {
+  if (built_radii_.size() != packing.size() || begin_.empty()) return true;
+  double growth = 0.0;
+  double square = 0.0;
+  for (std::size_t i = 0; i < packing.size(); ++i) {
+    growth = std::max(growth, packing.radius[i] - built_radii_[i]);
+    double const dx = packing.x[i] - built_at_.x[i];
+    double const dy = packing.y[i] - built_at_.y[i];
+    square = std::max(square, dx * dx + dy * dy);
+  }
+  return 2.0 * (std::sqrt(square) + growth) >= skin_;
+}
+
+void SoftForces::refresh(Packing const& packing) {
+  if (is_outdated(packing)) build(packing);
+}
+
+void SoftForces::build(Packing const& packing) {
+  double const largest = largest_contact_distance(packing);
+  skin_ = skin_of_smallest_ * smallest_diameter(packing);
+  if (packing.box.is_periodic()) {
+    double const half = 0.5 * std::min(packing.box.width(), packing.box.height());
+    skin_ = std::min(skin_, 0.999 * half - largest);
+    if (!(skin_ > 1e-3 * largest)) {
+      throw Error({.what = fmt::format(
+                       "in a periodic box of {} × {} a disk could touch two images of the same partner; these disks "
+                       "need sides above {:.6g}",
+                       packing.box.width(), packing.box.height(), 2.01 * largest),
+                   .hint = "use more disks or a lower packing fraction",
+                   .key = "disks"});
+    }
+  }
+  std::size_t const disks = packing.size();
+  built_at_.x = packing.x;
+  built_at_.y = packing.y;
+  built_radii_ = packing.radius;
+  begin_.assign(disks + 1, 0);
+  entries_.clear();
+  if (disks < 2) return;
+  bool const is_half = pool_.size() == 1;
+  PointPairs const pairs = find_pairs(packing.box, largest + skin_,
+                                      {.x = packing.x.data(), .y = packing.y.data(), .count = disks}, pool_.size());
+  auto const for_each_near_pair = [&](auto visit) {
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      auto const [i, j] = std::minmax(pairs.first()[k], pairs.second()[k]);
+      double const cutoff = packing.radius[i] + packing.radius[j] + skin_;
+      Vector const d = packing.box.displacement({packing.x[i], packing.y[i]}, {packing.x[j], packing.y[j]});
+      if (squared_length(d) >= cutoff * cutoff) continue;
+      visit(i, j);
+      if (!is_half) visit(j, i);
+    }
+  };
+  for_each_near_pair([&](std::uint32_t i, std::uint32_t /*j*/) { ++begin_[i + 1]; });
+  for (std::size_t i = 0; i < disks; ++i) begin_[i + 1] += begin_[i];
+  entries_.resize(begin_.back());
+  std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
+  for_each_near_pair([&](std::uint32_t i, std::uint32_t j) { entries_[next[i]++] = entry_of(packing, i, j); });
+  for (std::size_t i = 0; i < disks; ++i) {
+    std::sort(entries_.begin() + static_cast<std::ptrdiff_t>(begin_[i]),
+              entries_.begin() + static_cast<std::ptrdiff_t>(begin_[i + 1]),
+              [](std::uint32_t a, std::uint32_t b) { return (a & partner_mask) < (b & partner_mask); });
+  }
+}
+
+/// With is_half every pair is in the list of its lower number alone, and gives its force to both: by the time a disk's own list is
+/// reached, all lower numbers have given theirs, in order. Otherwise a disk takes all its forces itself, in the same order.
+template <Potential potential, bool is_half>
+ForceSums SoftForces::evaluate_block(Packing const& packing, Columns const& velocities, Columns& forces,
+                                     std::size_t block) const {
+  Law const law(potential);
+  double const* const x = packing.x.data();
+  double const* const y = packing.y.data();
+  double const* const radius = packing.radius.data();
+  double* const force_x = forces.x.data();
+  double* const force_y = forces.y.data();
+  ForceSums sums;
+  auto const count = [&](double overlap, double force, double sigma, double distance) {
+    sums.energy += law.energy(overlap);
+    sums.contact_forces += force;
+    sums.contact_distances += sigma;
+    sums.overlaps += overlap;
+    sums.virial += force * distance;
+    ++sums.contacts;
+  };
+  std::size_t const end = std::min((block + 1) * block_size, packing.size());
+  for (std::size_t i = block * block_size; i < end; ++i) {
+    double own_x = is_half ? force_x[i] : 0.0;
+    double own_y = is_half ? force_y[i] : 0.0;
+    for (std::size_t k = begin_[i]; k < begin_[i + 1]; ++k) {
+      std::uint32_t const j = entries_[k] & partner_mask;
+      Vector const shift = shifts_[entries_[k] >> partner_bits];
+      double const dx = (x[j] - x[i]) + shift.x;
+      double const dy = (y[j] - y[i]) + shift.y;
+      double const square = dx * dx + dy * dy;
+      double const sigma = radius[i] + radius[j];
+      if (square >= sigma * sigma) continue;
+      double const distance = std::sqrt(square);
+      double const overlap = 1.0 - distance / sigma;
+      if (overlap <= 0.0) continue;
+      double const force = law.force(overlap, sigma);
+      double push_x = 0.0;
+      double push_y = 0.0;
+      if (distance > 0.0) [[likely]] {
+        double const scale = force / distance;
+        push_x = scale * dx;
+        push_y = scale * dy;
+      } else {
+        push_x = j > i ? force : -force;  // two disks at one place: pushed apart along x
+      }
+      own_x -= push_x;
+      own_y -= push_y;
+      if constexpr (is_half) {
+        force_x[j] += push_x;
+        force_y[j] += push_y;
+      }
+      if (is_half || j > i) count(overlap, force, sigma, distance);
+    }
+    if (!packing.box.is_periodic()) {
+      for_each_wall(packing.box, {x[i], y[i]}, radius[i], [&](double distance, Vector inward) {
+        double const overlap = 1.0 - distance / radius[i];
+        double const force = law.force(overlap, radius[i]);
+        own_x += force * inward.x;
+        own_y += force * inward.y;
+        count(overlap, force, radius[i], distance);
+      });
+    }
+    force_x[i] = own_x;
+    force_y[i] = own_y;
+    double const square = own_x * own_x + own_y * own_y;
+    double const vx = velocities.x[i];
+    double const vy = velocities.y[i];
+    sums.largest_square = std::max(sums.largest_square, square);
+    sums.force_squares += square;
+    sums.power += own_x * vx + own_y * vy;
+    sums.speed_squares += vx * vx + vy * vy;
+  }
+  return sums;
+}
+
+template <Potential potential>
+ForceSums SoftForces::evaluate_all(Packing const& packing, Columns const& velocities, Columns& forces) {
+  std::size_t const blocks = blocks_of(packing.size());
+  ForceSums sums;
+  if (pool_.size() == 1) {
+    std::ranges::fill(forces.x, 0.0);
+    std::ranges::fill(forces.y, 0.0);
+    for (std::size_t block = 0; block < blocks; ++block) {
+      sums.add(evaluate_block<potential, true>(packing, velocities, forces, block));
+    }
+    return sums;
+  }
+  block_sums_.resize(blocks);
+  pool_.for_each(blocks, [&](std::size_t block) {
+    block_sums_[block] = evaluate_block<potential, false>(packing, velocities, forces, block);
+  });
+  for (ForceSums const& part : block_sums_) sums.add(part);
+  return sums;
+}
+
+ForceSums SoftForces::evaluate(Packing const& packing, Columns const& velocities, Columns& forces) {
+  refresh(packing);
+  return potential_ == Potential::harmonic ? evaluate_all<Potential::harmonic>(packing, velocities, forces)
+                                           : evaluate_all<Potential::hertzian>(packing, velocities, forces);
+}
+
+std::vector<Contact> SoftForces::contacts(Packing const& packing) {
+  refresh(packing);
+  std::vector<Contact> contacts;
+  auto const disks = static_cast<std::uint32_t>(packing.size());
+  for (std::uint32_t i = 0; i < disks; ++i) {
+    for (std::size_t k = begin_[i]; k < begin_[i + 1]; ++k) {
+      std::uint32_t const j = entries_[k] & partner_mask;
+      if (j < i) continue;
+      Vector const shift = shifts_[entries_[k] >> partner_bits];
+      Vector const d{(packing.x[j] - packing.x[i]) + shift.x, (packing.y[j] - packing.y[i]) + shift.y};
+      double const sigma = packing.radius[i] + packing.radius[j];
+      double const distance = std::sqrt(squared_length(d));
+      if (!(1.0 - distance / sigma > 0.0)) continue;
+      Vector const normal = distance > 0.0 ? Vector{d.x / distance, d.y / distance} : Vector{1.0, 0.0};
+      contacts.push_back({.first = i, .second = j, .normal = normal, .distance = distance, .contact_distance = sigma});
+    }
+    if (packing.box.is_periodic()) continue;
+    for_each_wall(packing.box, {packing.x[i], packing.y[i]}, packing.radius[i], [&](double distance, Vector inward) {
+      std::uint32_t const wall = inward.x > 0.0   ? Counters::left
+                                 : inward.x < 0.0 ? Counters::right
+                                 : inward.y > 0.0 ? Counters::bottom
+                                                  : Counters::top;
+      contacts.push_back({.first = i,
+                          .second = disks + wall,
+                          .normal = -1.0 * inward,
+                          .distance = distance,
+                          .contact_distance = packing.radius[i]});
+    });
+  }
+  return contacts;
+}
+
+}  // namespace gridlock
