@@ -92,8 +92,8 @@ class Minimizer::Search {
   [[nodiscard]] bool is_converged(ForceSums const& sums, Box const& box) const {
     if (sums.contacts == 0) return false;
     auto const contacts = static_cast<double>(sums.contacts);
-    double const overlap_length = sums.contact_distances / contacts * (sums.overlaps / contacts);
-    double const rounding = 0x1p-50 * std::max(box.width(), box.height()) / overlap_length;
+    double const overlap = diameter_ * sums.overlaps / contacts;
+    double const rounding = 0x1p-50 * std::max(box.width(), box.height()) / overlap;
     return sums.residual() <= std::max(settings_.residual, rounding);
   }
   [[nodiscard]] bool is_for_newton(ForceSums const& sums) const {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <span>
 
+#include "core/avx512.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/neighbour_lists.hpp"
@@ -57,9 +58,7 @@ void for_each_wall(Box const& box, Vector p, double radius, Push push) {
 void ForceSums::add(ForceSums const& part) {
   energy += part.energy;
   contact_forces += part.contact_forces;
-  contact_distances += part.contact_distances;
   overlaps += part.overlaps;
-  virial += part.virial;
   contacts += part.contacts;
   largest_square = std::max(largest_square, part.largest_square);
   force_squares += part.force_squares;
@@ -162,76 +161,146 @@ void SoftForces::build(Packing const& packing) {
   }
 }
 
-/// With is_half every pair is in the list of its lower number alone, and gives its force to both: by the time a disk's own list is
-/// reached, all lower numbers have given theirs, in order. Otherwise a disk takes all its forces itself, in the same order.
-template <Potential potential, bool is_half>
-ForceSums SoftForces::evaluate_block(Packing const& packing, Columns const& velocities, Columns& forces,
-                                     std::size_t block) const {
-  Law const law(potential);
+void SoftForces::Touching::make_room_for(std::size_t entries) {
+  if (first.size() > entries) return;
+  std::size_t const size = 2 * entries + 1;  // one place behind the last is written and not kept
+  for (auto* column : {&dx, &dy, &square, &sigma, &overlap, &force, &scale}) column->resize(size);
+  first.resize(size);
+  second.resize(size);
+}
+
+std::size_t SoftForces::find_touching(Packing const& packing, std::size_t first, std::size_t end,
+                                      Touching& touching) const {
   double const* const x = packing.x.data();
   double const* const y = packing.y.data();
   double const* const radius = packing.radius.data();
-  double* const force_x = forces.x.data();
-  double* const force_y = forces.y.data();
-  ForceSums sums;
-  auto const count = [&](double overlap, double force, double sigma, double distance) {
-    sums.energy += law.energy(overlap);
-    sums.contact_forces += force;
-    sums.contact_distances += sigma;
-    sums.overlaps += overlap;
-    sums.virial += force * distance;
-    ++sums.contacts;
-  };
-  std::size_t const end = std::min((block + 1) * block_size, packing.size());
-  for (std::size_t i = block * block_size; i < end; ++i) {
-    double own_x = is_half ? force_x[i] : 0.0;
-    double own_y = is_half ? force_y[i] : 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = first; i < end; ++i) {
+    double const own_x = x[i];
+    double const own_y = y[i];
+    double const own_radius = radius[i];
     for (std::size_t k = begin_[i]; k < begin_[i + 1]; ++k) {
       std::uint32_t const j = entries_[k] & partner_mask;
       Vector const shift = shifts_[entries_[k] >> partner_bits];
-      double const dx = (x[j] - x[i]) + shift.x;
-      double const dy = (y[j] - y[i]) + shift.y;
+      double const dx = (x[j] - own_x) + shift.x;
+      double const dy = (y[j] - own_y) + shift.y;
       double const square = dx * dx + dy * dy;
-      double const sigma = radius[i] + radius[j];
-      if (square >= sigma * sigma) continue;
-      double const distance = std::sqrt(square);
-      double const overlap = 1.0 - distance / sigma;
-      if (overlap <= 0.0) continue;
-      double const force = law.force(overlap, sigma);
-      double push_x = 0.0;
-      double push_y = 0.0;
-      if (distance > 0.0) [[likely]] {
-        double const scale = force / distance;
-        push_x = scale * dx;
-        push_y = scale * dy;
-      } else {
-        push_x = j > i ? force : -force;  // two disks at one place: pushed apart along x
-      }
-      own_x -= push_x;
-      own_y -= push_y;
-      if constexpr (is_half) {
-        force_x[j] += push_x;
-        force_y[j] += push_y;
-      }
-      if (is_half || j > i) count(overlap, force, sigma, distance);
+      double const sigma = own_radius + radius[j];
+      touching.first[count] = static_cast<std::uint32_t>(i);
+      touching.second[count] = j;
+      touching.dx[count] = dx;
+      touching.dy[count] = dy;
+      touching.square[count] = square;
+      touching.sigma[count] = sigma;
+      count += square < sigma * sigma ? 1 : 0;
     }
-    if (!packing.box.is_periodic()) {
-      for_each_wall(packing.box, {x[i], y[i]}, radius[i], [&](double distance, Vector inward) {
-        double const overlap = 1.0 - distance / radius[i];
-        double const force = law.force(overlap, radius[i]);
-        own_x += force * inward.x;
-        own_y += force * inward.y;
-        count(overlap, force, radius[i], distance);
-      });
+  }
+  return count;
+}
+
+#ifdef GRIDLOCK_AVX512
+/// The same operations as below eight at a time, as long as there are eight; returns how many are done.
+template <Potential potential>
+GRIDLOCK_AVX512 std::size_t SoftForces::compute_eight_pushes(Touching& touching, std::size_t count) {
+  __m512d const one = _mm512_set1_pd(1.0);
+  std::size_t k = 0;
+  for (; k + 8 <= count; k += 8) {
+    __m512d const sigma = _mm512_loadu_pd(&touching.sigma[k]);
+    __m512d const distance = _mm512_sqrt_pd(_mm512_loadu_pd(&touching.square[k]));
+    __m512d const overlap = _mm512_sub_pd(one, _mm512_div_pd(distance, sigma));
+    __m512d strength = overlap;
+    if constexpr (potential == Potential::hertzian) strength = _mm512_mul_pd(overlap, _mm512_sqrt_pd(overlap));
+    __m512d const force = _mm512_div_pd(strength, sigma);
+    _mm512_storeu_pd(&touching.overlap[k], overlap);
+    _mm512_storeu_pd(&touching.force[k], force);
+    _mm512_storeu_pd(&touching.scale[k], _mm512_div_pd(force, distance));
+  }
+  return k;
+}
+#endif
+
+template <Potential potential>
+void SoftForces::compute_pushes(Touching& touching, std::size_t count) {
+  std::size_t k = 0;
+#ifdef GRIDLOCK_AVX512
+  if (has_avx512()) k = compute_eight_pushes<potential>(touching, count);
+#endif
+  for (; k < count; ++k) {
+    double const sigma = touching.sigma[k];
+    double const distance = std::sqrt(touching.square[k]);
+    double const overlap = 1.0 - distance / sigma;
+    double const strength = potential == Potential::harmonic ? overlap : overlap * std::sqrt(overlap);
+    double const force = strength / sigma;
+    touching.overlap[k] = overlap;
+    touching.force[k] = force;
+    touching.scale[k] = force / distance;
+  }
+}
+
+template <Potential potential>
+void SoftForces::push_from_walls(Packing const& packing, std::size_t first, std::size_t end, Columns& forces,
+                                 ForceSums& sums) {
+  Law const law(potential);
+  for (std::size_t i = first; i < end; ++i) {
+    double const radius = packing.radius[i];
+    for_each_wall(packing.box, {packing.x[i], packing.y[i]}, radius, [&](double distance, Vector inward) {
+      double const overlap = 1.0 - distance / radius;
+      double const force = law.force(overlap, radius);
+      forces.x[i] += force * inward.x;
+      forces.y[i] += force * inward.y;
+      sums.count(law.energy(overlap), force, overlap);
+    });
+  }
+}
+
+/// With is_half every pair is in the list of its lower number alone, and gives its force to both: by the time a disk's own list is
+/// reached, all lower numbers have given theirs, in order. Otherwise a disk takes all its forces itself, in the same order.
+///
+/// Which entries are in contact cannot be predicted: they are gathered without a branch, then computed together.
+template <Potential potential, bool is_half>
+ForceSums SoftForces::evaluate_block(Packing const& packing, Columns const& velocities, Columns& forces,
+                                     std::size_t block) const {
+  std::size_t const first = block * block_size;
+  std::size_t const end = std::min(first + block_size, packing.size());
+  thread_local Touching touching;
+  touching.make_room_for(begin_[end] - begin_[first]);
+  std::size_t const count = find_touching(packing, first, end, touching);
+  compute_pushes<potential>(touching, count);
+  ForceSums sums;
+  double* const force_x = forces.x.data();
+  double* const force_y = forces.y.data();
+  if constexpr (!is_half) {
+    std::fill(force_x + first, force_x + end, 0.0);
+    std::fill(force_y + first, force_y + end, 0.0);
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    if (touching.overlap[k] <= 0.0) [[unlikely]]
+      continue;
+    std::uint32_t const i = touching.first[k];
+    std::uint32_t const j = touching.second[k];
+    double push_x = touching.scale[k] * touching.dx[k];
+    double push_y = touching.scale[k] * touching.dy[k];
+    if (touching.square[k] == 0.0) [[unlikely]] {
+      push_x = j > i ? touching.force[k] : -touching.force[k];  // two disks at one place: pushed apart along x
+      push_y = 0.0;
     }
-    force_x[i] = own_x;
-    force_y[i] = own_y;
-    double const square = own_x * own_x + own_y * own_y;
+    force_x[i] -= push_x;
+    force_y[i] -= push_y;
+    if constexpr (is_half) {
+      force_x[j] += push_x;
+      force_y[j] += push_y;
+    }
+    if (is_half || j > i)
+      sums.count(Law(potential).energy(touching.overlap[k]), touching.force[k], touching.overlap[k]);
+  }
+  if (!packing.box.is_periodic()) push_from_walls<potential>(packing, first, end, forces, sums);
+  for (std::size_t i = first; i < end; ++i) {
+    double const square = force_x[i] * force_x[i] + force_y[i] * force_y[i];
     double const vx = velocities.x[i];
     double const vy = velocities.y[i];
     sums.largest_square = std::max(sums.largest_square, square);
     sums.force_squares += square;
-    sums.power += own_x * vx + own_y * vy;
+    sums.power += force_x[i] * vx + force_y[i] * vy;
     sums.speed_squares += vx * vx + vy * vy;
   }
   return sums;

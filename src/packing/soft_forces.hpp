@@ -21,10 +21,8 @@ struct Columns {
 /// What forces on all disks add up to.
 struct ForceSums {
   double energy = 0.0;
-  double contact_forces = 0.0;     ///< Σ f over contacts
-  double contact_distances = 0.0;  ///< Σ σ over contacts
-  double overlaps = 0.0;           ///< Σ δ over contacts
-  double virial = 0.0;             ///< Σ f r over contacts
+  double contact_forces = 0.0;  ///< Σ f over contacts
+  double overlaps = 0.0;        ///< Σ δ over contacts
   std::uint64_t contacts = 0;
   double largest_square = 0.0;  ///< of the net force on a disk
   double force_squares = 0.0;   ///< Σ F²
@@ -32,6 +30,13 @@ struct ForceSums {
   double speed_squares = 0.0;   ///< Σ v²
 
   void add(ForceSums const& part);
+  /// Adds one contact.
+  void count(double energy_of_contact, double force, double overlap) {
+    energy += energy_of_contact;
+    contact_forces += force;
+    overlaps += overlap;
+    ++contacts;
+  }
   /// Largest net force over the mean contact force; 0 without contacts.
   [[nodiscard]] double residual() const;
 };
@@ -52,13 +57,35 @@ class SoftForces {
   std::vector<Contact> contacts(Packing const& packing);
 
  private:
-  struct Row;
+  /// Pairs that overlap, column by column.
+  struct Touching {
+    std::vector<std::uint32_t> first;
+    std::vector<std::uint32_t> second;
+    std::vector<double> dx;
+    std::vector<double> dy;
+    std::vector<double> square;  ///< of the distance
+    std::vector<double> sigma;
+    std::vector<double> overlap;
+    std::vector<double> force;
+    std::vector<double> scale;  ///< force over distance
+
+    void make_room_for(std::size_t entries);
+  };
 
   void refresh(Packing const& packing);
   void build(Packing const& packing);
   [[nodiscard]] bool is_outdated(Packing const& packing) const;
   template <Potential potential, bool is_half>
   ForceSums evaluate_block(Packing const& packing, Columns const& velocities, Columns& forces, std::size_t block) const;
+  /// Those of the entries of these disks that overlap; returns how many.
+  std::size_t find_touching(Packing const& packing, std::size_t first, std::size_t end, Touching& touching) const;
+  template <Potential potential>
+  static std::size_t compute_eight_pushes(Touching& touching, std::size_t count);
+  template <Potential potential>
+  static void compute_pushes(Touching& touching, std::size_t count);
+  template <Potential potential>
+  static void push_from_walls(Packing const& packing, std::size_t first, std::size_t end, Columns& forces,
+                              ForceSums& sums);
   template <Potential potential>
   ForceSums evaluate_all(Packing const& packing, Columns const& velocities, Columns& forces);
   [[nodiscard]] std::uint32_t entry_of(Packing const& packing, std::uint32_t i, std::uint32_t j) const;

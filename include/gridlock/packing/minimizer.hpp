@@ -45,7 +45,7 @@ char const* to_text(MinimumStatus status);
 /// positive definite, and shrinks to a fifth after a full step. A step moves no disk by more than 0.1 D, and is taken where it lowers
 /// the energy or halves the residual.
 /// Overlaps near the rounding of the positions set a limit to the residual: it counts as reached at
-/// 2⁻⁵⁰ L/(σ̄ δ̄), L the longer side of the box, σ̄ δ̄ the mean contact distance times the mean overlap.
+/// 2⁻⁵⁰ L/(D δ̄), L the longer side of the box, δ̄ the mean overlap.
 /// Same bits for any number of threads, interrupted or not: each disk adds up its forces in the order of their numbers.
 /// Errors: Error for a packing that find_contacts() refuses, and settings out of range.
 /// Cost: about 30 ns a disk and iteration of FIRE; a Newton step of 10⁴ disks 0.2 s.
