@@ -1,0 +1,103 @@
+#pragma once
+
+/// \file
+/// Decompression and compression of soft disks to a pressure, and the packing fraction at which it vanishes.
+///
+/// ```cpp
+/// Packing const start{.box = Box(1.0, 1.0, Edge::periodic),
+///                     .x = {0.25, 0.75, 0.25, 0.75},
+///                     .y = {0.25, 0.25, 0.75, 0.75},
+///                     .radius = {0.26, 0.26, 0.26, 0.26}};
+/// PressureRamp ramp({.pressure = 1e-6}, start);
+/// ramp.advance();
+/// double const jamming_packing_fraction = ramp.levels().back().jamming_packing_fraction;  // π/4
+/// ```
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "gridlock/core/archive.hpp"
+#include "gridlock/packing/minimizer.hpp"
+
+namespace gridlock {
+
+/// How a packing is brought to a pressure.
+struct PressureRampSettings {
+  MinimizerSettings minimizer{.newton_residual = 1e-2};
+  double pressure = 1e-8;              ///< P D²/ε to reach
+  std::uint64_t levels_per_decade = 2;  ///< on the way down: every such pressure is a minimum that is kept
+  double step = 1e-3;                  ///< of the packing fraction, on the way up while nothing presses
+};
+
+/// A minimum on the way.
+struct PressureLevel {
+  double packing_fraction = 0.0;
+  double pressure = 0.0;  ///< P D²/ε, D the smallest diameter
+  double energy = 0.0;    ///< of all disks, in ε
+  double residual = 0.0;
+  std::uint64_t iterations = 0;  ///< of FIRE and Newton since the level before
+  /// φ − u/(du/dφ) with u = p^(1/(α−1)) and the slope since the last minimum; no number at the first.
+  double jamming_packing_fraction = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// How a ramp ended.
+enum class RampStatus {
+  running,
+  reached,      ///< the pressure
+  unjammed,     ///< the start does not press, and the ramp leads down; or no packing fraction was found that does
+  unconverged,  ///< a minimization gave up
+};
+char const* to_text(RampStatus status);
+
+/// Changes all radii alike, step by step, each followed by a minimization, until the pressure is the one asked for.
+///
+/// The steps are secants in u = p^(1/(α−1)), which vanishes linearly at the jamming packing fraction. Where a step leads to disks
+/// that do not press, or below 0.3 of the pressure it was made for, the state before it is taken up again and half the step is tried;
+/// a pressure up to 1.1 of the one asked for counts as reached. On the way up, steps of `step` lead to the first contacts.
+/// Errors: Error for settings out of range and a packing that Minimizer refuses.
+/// Cost: some five minimizations a level, most of them by Newton's method.
+/// Source: C. S. O'Hern et al. (2003), doi:10.1103/PhysRevE.68.011306.
+class PressureRamp {
+ public:
+  PressureRamp(PressureRampSettings const& settings, Packing packing);
+
+  /// Goes on until the ramp has ended or should_continue says no. Returns whether it has ended.
+  bool advance(std::function<bool()> const& should_continue = {});
+
+  [[nodiscard]] RampStatus status() const { return status_; }
+  /// The last minimum.
+  [[nodiscard]] Packing const& packing() const { return good_; }
+  [[nodiscard]] std::vector<PressureLevel> const& levels() const { return levels_; }
+  [[nodiscard]] Minimizer const& minimizer() const { return minimizer_; }
+  /// The difference between the last two extrapolations; none before there are two.
+  [[nodiscard]] std::optional<double> error_of_jamming_packing_fraction() const;
+
+  void serialize(Archive& archive);
+
+ private:
+  void take_minimum();
+  void accept(double packing_fraction, double pressure);
+  void next_goal();
+  void try_packing_fraction(double packing_fraction);
+  [[nodiscard]] bool leads_down() const { return settings_.pressure < first_pressure_; }
+
+  PressureRampSettings settings_;
+  Packing good_;  ///< the last minimum that was taken
+  Minimizer minimizer_;
+  RampStatus status_ = RampStatus::running;
+  bool has_minimum_ = false;
+  double first_pressure_ = 0.0;
+  double packing_fraction_ = 0.0;  ///< of good_, as the next
+  double pressure_ = 0.0;
+  double slope_ = 0.0;     ///< du/dφ
+  double goal_ = 0.0;      ///< the pressure of the next level
+  double tried_ = 0.0;     ///< the packing fraction of the minimization under way
+  std::uint64_t halvings_ = 0;
+  std::uint64_t iterations_before_ = 0;  ///< of the minimizer at the last level
+  std::vector<PressureLevel> levels_;
+};
+
+}  // namespace gridlock

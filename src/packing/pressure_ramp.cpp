@@ -1,0 +1,232 @@
+#include "gridlock/packing/pressure_ramp.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "gridlock/core/error.hpp"
+
+namespace gridlock {
+
+namespace {
+
+constexpr double least_share_of_goal = 0.3;
+constexpr double most_share_of_goal = 1.1;
+constexpr std::uint64_t most_halvings = 60;
+
+/// du/dφ where nothing better is known: that of random packings of two sizes.
+constexpr double usual_slope_harmonic = 0.27;
+constexpr double usual_slope_hertzian = 0.36;
+constexpr double most_packing_fraction = 4.0;
+
+/// The root x of xⁿ = value for value > 0, by Newton's method: every processor and library gives the same bits.
+double nth_root(double value, std::uint64_t n) {
+  double x = std::max(value, 1.0);
+  for (int k = 0; k < 2000; ++k) {
+    double power = 1.0;
+    for (std::uint64_t i = 1; i < n; ++i) power *= x;
+    double const next = x - (x * power - value) / (static_cast<double>(n) * power);
+    if (!(next < x)) break;  // from above the steps lead down until rounding ends them
+    x = next;
+  }
+  return x;
+}
+
+/// What is linear in the distance to jamming: p, or p^(2/3).
+double linear_pressure(double pressure, Potential potential) {
+  if (pressure <= 0.0) return 0.0;
+  return potential == Potential::harmonic ? pressure : nth_root(pressure * pressure, 3);
+}
+
+PressureRampSettings const& checked(PressureRampSettings const& settings) {
+  if (!(settings.pressure > 0.0 && settings.pressure < 1.0)) {
+    throw Error({.what = fmt::format("a pressure of {} cannot be reached", settings.pressure),
+                 .hint = "use a number above 0 and below 1, in units of ε/D²",
+                 .key = "protocol.until_pressure"});
+  }
+  if (settings.levels_per_decade < 1 || settings.levels_per_decade > 100) {
+    throw Error({.what = fmt::format("{} levels of pressure in a decade", settings.levels_per_decade),
+                 .hint = "use 1 to 100",
+                 .key = "protocol.levels_per_decade"});
+  }
+  if (!(settings.step > 0.0 && settings.step <= 0.1)) {
+    throw Error({.what = fmt::format("steps of {} in packing fraction", settings.step),
+                 .hint = "use a number above 0, at most 0.1",
+                 .key = "protocol.step"});
+  }
+  return settings;
+}
+
+}  // namespace
+
+char const* to_text(RampStatus status) {
+  switch (status) {
+    case RampStatus::running:
+      return "running";
+    case RampStatus::reached:
+      return "reached";
+    case RampStatus::unjammed:
+      return "unjammed";
+    case RampStatus::unconverged:
+      break;
+  }
+  return "unconverged";
+}
+
+PressureRamp::PressureRamp(PressureRampSettings const& settings, Packing packing)
+    : settings_(checked(settings)), good_(std::move(packing)), minimizer_(settings.minimizer, good_) {}
+
+bool PressureRamp::advance(std::function<bool()> const& should_continue) {
+  while (status_ == RampStatus::running) {
+    if (!minimizer_.advance(should_continue)) return false;
+    take_minimum();
+    if (status_ == RampStatus::running && should_continue && !should_continue()) return false;
+  }
+  return true;
+}
+
+void PressureRamp::try_packing_fraction(double packing_fraction) {
+  tried_ = packing_fraction;
+  Packing next = good_;
+  double const factor = std::sqrt(packing_fraction / packing_fraction_);
+  for (double& radius : next.radius) radius *= factor;
+  minimizer_.restart(std::move(next));
+}
+
+void PressureRamp::take_minimum() {
+  if (minimizer_.status() == MinimumStatus::unconverged) {
+    status_ = RampStatus::unconverged;
+    return;
+  }
+  bool const is_jammed = minimizer_.status() == MinimumStatus::converged;
+  double const pressure = is_jammed ? minimizer_.pressure() : 0.0;
+  double const found = gridlock::packing_fraction(minimizer_.packing());
+  if (!has_minimum_) {
+    has_minimum_ = true;
+    first_pressure_ = pressure;
+    bool const is_harmonic = settings_.minimizer.potential == Potential::harmonic;
+    slope_ = is_harmonic ? usual_slope_harmonic : usual_slope_hertzian;
+    accept(found, pressure);
+    return;
+  }
+  bool const is_too_low = leads_down() && pressure < least_share_of_goal * goal_;
+  bool const is_too_high = !leads_down() && pressure > most_share_of_goal * goal_;
+  if (!is_too_low && !is_too_high) {
+    accept(found, pressure);
+    return;
+  }
+  if (++halvings_ > most_halvings) {
+    status_ = RampStatus::unjammed;
+    return;
+  }
+  try_packing_fraction(packing_fraction_ + 0.5 * (tried_ - packing_fraction_));
+}
+
+void PressureRamp::accept(double packing_fraction, double pressure) {
+  Potential const potential = settings_.minimizer.potential;
+  double const rise = linear_pressure(pressure, potential) - linear_pressure(pressure_, potential);
+  bool const has_slope = pressure_ > 0.0 && pressure > 0.0 && rise / (packing_fraction - packing_fraction_) > 0.0;
+  if (has_slope) slope_ = rise / (packing_fraction - packing_fraction_);
+  good_ = minimizer_.packing();
+  packing_fraction_ = packing_fraction;
+  pressure_ = pressure;
+  halvings_ = 0;
+  bool const is_first = levels_.empty();
+  bool const is_level = is_first || (leads_down() ? pressure <= most_share_of_goal * goal_ : pressure > 0.0);
+  if (is_level) {
+    std::uint64_t const iterations = minimizer_.fire_iterations() + minimizer_.newton_iterations();
+    levels_.push_back({.packing_fraction = packing_fraction,
+                       .pressure = pressure,
+                       .energy = minimizer_.energy(),
+                       .residual = minimizer_.residual(),
+                       .iterations = iterations - iterations_before_});
+    iterations_before_ = iterations;
+    if (has_slope) levels_.back().jamming_packing_fraction = packing_fraction - linear_pressure(pressure, potential) / slope_;
+  }
+  next_goal();
+}
+
+void PressureRamp::next_goal() {
+  if (levels_.size() == 1 && pressure_ == 0.0 && goal_ == 0.0) {
+    // Nothing presses at the start: up, or nowhere.
+    goal_ = settings_.pressure;
+  }
+  if (!leads_down()) {
+    goal_ = settings_.pressure;
+    if (pressure_ >= goal_ / most_share_of_goal) {
+      status_ = RampStatus::reached;
+      return;
+    }
+    if (packing_fraction_ > most_packing_fraction) {
+      status_ = RampStatus::unjammed;
+      return;
+    }
+    double const linear = linear_pressure(goal_, settings_.minimizer.potential);
+    double const step = pressure_ > 0.0
+                            ? (linear - linear_pressure(pressure_, settings_.minimizer.potential)) / slope_
+                            : settings_.step;
+    try_packing_fraction(packing_fraction_ + std::min(step, settings_.step));
+    return;
+  }
+  if (pressure_ <= most_share_of_goal * settings_.pressure) {
+    status_ = RampStatus::reached;
+    return;
+  }
+  // The levels are powers of the same factor, whatever the pressure of the start.
+  double const factor = 1.0 / nth_root(10.0, settings_.levels_per_decade);
+  double level = 1.0;
+  while (pressure_ <= most_share_of_goal * level) level *= factor;
+  goal_ = std::max(level, settings_.pressure);
+  Potential const potential = settings_.minimizer.potential;
+  double const step = (linear_pressure(goal_, potential) - linear_pressure(pressure_, potential)) / slope_;
+  try_packing_fraction(packing_fraction_ + step);
+}
+
+std::optional<double> PressureRamp::error_of_jamming_packing_fraction() const {
+  if (levels_.size() < 2) return std::nullopt;
+  double const difference = levels_.back().jamming_packing_fraction - levels_[levels_.size() - 2].jamming_packing_fraction;
+  if (!std::isfinite(difference)) return std::nullopt;
+  return std::abs(difference);
+}
+
+void PressureRamp::serialize(Archive& archive) {
+  auto place = static_cast<std::uint64_t>(status_);
+  archive.visit("status", place);
+  archive.require(place <= static_cast<std::uint64_t>(RampStatus::unconverged), "a ramp of pressure has no such status");
+  status_ = static_cast<RampStatus>(place);
+  serialize_inside(archive, "minimizer", [&] { minimizer_.serialize(archive); });
+  std::size_t const disks = good_.size();
+  archive.visit("x", good_.x);
+  archive.visit("y", good_.y);
+  archive.visit("radius", good_.radius);
+  archive.require(good_.x.size() == disks && good_.y.size() == disks && good_.radius.size() == disks,
+                  "a ramp of pressure has another number of positions than of disks");
+  archive.visit("has_minimum", has_minimum_);
+  archive.visit("first_pressure", first_pressure_);
+  archive.visit("packing_fraction", packing_fraction_);
+  archive.visit("pressure", pressure_);
+  archive.visit("slope", slope_);
+  archive.visit("goal", goal_);
+  archive.visit("tried", tried_);
+  archive.visit("halvings", halvings_);
+  archive.visit("iterations_before", iterations_before_);
+  std::uint64_t count = levels_.size();
+  archive.visit("levels", count);
+  archive.require(count <= 100'000, "a ramp of pressure has too many levels");
+  levels_.resize(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    PressureLevel& level = levels_[k];
+    serialize_inside(archive, fmt::format("level_{}", k), [&] {
+      archive.visit("packing_fraction", level.packing_fraction);
+      archive.visit("pressure", level.pressure);
+      archive.visit("energy", level.energy);
+      archive.visit("residual", level.residual);
+      archive.visit("iterations", level.iterations);
+      archive.visit("jamming_packing_fraction", level.jamming_packing_fraction);
+    });
+  }
+}
+
+}  // namespace gridlock
