@@ -51,6 +51,12 @@ PressureRampSettings const& checked(PressureRampSettings const& settings) {
                  .hint = "use 1 to 100",
                  .key = "protocol.levels_per_decade"});
   }
+  if (settings.packing_fraction &&
+      !(*settings.packing_fraction > 0.0 && *settings.packing_fraction <= most_packing_fraction)) {
+    throw Error({.what = fmt::format("a packing fraction of {} cannot be reached", *settings.packing_fraction),
+                 .hint = fmt::format("use a number above 0, at most {}", most_packing_fraction),
+                 .key = "protocol.until_packing_fraction"});
+  }
   if (!(settings.step > 0.0 && settings.step <= 0.1)) {
     throw Error({.what = fmt::format("steps of {} in packing fraction", settings.step),
                  .hint = "use a number above 0, at most 0.1",
@@ -111,6 +117,10 @@ void PressureRamp::take_minimum() {
     accept(found, pressure);
     return;
   }
+  if (settings_.packing_fraction) {
+    accept(found, pressure);
+    return;
+  }
   bool const is_too_low = leads_down() && pressure < least_share_of_goal * goal_;
   bool const is_too_high = !leads_down() && pressure > most_share_of_goal * goal_;
   if (!is_too_low && !is_too_high) {
@@ -134,7 +144,8 @@ void PressureRamp::accept(double packing_fraction, double pressure) {
   pressure_ = pressure;
   halvings_ = 0;
   bool const is_first = levels_.empty();
-  bool const is_level = is_first || (leads_down() ? pressure <= most_share_of_goal * goal_ : pressure > 0.0);
+  bool const is_level = is_first || settings_.packing_fraction ||
+                        (leads_down() ? pressure <= most_share_of_goal * goal_ : pressure > 0.0);
   if (is_level) {
     std::uint64_t const iterations = minimizer_.fire_iterations() + minimizer_.newton_iterations();
     levels_.push_back({.packing_fraction = packing_fraction,
@@ -143,16 +154,23 @@ void PressureRamp::accept(double packing_fraction, double pressure) {
                        .residual = minimizer_.residual(),
                        .iterations = iterations - iterations_before_});
     iterations_before_ = iterations;
-    if (has_slope) levels_.back().jamming_packing_fraction = packing_fraction - linear_pressure(pressure, potential) / slope_;
+    if (has_slope)
+      levels_.back().jamming_packing_fraction = packing_fraction - linear_pressure(pressure, potential) / slope_;
   }
-  next_goal();
+  settings_.packing_fraction ? next_packing_fraction() : next_goal();
+}
+
+void PressureRamp::next_packing_fraction() {
+  double const left = *settings_.packing_fraction - packing_fraction_;
+  // As near as the rounding of the radii comes.
+  if (std::abs(left) <= 1e-14) {
+    status_ = RampStatus::reached;
+    return;
+  }
+  try_packing_fraction(packing_fraction_ + std::clamp(left, -settings_.step, settings_.step));
 }
 
 void PressureRamp::next_goal() {
-  if (levels_.size() == 1 && pressure_ == 0.0 && goal_ == 0.0) {
-    // Nothing presses at the start: up, or nowhere.
-    goal_ = settings_.pressure;
-  }
   if (!leads_down()) {
     goal_ = settings_.pressure;
     if (pressure_ >= goal_ / most_share_of_goal) {
@@ -164,9 +182,8 @@ void PressureRamp::next_goal() {
       return;
     }
     double const linear = linear_pressure(goal_, settings_.minimizer.potential);
-    double const step = pressure_ > 0.0
-                            ? (linear - linear_pressure(pressure_, settings_.minimizer.potential)) / slope_
-                            : settings_.step;
+    double const step = pressure_ > 0.0 ? (linear - linear_pressure(pressure_, settings_.minimizer.potential)) / slope_
+                                        : settings_.step;
     try_packing_fraction(packing_fraction_ + std::min(step, settings_.step));
     return;
   }
@@ -186,7 +203,8 @@ void PressureRamp::next_goal() {
 
 std::optional<double> PressureRamp::error_of_jamming_packing_fraction() const {
   if (levels_.size() < 2) return std::nullopt;
-  double const difference = levels_.back().jamming_packing_fraction - levels_[levels_.size() - 2].jamming_packing_fraction;
+  double const difference =
+      levels_.back().jamming_packing_fraction - levels_[levels_.size() - 2].jamming_packing_fraction;
   if (!std::isfinite(difference)) return std::nullopt;
   return std::abs(difference);
 }
@@ -194,7 +212,8 @@ std::optional<double> PressureRamp::error_of_jamming_packing_fraction() const {
 void PressureRamp::serialize(Archive& archive) {
   auto place = static_cast<std::uint64_t>(status_);
   archive.visit("status", place);
-  archive.require(place <= static_cast<std::uint64_t>(RampStatus::unconverged), "a ramp of pressure has no such status");
+  archive.require(place <= static_cast<std::uint64_t>(RampStatus::unconverged),
+                  "a ramp of pressure has no such status");
   status_ = static_cast<RampStatus>(place);
   serialize_inside(archive, "minimizer", [&] { minimizer_.serialize(archive); });
   std::size_t const disks = good_.size();
@@ -212,12 +231,16 @@ void PressureRamp::serialize(Archive& archive) {
   archive.visit("tried", tried_);
   archive.visit("halvings", halvings_);
   archive.visit("iterations_before", iterations_before_);
-  std::uint64_t count = levels_.size();
+  gridlock::serialize(archive, levels_);
+}
+
+void serialize(Archive& archive, std::vector<PressureLevel>& levels) {
+  std::uint64_t count = levels.size();
   archive.visit("levels", count);
   archive.require(count <= 100'000, "a ramp of pressure has too many levels");
-  levels_.resize(count);
+  levels.resize(count);
   for (std::size_t k = 0; k < count; ++k) {
-    PressureLevel& level = levels_[k];
+    PressureLevel& level = levels[k];
     serialize_inside(archive, fmt::format("level_{}", k), [&] {
       archive.visit("packing_fraction", level.packing_fraction);
       archive.visit("pressure", level.pressure);

@@ -41,6 +41,11 @@ void refuse_tables_of_others(Configuration const& configuration, IsGiven const& 
                           .key = table.name});
     }
   }
+  if (!configuration.protocol.empty() && model != "disks") {
+    problems.push_back({.what = fmt::format("a protocol means nothing here: the model \"{}\" is run", model),
+                        .hint = "set model.kind = \"disks\", or take [[protocol]] out",
+                        .key = "protocol"});
+  }
   if (configuration.run.collisions_per_disk && !configuration.kind().counts_collisions()) {
     problems.push_back(
         {.what = fmt::format("the length of a run of the model \"{}\" cannot be given in collisions", model),

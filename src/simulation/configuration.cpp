@@ -117,6 +117,14 @@ void describe(Configuration& configuration, SettingVisitor& visitor) {
       visitor.leave();
     }
   }
+  visitor.visit_tables(
+      {.key = "protocol",
+       .documentation = "What happens to the disks before the run, stage by stage; with a protocol, the run has no "
+                        "length unless [run] "
+                        "gives one.",
+       .default_note = "nothing happens"},
+      configuration.protocol.size(), [&](std::size_t count) { configuration.protocol.resize(count); },
+      [&](std::size_t k, SettingVisitor& inner) { describe(configuration.protocol[k], inner); });
   describe_table(visitor, "run", "How long the run lasts, and its seed.", configuration.run);
   describe_table(visitor, "observe", "What is measured, and how often.", configuration.observe);
   describe_table(visitor, "checkpoint", "When a run saves checkpoints.", configuration.checkpoint);

@@ -17,6 +17,7 @@
 #include "gridlock/simulation/world_simulation.hpp"
 #include "simulation/countable_time.hpp"
 #include "simulation/patient_engine.hpp"
+#include "simulation/protocol_simulation.hpp"
 #include "simulation/slow_start.hpp"
 
 namespace gridlock {
@@ -234,6 +235,31 @@ std::optional<Event> nothing_moves(State const& state, VelocitySettings const& v
   return Event{.kind = EventKind::nothing_moves, .key = velocities.max > 0.0 ? "disks.file" : "velocities.max"};
 }
 
+bool has_length(RunSettings const& run) { return run.steps.value_or(0) > 0 || run.time || run.collisions_per_disk; }
+
+void require_no_overlaps_in_run(Configuration const& configuration) {
+  auto const& stages = configuration.protocol;
+  if (stages.empty() || !leaves_overlaps(stages.back().kind) || !has_length(configuration.run)) return;
+  throw Error(
+      {.what = fmt::format("the run is one of hard disks, and the last stage of the protocol, \"{}\", leaves overlaps",
+                           name_of(stages.back().kind)),
+       .hint = "add a stage \"separate\" at the end, or give [run] no length",
+       .key = fmt::format("protocol[{}]", stages.size() - 1)});
+}
+
+/// Moves nothing and takes any disks: for what a protocol leaves where no run follows.
+class RestingEngine final : public Engine {
+ public:
+  explicit RestingEngine(double duration) : duration_(duration) {}
+
+  void advance(State& /*state*/, Counters& /*counters*/, StopCondition const& /*stop_condition*/) override {}
+  [[nodiscard]] double time_step() const override { return duration_; }
+  void require_valid(State const& /*state*/) const override {}
+
+ private:
+  double duration_;
+};
+
 class DisksKind final : public ModelKind {
  public:
   [[nodiscard]] std::unique_ptr<ModelKind> copy() const override { return std::make_unique<DisksKind>(*this); }
@@ -251,7 +277,9 @@ class DisksKind final : public ModelKind {
             {"velocities", "How fast the disks are at the start.",
              [&](SettingVisitor& visitor) { describe(configuration.velocities, visitor); }},
             {"engine", "How the disks move; of other models the threads.",
-             [&](SettingVisitor& visitor) { describe(configuration.engine, visitor); }}};
+             [&](SettingVisitor& visitor) { describe(configuration.engine, visitor); }},
+            {"soft", "How disks repel each other in the stages quench, compress and decompress of a protocol.",
+             [&](SettingVisitor& visitor) { describe(configuration.soft, visitor); }}};
   }
   [[nodiscard]] std::string unused_because_of(Configuration const& configuration, std::string_view key) const override {
     constexpr std::string_view table = "engine.";
@@ -259,6 +287,7 @@ class DisksKind final : public ModelKind {
     if (key == "disks.start" && !configuration.disks.file.empty() && configuration.disks.start != StartKind::file) {
       return "disks.file";
     }
+    if (key.starts_with("soft.") && configuration.protocol.empty()) return "no [[protocol]]";
     if (!key.starts_with(table)) return "";
     EngineSettings const& engine = configuration.engine;
     std::string_view const decides = engine_record(engine.kind).unused_because_of(engine, key.substr(table.size()));
@@ -296,6 +325,8 @@ class DisksKind final : public ModelKind {
 
   void check(Configuration const& configuration) const override {
     static_cast<void>(engine_record(configuration.engine.kind));
+    require_valid(configuration.protocol);
+    require_no_overlaps_in_run(configuration);
   }
   void build(Setup& setup, SetupOptions const& options) const override;
 
@@ -340,6 +371,33 @@ State start_of(Setup& setup, SetupOptions const& options) {
   return state;
 }
 
+/// The engine of a run, with a limit to waiting where only collisions end it.
+std::unique_ptr<EngineFor<HardDisks>> patient(std::unique_ptr<Engine> engine, RunSettings const& run,
+                                              State const& state) {
+  if (run.steps || run.time) return engine;
+  return std::make_unique<PatientEngine>(std::move(engine), patience_for(state));
+}
+
+/// A simulation that a protocol prepares. Its time step is in diameters of the start.
+std::unique_ptr<Simulation> prepared_simulation(Configuration const& configuration, EngineSettings const& settings,
+                                                State state) {
+  double const duration = step_duration(settings, state);
+  ProtocolSettings const protocol{.stages = configuration.protocol,
+                                  .soft = configuration.soft,
+                                  .time_step = settings.time_step,
+                                  .threads = settings.threads};
+  auto const make = [=, run = configuration.run, observe = configuration.observe](State world, bool is_prepared) {
+    EngineSettings engine = settings;
+    engine.time_step *= duration / step_duration(settings, world);
+    std::unique_ptr<EngineFor<HardDisks>> advancing = std::make_unique<RestingEngine>(duration);
+    if (is_prepared && has_length(run)) advancing = patient(make_engine(engine, world), run, world);
+    auto simulation = std::make_unique<DiskSimulation>(std::move(advancing), std::move(world));
+    simulation->observe(observe, {.halts_moves = engine_record(settings.kind).has_time_step});
+    return simulation;
+  };
+  return std::make_unique<ProtocolSimulation>(protocol, std::move(state), make);
+}
+
 void DisksKind::build(Setup& setup, SetupOptions const& options) const {
   Configuration& configuration = setup.configuration;
   RunSettings const& run = configuration.run;
@@ -349,6 +407,10 @@ void DisksKind::build(Setup& setup, SetupOptions const& options) const {
   EngineSettings settings = configuration.engine;
   settings.threads = options.threads.value_or(settings.threads);
   EngineRecord const& record = engine_record(settings.kind);
+  if (!configuration.protocol.empty()) {
+    setup.simulation = prepared_simulation(configuration, settings, std::move(state));
+    return;
+  }
   require_clock(state, setup.start_file, settings);
   require_collisions(run, state);
   std::unique_ptr<Engine> engine = engine_for(state, setup.start_file, settings);
@@ -356,11 +418,7 @@ void DisksKind::build(Setup& setup, SetupOptions const& options) const {
   if (auto note = misleading_rule(state, record)) setup.notes.push_back(*std::move(note));
   if (auto note = nothing_moves(state, configuration.velocities)) setup.notes.push_back(*std::move(note));
   setup.cost_of_move = record.cost_of_move(settings, state);
-  std::unique_ptr<EngineFor<HardDisks>> advancing = std::move(engine);
-  bool const ends_by_collisions_only = !run.steps && !run.time;
-  if (ends_by_collisions_only) {
-    advancing = std::make_unique<PatientEngine>(std::move(advancing), patience_for(state));
-  }
+  std::unique_ptr<EngineFor<HardDisks>> advancing = patient(std::move(engine), run, state);
   auto simulation = std::make_unique<DiskSimulation>(std::move(advancing), std::move(state));
   simulation->observe(configuration.observe, {.halts_moves = record.has_time_step});
   setup.simulation = std::move(simulation);

@@ -60,6 +60,10 @@ RunStatus Run::advance_to(std::uint64_t step, OnProgress const& on_progress, Cal
   resumed_at_ = std::chrono::steady_clock::now();
   status_ = RunStatus::interrupted;
   try {
+    if (!prepare(on_progress, callback)) {
+      note_time();
+      return status_;
+    }
     while (true) {
       if (has_reached_end() && callback.call_at_end) {
         note_time();
@@ -80,6 +84,31 @@ RunStatus Run::advance_to(std::uint64_t step, OnProgress const& on_progress, Cal
   }
   note_time();
   return status_;
+}
+
+/// Returns whether the simulation is prepared.
+bool Run::prepare(OnProgress const& on_progress, Callback const& callback) {
+  while (!simulation_.is_prepared()) {
+    bool is_stopped = false;
+    bool is_callback_due = false;
+    std::exception_ptr failure_of_listener;
+    bool const is_ready = simulation_.prepare([&]() noexcept {
+      if (!rate_limiter_.is_due()) return true;
+      try {
+        is_stopped = !report(on_progress);
+        is_callback_due = callback.is_due && callback.is_due(0);
+        return !is_stopped && !is_callback_due;
+      } catch (...) {
+        failure_of_listener = std::current_exception();
+        return false;
+      }
+    });
+    if (failure_of_listener) std::rethrow_exception(failure_of_listener);
+    if (is_ready) break;
+    if (is_callback_due) callback.call(0);
+    if (is_stopped) return false;
+  }
+  return true;
 }
 
 /// Returns whether to continue.
@@ -113,7 +142,8 @@ void Run::note_time() {
 }
 
 bool Run::has_reached_end() const {
-  return plan_.stop_condition.is_reached(simulation_.clock(), simulation_.pair_collisions());
+  return simulation_.is_prepared() &&
+         plan_.stop_condition.is_reached(simulation_.clock(), simulation_.pair_collisions());
 }
 
 std::optional<std::uint64_t> Run::last_stop() const {
@@ -136,6 +166,9 @@ double Run::fraction_of(Extent const& extent) const {
       share(static_cast<double>(extent.pair_collisions), static_cast<double>(end.pair_collisions));
   return std::min(std::max({steps, time, collisions}), 1.0);
 }
+
+/// Of the whole work, for progress alone: all of it where nothing is run after a protocol.
+double Run::share_of_preparation() const { return plan_.stop_condition.step == first_.step ? 1.0 : 0.5; }
 
 double Run::fit_equilibration() {
   bool const is_left_out = fraction_of(last_left_out_) <= plan_.equilibration;
@@ -193,13 +226,16 @@ bool Run::report(OnProgress const& on_progress) {
   if (!on_progress) return true;
   double const turns = static_cast<double>(steps_done()) * static_cast<double>(simulation_.agents());
   bool const is_sampled = !last_row_.empty() && last_row_.front() > static_cast<double>(first_.step);
-  return on_progress({.clock = simulation_.clock(),
-                      .fraction = fraction_done(),
-                      .steps = steps_done(),
-                      .seconds = seconds_,
-                      .agent_steps_per_second = seconds_ > 0.0 ? turns / seconds_ : 0.0,
-                      .columns = columns_,
-                      .last_sample = is_sampled ? std::span<double const>(last_row_) : std::span<double const>{}});
+  Preparation const preparation = simulation_.preparation();
+  return on_progress(
+      {.clock = simulation_.clock(),
+       .fraction = simulation_.is_prepared() ? fraction_done() : preparation.fraction * share_of_preparation(),
+       .preparation = preparation.what,
+       .steps = steps_done(),
+       .seconds = seconds_,
+       .agent_steps_per_second = seconds_ > 0.0 ? turns / seconds_ : 0.0,
+       .columns = columns_,
+       .last_sample = is_sampled ? std::span<double const>(last_row_) : std::span<double const>{}});
 }
 
 void Run::serialize(Archive& archive) {

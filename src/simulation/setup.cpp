@@ -53,7 +53,9 @@ Setup set_up(Configuration configuration, SetupOptions const& options) {
   // What is run is decided: the settings of other models would only fill its resolved configuration.
   setup.configuration.models.keep_only(setup.configuration.model.kind);
   RunSettings& run = setup.configuration.run;
-  if (!run.steps && !run.time && !run.collisions_per_disk) run.steps = default_steps;
+  if (!run.steps && !run.time && !run.collisions_per_disk) {
+    run.steps = setup.configuration.protocol.empty() ? default_steps : 0;
+  }
   setup.configuration.kind().build(setup, options);
   check_end(setup);
   std::ranges::move(frames_beyond_end(setup), std::back_inserter(setup.notes));

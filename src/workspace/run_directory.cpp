@@ -202,7 +202,10 @@ class RunInDirectory {
     }
     auto const last_stop = run_.last_stop();
     if (trajectory_ && last_stop) trajectory_->restore(simulation_, first_step, *last_stop);
-    if (restored->note.empty()) saved_at_ = simulation_.clock();
+    if (restored->note.empty()) {
+      saved_at_ = simulation_.clock();
+      saved_work_ = simulation_.preparation().work;
+    }
     if (!restored->note.empty()) {
       log_.write({.kind = EventKind::checkpoint_damaged,
                   .severity = Severity::warning,
@@ -312,7 +315,8 @@ class RunInDirectory {
 
   void save() {
     Clock const clock = simulation_.clock();
-    if (saved_at_ == clock) return;
+    std::uint64_t const work = simulation_.preparation().work;
+    if (saved_at_ == clock && saved_work_ == work) return;
     auto const warn = [&](std::string const& why) {
       log_.write({.kind = EventKind::checkpoint_failed,
                   .severity = Severity::warning,
@@ -322,6 +326,7 @@ class RunInDirectory {
     try {
       write_checkpoint(directory_, [&](Archive& archive) { serialize(archive); });
       saved_at_ = clock;
+      saved_work_ = work;
       log_.write({.kind = EventKind::checkpoint_written, .severity = Severity::info, .step = clock.step});
     } catch (RunFailure const& failure) {
       warn(failure.what());
@@ -341,6 +346,7 @@ class RunInDirectory {
   Run run_;
   std::optional<TrajectoryWriter> trajectory_;
   std::optional<Clock> saved_at_;  ///< where the newest checkpoint is of
+  std::uint64_t saved_work_ = 0;   ///< of the protocol, there
 };
 
 std::string resolved(Configuration configuration, bool starts_from_file) {

@@ -27,9 +27,11 @@ namespace gridlock {
 /// How a packing is brought to a pressure.
 struct PressureRampSettings {
   MinimizerSettings minimizer{.newton_residual = 1e-2};
-  double pressure = 1e-8;              ///< P D²/ε to reach
-  std::uint64_t levels_per_decade = 2;  ///< on the way down: every such pressure is a minimum that is kept
-  double step = 1e-3;                  ///< of the packing fraction, on the way up while nothing presses
+  double pressure = 1e-8;                       ///< P D²/ε to reach
+  std::optional<double> packing_fraction = {};  ///< to reach in place of a pressure
+  std::uint64_t levels_per_decade = 2;          ///< on the way down: every such pressure is a minimum that is kept
+  double step =
+      1e-3;  ///< of the packing fraction: on the way up while nothing presses, and on the way to a packing fraction
 };
 
 /// A minimum on the way.
@@ -43,10 +45,12 @@ struct PressureLevel {
   double jamming_packing_fraction = std::numeric_limits<double>::quiet_NaN();
 };
 
+void serialize(Archive& archive, std::vector<PressureLevel>& levels);
+
 /// How a ramp ended.
 enum class RampStatus {
   running,
-  reached,      ///< the pressure
+  reached,      ///< the pressure or the packing fraction
   unjammed,     ///< the start does not press, and the ramp leads down; or no packing fraction was found that does
   unconverged,  ///< a minimization gave up
 };
@@ -56,7 +60,8 @@ char const* to_text(RampStatus status);
 ///
 /// The steps are secants in u = p^(1/(α−1)), which vanishes linearly at the jamming packing fraction. Where a step leads to disks
 /// that do not press, or below 0.3 of the pressure it was made for, the state before it is taken up again and half the step is tried;
-/// a pressure up to 1.1 of the one asked for counts as reached. On the way up, steps of `step` lead to the first contacts.
+/// a pressure up to 1.1 of the one asked for counts as reached. On the way up, steps of `step` lead to the first contacts. A packing
+/// fraction is reached in steps of `step`, each a level.
 /// Errors: Error for settings out of range and a packing that Minimizer refuses.
 /// Cost: some five minimizations a level, most of them by Newton's method.
 /// Source: C. S. O'Hern et al. (2003), doi:10.1103/PhysRevE.68.011306.
@@ -81,6 +86,7 @@ class PressureRamp {
   void take_minimum();
   void accept(double packing_fraction, double pressure);
   void next_goal();
+  void next_packing_fraction();
   void try_packing_fraction(double packing_fraction);
   [[nodiscard]] bool leads_down() const { return settings_.pressure < first_pressure_; }
 
@@ -92,9 +98,9 @@ class PressureRamp {
   double first_pressure_ = 0.0;
   double packing_fraction_ = 0.0;  ///< of good_, as the next
   double pressure_ = 0.0;
-  double slope_ = 0.0;     ///< du/dφ
-  double goal_ = 0.0;      ///< the pressure of the next level
-  double tried_ = 0.0;     ///< the packing fraction of the minimization under way
+  double slope_ = 0.0;  ///< du/dφ
+  double goal_ = 0.0;   ///< the pressure of the next level
+  double tried_ = 0.0;  ///< the packing fraction of the minimization under way
   std::uint64_t halvings_ = 0;
   std::uint64_t iterations_before_ = 0;  ///< of the minimizer at the last level
   std::vector<PressureLevel> levels_;

@@ -13,12 +13,14 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "gridlock/core/setting.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/lattice/start.hpp"
 #include "gridlock/observe/observable.hpp"
+#include "gridlock/protocol/settings.hpp"
 #include "gridlock/simulation/detail/model_kind.hpp"
 #include "gridlock/simulation/detail/trajectory_settings.hpp"
 
@@ -56,6 +58,8 @@ struct Configuration {
   DisksSettings disks;
   VelocitySettings velocities;
   EngineSettings engine;
+  SoftSettings soft;
+  std::vector<StageSettings> protocol;  ///< before the run
   RunSettings run;
   ObserveSettings observe;
   CheckpointSettings checkpoint;

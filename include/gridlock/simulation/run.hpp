@@ -31,6 +31,7 @@ namespace gridlock {
 struct Progress {
   Clock clock;
   double fraction = 0.0;    ///< of the run that is done, from 0 to 1
+  std::string preparation;  ///< the stage of the protocol that is carried out; empty in the run itself
   std::uint64_t steps = 0;  ///< steps done in this run
   double seconds = 0.0;     ///< of real time so far
   double agent_steps_per_second = 0.0;
@@ -165,6 +166,8 @@ class Run {
   void sample();
   void serialize_series(Archive& archive);
   [[nodiscard]] StopCondition next_stop() const;
+  bool prepare(OnProgress const& on_progress, Callback const& callback);
+  [[nodiscard]] double share_of_preparation() const;
   bool advance_one_chunk(OnProgress const& on_progress, Callback const& callback);
   void note_time();
   bool report(OnProgress const& on_progress);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -15,6 +16,13 @@
 #include "gridlock/observe/observable.hpp"
 
 namespace gridlock {
+
+/// How far the preparation of a simulation has come.
+struct Preparation {
+  double fraction = 1.0;
+  std::string what;        ///< is being done now: "quench"
+  std::uint64_t work = 0;  ///< grows with everything that is done
+};
 
 /// What a run advances: agents of any kind, the rule that moves them and what is measured of them.
 ///
@@ -34,6 +42,13 @@ class Simulation {
   Simulation(Simulation const&) = delete;
   Simulation& operator=(Simulation const&) = delete;
   virtual ~Simulation() = default;
+
+  /// Whether advance() may be called; a simulation with a protocol is prepared first.
+  [[nodiscard]] virtual bool is_prepared() const { return true; }
+  /// Goes on with the preparation until it has ended or should_continue says no; returns whether it has ended.
+  /// Errors: RunFailure where it cannot end.
+  virtual bool prepare(std::function<bool()> const& /*should_continue*/) { return true; }
+  [[nodiscard]] virtual Preparation preparation() const { return {}; }
 
   [[nodiscard]] virtual Clock clock() const = 0;
   /// The physical time of one step.

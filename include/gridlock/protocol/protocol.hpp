@@ -1,0 +1,89 @@
+#pragma once
+
+/// \file
+/// A protocol: stages that take disks from a start to a fluid, a jammed packing or back.
+///
+/// ```cpp
+/// #include "gridlock/lattice/start.hpp"
+///
+/// inline double jamming_packing_fraction() {
+///   State state = make_start(Box(1.0, 1.0, Edge::periodic), {.count = 64, .packing_fraction = 0.4, .start = StartKind::random}, 1);
+///   Protocol protocol({.stages = {{.kind = StageKind::quench, .packing_fraction = 0.9},
+///                                 {.kind = StageKind::decompress, .until_pressure = 1e-6}}},
+///                     state);
+///   protocol.advance(state);
+///   return *protocol.results().back().jamming_packing_fraction;
+/// }
+/// ```
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gridlock/core/archive.hpp"
+#include "gridlock/core/disks.hpp"
+#include "gridlock/packing/pressure_ramp.hpp"
+#include "gridlock/protocol/settings.hpp"
+
+namespace gridlock {
+
+/// All settings of a protocol.
+struct ProtocolSettings {
+  std::vector<StageSettings> stages;
+  SoftSettings soft = {};
+  double time_step = 1.0;     ///< of the clock of the engine "exact", in physical time
+  std::uint64_t threads = 1;  ///< of soft disks; 0: all cores
+};
+
+/// What came out of a stage.
+struct StageResult {
+  StageKind kind = StageKind::quench;
+  double packing_fraction = 0.0;
+  /// Of hard disks βP/ρ, of soft disks P D²/ε; none where it was not measured.
+  std::optional<double> pressure = {};
+  std::optional<double> energy = {};    ///< of all soft disks, in ε
+  std::optional<double> residual = {};  ///< largest net force over the mean contact force
+  std::optional<bool> is_converged = {};
+  std::uint64_t work = 0;  ///< iterations, events or trial moves
+  std::vector<PressureLevel> levels = {};
+  std::optional<double> jamming_packing_fraction = {};
+  std::optional<double> error_of_jamming_packing_fraction = {};
+};
+
+/// Carries out stages, one after the other.
+///
+/// The clock of the state stays as it is while soft disks move downhill, and passes while hard disks fly.
+/// Errors: Error for stages that require_valid() refuses, and a start that the first of them cannot begin with; RunFailure where a later
+/// stage cannot begin, a minimization gives up, or a pressure or packing fraction cannot be reached.
+class Protocol {
+ public:
+  Protocol(ProtocolSettings settings, State const& start);
+  ~Protocol();
+
+  /// Goes on until the last stage has ended, or should_continue says no. Returns whether the last stage has ended.
+  bool advance(State& state, std::function<bool()> const& should_continue = {});
+
+  [[nodiscard]] std::size_t stages() const { return settings_.stages.size(); }
+  /// The stage that is carried out, from 0; stages() after the last.
+  [[nodiscard]] std::size_t stage() const { return results_.size(); }
+  /// "quench"; empty after the last.
+  [[nodiscard]] std::string name_of_stage() const;
+  /// Iterations, events and trial moves done in all stages.
+  [[nodiscard]] std::uint64_t work() const;
+  /// Of the stages that have ended.
+  [[nodiscard]] std::vector<StageResult> const& results() const { return results_; }
+
+  /// The state is serialized by its owner, before.
+  void serialize(Archive& archive, State const& state);
+
+ private:
+  ProtocolSettings settings_;
+  std::unique_ptr<class Stage> current_;  ///< nothing before a stage begins and after the last
+  std::vector<StageResult> results_;
+};
+
+}  // namespace gridlock

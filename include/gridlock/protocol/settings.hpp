@@ -1,0 +1,58 @@
+#pragma once
+
+/// \file
+/// The settings of a protocol: what happens to disks before a run.
+///
+/// ```cpp
+/// std::vector<StageSettings> const stages{{.kind = StageKind::quench, .packing_fraction = 0.86},
+///                                         {.kind = StageKind::decompress, .until_pressure = 1e-8}};
+/// require_valid(stages);  // throws Error for stages that contradict themselves
+/// ```
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gridlock/core/setting.hpp"
+#include "gridlock/packing/soft_disks.hpp"
+
+namespace gridlock {
+
+/// What a stage does to the disks.
+enum class StageKind { grow, run, quench, compress, decompress, separate, swap };
+
+/// One stage, `[[protocol]]`. A kind of stage takes the settings at which it is named.
+struct StageSettings {
+  StageKind kind = StageKind::quench;
+  std::optional<double> rate;                      ///< grow: γ
+  std::optional<double> packing_fraction;          ///< quench: at which
+  std::optional<double> until_packing_fraction;    ///< grow, compress, decompress
+  std::optional<double> until_pressure;            ///< grow: reduced; compress, decompress: in ε/D²
+  std::optional<double> until_time;                ///< run
+  std::optional<double> collisions_per_disk;       ///< run
+  std::optional<std::uint64_t> levels_per_decade;  ///< decompress
+  std::optional<double> step;                      ///< compress, decompress: of the packing fraction
+  std::optional<std::uint64_t> sweeps;             ///< swap
+  std::optional<double> swap_fraction;             ///< swap
+};
+void describe(StageSettings& settings, SettingVisitor& visitor);
+
+/// The settings `[soft]`.
+struct SoftSettings {
+  Potential potential = Potential::harmonic;
+  double residual = 1e-8;
+};
+void describe(SoftSettings& settings, SettingVisitor& visitor);
+
+/// "quench"
+std::string_view name_of(StageKind kind);
+
+/// Whether disks may overlap when such a stage has ended.
+bool leaves_overlaps(StageKind kind);
+
+/// Throws Error, with the place of each, for stages that have settings of others, lack one that they need, or start from what the stage
+/// before cannot leave.
+void require_valid(std::vector<StageSettings> const& stages);
+
+}  // namespace gridlock

@@ -1,0 +1,97 @@
+#include "gridlock/protocol/protocol.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <utility>
+
+#include "gridlock/core/error.hpp"
+#include "protocol/stage.hpp"
+
+namespace gridlock {
+
+namespace {
+
+void serialize_optional(Archive& archive, std::string_view name, std::optional<double>& value) {
+  // No result is not a number.
+  double number = value.value_or(std::numeric_limits<double>::quiet_NaN());
+  archive.visit(name, number);
+  value = number == number ? std::optional(number) : std::nullopt;
+}
+
+void serialize_result(Archive& archive, StageResult& result) {
+  archive.visit("packing_fraction", result.packing_fraction);
+  serialize_optional(archive, "pressure", result.pressure);
+  serialize_optional(archive, "energy", result.energy);
+  serialize_optional(archive, "residual", result.residual);
+  bool has_minimum = result.is_converged.has_value();
+  bool is_converged = result.is_converged.value_or(false);
+  archive.visit("has_minimum", has_minimum);
+  archive.visit("is_converged", is_converged);
+  result.is_converged = has_minimum ? std::optional(is_converged) : std::nullopt;
+  archive.visit("work", result.work);
+  serialize_optional(archive, "jamming_packing_fraction", result.jamming_packing_fraction);
+  serialize_optional(archive, "error_of_jamming_packing_fraction", result.error_of_jamming_packing_fraction);
+  serialize(archive, result.levels);
+}
+
+std::string text_of(Error const& error) {
+  Problem const& problem = error.problems().front();
+  return problem.hint.empty() ? problem.what : fmt::format("{}\n  hint: {}", problem.what, problem.hint);
+}
+
+}  // namespace
+
+Protocol::Protocol(ProtocolSettings settings, State const& start) : settings_(std::move(settings)) {
+  require_valid(settings_.stages);
+  if (!settings_.stages.empty()) current_ = make_stage(settings_.stages.front(), settings_, start);
+}
+
+Protocol::~Protocol() = default;
+
+bool Protocol::advance(State& state, std::function<bool()> const& should_continue) {
+  while (stage() < stages()) {
+    StageSettings const& settings = settings_.stages[stage()];
+    try {
+      if (!current_) current_ = make_stage(settings, settings_, state);
+    } catch (Error const& error) {
+      throw RunFailure(fmt::format("stage {} of the protocol, \"{}\", cannot begin: {}", stage() + 1,
+                                   name_of(settings.kind), text_of(error)));
+    }
+    if (!current_->advance(state, should_continue)) return false;
+    StageResult result = current_->result(state);
+    result.kind = settings.kind;
+    result.work = current_->work();
+    results_.push_back(std::move(result));
+    current_ = nullptr;
+  }
+  return true;
+}
+
+std::string Protocol::name_of_stage() const {
+  return stage() < stages() ? std::string(name_of(settings_.stages[stage()].kind)) : std::string();
+}
+
+std::uint64_t Protocol::work() const {
+  std::uint64_t sum = current_ ? current_->work() : 0;
+  for (StageResult const& result : results_) sum += result.work;
+  return sum;
+}
+
+void Protocol::serialize(Archive& archive, State const& state) {
+  std::uint64_t ended = results_.size();
+  archive.visit("stages_ended", ended);
+  archive.require(ended <= stages(), "a protocol has ended more stages than it has");
+  results_.resize(ended);
+  for (std::size_t k = 0; k < ended; ++k) {
+    results_[k].kind = settings_.stages[k].kind;
+    serialize_inside(archive, fmt::format("result_{}", k), [&] { serialize_result(archive, results_[k]); });
+  }
+  bool has_begun = current_ != nullptr;
+  archive.visit("has_begun", has_begun);
+  archive.require(!has_begun || stage() < stages(), "a protocol has begun a stage that it does not have");
+  if (archive.is_restoring()) current_ = has_begun ? make_stage(settings_.stages[stage()], settings_, state) : nullptr;
+  if (current_) serialize_inside(archive, "stage", [&] { current_->serialize(archive, state); });
+}
+
+}  // namespace gridlock

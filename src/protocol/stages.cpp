@@ -1,0 +1,218 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/engine/engine.hpp"
+#include "protocol/stage.hpp"
+
+namespace gridlock {
+
+namespace {
+
+MinimizerSettings minimizer_settings(ProtocolSettings const& protocol, double newton_residual) {
+  return {.potential = protocol.soft.potential,
+          .residual = protocol.soft.residual,
+          .newton_residual = newton_residual,
+          .threads = protocol.threads};
+}
+
+double packing_fraction_of(State const& state) { return covered_area(state.agents) / state.box.area(); }
+
+void scale_to(Packing& packing, double target) {
+  double const factor = std::sqrt(target / packing_fraction(packing));
+  for (double& radius : packing.radius) radius *= factor;
+}
+
+Packing quenched_packing(State const& state, std::optional<double> target) {
+  Packing packing = packing_of(state);
+  if (target) scale_to(packing, *target);
+  return packing;
+}
+
+class QuenchStage final : public Stage {
+ public:
+  QuenchStage(StageSettings const& settings, ProtocolSettings const& protocol, State const& state)
+      : minimizer_(minimizer_settings(protocol, 1e-3), quenched_packing(state, settings.packing_fraction)) {}
+
+  bool advance(State& state, ShouldContinue const& should_continue) override {
+    if (!minimizer_.advance(should_continue)) return false;
+    write_packing(minimizer_.packing(), state);
+    return true;
+  }
+  void serialize(Archive& archive, State const& /*state*/) override { minimizer_.serialize(archive); }
+  [[nodiscard]] std::uint64_t work() const override {
+    return minimizer_.fire_iterations() + minimizer_.newton_iterations();
+  }
+  [[nodiscard]] StageResult result(State const& state) const override {
+    bool const is_unjammed = minimizer_.status() == MinimumStatus::unjammed;
+    return {.packing_fraction = packing_fraction_of(state),
+            .pressure = is_unjammed ? 0.0 : minimizer_.pressure(),
+            .energy = minimizer_.energy(),
+            .residual = minimizer_.residual(),
+            .is_converged = minimizer_.status() != MinimumStatus::unconverged};
+  }
+
+ private:
+  Minimizer minimizer_;
+};
+
+class RampStage final : public Stage {
+ public:
+  RampStage(StageSettings const& settings, ProtocolSettings const& protocol, State const& state)
+      : ramp_(ramp_settings(settings, protocol), packing_of(state)) {}
+
+  bool advance(State& state, ShouldContinue const& should_continue) override {
+    if (!ramp_.advance(should_continue)) return false;
+    write_packing(ramp_.packing(), state);
+    return true;
+  }
+  void serialize(Archive& archive, State const& /*state*/) override { ramp_.serialize(archive); }
+  [[nodiscard]] std::uint64_t work() const override {
+    return ramp_.minimizer().fire_iterations() + ramp_.minimizer().newton_iterations();
+  }
+  [[nodiscard]] StageResult result(State const& state) const override {
+    StageResult result{.packing_fraction = packing_fraction_of(state),
+                       .is_converged = ramp_.status() == RampStatus::reached,
+                       .levels = ramp_.levels()};
+    if (result.levels.empty()) return result;
+    PressureLevel const& last = result.levels.back();
+    result.pressure = last.pressure;
+    result.energy = last.energy;
+    result.residual = last.residual;
+    if (std::isfinite(last.jamming_packing_fraction)) result.jamming_packing_fraction = last.jamming_packing_fraction;
+    result.error_of_jamming_packing_fraction = ramp_.error_of_jamming_packing_fraction();
+    return result;
+  }
+
+ private:
+  static PressureRampSettings ramp_settings(StageSettings const& settings, ProtocolSettings const& protocol) {
+    PressureRampSettings ramp{.minimizer = minimizer_settings(protocol, 1e-2),
+                              .packing_fraction = settings.until_packing_fraction};
+    ramp.pressure = settings.until_pressure.value_or(ramp.pressure);
+    ramp.levels_per_decade = settings.levels_per_decade.value_or(ramp.levels_per_decade);
+    ramp.step = settings.step.value_or(ramp.step);
+    return ramp;
+  }
+
+  PressureRamp ramp_;
+};
+
+/// The factor for all radii with which no two disks, and no disk and wall, overlap.
+double separating_factor(Packing const& packing) {
+  double factor = 1.0;
+  for (Contact const& contact : find_contacts(packing)) {
+    factor = std::min(factor, contact.distance / contact.contact_distance);
+  }
+  // Rounding must not leave an overlap.
+  return factor < 1.0 ? factor * (1.0 - 4.0 * std::numeric_limits<double>::epsilon()) : 1.0;
+}
+
+class SeparateStage final : public Stage {
+ public:
+  bool advance(State& state, ShouldContinue const& /*should_continue*/) override {
+    Packing packing = packing_of(state);
+    double const factor = separating_factor(packing);
+    if (!(factor > 0.0))
+      throw RunFailure("two disks are at one place: no radii keep them apart\n  hint: quench them first");
+    for (double& radius : packing.radius) radius *= factor;
+    write_packing(packing, state);
+    return true;
+  }
+  void serialize(Archive& /*archive*/, State const& /*state*/) override {}
+  [[nodiscard]] std::uint64_t work() const override { return 0; }
+  [[nodiscard]] StageResult result(State const& state) const override {
+    return {.packing_fraction = packing_fraction_of(state)};
+  }
+};
+
+/// Hard disks by the engine "exact"; the reduced pressure is that of the whole stage.
+class RunStage final : public Stage {
+ public:
+  RunStage(StageSettings const& settings, ProtocolSettings const& protocol, State const& state)
+      : engine_(make_engine({.kind = "exact", .time_step = protocol.time_step}, state)), start_time_(state.clock.time) {
+    if (settings.until_time) stop_condition_.time = state.clock.time + *settings.until_time;
+    if (settings.collisions_per_disk) {
+      double const pairs = *settings.collisions_per_disk * static_cast<double>(state.agents.size()) / 2.0;
+      stop_condition_.pair_collisions = static_cast<std::uint64_t>(std::ceil(pairs));
+    }
+  }
+
+  bool advance(State& state, ShouldContinue const& should_continue) override {
+    stop_condition_.should_continue = should_continue;
+    engine_->advance(state, counters_, stop_condition_);
+    stop_condition_.should_continue = {};
+    return stop_condition_.is_reached(state.clock, counters_.pair_collisions);
+  }
+  void serialize(Archive& archive, State const& state) override {
+    archive.visit("start_time", start_time_);
+    archive.visit("until_time", stop_condition_.time);
+    serialize_inside(archive, "counters", [&] { gridlock::serialize(archive, counters_); });
+    serialize_inside(archive, "engine", [&] { engine_->serialize(archive, state); });
+  }
+  [[nodiscard]] std::uint64_t work() const override { return counters_.moves; }
+  [[nodiscard]] StageResult result(State const& state) const override {
+    StageResult result{.packing_fraction = packing_fraction_of(state)};
+    double const time = state.clock.time - start_time_;
+    double const energy = kinetic_energy(state.agents);
+    // βP/ρ = 1 + Σ r·Δp / (2 t E_kin): two dimensions, N kT = E_kin.
+    if (time > 0.0 && energy > 0.0) result.pressure = 1.0 + counters_.pair_virial / (2.0 * time * energy);
+    return result;
+  }
+
+ private:
+  std::unique_ptr<Engine> engine_;
+  double start_time_;
+  StopCondition stop_condition_;
+  Counters counters_;
+};
+
+}  // namespace
+
+std::unique_ptr<Stage> make_stage(StageSettings const& settings, ProtocolSettings const& protocol, State const& state) {
+  switch (settings.kind) {
+    case StageKind::grow:
+    case StageKind::swap:
+      break;
+    case StageKind::run:
+      return std::make_unique<RunStage>(settings, protocol, state);
+    case StageKind::quench:
+      return std::make_unique<QuenchStage>(settings, protocol, state);
+    case StageKind::compress:
+    case StageKind::decompress:
+      return std::make_unique<RampStage>(settings, protocol, state);
+    case StageKind::separate:
+      return std::make_unique<SeparateStage>();
+  }
+  throw Error(Problem{.what = fmt::format("the stage \"{}\" is not known", name_of(settings.kind)), .key = "protocol"});
+}
+
+void write_packing(Packing const& packing, State& state) {
+  Disks& disks = state.agents;
+  std::vector<std::size_t> rows(disks.size());
+  std::iota(rows.begin(), rows.end(), std::size_t{0});
+  std::ranges::sort(rows, {}, [&](std::size_t row) { return disks.ids()[row]; });
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::size_t const row = rows[i];
+    Vector p{packing.x[i], packing.y[i]};
+    int crossed_x = 0;
+    int crossed_y = 0;
+    // One side at a time; a minimization moves no disk farther than a few.
+    for (int before_x = -1, before_y = -1; before_x != crossed_x || before_y != crossed_y;) {
+      before_x = crossed_x;
+      before_y = crossed_y;
+      p = state.box.wrap(p, crossed_x, crossed_y);
+    }
+    disks.column<X>()[row] = p.x;
+    disks.column<Y>()[row] = p.y;
+    disks.column<ImageX>()[row] += crossed_x;
+    disks.column<ImageY>()[row] += crossed_y;
+    disks.column<Radius>()[row] = packing.radius[i];
+  }
+}
+
+}  // namespace gridlock

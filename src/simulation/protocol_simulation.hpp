@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "gridlock/protocol/protocol.hpp"
+#include "gridlock/simulation/world_simulation.hpp"
+
+namespace gridlock {
+
+/// Disks that a protocol prepares, and the simulation that begins where it ends.
+///
+/// Until then the simulation is one of the start that nothing advances or samples; it knows the columns of the series. The clock of the simulation is that of the start, whatever time has passed in the protocol.
+class ProtocolSimulation final : public Simulation {
+ public:
+  /// Makes the simulation of a state; called for the start at once, whose disks may overlap, and again at the end of the protocol.
+  using MakeSimulation = std::function<std::unique_ptr<DiskSimulation>(State state, bool is_prepared)>;
+
+  ProtocolSimulation(ProtocolSettings const& settings, State start, MakeSimulation make);
+
+  [[nodiscard]] bool is_prepared() const override { return is_prepared_; }
+  bool prepare(std::function<bool()> const& should_continue) override;
+  [[nodiscard]] Preparation preparation() const override;
+
+  [[nodiscard]] Clock clock() const override { return is_prepared_ ? simulation_->clock() : start_clock_; }
+  [[nodiscard]] double time_step() const override { return simulation_->time_step(); }
+  [[nodiscard]] Box const& box() const override { return state_.box; }
+  [[nodiscard]] AgentsView view() const override;
+  [[nodiscard]] std::uint64_t state_hash() const override;
+  [[nodiscard]] std::vector<Count> counts() const override { return simulation_->counts(); }
+  [[nodiscard]] std::vector<Count> audits() const override { return simulation_->audits(); }
+  [[nodiscard]] std::uint64_t pair_collisions() const override { return simulation_->pair_collisions(); }
+  [[nodiscard]] std::vector<NamedColumn> columns_of_agents() override;
+  [[nodiscard]] std::shared_ptr<void> release_columns() override;
+  void require_valid() const override;
+  void advance(StopCondition const& stop_condition) override { simulation_->advance(stop_condition); }
+  void observe(std::unique_ptr<Observable> observable) override { simulation_->observe(std::move(observable)); }
+  [[nodiscard]] std::vector<ColumnInfo> columns() const override { return simulation_->columns(); }
+  void sample(std::span<double> row, bool counts_for_average) override { simulation_->sample(row, counts_for_average); }
+  [[nodiscard]] std::vector<NamedEstimate> results() const override;
+  [[nodiscard]] std::vector<Distribution> distributions() const override;
+  [[nodiscard]] Frame frame() const override;
+  void serialize(Archive& archive) override;
+
+ private:
+  void begin_simulation();
+
+  MakeSimulation make_;
+  Clock start_clock_;
+  State state_;  ///< of the protocol; once prepared the simulation has it
+  Protocol protocol_;
+  bool is_prepared_ = false;
+  std::unique_ptr<DiskSimulation> simulation_;
+};
+
+}  // namespace gridlock
