@@ -117,7 +117,7 @@ void SoftForces::refresh(Packing const& packing) {
 void SoftForces::build(Packing const& packing) {
   double const largest = largest_contact_distance(packing);
   skin_ = skin_of_smallest_ * smallest_diameter(packing);
-  if (packing.box.is_periodic()) {
+  if (packing.box.is_periodic() && packing.size() > 1) {
     double const half = 0.5 * std::min(packing.box.width(), packing.box.height());
     skin_ = std::min(skin_, 0.999 * half - largest);
     if (!(skin_ > 1e-3 * largest)) {

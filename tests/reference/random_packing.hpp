@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include "gridlock/core/random.hpp"
+#include "gridlock/packing/soft_disks.hpp"
+
+namespace gridlock::reference {
+
+/// Points anywhere in a unit box, half of them disks of diameter D and half of 1.4 D.
+inline Packing random_packing(std::size_t disks, double packing_fraction, std::uint64_t seed,
+                              Edge edge = Edge::periodic) {
+  Packing packing{.box = Box(1.0, 1.0, edge), .x = {}, .y = {}, .radius = {}};
+  RandomStream random(seed, 0, 0, Purpose::model_start);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < disks; ++i) {
+    packing.x.push_back(random.uniform());
+    packing.y.push_back(random.uniform());
+    packing.radius.push_back(i % 2 == 0 ? 1.0 : 1.4);
+    sum += packing.radius.back() * packing.radius.back();
+  }
+  double const scale = std::sqrt(packing_fraction / (std::numbers::pi * sum));
+  for (double& radius : packing.radius) radius *= scale;
+  return packing;
+}
+
+}  // namespace gridlock::reference

@@ -1,0 +1,175 @@
+#include "gridlock/packing/minimizer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "gridlock/core/error.hpp"
+#include "io/checkpoint.hpp"
+#include "reference/random_packing.hpp"
+
+namespace gridlock {
+namespace {
+
+using reference::random_packing;
+
+MinimizerSettings settings_of(Potential potential, double newton_residual = 1e-3, std::uint64_t threads = 1) {
+  return {.potential = potential, .newton_residual = newton_residual, .threads = threads};
+}
+
+TEST(Minimizer, FindsAPlaceWithoutForces) {
+  for (Potential const potential : {Potential::harmonic, Potential::hertzian}) {
+    for (Edge const edge : {Edge::periodic, Edge::wall}) {
+      Minimizer minimizer(settings_of(potential), random_packing(64, 0.9, 3, edge));
+      ASSERT_TRUE(minimizer.advance());
+      ASSERT_EQ(minimizer.status(), MinimumStatus::converged);
+      // By the definitions, not by the list of the minimizer.
+      std::vector<Contact> const contacts = find_contacts(minimizer.packing());
+      double mean_force = 0.0;
+      for (Contact const& contact : contacts) mean_force += force_of(contact, potential);
+      mean_force /= static_cast<double>(contacts.size());
+      double largest = 0.0;
+      for (Vector const force : forces_of(contacts, potential, 64))
+        largest = std::max(largest, std::sqrt(squared_length(force)));
+      EXPECT_LT(largest, 2e-8 * mean_force);
+      EXPECT_NEAR(energy_of(contacts, potential), minimizer.energy(), 1e-12 * minimizer.energy());
+      EXPECT_GT(minimizer.energy(), 0.0);
+    }
+  }
+}
+
+TEST(Minimizer, FindsTheSameMinimumWithAndWithoutNewtonsMethod) {
+  Minimizer with(settings_of(Potential::harmonic), random_packing(64, 0.86, 1));
+  Minimizer without(settings_of(Potential::harmonic, 0.0), random_packing(64, 0.86, 1));
+  with.advance();
+  without.advance();
+  EXPECT_GT(with.newton_iterations(), 0U);
+  EXPECT_EQ(without.newton_iterations(), 0U);
+  EXPECT_LT(with.fire_iterations(), without.fire_iterations());
+  EXPECT_NEAR(with.energy(), without.energy(), 1e-12 * with.energy());
+  EXPECT_NEAR(with.pressure(), without.pressure(), 1e-8 * with.pressure());
+}
+
+TEST(Minimizer, HasTheSameBitsForAnyNumberOfThreads) {
+  // More disks than are left to one thread.
+  Minimizer one(settings_of(Potential::harmonic), random_packing(1200, 0.86, 1));
+  one.advance();
+  ASSERT_EQ(one.status(), MinimumStatus::converged);
+  for (std::uint64_t const threads : {2U, 3U, 8U}) {
+    Minimizer many(settings_of(Potential::harmonic, 1e-3, threads), random_packing(1200, 0.86, 1));
+    many.advance();
+    EXPECT_EQ(many.packing().x, one.packing().x) << threads;
+    EXPECT_EQ(many.packing().y, one.packing().y) << threads;
+    EXPECT_EQ(many.energy(), one.energy()) << threads;
+  }
+}
+
+TEST(Minimizer, HasTheSameBitsWhenItIsInterruptedAndRestored) {
+  for (Potential const potential : {Potential::harmonic, Potential::hertzian}) {
+    Packing const start = random_packing(64, 0.88, 5);
+    Minimizer whole(settings_of(potential), start);
+    whole.advance();
+    Minimizer current(settings_of(potential), start);
+    std::string saved;
+    int pieces = 0;
+    for (bool is_done = false; !is_done; ++pieces) {
+      is_done = current.advance([] { return false; });
+      saved = to_checkpoint([&](Archive& archive) { current.serialize(archive); });
+      // Another start, all of which is restored.
+      Minimizer restored(settings_of(potential), random_packing(64, 0.5, 99));
+      from_checkpoint(saved, "saved", [&](Archive& archive) { restored.serialize(archive); });
+      if (pieces % 7 != 0 || is_done) continue;
+      restored.advance();
+      ASSERT_EQ(restored.packing().x, whole.packing().x) << "from piece " << pieces;
+      ASSERT_EQ(restored.energy(), whole.energy());
+    }
+    EXPECT_GT(pieces, 20);
+    EXPECT_EQ(current.packing().x, whole.packing().x);
+    EXPECT_EQ(current.fire_iterations(), whole.fire_iterations());
+  }
+}
+
+TEST(Minimizer, TellsDisksThatHaveMovedApart) {
+  Minimizer minimizer({}, random_packing(64, 0.5, 1));
+  minimizer.advance();
+  EXPECT_EQ(minimizer.status(), MinimumStatus::unjammed);
+  EXPECT_LT(minimizer.energy(), 64 * 1e-16);
+}
+
+TEST(Minimizer, GivesUpAfterSoManyIterations) {
+  Minimizer minimizer({.iterations = 50}, random_packing(64, 0.9, 1));
+  minimizer.advance();
+  EXPECT_EQ(minimizer.status(), MinimumStatus::unconverged);
+  EXPECT_EQ(minimizer.fire_iterations() + minimizer.newton_iterations(), 50U);
+}
+
+TEST(Minimizer, PushesDisksAtOnePlaceApart) {
+  Packing packing{.box = Box(1.0, 1.0, Edge::periodic), .x = {0.5, 0.5}, .y = {0.5, 0.5}, .radius = {0.1, 0.1}};
+  Minimizer minimizer({}, packing);
+  minimizer.advance();
+  EXPECT_EQ(minimizer.status(), MinimumStatus::unjammed);
+  EXPECT_GT(std::abs(minimizer.packing().x[1] - minimizer.packing().x[0]), 0.2 - 1e-7);
+}
+
+TEST(Minimizer, TakesNoneAndOneDisk) {
+  for (std::size_t const disks : {0U, 1U}) {
+    Minimizer minimizer({}, random_packing(disks, 0.1, 1));
+    EXPECT_TRUE(minimizer.advance());
+    EXPECT_NE(minimizer.status(), MinimumStatus::converged);
+  }
+}
+
+TEST(Minimizer, RefusesDisksTooLargeForThePeriodicBox) {
+  Packing packing{.box = Box(1.0, 1.0, Edge::periodic), .x = {0.2, 0.7}, .y = {0.5, 0.5}, .radius = {0.3, 0.3}};
+  Minimizer minimizer({}, packing);
+  EXPECT_THROW(minimizer.advance(), Error);
+}
+
+TEST(Minimizer, RefusesAResidualThatIsNone) {
+  EXPECT_THROW(Minimizer({.residual = 0.0}, random_packing(4, 0.1, 1)), Error);
+  EXPECT_THROW(Minimizer({.residual = std::nan("")}, random_packing(4, 0.1, 1)), Error);
+}
+
+TEST(SoftDisks, HaveForcesThatAreTheSlopeOfTheirEnergy) {
+  constexpr double h = 1e-6;
+  for (Potential const potential : {Potential::harmonic, Potential::hertzian}) {
+    for (Edge const edge : {Edge::periodic, Edge::wall}) {
+      Packing packing = random_packing(24, 0.9, 11, edge);
+      std::vector<Vector> const forces = forces_of(find_contacts(packing), potential, packing.size());
+      for (std::size_t i = 0; i < packing.size(); ++i) {
+        auto const energy_at = [&](double shift) {
+          Packing moved = packing;
+          moved.x[i] += shift;
+          if (edge == Edge::wall && (moved.x[i] < 0.0 || moved.x[i] > 1.0)) moved.x[i] -= shift;
+          return energy_of(find_contacts(moved), potential);
+        };
+        double const slope = (energy_at(h) - energy_at(-h)) / (2.0 * h);
+        EXPECT_NEAR(forces[i].x, -slope, 1e-4) << i;
+      }
+    }
+  }
+}
+
+TEST(SoftDisks, RefuseWhatIsNoPacking) {
+  Packing const good = random_packing(4, 0.1, 1);
+  auto const expect_refused = [](Packing const& packing) { EXPECT_THROW(find_contacts(packing), Error); };
+  Packing bad = good;
+  bad.radius.pop_back();
+  expect_refused(bad);
+  bad = good;
+  bad.x[2] = std::nan("");
+  expect_refused(bad);
+  bad = good;
+  bad.radius[1] = 0.0;
+  expect_refused(bad);
+  bad = good;
+  bad.box = Box(1.0, 1.0, Edge::wall);
+  bad.y[0] = -0.1;
+  expect_refused(bad);
+}
+
+}  // namespace
+}  // namespace gridlock

@@ -1,0 +1,92 @@
+#include "gridlock/packing/pressure_ramp.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "gridlock/core/error.hpp"
+#include "io/checkpoint.hpp"
+#include "reference/random_packing.hpp"
+
+namespace gridlock {
+namespace {
+
+using reference::random_packing;
+
+TEST(PressureRamp, FindsWhereASquareLatticeJams) {
+  Packing packing{.box = Box(1.0, 1.0, Edge::periodic), .x = {}, .y = {}, .radius = std::vector<double>(36, 0.09)};
+  for (int k = 0; k < 36; ++k) {
+    packing.x.push_back((k % 6 + 0.5) / 6);
+    packing.y.push_back((k / 6 + 0.5) / 6);
+  }
+  for (Potential const potential : {Potential::harmonic, Potential::hertzian}) {
+    PressureRamp ramp({.minimizer = {.potential = potential}, .pressure = 1e-8}, packing);
+    ASSERT_TRUE(ramp.advance());
+    ASSERT_EQ(ramp.status(), RampStatus::reached);
+    EXPECT_NEAR(ramp.levels().back().pressure, 1e-8, 0.1e-8);
+    EXPECT_NEAR(ramp.levels().back().jamming_packing_fraction, std::numbers::pi / 4.0, 1e-9);
+  }
+}
+
+TEST(PressureRamp, ReachesAPressureFromBelow) {
+  PressureRamp ramp({.pressure = 1e-4}, random_packing(64, 0.7, 1));
+  ASSERT_TRUE(ramp.advance());
+  ASSERT_EQ(ramp.status(), RampStatus::reached);
+  EXPECT_EQ(ramp.levels().front().pressure, 0.0);
+  EXPECT_NEAR(ramp.levels().back().pressure, 1e-4, 0.1e-4);
+}
+
+TEST(PressureRamp, ReachesAPackingFractionFromBothSides) {
+  for (double const start : {0.86, 0.9}) {
+    PressureRamp ramp({.packing_fraction = 0.88, .step = 0.005}, random_packing(64, start, 1));
+    ASSERT_TRUE(ramp.advance());
+    ASSERT_EQ(ramp.status(), RampStatus::reached);
+    EXPECT_EQ(ramp.levels().size(), 5U);
+    EXPECT_NEAR(packing_fraction(ramp.packing()), 0.88, 1e-13);
+  }
+}
+
+TEST(PressureRamp, HasTheSameBitsWhenItIsInterruptedAndRestored) {
+  Packing const start = random_packing(36, 0.9, 4);
+  PressureRampSettings const settings{.pressure = 1e-5};
+  PressureRamp whole(settings, start);
+  whole.advance();
+  PressureRamp current(settings, start);
+  int pieces = 0;
+  for (bool is_done = false; !is_done; ++pieces) {
+    is_done = current.advance([] { return false; });
+    if (pieces % 29 != 3) continue;
+    PressureRamp restored(settings, random_packing(36, 0.5, 77));
+    from_checkpoint(to_checkpoint([&](Archive& archive) { current.serialize(archive); }), "saved",
+                    [&](Archive& archive) { restored.serialize(archive); });
+    restored.advance();
+    ASSERT_EQ(restored.packing().x, whole.packing().x) << pieces;
+    ASSERT_EQ(restored.packing().radius, whole.packing().radius);
+    ASSERT_EQ(restored.levels().size(), whole.levels().size());
+    ASSERT_EQ(restored.levels().back().jamming_packing_fraction, whole.levels().back().jamming_packing_fraction);
+    ASSERT_EQ(restored.levels().back().iterations, whole.levels().back().iterations);
+  }
+  EXPECT_GT(pieces, 100);
+  EXPECT_EQ(current.packing().x, whole.packing().x);
+}
+
+TEST(PressureRamp, TellsWhereAMinimizationGaveUp) {
+  PressureRamp ramp({.minimizer = {.iterations = 10}}, random_packing(64, 0.9, 1));
+  EXPECT_TRUE(ramp.advance());
+  EXPECT_EQ(ramp.status(), RampStatus::unconverged);
+}
+
+TEST(PressureRamp, RefusesEndsThatCannotBeReached) {
+  Packing const start = random_packing(16, 0.5, 1);
+  EXPECT_THROW(PressureRamp({.pressure = 0.0}, start), Error);
+  EXPECT_THROW(PressureRamp({.pressure = 2.0}, start), Error);
+  EXPECT_THROW(PressureRamp({.packing_fraction = 5.0}, start), Error);
+  EXPECT_THROW(PressureRamp({.levels_per_decade = 0}, start), Error);
+  EXPECT_THROW(PressureRamp({.step = 0.0}, start), Error);
+}
+
+}  // namespace
+}  // namespace gridlock
