@@ -18,33 +18,14 @@ namespace {
 
 /// A periodic box must be wider than two distances at contact, or a disk could touch another from both sides at once.
 void require_room_for_images(State const& state) {
-  auto const radius = state.agents.column<Radius>();
   if (!state.box.is_periodic() || state.agents.size() < 2) return;
-  double largest = 0.0;
-  double second = 0.0;
-  for (double const r : radius) {
-    if (r > largest) {
-      second = largest;
-      largest = r;
-    } else {
-      second = std::max(second, r);
-    }
-  }
-  double const needed = 2.0 * (largest + second);
-  double const side = std::min(state.box.width(), state.box.height());
-  if (side > needed) return;
+  double const needed = side_for_images(state);
+  if (std::min(state.box.width(), state.box.height()) > needed) return;
   throw Error({.what = fmt::format("in a periodic box of {} × {} a disk could touch two images of the same partner; "
                                    "these disks need sides above {:.6g}",
                                    state.box.width(), state.box.height(), needed),
                .hint = "use a larger box, smaller disks or box.edge = \"wall\"",
                .key = "engine.kind"});
-}
-
-/// Which Id is in which row, which hash(State) leaves out on purpose.
-std::uint64_t hash_of_rows(Disks const& disks) {
-  std::uint64_t hash = 0;
-  for (Id const id : disks.ids()) hash = (hash ^ id) * 0x9E3779B97F4A7C15U;
-  return hash;
 }
 
 /// Bounces that a wall gives a disk at once would be handed back by the other at once, for ever.
@@ -86,15 +67,29 @@ void require_masses_of_like_size(State const& state) {
        .key = "disks.species"});
 }
 
-void require_start(State const& state) {
+}  // namespace
+
+double side_for_images(State const& state) {
+  double largest = 0.0;
+  double second = 0.0;
+  for (double const r : state.agents.column<Radius>()) {
+    if (r > largest) {
+      second = largest;
+      largest = r;
+    } else {
+      second = std::max(second, r);
+    }
+  }
+  return 2.0 * (largest + second);
+}
+
+void require_exact_start(State const& state) {
   double const rounding = rounding_of_contact(state);
   validate(state, {.overlap = rounding, .beyond_walls = rounding});
   require_room_for_images(state);
   require_room_between_walls(state, rounding);
   require_masses_of_like_size(state);
 }
-
-}  // namespace
 
 EngineRecord exact_record() {
   return {.name = "exact",
@@ -116,12 +111,12 @@ EngineRecord exact_record() {
 
 ExactEngine::ExactEngine(EngineSettings const& settings, State const& state)
     : audit_every_(settings.audit_every), duration_(step_duration(settings, state)) {
-  require_start(state);
+  require_exact_start(state);
 }
 
 ExactEngine::~ExactEngine() = default;
 
-void ExactEngine::require_valid(State const& state) const { require_start(state); }
+void ExactEngine::require_valid(State const& state) const { require_exact_start(state); }
 
 std::vector<Count> ExactEngine::counts(State const& state, Counters const& counters) const {
   std::vector<Count> counts = Engine::counts(state, counters);
@@ -134,16 +129,13 @@ std::vector<Count> ExactEngine::audits() const {
   return {{"audits", made_audits()}, {"audits_for_missed_events", audits_for_missed_events()}};
 }
 
-bool ExactEngine::is_as_left(State const& state) const {
-  return dynamics_ != nullptr && hash_of_rows(state.agents) == row_hash_ && hash(state) == hash_;
-}
+bool ExactEngine::is_as_left(State const& state) const { return dynamics_ != nullptr && left_.is(state); }
 
 void ExactEngine::start_from(State const& state) {
-  require_start(state);
+  require_exact_start(state);
   earlier_audits_ = made_audits();
   dynamics_ = nullptr;  // first the old memory goes, then the new comes
   dynamics_ = std::make_unique<exact::Dynamics>(state);
-  row_hash_ = hash_of_rows(state.agents);
   start_time_ = state.clock.time;
   next_step_time_ = state.clock.time + duration_;
 }
@@ -180,7 +172,7 @@ void ExactEngine::advance(State& state, Counters& counters, StopCondition const&
     }
   }
   dynamics_->write(state.clock.time - start_time_, state);
-  hash_ = hash(state);
+  left_.remember(state);
 }
 
 std::uint64_t ExactEngine::made_audits() const {
@@ -194,7 +186,7 @@ std::uint64_t ExactEngine::audits_for_missed_events() const {
 void ExactEngine::leave_at_last_event(State& state, double latest) {
   state.clock.time = std::min(start_time_ + dynamics_->last_event(), latest);
   dynamics_->write_at_last_event(state);
-  hash_ = hash(state);
+  left_.remember(state);
 }
 
 void ExactEngine::serialize(Archive& archive, State const& state) {
@@ -210,8 +202,7 @@ void ExactEngine::serialize(Archive& archive, State const& state) {
   archive.visit("start_time", start_time_);
   archive.visit("next_step_time", next_step_time_);
   serialize_inside(archive, "dynamics", [&] { dynamics_->serialize(archive); });
-  hash_ = hash(state);
-  row_hash_ = hash_of_rows(state.agents);
+  left_.remember(state);
 }
 
 }  // namespace gridlock

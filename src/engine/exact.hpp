@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "engine/exact/left_state.hpp"
 #include "gridlock/engine/engine.hpp"
 
 namespace gridlock {
@@ -12,6 +13,12 @@ class Dynamics;
 }
 
 EngineRecord exact_record();
+
+/// Throws Error for a state that the exact dynamics cannot start from, see ExactEngine.
+void require_exact_start(State const& state);
+
+/// What the sides of a periodic box must exceed, so that no disk can touch another from both sides at once.
+double side_for_images(State const& state);
 
 /// Hard disks without a time step: from collision to collision, the dynamics every stepped result is judged against.
 ///
@@ -50,8 +57,7 @@ class ExactEngine final : public Engine {
   std::uint64_t earlier_audits_ = 0;  // of dynamics that are gone
   double duration_;
   std::unique_ptr<exact::Dynamics> dynamics_;  // nullptr until the first advance()
-  std::uint64_t hash_ = 0;                     // of the state as left
-  std::uint64_t row_hash_ = 0;                 // of the order of its rows
+  exact::LeftState left_;
   double start_time_ = 0.0;
   double next_step_time_ = 0.0;
 };

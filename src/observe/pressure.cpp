@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "observe/temperature.hpp"
+#include "core/temperature.hpp"
 
 namespace gridlock {
 

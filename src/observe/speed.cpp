@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "observe/temperature.hpp"
+#include "core/temperature.hpp"
 
 namespace gridlock {
 

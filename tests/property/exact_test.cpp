@@ -18,6 +18,7 @@
 namespace gridlock {
 namespace {
 
+using reference::difference;
 using reference::random_scene;
 using reference::SceneSettings;
 
@@ -70,16 +71,6 @@ class ExactProperty : public testing::TestWithParam<ExactCase> {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, ExactProperty, testing::ValuesIn(exact_cases()),
                          [](auto const& scene) { return scene.param.name; });
-
-double difference(State const& a, State const& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.agents.size(); ++i) {
-    Vector const d = a.box.displacement(position(a.agents, i), position(b.agents, i));
-    Vector const w = velocity(b.agents, i) - velocity(a.agents, i);
-    largest = std::max(largest, std::sqrt(std::max(squared_length(d), squared_length(w))));
-  }
-  return largest;
-}
 
 TEST_P(ExactProperty, GoesThroughTheSameEventsAsBruteForce) {
   for (std::uint64_t const seed : seeds) {

@@ -21,11 +21,13 @@ struct Flight {
   Vector velocity;
 
   [[nodiscard]] Vector at(double time) const { return separation + time * velocity; }
-  /// When, from `now` to `end`, the two are nearest.
-  [[nodiscard]] double nearest(Vector image, double now, double end) const {
-    double const squared_speed = squared_length(velocity);
-    if (!(squared_speed > 0.0)) return now;
-    return std::clamp(-dot(separation + image, velocity) / squared_speed, now, end);
+  /// When, from `now` to `end`, the squared distance is shortest beside that of contact, `sum` · scale.
+  [[nodiscard]] double nearest(Vector image, double sum, Scale const& scale, double now, double end) const {
+    double const growth = sum * scale.rate;
+    double const a = squared_length(velocity) - growth * growth;
+    double const b = dot(separation + image, velocity) - growth * sum * scale.at(0.0);
+    if (a > 0.0) return std::clamp(-b / a, now, end);
+    return std::isfinite(end) && a < 0.0 ? end : now;
   }
 };
 
@@ -47,7 +49,7 @@ void Dynamics::audit_overlaps() const {
     Vector const d = flight(disks_[i], disks_[j]).at(now_);
     double const x = box_.is_periodic() ? std::remainder(d.x, box_.width()) : d.x;
     double const y = box_.is_periodic() ? std::remainder(d.y, box_.height()) : d.y;
-    double const contact = radius_of(i) + radius_of(j);
+    double const contact = (radius_of(i) + radius_of(j)) * scale();
     double const gap = std::sqrt(x * x + y * y) - contact;
     if (gap >= -tolerance * contact) return;
     throw RunFailure(fmt::format("time {}: disks {} and {} overlap by {:.3g}, {:.3g} of their distance at contact",
@@ -64,7 +66,7 @@ void Dynamics::audit_overlaps() const {
     if (box_.is_periodic()) continue;
     double const x = disk.x + disk.velocity_x * now_;
     double const y = disk.y + disk.velocity_y * now_;
-    double const r = radius_of(i);
+    double const r = radius_of(i) * scale();
     double const gap = std::min({x - r, box_.width() - r - x, y - r, box_.height() - r - y});
     if (gap >= -tolerance * 2.0 * r) continue;
     throw RunFailure(fmt::format("time {}: disk {} is {:.3g} outside the box", last_event(), id_of(i), -gap));
@@ -78,11 +80,12 @@ void Dynamics::audit_missed_events() const {
     for (Index j = 0; j < i; ++j) {
       double const end = std::max(now_, std::min(disks_[i].event_time, disks_[j].event_time));
       Flight const pair = flight(disks_[i], disks_[j]);
-      double const contact = radius_of(i) + radius_of(j);
+      double const sum = radius_of(i) + radius_of(j);
       for (double n = -last_image; n <= last_image; n += 1.0) {
         for (double m = -last_image; m <= last_image; m += 1.0) {
           Vector const image{n * box_.width(), m * box_.height()};
-          double const time = pair.nearest(image, now_, end);
+          double const time = pair.nearest(image, sum, growth_.scale, now_, end);
+          double const contact = sum * growth_.scale.at(time);
           double const gap = std::sqrt(squared_length(pair.at(time) + image)) - contact;
           if (gap >= -tolerance * contact) continue;
           throw RunFailure(

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "engine/exact/saved_disks.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
@@ -16,18 +17,18 @@ constexpr double never = std::numeric_limits<double>::infinity();
 /// Epochs between two sorts of the disks in memory: a disk stays near its cell for many collisions.
 constexpr std::uint64_t epochs_per_sort = 8;
 
+/// An epoch with more events than this, for each disk and in looks, is cut, so that its calendar stays small; the ones after it
+/// have about as many as the least.
+constexpr std::uint64_t most_events_in_epoch = 1024;
+constexpr std::uint64_t least_events_in_epoch = 64;
+constexpr std::uint64_t most_looks_in_epoch = 64;
+constexpr std::uint64_t least_looks_in_epoch = 4;
+
 /// Disks of no more than this many bytes stay in the second cache by themselves.
 constexpr std::size_t largest_cached = std::size_t{1} << 20;
 
 bool are_all_equal(std::span<double const> values) {
   return std::ranges::all_of(values, [&](double value) { return value == values.front(); });
-}
-
-/// The largest power of two not above a positive number.
-double power_of_two_below(double value) {
-  int exponent = 0;
-  static_cast<void>(std::frexp(value, &exponent));
-  return std::ldexp(1.0, exponent - 1);
 }
 
 /// Applies a permutation, element i going to place new_place[i], without a second array.
@@ -44,21 +45,29 @@ void permute(Array& values, std::vector<Index> new_place) {
 
 }  // namespace
 
-Dynamics::Dynamics(State const& state) : box_(state.box), size_(state.agents.size()) {
+Dynamics::Dynamics(State const& state, GrowthOfRadii const& growth) : box_(state.box), size_(state.agents.size()) {
   read_disks(state);
-  refresh_prediction_input();
   choose_epoch();
+  if (growth.rate != 0.0) start_growing(growth);
+  refresh_prediction_input();
   sort_disks_by_cell();
-  for (Index i = 0; i < size_; ++i) disks_[i].event_time = never;
-  for (Index i = 0; i < size_; ++i) {
+  std::vector<Index> in_memory(size_);
+  std::iota(in_memory.begin(), in_memory.end(), Index{0});
+  predict_all(in_memory);
+  expected_events_ = 32 * size_;
+  fetches_ahead_ = size_ * sizeof(MovingDisk) > largest_cached;
+  start_epoch();
+}
+
+/// From the zero of the epoch on. The order decides which of two disks waits for the collision of both.
+void Dynamics::predict_all(std::span<Index const> order) {
+  for (Index const i : order) disks_[i].event_time = never;
+  for (Index const i : order) {
     Prediction const first = predictor_.one(prediction_input_, i, 0.0, no_disk);
     disks_[i].event_time = first.time;
     disks_[i].partner = first.partner;
     if (first.partner < vertical_border) disks_[i].partner_collision_count = disks_[first.partner].collision_count;
   }
-  expected_events_ = 32 * size_;
-  fetches_ahead_ = size_ * sizeof(MovingDisk) > largest_cached;
-  start_epoch();
 }
 
 void Dynamics::read_disks(State const& state) {
@@ -118,7 +127,9 @@ void Dynamics::refresh_prediction_input() {
                        .rows = grid_.rows(),
                        .width = box_.width(),
                        .height = box_.height(),
-                       .is_periodic = box_.is_periodic()};
+                       .is_periodic = box_.is_periodic(),
+                       .last_hit = is_growing() ? growth_.last_hit.data() : nullptr,
+                       .scale = growth_.scale};
   predictor_ = fastest_predictor(prediction_input_);
 }
 
@@ -129,7 +140,8 @@ void Dynamics::choose_epoch() {
   }
   if (!(squared_speeds > 0.0)) return;
   double const cell = std::max(box_.width() / grid_.columns(), box_.height() / grid_.rows());
-  epoch_length_ = power_of_two_below(2.0 * cell / std::sqrt(squared_speeds / static_cast<double>(size_)));
+  longest_epoch_ = power_of_two_below(2.0 * cell / std::sqrt(squared_speeds / static_cast<double>(size_)));
+  epoch_length_ = longest_epoch_;
 }
 
 void Dynamics::start_epoch() {
@@ -165,9 +177,21 @@ void Dynamics::sort_disks_by_cell() {
 bool Dynamics::run(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Counters& counters,
                    std::function<bool()> const& should_continue) {
   if (epoch_length_ == 0.0) return true;  // nothing moves, nothing happens
+  return run_until([&] { return elapsed - epoch_start_; }, pair_collisions, audit_every, counters, should_continue);
+}
+
+bool Dynamics::grow(double scale, std::uint64_t pair_collisions, std::uint64_t audit_every, Counters& counters,
+                    std::function<bool()> const& should_continue) {
+  return run_until([&] { return growth_.scale.time_of(scale); }, pair_collisions, audit_every, counters,
+                   should_continue);
+}
+
+template <class TimeToStop>
+bool Dynamics::run_until(TimeToStop time_to_stop, std::uint64_t pair_collisions, std::uint64_t audit_every,
+                         Counters& counters, std::function<bool()> const& should_continue) {
   while (counters.pair_collisions < pair_collisions) {
     ScheduledEvent const* const next = next_event();
-    if (next->time > elapsed - epoch_start_) return true;
+    if (next->time > time_to_stop()) return true;
     ScheduledEvent const due = *next;
     calendar_.pop(next, disks_.data());
     std::uint64_t const before = counters.pair_collisions;
@@ -182,10 +206,18 @@ bool Dynamics::run(double elapsed, std::uint64_t pair_collisions, std::uint64_t 
     }
     // A count that outlives interruptions, so that the moments do not depend on them.
     bool const is_look_due = counters.moves % events_per_look == 0;
-    if (is_look_due) require_time_to_pass();
+    if (is_look_due) look();
     if ((is_look_due || is_audit_due) && should_continue && !should_continue()) return false;
   }
   return false;
+}
+
+void Dynamics::look() {
+  require_time_to_pass();
+  ++looks_in_epoch_;
+  bool const is_crowded =
+      looks_in_epoch_ > most_looks_in_epoch && looks_in_epoch_ * events_per_look > most_events_in_epoch * size_;
+  if (is_crowded && !is_growing()) cut_epoch();
 }
 
 /// The next event that is still kept, of a later epoch where this one has none left.
@@ -195,20 +227,51 @@ ScheduledEvent const* Dynamics::next_event() {
       if (disks_[next->disk].event_time == next->time) return next;
       calendar_.pop(next, disks_.data());
     }
-    for (std::size_t i = 0; i < size_; ++i) {
-      MovingDisk& disk = disks_[i];
-      disk.x += disk.velocity_x * epoch_length_;
-      disk.y += disk.velocity_y * epoch_length_;
-      disk.event_time -= epoch_length_;  // exact: the length is a power of two, the time not below it
-    }
-    ++epoch_;
-    epoch_start_ = static_cast<double>(epoch_) * epoch_length_;
-    now_ -= epoch_length_;
-    expected_events_ = calendar_.made();
-    if (epoch_ % epochs_per_sort == 0) sort_disks_by_cell();
-    pipeline_.clear();
-    start_epoch();
+    end_epoch();
   }
+}
+
+void Dynamics::end_epoch() {
+  if (is_growing()) {
+    begin_growing_epoch(epoch_length_, std::min(2.0 * epoch_length_, longest_growing_epoch()), 1.0);
+    return;
+  }
+  bool const may_be_longer = looks_in_epoch_ <= 1 && epoch_length_ < longest_epoch_;
+  move_zero_of_time(epoch_length_);
+  if (may_be_longer) epoch_length_ *= 2.0;
+  start_epoch();
+}
+
+/// Goes on with epochs of about a tenth of the events. They begin at a multiple of their length, so that event times are
+/// reduced exactly.
+void Dynamics::cut_epoch() {
+  double const wanted =
+      static_cast<double>(std::max(least_looks_in_epoch * events_per_look, least_events_in_epoch * size_));
+  double const length = power_of_two_below(now_ * wanted / static_cast<double>(looks_in_epoch_ * events_per_look));
+  if (!(length > 0.0)) return;  // no time has passed at all
+  move_zero_of_time(std::floor(now_ / length) * length);
+  epoch_length_ = length;
+  start_epoch();
+}
+
+void Dynamics::move_zero_of_time(double zero) {
+  for (std::size_t i = 0; i < size_; ++i) {
+    MovingDisk& disk = disks_[i];
+    disk.x += disk.velocity_x * zero;
+    disk.y += disk.velocity_y * zero;
+    disk.event_time -= zero;  // exact: the zero is a multiple of a power of two, and the time is not below it
+  }
+  ++epoch_;
+  double const later = zero + epoch_start_rest_;
+  double const start = epoch_start_ + later;
+  epoch_start_rest_ = later - (start - epoch_start_);
+  epoch_start_ = start;
+  watch_.passed += zero;
+  now_ -= zero;
+  looks_in_epoch_ = 0;
+  expected_events_ = calendar_.made();
+  if (epoch_ % epochs_per_sort == 0) sort_disks_by_cell();
+  pipeline_.clear();
 }
 
 /// Keeps the pipeline fed with the disks of a bucket to come, and moving: about two events are scheduled for each one
@@ -232,13 +295,11 @@ void Dynamics::fetch_ahead() {
 void Dynamics::handle(Index i, Counters& counters) {
   ++counters.moves;
   MovingDisk& disk = disks_[i];
-  if (disk.partner == vertical_border) {
-    hit_or_cross_vertical_border(disk, i, counters);
-  } else if (disk.partner == horizontal_border) {
-    hit_or_cross_horizontal_border(disk, i, counters);
+  if (disk.partner >= vertical_border) {
+    hit_or_cross_border(disk, i, counters);
   } else if (disks_[disk.partner].collision_count == disk.partner_collision_count) {
     Index const j = disk.partner;
-    collide(i, j, counters);
+    is_growing() ? collide_growing(i, j, counters) : collide(i, j, counters);
     disk.event_time = never;
     disks_[j].event_time = never;
     // Both predictions before either is written down, so that the processor works on the two at once.
@@ -288,6 +349,16 @@ void Dynamics::collide(Index i, Index j, Counters& counters) {
   counters.pair_virial -= mass_a * along_a * squared_distance;
 }
 
+void Dynamics::hit_or_cross_border(MovingDisk& disk, Index i, Counters& counters) {
+  if (is_growing()) {
+    hit_or_cross_growing(disk, i, counters);
+  } else if (disk.partner == vertical_border) {
+    hit_or_cross_vertical_border(disk, i, counters);
+  } else {
+    hit_or_cross_horizontal_border(disk, i, counters);
+  }
+}
+
 void Dynamics::hit_or_cross_vertical_border(MovingDisk& disk, Index i, Counters& counters) {
   bool const is_rightwards = disk.velocity_x > 0.0;
   bool const is_last = disk.column == (is_rightwards ? grid_.columns() - 1 : 0);
@@ -300,6 +371,11 @@ void Dynamics::hit_or_cross_vertical_border(MovingDisk& disk, Index i, Counters&
     ++disk.collision_count;
     return;
   }
+  cross_vertical_border(disk, i, is_rightwards);
+}
+
+void Dynamics::cross_vertical_border(MovingDisk& disk, Index i, bool is_rightwards) {
+  bool const is_last = disk.column == (is_rightwards ? grid_.columns() - 1 : 0);
   grid_.erase(i, disk.column, disk.row);
   disk.column += is_rightwards ? 1 : -1;
   if (is_last) {
@@ -323,6 +399,11 @@ void Dynamics::hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Counter
     ++disk.collision_count;
     return;
   }
+  cross_horizontal_border(disk, i, is_upwards);
+}
+
+void Dynamics::cross_horizontal_border(MovingDisk& disk, Index i, bool is_upwards) {
+  bool const is_last = disk.row == (is_upwards ? grid_.rows() - 1 : 0);
   grid_.erase(i, disk.column, disk.row);
   disk.row += is_upwards ? 1 : -1;
   if (is_last) {
@@ -334,12 +415,13 @@ void Dynamics::hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Counter
   if (prediction_input_.capacity != grid_.capacity()) refresh_prediction_input();
 }
 
-void Dynamics::write_at(double t, State& state) const {
+void Dynamics::write_at(double t, double scale, State& state) const {
   Disks& disks = state.agents;
   auto const radius = disks.column<Radius>();
   for (std::size_t i = 0; i < size_; ++i) {
     MovingDisk const& disk = disks_[i];
     std::size_t const row = row_of_.empty() ? disk.id_index : row_of_[disk.id_index];
+    if (is_growing()) radius[row] = radius_[i] * scale;
     int crossed_x = 0;
     int crossed_y = 0;
     Vector p = box_.wrap({disk.x + disk.velocity_x * t, disk.y + disk.velocity_y * t}, crossed_x, crossed_y);
@@ -384,7 +466,12 @@ void Dynamics::serialize(Archive& archive) {
   archive.visit("now", now_);
   archive.visit("epoch", epoch_);
   archive.visit("epoch_length", epoch_length_);
+  archive.visit("longest_epoch", longest_epoch_);
+  archive.visit("epoch_start", epoch_start_);
+  archive.visit("epoch_start_rest", epoch_start_rest_);
+  archive.visit("looks_in_epoch", looks_in_epoch_);
   archive.visit("expected_events", expected_events_);
+  if (is_growing()) serialize_growth(archive);
   if (archive.is_restoring()) restore(archive, saved);
 }
 
@@ -413,7 +500,6 @@ void Dynamics::restore(Archive const& archive, SavedDisks const& saved) {
     image_[disks[id_index]] = {saved.image_x[id_index], saved.image_y[id_index]};
     grid_.insert(disks[id_index], disk.column, disk.row);
   }
-  epoch_start_ = static_cast<double>(epoch_) * epoch_length_;
   refresh_prediction_input();
   pipeline_.clear();
   start_epoch();

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "engine/exact/calendar.hpp"
 #include "engine/exact/fetch_pipeline.hpp"
 #include "engine/exact/moving_disk.hpp"
 #include "engine/exact/prediction.hpp"
+#include "engine/exact/scale.hpp"
 #include "engine/exact/slot_grid.hpp"
 #include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/disks.hpp"
@@ -18,15 +20,25 @@ namespace gridlock::exact {
 
 struct SavedDisks;
 
+/// How the disks of a dynamics grow.
+struct GrowthOfRadii {
+  double rate = 0.0;           ///< every radius is R · (1 + rate · t); 0: constant
+  double size_of_cells = 1.0;  ///< in sides of the smallest that will do; nothing but the cost depends on it
+};
+
 /// Hard disks in free flight from event to event: the exact dynamics of a state, in a layout of its own.
 ///
 /// Times are counted from the state it was made of. Inside, they are counted from the start of an epoch, a power of two
 /// long in which a disk crosses a few cells, so that positions and event times keep their digits however long the run is.
-/// At the end of an epoch every disk's centre moves on to the new zero of time.
-/// Contract: a valid state; a periodic box at least two largest diameters wide and high.
+/// At the end of an epoch every disk's centre moves on to the new zero of time. Where disks collide so often that an epoch
+/// would hold too many events, it is cut.
+///
+/// Disks may grow while they fly, all in proportion: radius · (1 + rate · t). Then every event is predicted anew at the
+/// start of an epoch, and the trajectory does not depend on the cells.
+/// Contract: a valid state; a periodic box wider and higher than two distances at contact, also when the disks have grown.
 class Dynamics {
  public:
-  explicit Dynamics(State const& state);
+  explicit Dynamics(State const& state, GrowthOfRadii const& growth = {});
 
   /// Handles every event up to `elapsed`, or until the counters reach `pair_collisions`, or until `should_continue`,
   /// asked every `events_per_look` events and after each audit, says no; says whether it got to `elapsed`.
@@ -36,20 +48,51 @@ class Dynamics {
            std::function<bool()> const& should_continue = {});
   static constexpr std::uint64_t events_per_look = std::uint64_t{1} << 14;
 
+  /// The same for disks that grow, up to the time at which all radii have grown by the factor `scale`.
+  bool grow(double scale, std::uint64_t pair_collisions, std::uint64_t audit_every, Counters& counters,
+            std::function<bool()> const& should_continue = {});
+  /// Begins a new epoch at the last event, and multiplies all velocities: often enough, some tens of collisions a disk
+  /// apart, to keep the calendar small. Contract: the disks grow.
+  void renew(double factor_of_velocities = 1.0);
+  /// Writes the state as write() does, at the time at which the radii have grown by `scale`. Contract: grow() has said
+  /// that it got there.
+  void write_grown(double scale, State& state) const { write_at(growth_.scale.time_of(scale), scale, state); }
+
+  /// The time, since the state it was made of, at which they have.
+  [[nodiscard]] double time_of(double scale) const {
+    return epoch_start_ + (epoch_start_rest_ + growth_.scale.time_of(scale));
+  }
+
+  /// Time and collisions since the last call of begin_measurement(), while the disks grow.
+  struct Measurement {
+    double time = 0.0;
+    double virial = 0.0;  ///< of pairs, and of walls as Σ R |Δp|
+  };
+  [[nodiscard]] Measurement measurement() const { return {growth_.measured_time + now_, growth_.measured_virial}; }
+  void begin_measurement() {
+    growth_.measured_time = -now_;
+    growth_.measured_virial = 0.0;
+  }
+  /// By which factor the radii have grown.
+  [[nodiscard]] double scale() const { return growth_.scale.at(now_); }
+
   /// The time of the last event handled, in this epoch.
   [[nodiscard]] double now() const { return now_; }
   /// The time of the last event handled.
-  [[nodiscard]] double last_event() const { return epoch_start_ + now_; }
+  [[nodiscard]] double last_event() const { return epoch_start_ + (epoch_start_rest_ + now_); }
 
   /// Whether waiting for a collision can make sense: at least two disks, and one of them moves.
   [[nodiscard]] bool can_collide() const { return size_ > 1 && epoch_length_ > 0.0; }
 
   /// Writes positions at time `elapsed`, but not before the last event, velocities and images into the state it was made
-  /// of.
-  void write(double elapsed, State& state) const { write_at(std::max(elapsed - epoch_start_, now_), state); }
+  /// of, and radii if they grow.
+  void write(double elapsed, State& state) const {
+    double const time = std::max(elapsed - epoch_start_, now_);
+    write_at(time, growth_.scale.at(time), state);
+  }
   /// The same at the exact time of the last event, for which the time of a long run has not enough digits: a disk that
   /// has just collided touches its partner, and does not overlap it.
-  void write_at_last_event(State& state) const { write_at(now_, state); }
+  void write_at_last_event(State& state) const { write_at(now_, scale(), state); }
 
   /// Throws RunFailure where two disks, or a disk and a wall, overlap by more than 1e-12 diameters, or, for up to 2000
   /// disks, where a collision would be missed: a pair that comes to overlap before either disk's own event.
@@ -74,20 +117,44 @@ class Dynamics {
   void choose_epoch();
   [[nodiscard]] std::vector<Index> disks_by_id_index() const;
   void start_epoch();
+  void move_zero_of_time(double zero);
+  void cut_epoch();
+  void predict_all(std::span<Index const> order);
   void sort_disks_by_cell();
   void refresh_prediction_input();
 
   void restore(Archive const& archive, SavedDisks const& saved);
 
+  template <class TimeToStop>
+  bool run_until(TimeToStop time_to_stop, std::uint64_t pair_collisions, std::uint64_t audit_every, Counters& counters,
+                 std::function<bool()> const& should_continue);
+  void look();
   ScheduledEvent const* next_event();
+  void end_epoch();
   void fetch_ahead();
   void handle(Index i, Counters& counters);
   void collide(Index i, Index j, Counters& counters);
+  void hit_or_cross_border(MovingDisk& disk, Index i, Counters& counters);
   void hit_or_cross_vertical_border(MovingDisk& disk, Index i, Counters& counters);
   void hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Counters& counters);
+  void cross_vertical_border(MovingDisk& disk, Index i, bool is_rightwards);
+  void cross_horizontal_border(MovingDisk& disk, Index i, bool is_upwards);
   void schedule(Index i, Prediction const& next);
 
-  void write_at(double time, State& state) const;
+  // Of disks that grow: growing.cpp.
+  [[nodiscard]] bool is_growing() const { return growth_.scale.rate != 0.0; }
+  void start_growing(GrowthOfRadii const& growth);
+  void begin_growing_epoch(double zero, double length, double factor_of_velocities);
+  [[nodiscard]] double longest_growing_epoch() const;
+  void make_room_in_cells();
+  void lay_cells(CellLayout const& layout);
+  void collide_growing(Index i, Index j, Counters& counters);
+  void hit_or_cross_growing(MovingDisk& disk, Index i, Counters& counters);
+  void hit_wall_growing(MovingDisk& disk, Index i, Side wall, Counters& counters);
+  void serialize_growth(Archive& archive);
+  void restore_cells(Archive const& archive, std::vector<std::uint64_t> const& cells);
+
+  void write_at(double time, double scale, State& state) const;
 
   void require_time_to_pass();
   void audit_overlaps() const;
@@ -122,16 +189,30 @@ class Dynamics {
   bool fetches_ahead_ = false;  // the disks are too many for the cache
   std::uint32_t seen_bucket_ = 0;
   FetchPipeline pipeline_;
-  double now_ = 0.0;           // time of the last event, in this epoch
-  double epoch_length_ = 0.0;  // 0 when nothing moves
+  double now_ = 0.0;            // time of the last event, in this epoch
+  double epoch_length_ = 0.0;   // 0 when nothing moves
+  double longest_epoch_ = 0.0;  // what epoch_length_ is while it need not be cut
   double epoch_start_ = 0.0;
+  double epoch_start_rest_ = 0.0;  // what is too small to be added to it
   std::uint64_t epoch_ = 0;
+  std::uint64_t looks_in_epoch_ = 0;
   std::uint64_t expected_events_ = 0;
   std::uint64_t audits_ = 0;
 
+  struct Growth {
+    Scale scale;
+    double size_of_cells = 1.0;
+    double largest_radius = 0.0;   // at the start
+    std::vector<double> last_hit;  // see PredictionInput
+    std::uint64_t collisions_in_epoch = 0;
+    double measured_time = 0.0;  // up to the start of the epoch
+    double measured_virial = 0.0;
+  };
+  Growth growth_;
+
   /// Since when it is watched whether time passes. Only a run that fails depends on it, so it is not serialized.
   struct Watch {
-    std::uint64_t epoch = 0;
+    double passed = 0.0;  ///< up to the start of the epoch
     double now = 0.0;
     std::uint64_t looks = 0;
     std::vector<std::uint32_t> collision_counts;  ///< by id index; empty where there is no suspicion yet

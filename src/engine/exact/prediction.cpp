@@ -44,22 +44,17 @@ class Earliest {
   Prediction best_;
 };
 
-double shift(std::int32_t index, std::int32_t count, double side) {
-  if (index < 0) return -side;
-  return index >= count ? side : 0.0;
-}
-
 }  // namespace
 
 Prediction predict_scalar(PredictionInput const& s, Index i, double now, Index apart) {
   Earliest earliest(s, i, now, apart);
   MovingDisk const& disk = s.disks[i];
   for (std::int32_t row = disk.row - 1; row <= disk.row + 1; ++row) {
-    double const shift_y = shift(row, s.rows, s.height);
+    double const shift_y = shift_of_image(row, s.rows, s.height);
     Index const* slot =
         s.slots + static_cast<std::size_t>(row + 1) * s.row_stride + static_cast<std::size_t>(disk.column) * s.capacity;
     for (std::int32_t column = disk.column - 1; column <= disk.column + 1; ++column) {
-      double const shift_x = shift(column, s.columns, s.width);
+      double const shift_x = shift_of_image(column, s.columns, s.width);
       for (std::size_t k = 0; k < s.capacity; ++k, ++slot) {
         if (*slot != no_disk && *slot != i) earliest.consider(*slot, shift_x, shift_y);
       }
@@ -73,6 +68,9 @@ PairPrediction predict_pair_scalar(PredictionInput const& s, Index i, Index j, d
 }
 
 Predictor fastest_predictor(PredictionInput const& s) {
+  bool const is_growing = s.last_hit != nullptr;
+  if (is_growing && can_use_avx512(s)) return {predict_growing_with_avx512, predict_pair_growing_with_avx512};
+  if (is_growing) return {predict_growing, predict_pair_growing};
   if (can_use_avx512(s)) return {predict_with_avx512, predict_pair_with_avx512};
   return {predict_scalar, predict_pair_scalar};
 }

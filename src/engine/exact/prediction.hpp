@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "engine/exact/moving_disk.hpp"
+#include "engine/exact/scale.hpp"
 
 namespace gridlock::exact {
 
@@ -22,6 +23,9 @@ struct PredictionInput {
   double width;
   double height;
   bool is_periodic;
+  double const* last_hit =
+      nullptr;       ///< when each disk's velocity last changed, in this epoch; nullptr while nothing grows
+  Scale scale = {};  ///< of all radii
 
   [[nodiscard]] double radius_of(Index i) const { return radius != nullptr ? radius[i] : equal_radius; }
 };
@@ -62,6 +66,17 @@ using PredictPair = PairPrediction (*)(PredictionInput const& prediction_input, 
 PairPrediction predict_pair_scalar(PredictionInput const& prediction_input, Index i, Index j, double now);
 PairPrediction predict_pair_with_avx512(PredictionInput const& prediction_input, Index i, Index j, double now);
 
+/// The same for disks that grow: σ = (R_i + R_j) · scale(t), a = dσ/dt, A = w² − a², b = d·w − aσ. They touch after
+///     Δt = c / (−b + √(b² − Ac))   if b < 0,
+///     Δt = (b + √(b² − Ac)) / (−A)   if b ≥ 0 and A < 0: the disks grow faster than they part.
+/// d, b and c are those of the moment at which the velocity of one of the two last changed: the time of contact has the
+/// same bits whenever it is predicted, so that neither cells nor void events show in the trajectory.
+/// Contract: all event times come from this kernel since the zero of the epoch.
+Prediction predict_growing(PredictionInput const& prediction_input, Index i, double now, Index apart);
+PairPrediction predict_pair_growing(PredictionInput const& prediction_input, Index i, Index j, double now);
+Prediction predict_growing_with_avx512(PredictionInput const& prediction_input, Index i, double now, Index apart);
+PairPrediction predict_pair_growing_with_avx512(PredictionInput const& prediction_input, Index i, Index j, double now);
+
 /// A kernel that predicts, for one disk and for two.
 struct Predictor {
   Predict one;
@@ -87,6 +102,22 @@ inline Prediction predict_border(PredictionInput const& s, Index i, double now) 
   // Without a branch, for either is as likely.
   static_assert(horizontal_border == vertical_border + 1);
   return {std::max(now, std::min(x_time, y_time)), vertical_border + static_cast<Index>(y_time < x_time)};
+}
+
+enum class Side { left, right, bottom, top };
+
+/// The first border of its cell, or wall, that a growing disk reaches.
+struct BorderEvent {
+  double time;
+  Side side;
+  bool is_wall;
+};
+BorderEvent border_event_growing(PredictionInput const& prediction_input, Index i);
+
+/// How much is to be added to a position in a cell of that index, which may be a ghost beside the box.
+inline double shift_of_image(std::int32_t index, std::int32_t count, double side) {
+  if (index < 0) return -side;
+  return index >= count ? side : 0.0;
 }
 
 }  // namespace gridlock::exact

@@ -25,7 +25,7 @@ constexpr double digits_per_flight = 64.0;
 /// shorter flights cannot be computed. The hits of each disk are counted only once all events together come that fast.
 void Dynamics::require_time_to_pass() {
   if (++watch_.looks * events_per_look < std::max<std::uint64_t>(least_events, events_per_disk * size_)) return;
-  double const passed = static_cast<double>(epoch_ - watch_.epoch) * epoch_length_ + (now_ - watch_.now);
+  double const passed = watch_.passed + (now_ - watch_.now);
   double squared_speeds = 0.0;
   for (std::size_t i = 0; i < size_; ++i) {
     squared_speeds += disks_[i].velocity_x * disks_[i].velocity_x + disks_[i].velocity_y * disks_[i].velocity_y;
@@ -54,7 +54,7 @@ void Dynamics::require_time_to_pass() {
     }
   }
   bool const is_suspicious = passed * speed < static_cast<double>(watch_.looks * events_per_look) * least_displacement;
-  watch_ = {.epoch = epoch_, .now = now_, .looks = 0, .collision_counts = {}};
+  watch_ = {.passed = 0.0, .now = now_, .looks = 0, .collision_counts = {}};
   if (!is_suspicious) return;
   watch_.collision_counts.resize(size_);
   for (Index i = 0; i < size_; ++i) watch_.collision_counts[disks_[i].id_index] = disks_[i].collision_count;

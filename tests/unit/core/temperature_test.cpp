@@ -1,4 +1,4 @@
-#include "observe/temperature.hpp"
+#include "core/temperature.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/exact/prediction.hpp"
+
+namespace gridlock::exact {
+
+/// A distance that rounding leaves open, as part of σ².
+inline constexpr double rounding_of_square = std::numeric_limits<double>::epsilon();
+
+/// How long two disks that do not approach each other fly until growth has closed the gap; A < 0, b ≥ 0. The roots of
+/// disks that touch but for rounding may not exist: they get a time in which they overlap by no more than rounding, and
+/// never none, so that time passes.
+inline double wait_for_growth(double a, double b, double c, double squared_contact) {
+  double const gap = std::max(std::abs(c), rounding_of_square * squared_contact);
+  return (b + std::sqrt(b * b - a * gap)) / -a;
+}
+
+/// The candidate with the earliest collision so far.
+class EarliestGrowing {
+ public:
+  EarliestGrowing(PredictionInput const& s, Index i, double now, Index apart, Prediction best)
+      : s_(s),
+        self_(s.disks[i]),
+        now_(now),
+        apart_(apart),
+        radius_(s.radius[i]),
+        last_hit_(s.last_hit[i]),
+        best_(best) {}
+
+  /// Looks at the image of disk j shifted by whole sides of the box.
+  void consider(Index j, double shift_x, double shift_y) {
+    MovingDisk const& other = s_.disks[j];
+    double const begin = std::max(last_hit_, s_.last_hit[j]);
+    double const w_x = other.velocity_x - self_.velocity_x;
+    double const w_y = other.velocity_y - self_.velocity_y;
+    double const d_x = ((other.x - self_.x) + shift_x) + w_x * begin;
+    double const d_y = ((other.y - self_.y) + shift_y) + w_y * begin;
+    double const sum = radius_ + s_.radius[j];
+    double const contact = sum * s_.scale.at(begin);
+    double const growth = sum * s_.scale.rate;
+    double const a = (w_x * w_x + w_y * w_y) - growth * growth;
+    double b = (d_x * w_x + d_y * w_y) - growth * contact;
+    if (b >= 0.0 && a >= 0.0) return;
+    double const c = (d_x * d_x + d_y * d_y) - contact * contact;
+    if (j == apart_ && c < 1e-3 * contact * contact) {
+      if (a >= 0.0) return;
+      b = std::max(b, 0.0);
+    }
+    double wait = 0.0;
+    if (b < 0.0) {
+      double const discriminant = b * b - a * c;
+      if (discriminant >= 0.0) {
+        wait = c / (std::sqrt(discriminant) - b);
+      } else if (c > 0.0) {
+        return;
+      }
+    } else {
+      wait = wait_for_growth(a, b, c, contact * contact);
+    }
+    double const time = std::max(begin + wait, now_);
+    if (!(time < other.event_time)) return;
+    bool const is_tie = time == best_.time && best_.partner < vertical_border;
+    if (time < best_.time || (is_tie && other.id_index < s_.disks[best_.partner].id_index)) best_ = {time, j};
+  }
+
+  [[nodiscard]] Prediction best() const { return best_; }
+
+ private:
+  PredictionInput const& s_;
+  MovingDisk const& self_;
+  double now_;
+  Index apart_;
+  double radius_;
+  double last_hit_;
+  Prediction best_;
+};
+
+/// When a growing disk reaches the border of its cell, or a wall.
+inline Prediction border_growing(PredictionInput const& s, Index i, double now) {
+  if (s.is_periodic) return predict_border(s, i, now);
+  BorderEvent const border = border_event_growing(s, i);
+  bool const is_vertical = border.side == Side::left || border.side == Side::right;
+  return {std::max(now, border.time), is_vertical ? vertical_border : horizontal_border};
+}
+
+}  // namespace gridlock::exact

@@ -1,0 +1,85 @@
+#include <limits>
+
+#include "engine/exact/growing_candidates.hpp"
+#include "engine/exact/prediction.hpp"
+
+namespace gridlock::exact {
+
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+/// One coordinate of a growing disk.
+struct Track {
+  double place;
+  double velocity;
+  double radius;
+  double last_hit;
+};
+
+struct CellOfTrack {
+  double const* edges;
+  std::int32_t index;
+  std::int32_t count;
+  double side;
+  bool is_periodic;
+};
+
+/// `upper` for the border or the wall on the side of larger coordinates.
+BorderEvent first_border(Track const& track, CellOfTrack const& cell, Scale const& scale, Side lower, Side upper) {
+  BorderEvent first{never, lower, false};
+  bool const is_upwards = track.velocity > 0.0;
+  bool const is_first = cell.index == 0 && !cell.is_periodic;
+  bool const is_last = cell.index == cell.count - 1 && !cell.is_periodic;
+  if (track.velocity != 0.0 && !(is_upwards ? is_last : is_first)) {
+    first = {(cell.edges[cell.index + (is_upwards ? 1 : 0)] - track.place) / track.velocity, is_upwards ? upper : lower,
+             false};
+  }
+  auto const consider_wall = [&](double gap, double outwards, Side side) {
+    double const approach = outwards + track.radius * scale.rate;
+    if (!(approach > 0.0)) return;
+    double const time = track.last_hit + gap / approach;
+    if (time < first.time) first = {time, side, true};
+  };
+  double const place = track.place + track.velocity * track.last_hit;
+  double const radius = track.radius * scale.at(track.last_hit);
+  if (is_first) consider_wall(place - radius, -track.velocity, lower);
+  if (is_last) consider_wall((cell.side - place) - radius, track.velocity, upper);
+  return first;
+}
+
+}  // namespace
+
+BorderEvent border_event_growing(PredictionInput const& s, Index i) {
+  MovingDisk const& disk = s.disks[i];
+  BorderEvent const vertical =
+      first_border({disk.x, disk.velocity_x, s.radius[i], s.last_hit[i]},
+                   {s.column_edges, disk.column, s.columns, s.width, s.is_periodic}, s.scale, Side::left, Side::right);
+  BorderEvent const horizontal =
+      first_border({disk.y, disk.velocity_y, s.radius[i], s.last_hit[i]},
+                   {s.row_edges, disk.row, s.rows, s.height, s.is_periodic}, s.scale, Side::bottom, Side::top);
+  return horizontal.time < vertical.time ? horizontal : vertical;
+}
+
+Prediction predict_growing(PredictionInput const& s, Index i, double now, Index apart) {
+  EarliestGrowing earliest(s, i, now, apart, border_growing(s, i, now));
+  MovingDisk const& disk = s.disks[i];
+  for (std::int32_t row = disk.row - 1; row <= disk.row + 1; ++row) {
+    double const shift_y = shift_of_image(row, s.rows, s.height);
+    Index const* slot =
+        s.slots + static_cast<std::size_t>(row + 1) * s.row_stride + static_cast<std::size_t>(disk.column) * s.capacity;
+    for (std::int32_t column = disk.column - 1; column <= disk.column + 1; ++column) {
+      double const shift_x = shift_of_image(column, s.columns, s.width);
+      for (Index const* const end = slot + s.capacity; slot != end; ++slot) {
+        if (*slot != no_disk && *slot != i) earliest.consider(*slot, shift_x, shift_y);
+      }
+    }
+  }
+  return earliest.best();
+}
+
+PairPrediction predict_pair_growing(PredictionInput const& s, Index i, Index j, double now) {
+  return {predict_growing(s, i, now, j), predict_growing(s, j, now, i)};
+}
+
+}  // namespace gridlock::exact

@@ -1,0 +1,146 @@
+#include "engine/exact/growing_candidates.hpp"
+#include "engine/exact/wide_candidates.hpp"
+
+#if defined(__x86_64__) && defined(__GNUC__)
+
+namespace gridlock::exact {
+
+namespace {
+
+/// By how much a coordinate of a separation is to be moved to be the nearest image.
+GRIDLOCK_AVX512 inline __m512d shift_to_nearest(__m512d d, double side) {
+  __mmask8 const above = _mm512_cmp_pd_mask(d, _mm512_set1_pd(0.5 * side), _CMP_GT_OQ);
+  __mmask8 const below = _mm512_cmp_pd_mask(d, _mm512_set1_pd(-0.5 * side), _CMP_LT_OQ);
+  __m512d const shift = _mm512_maskz_mov_pd(above, _mm512_set1_pd(-side));
+  return _mm512_mask_mov_pd(shift, below, _mm512_set1_pd(side));
+}
+
+/// The nearest images of eight candidates, as EarliestGrowing::consider() wants them.
+struct Shifts {
+  __m512d x, y;
+};
+
+/// The first of `best` and the contacts with the candidates. Disks that part more slowly than they grow are rare: they are
+/// looked at one by one.
+GRIDLOCK_AVX512 inline Prediction first_contact(PredictionInput const& s, Index i, double now,
+                                                Candidates const& candidates) {
+  Prediction best = s.is_periodic ? predict_border_packed(s, i, now) : border_growing(s, i, now);
+  MovingDisk const& self = s.disks[i];
+  bool const needs_images = is_at_periodic_edge(s, self);
+  __m512d const zero = _mm512_setzero_pd();
+  __m512d const time_now = _mm512_set1_pd(now);
+  __m512d const self_x = _mm512_set1_pd(self.x);
+  __m512d const self_y = _mm512_set1_pd(self.y);
+  __m512d const self_velocity_x = _mm512_set1_pd(self.velocity_x);
+  __m512d const self_velocity_y = _mm512_set1_pd(self.velocity_y);
+  for (std::size_t k = 0; k < candidates.count; k += lanes) {
+    Index const* const names = candidates.disks + k;
+    Columns const other = columns_of(s.disks, names);
+    __m256i const places = _mm256_loadu_si256(reinterpret_cast<__m256i const*>(names));
+    __m512d const begin =
+        _mm512_max_pd(_mm512_set1_pd(s.last_hit[i]), _mm512_i32gather_pd(places, s.last_hit, sizeof(double)));
+    __m512d const w_x = _mm512_sub_pd(other.velocity_x, self_velocity_x);
+    __m512d const w_y = _mm512_sub_pd(other.velocity_y, self_velocity_y);
+    __m512d d_x = _mm512_sub_pd(other.x, self_x);
+    __m512d d_y = _mm512_sub_pd(other.y, self_y);
+    Shifts shifts{zero, zero};
+    if (needs_images) {
+      shifts.x = shift_to_nearest(_mm512_add_pd(d_x, _mm512_mul_pd(w_x, time_now)), s.width);
+      shifts.y = shift_to_nearest(_mm512_add_pd(d_y, _mm512_mul_pd(w_y, time_now)), s.height);
+      d_x = _mm512_add_pd(d_x, shifts.x);
+      d_y = _mm512_add_pd(d_y, shifts.y);
+    }
+    d_x = _mm512_add_pd(d_x, _mm512_mul_pd(w_x, begin));
+    d_y = _mm512_add_pd(d_y, _mm512_mul_pd(w_y, begin));
+    __m512d const sum =
+        _mm512_add_pd(_mm512_set1_pd(s.radius[i]), _mm512_i32gather_pd(places, s.radius, sizeof(double)));
+    __m512d const rate = _mm512_set1_pd(s.scale.rate);
+    __m512d const scale = _mm512_add_pd(_mm512_set1_pd(s.scale.at_zero),
+                                        _mm512_add_pd(_mm512_set1_pd(s.scale.rest), _mm512_mul_pd(rate, begin)));
+    __m512d const contact = _mm512_mul_pd(sum, scale);
+    __m512d const growth = _mm512_mul_pd(sum, rate);
+    __m512d const a =
+        _mm512_sub_pd(_mm512_add_pd(_mm512_mul_pd(w_x, w_x), _mm512_mul_pd(w_y, w_y)), _mm512_mul_pd(growth, growth));
+    __m512d const b =
+        _mm512_sub_pd(_mm512_add_pd(_mm512_mul_pd(d_x, w_x), _mm512_mul_pd(d_y, w_y)), _mm512_mul_pd(growth, contact));
+    __m512d const c =
+        _mm512_sub_pd(_mm512_add_pd(_mm512_mul_pd(d_x, d_x), _mm512_mul_pd(d_y, d_y)), _mm512_mul_pd(contact, contact));
+    __m512d const discriminant = _mm512_sub_pd(_mm512_mul_pd(b, b), _mm512_mul_pd(a, c));
+    __m512d const wait = _mm512_div_pd(c, _mm512_sub_pd(_mm512_sqrt_pd(discriminant), b));
+    __m512d const time = _mm512_max_pd(_mm512_add_pd(begin, wait), time_now);
+
+    auto const all = static_cast<__mmask8>((1U << (candidates.count - k)) - 1U);  // there are at most sixteen
+    __mmask8 hits = _mm512_mask_cmp_pd_mask(all, b, zero, _CMP_LT_OQ);
+    hits = _mm512_mask_cmp_pd_mask(hits, discriminant, zero, _CMP_GE_OQ);
+    hits = _mm512_mask_cmp_pd_mask(hits, time, other.event_time, _CMP_LT_OQ);
+    best = earlier_of(best, hits, time, names, s.disks);
+    if (unsigned slow = _mm512_mask_cmp_pd_mask(all, a, zero, _CMP_LT_OQ); slow != 0) [[unlikely]] {
+      alignas(64) double shift_x[lanes];
+      alignas(64) double shift_y[lanes];
+      _mm512_store_pd(shift_x, shifts.x);
+      _mm512_store_pd(shift_y, shifts.y);
+      EarliestGrowing earliest(s, i, now, no_disk, best);
+      for (; slow != 0; slow &= slow - 1U) {
+        int const lane = std::countr_zero(slow);
+        earliest.consider(names[lane], shift_x[lane], shift_y[lane]);
+      }
+      best = earliest.best();
+    }
+  }
+  return best;
+}
+
+/// The disk that i has just collided with touches it again before another event only where growth overtakes the two.
+inline Prediction with_disk_apart(PredictionInput const& s, Index i, double now, Index apart, Prediction best) {
+  MovingDisk const& self = s.disks[i];
+  MovingDisk const& other = s.disks[apart];
+  double const w_x = other.velocity_x - self.velocity_x;
+  double const w_y = other.velocity_y - self.velocity_y;
+  double const growth = (s.radius[i] + s.radius[apart]) * s.scale.rate;
+  if (w_x * w_x + w_y * w_y >= growth * growth) [[likely]]
+    return best;
+  auto const shift = [](double d, double side) { return d > 0.5 * side ? -side : d < -0.5 * side ? side : 0.0; };
+  EarliestGrowing earliest(s, i, now, apart, best);
+  earliest.consider(apart, s.is_periodic ? shift((other.x - self.x) + w_x * now, s.width) : 0.0,
+                    s.is_periodic ? shift((other.y - self.y) + w_y * now, s.height) : 0.0);
+  return earliest.best();
+}
+
+}  // namespace
+
+GRIDLOCK_AVX512 Prediction predict_growing_with_avx512(PredictionInput const& s, Index i, double now, Index apart) {
+  Candidates candidates;
+  if (!collect(s, i, apart, candidates)) [[unlikely]]
+    return predict_growing(s, i, now, apart);
+  Prediction const best = first_contact(s, i, now, candidates);
+  return apart == no_disk ? best : with_disk_apart(s, i, now, apart, best);
+}
+
+GRIDLOCK_AVX512 PairPrediction predict_pair_growing_with_avx512(PredictionInput const& s, Index i, Index j,
+                                                                double now) {
+  Candidates around_i;
+  Candidates around_j;
+  bool const fits_i = collect(s, i, j, around_i);
+  bool const fits_j = collect(s, j, i, around_j);
+  if (!fits_i || !fits_j) [[unlikely]]
+    return predict_pair_growing(s, i, j, now);
+  return {with_disk_apart(s, i, now, j, first_contact(s, i, now, around_i)),
+          with_disk_apart(s, j, now, i, first_contact(s, j, now, around_j))};
+}
+
+}  // namespace gridlock::exact
+
+#else
+
+namespace gridlock::exact {
+
+Prediction predict_growing_with_avx512(PredictionInput const& s, Index i, double now, Index apart) {
+  return predict_growing(s, i, now, apart);
+}
+PairPrediction predict_pair_growing_with_avx512(PredictionInput const& s, Index i, Index j, double now) {
+  return predict_pair_growing(s, i, j, now);
+}
+
+}  // namespace gridlock::exact
+
+#endif

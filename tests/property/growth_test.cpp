@@ -1,0 +1,277 @@
+// Growing disks in the exact engine: against brute force, against other cells, and cut into pieces.
+
+#include "gridlock/engine/growth.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "core/temperature.hpp"
+#include "engine/exact/dynamics.hpp"
+#include "gridlock/core/random.hpp"
+#include "gridlock/grid/validate.hpp"
+#include "io/checkpoint.hpp"
+#include "reference/all_pairs_events.hpp"
+#include "reference/random_scene.hpp"
+
+namespace gridlock {
+namespace {
+
+using reference::difference;
+using reference::random_scene;
+using reference::SceneSettings;
+
+constexpr double no_end = std::numeric_limits<double>::infinity();
+
+struct GrowthCase {
+  std::string name;
+  SceneSettings scene;
+  double rate;  ///< of the radii, in radii per time
+  /// This many collisions a disk leave the digits that the tests compare, see exact_test.cpp.
+  std::uint64_t collisions_per_disk = 6;
+
+  friend std::ostream& operator<<(std::ostream& out, GrowthCase const& c) {
+    return out << c.name << ": " << c.scene << ", rate " << c.rate;
+  }
+};
+
+std::vector<GrowthCase> growth_cases() {
+  std::vector<GrowthCase> cases{
+      {"few", {.count = 9, .packing_fraction = 0.3}, 0.05, 4},
+      {"dilute", {.count = 30, .packing_fraction = 0.02}, 0.5, 1},
+      {"fluid", {.count = 40, .packing_fraction = 0.5}, 0.05},
+      {"fast", {.count = 40, .packing_fraction = 0.2}, 2.0, 4},
+      {"dense", {.count = 49, .packing_fraction = 0.7}, 0.01, 8},
+      {"channel", {.width = 6.0, .height = 0.3, .count = 30, .packing_fraction = 0.4}, 0.05, 1},
+      {"mixture",
+       {.width = 1.6, .height = 0.9, .count = 40, .packing_fraction = 0.4, .smallest_ratio = 0.3, .heaviest_mass = 9.0},
+       0.1,
+       4},
+      {"very_unequal", {.count = 60, .packing_fraction = 0.3, .smallest_ratio = 0.02, .heaviest_mass = 50.0}, 0.1, 2},
+  };
+  std::size_t const walled = cases.size();
+  for (std::size_t k = 0; k < walled; ++k) {
+    GrowthCase periodic = cases[k];
+    periodic.name += "_periodic";
+    periodic.scene.edge = Edge::periodic;
+    cases.push_back(periodic);
+  }
+  return cases;
+}
+
+constexpr std::uint64_t growth_seeds[]{1, 2, 3, 4};
+
+class GrowthProperty : public testing::TestWithParam<GrowthCase> {
+ protected:
+  static State start(std::uint64_t seed) {
+    SceneSettings scene = GetParam().scene;
+    scene.seed = seed;
+    return random_scene(scene);
+  }
+  static exact::GrowthOfRadii growth(double size_of_cells = 1.0) {
+    return {.rate = GetParam().rate, .size_of_cells = size_of_cells};
+  }
+  static std::uint64_t disks() { return GetParam().scene.count; }
+};
+
+INSTANTIATE_TEST_SUITE_P(Scenes, GrowthProperty, testing::ValuesIn(growth_cases()),
+                         [](auto const& scene) { return scene.param.name; });
+
+TEST_P(GrowthProperty, GoesThroughTheSameEventsAsBruteForce) {
+  for (std::uint64_t const seed : growth_seeds) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    State state = start(seed);
+    reference::AllPairsEvents brute(state, GetParam().rate);
+    exact::Dynamics dynamics(state, growth());
+    Counters counters;
+    double virial = 0.0;
+    for (std::uint64_t n = 1; n <= GetParam().collisions_per_disk * disks() / 2; ++n) {
+      brute.collide_next();
+      ASSERT_FALSE(dynamics.grow(no_end, n, 3, counters));
+      if (n % (2 * disks()) == 0) dynamics.renew();
+      dynamics.write_at_last_event(state);
+      ASSERT_EQ(counters.pair_collisions, n);
+      ASSERT_EQ(counters.wall_hits, brute.wall_hits) << "collision " << n;
+      ASSERT_NEAR(dynamics.last_event(), brute.time, 1e-7) << "collision " << n;
+      ASSERT_LT(difference(state, brute.state), 1e-6) << "collision " << n;
+      ASSERT_NEAR(counters.pair_virial, brute.pair_virial, 1e-6 * brute.pair_virial) << "collision " << n;
+      for (std::size_t wall = 0; wall < 4; ++wall) {
+        ASSERT_NEAR(counters.wall_impulse[wall], brute.wall_impulse[wall], 1e-6) << "collision " << n;
+      }
+      virial = dynamics.measurement().virial;
+    }
+    EXPECT_NEAR(virial, brute.pair_virial + brute.wall_virial, 1e-6 * virial);
+    EXPECT_NEAR(dynamics.scale(), 1.0 + GetParam().rate * brute.time, 1e-7);
+    for (std::size_t i = 0; i < state.agents.size(); ++i) {
+      EXPECT_NEAR(state.agents.column<Radius>()[i], brute.radius(i), 1e-9);
+      EXPECT_EQ(state.agents.column<ImageX>()[i], brute.state.agents.column<ImageX>()[i]);
+      EXPECT_EQ(state.agents.column<ImageY>()[i], brute.state.agents.column<ImageY>()[i]);
+    }
+  }
+}
+
+/// By how much the disks of a scene can grow before they fill two thirds of the box, or of a periodic box so narrow that they
+/// could touch two images of a partner.
+double last_scale(State const& state) {
+  double const now = covered_area(state.agents) / state.box.area();
+  double const diameter = 2.0 * radius_range(state.agents).largest;
+  double const room = 0.49 * std::min(state.box.width(), state.box.height()) / diameter;
+  return std::min(std::sqrt(0.67 / now), room);
+}
+
+/// Renewed as Growth does it, up to `collisions` in all or, which is the answer, the last scale.
+bool grow(exact::Dynamics& dynamics, double scale, std::uint64_t collisions, Counters& counters) {
+  std::uint64_t const leg = 10 * dynamics.size();
+  while (counters.pair_collisions < collisions) {
+    if (dynamics.grow(scale, std::min(collisions, (counters.pair_collisions / leg + 1) * leg), 101, counters))
+      return true;
+    if (counters.pair_collisions % leg == 0) dynamics.renew(0.97);
+  }
+  return false;
+}
+
+/// The state after so many collisions or at the last scale.
+void write(exact::Dynamics const& dynamics, bool is_at_scale, State& state) {
+  if (is_at_scale) {
+    dynamics.write_grown(last_scale(state), state);
+  } else {
+    dynamics.write_at_last_event(state);
+  }
+}
+
+TEST_P(GrowthProperty, HasTheSameBitsForAnyCells) {
+  for (std::uint64_t const seed : growth_seeds) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    State const begin = start(seed);
+    State fine = begin;
+    Counters fine_counters;
+    exact::Dynamics fine_dynamics(begin, growth());
+    write(fine_dynamics, grow(fine_dynamics, last_scale(begin), 100 * disks(), fine_counters), fine);
+    for (double const size_of_cells : {1.3, 2.0, 100.0}) {
+      State coarse = begin;
+      Counters coarse_counters;
+      exact::Dynamics coarse_dynamics(begin, growth(size_of_cells));
+      write(coarse_dynamics, grow(coarse_dynamics, last_scale(begin), 100 * disks(), coarse_counters), coarse);
+      EXPECT_EQ(hash(fine), hash(coarse)) << size_of_cells;
+      EXPECT_EQ(fine_counters.pair_virial, coarse_counters.pair_virial);
+      EXPECT_EQ(fine_counters.wall_impulse, coarse_counters.wall_impulse);
+      EXPECT_EQ(fine_dynamics.measurement().virial, coarse_dynamics.measurement().virial);
+    }
+  }
+}
+
+TEST_P(GrowthProperty, PredictsTheSameBitsWithAndWithoutWideRegisters) {
+  State const state = start(2);
+  exact::Dynamics dynamics(state, growth());
+  exact::PredictionInput const& input = dynamics.prediction_input();
+  if (!exact::can_use_avx512(input)) GTEST_SKIP() << "not on this processor, or not in so small a box";
+  Counters counters;
+  for (std::uint64_t n = 1; n <= 40; ++n) {
+    grow(dynamics, last_scale(state), n * disks(), counters);
+    if (!exact::can_use_avx512(input)) break;  // a cell holds too many small disks
+    double const now = dynamics.now();
+    for (exact::Index i = 0; i < dynamics.size(); ++i) {
+      exact::Index const partner = dynamics.disks()[i].partner;
+      for (exact::Index const apart : {exact::no_disk, partner < exact::vertical_border ? partner : exact::no_disk}) {
+        exact::Prediction const plain = exact::predict_growing(input, i, now, apart);
+        exact::Prediction const wide = exact::predict_growing_with_avx512(input, i, now, apart);
+        if (apart == exact::no_disk) {
+          EXPECT_EQ(plain.time, wide.time);
+          EXPECT_EQ(plain.partner, wide.partner);
+        } else {
+          // Without having touched, the plain one may still choose `apart`; the wide one does so only where it is slow.
+          EXPECT_TRUE(plain.partner == apart || (plain.time == wide.time && plain.partner == wide.partner));
+        }
+      }
+    }
+  }
+}
+
+GrowthSettings settings_of(State const& state, double rate) {
+  // What density is far depends on the scene: twice the one now, or two thirds of the way to one.
+  double const now = covered_area(state.agents) / state.box.area();
+  return {.rate = rate, .packing_fraction = std::min(2.0 * now, 0.72), .pressure = 300.0, .audit_every = 23};
+}
+
+TEST_P(GrowthProperty, DependsOnlyOnIdsNotOnRows) {
+  State const ordered = start(5);
+  State shuffled{.box = ordered.box, .seed = ordered.seed};
+  for (std::size_t n = 0; n < ordered.agents.size(); ++n) {
+    std::size_t const i = (n * 11 + 3) % ordered.agents.size();  // 11 divides none of the numbers of disks
+    Disks const& d = ordered.agents;
+    ASSERT_TRUE(shuffled.agents.add_as(d.ids()[i], d.column<X>()[i], d.column<Y>()[i], d.column<VelocityX>()[i],
+                                       d.column<VelocityY>()[i], d.column<Radius>()[i], d.column<Mass>()[i], 0, 0));
+  }
+  State a = ordered;
+  State b = shuffled;
+  Counters counters_a;
+  Counters counters_b;
+  GrowthSettings const settings = settings_of(ordered, 0.01);
+  EXPECT_TRUE(Growth(settings, a).advance(a, counters_a));
+  EXPECT_TRUE(Growth(settings, b).advance(b, counters_b));
+  EXPECT_EQ(counters_a.pair_collisions, counters_b.pair_collisions);
+  EXPECT_EQ(a.clock.time, b.clock.time);
+  for (std::size_t i = 0; i < a.agents.size(); ++i) {
+    std::size_t const row = b.agents.index_of(a.agents.ids()[i]);
+    EXPECT_EQ(position(a.agents, i), position(b.agents, row));
+    EXPECT_EQ(a.agents.column<Radius>()[i], b.agents.column<Radius>()[row]);
+  }
+}
+
+TEST_P(GrowthProperty, HasTheSameBitsInterruptedSavedAndRestoredAnywhere) {
+  for (std::uint64_t const seed : growth_seeds) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    State const begin = start(seed);
+    GrowthSettings const settings = settings_of(begin, 0.01);
+    State whole = begin;
+    Counters whole_counters;
+    Growth growth_of_whole(settings, begin);
+    ASSERT_TRUE(growth_of_whole.advance(whole, whole_counters));
+
+    State cut = begin;
+    Counters cut_counters;
+    auto growing = std::make_unique<Growth>(settings, begin);
+    RandomStream random(seed, 0, 0, Purpose::start_position);
+    for (bool is_finished = false; !is_finished;) {
+      // Asked after each audit: the moment is a collision at random.
+      std::uint64_t looks = random.below(1 + disks() / 2);
+      is_finished = growing->advance(cut, cut_counters, [&] { return looks-- > 0; });
+      EXPECT_LE(largest_overlap(cut), rounding_of_contact(cut));
+      std::string const saved = to_checkpoint([&](Archive& archive) { growing->serialize(archive, cut); });
+      growing = std::make_unique<Growth>(settings, begin);
+      from_checkpoint(saved, "saved", [&](Archive& archive) { growing->serialize(archive, cut); });
+    }
+    EXPECT_EQ(hash(whole), hash(cut));
+    EXPECT_EQ(whole_counters.pair_collisions, cut_counters.pair_collisions);
+    EXPECT_EQ(whole_counters.moves, cut_counters.moves);
+    EXPECT_EQ(whole_counters.pair_virial, cut_counters.pair_virial);
+    EXPECT_EQ(whole_counters.wall_impulse, cut_counters.wall_impulse);
+    EXPECT_EQ(growth_of_whole.reduced_pressure(), growing->reduced_pressure());
+    EXPECT_EQ(growth_of_whole.collisions(), growing->collisions());
+  }
+}
+
+TEST_P(GrowthProperty, LeavesAStateThatEveryEngineStartsFrom) {
+  State state = start(7);
+  double const kt = *temperature(state);
+  Counters counters;
+  GrowthSettings const settings = settings_of(state, 0.01);
+  Growth growth(settings, state);
+  ASSERT_TRUE(growth.advance(state, counters));
+  EXPECT_GT(counters.pair_collisions, 0U);
+  EXPECT_LE(largest_overlap(state), rounding_of_contact(state));
+  EXPECT_NEAR(*temperature(state), kt, 1e-12 * kt);
+  if (covered_area(state.agents) / state.box.area() < *settings.packing_fraction * (1.0 - 1e-12)) {
+    EXPECT_GE(*growth.reduced_pressure(), *settings.pressure);
+  }
+  for (std::string const& kind : engine_kinds()) EXPECT_NO_THROW(make_engine({.kind = kind}, state)) << kind;
+}
+
+}  // namespace
+}  // namespace gridlock
