@@ -84,18 +84,19 @@ void add_up_forces(ContactNetwork& network, Box const& box) {
   std::size_t overlaps = 0;
   double sum = 0.0;
   double stiffness = 0.0;
-  double const area = box.area();
+  double const unit = network.smallest_diameter * network.smallest_diameter / box.area();
   for (std::size_t k = 0; k < network.contacts.size(); ++k) {
     Contact const& contact = network.contacts[k];
     double const force = network.forces[k];
     if (force > 0.0) ++overlaps;
     sum += force;
     stiffness += stiffness_of(contact, network.potential);
-    double const virial = force * contact.distance / area;
+    double const virial = unit * force * contact.distance;
     network.stress.xx -= virial * contact.normal.x * contact.normal.x;
     network.stress.yy -= virial * contact.normal.y * contact.normal.y;
     network.stress.xy -= virial * contact.normal.x * contact.normal.y;
   }
+  network.pressure = -0.5 * (network.stress.xx + network.stress.yy);
   if (overlaps == 0) return;
   network.mean_force = sum / static_cast<double>(overlaps);
   double largest = 0.0;
@@ -158,7 +159,6 @@ ContactNetwork find_contact_network(Packing const& packing, Potential potential,
   network.is_rattler.assign(packing.size(), false);
   network.coordination.assign(packing.size(), 0);
   network.energy = energy_of(network.contacts, potential);
-  network.pressure = pressure_of(network.contacts, potential, packing.box);
   network.smallest_diameter = smallest_diameter(packing);
   find_backbone(network);
   add_up_forces(network, packing.box);

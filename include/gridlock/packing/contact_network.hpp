@@ -19,7 +19,7 @@
 
 namespace gridlock {
 
-/// σ_ab = −Σ f r n_a n_b / A over all contacts, in ε per area; below 0 for pressure.
+/// σ_ab = −Σ f r n_a n_b / A over all contacts, in ε/D²; below 0 for pressure.
 struct StressTensor {
   double xx = 0.0;
   double yy = 0.0;
@@ -35,7 +35,7 @@ inline constexpr double least_energy_of_a_disk = 1e-16;
 ///
 /// A *rattler* has fewer than three contacts with disks of the backbone or with walls; such disks are taken away again and again until
 /// none is left, and the rest is the *backbone*: N₀ disks with N_c contacts among themselves and with walls. Energies are in ε, lengths
-/// in those of the box.
+/// in those of the box, pressure and stress in ε/D² with the smallest diameter D.
 struct ContactNetwork {
   Potential potential = Potential::harmonic;
   bool is_periodic = true;
@@ -51,7 +51,7 @@ struct ContactNetwork {
   std::size_t backbone_contacts = 0;  ///< N_c
 
   double energy = 0.0;    ///< of all contacts
-  double pressure = 0.0;  ///< P = Σ f r / (2 A)
+  double pressure = 0.0;           ///< p = P D²/ε, P = Σ f r / (2 A)
   StressTensor stress;
   double mean_force = 0.0;         ///< over the contacts that overlap
   double residual_force = 0.0;     ///< the largest net force on a disk over the mean force; 0 without forces
@@ -67,8 +67,6 @@ struct ContactNetwork {
   [[nodiscard]] std::int64_t excess_contacts() const;
   /// The contacts of the backbone.
   [[nodiscard]] std::vector<Contact> backbone() const;
-  /// p = P D²/ε.
-  [[nodiscard]] double reduced_pressure() const { return pressure * smallest_diameter * smallest_diameter; }
 
   /// Whether all forces balance as far as rounding allows: a minimum of the energy, or a saddle.
   [[nodiscard]] bool is_converged(double largest_residual = usual_largest_residual) const;
