@@ -94,6 +94,7 @@ ExitCode run_command_line(int argc, char** argv) {
   cli::add_info(app, exit_code);
   cli::add_export(app, exit_code);
   cli::add_movie(app, exit_code);
+  cli::add_contacts(app, exit_code);
   refuse_empty_values(app);
   for (CLI::App* const command : app.get_subcommands({})) command->group("Commands");
   for (auto const& [name, documentation] : python_commands) {

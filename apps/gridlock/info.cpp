@@ -28,7 +28,9 @@ bool is_there(fs::path const& path) {
 
 void print_run(fs::path const& file) {
   auto const summary = gridlock::read_summary_json(file);
-  fmt::print("a run of gridlock in {}\n", file.has_parent_path() ? file.parent_path().string() : ".");
+  bool const is_of_run = summary.contains("status");
+  fmt::print("{} in {}\n", is_of_run ? "a run of gridlock" : "the contacts of a packing",
+             file.has_parent_path() ? file.parent_path().string() : ".");
   for (auto const& [key, entry] : summary.items()) {
     if (entry.is_object() && entry.contains("value") && entry["value"].is_number()) {
       auto const error = entry.value("error", nlohmann::ordered_json());

@@ -29,6 +29,7 @@ void add_explain(CLI::App& app, ExitCode& exit_code);
 void add_info(CLI::App& app, ExitCode& exit_code);
 void add_export(CLI::App& app, ExitCode& exit_code);
 void add_movie(CLI::App& app, ExitCode& exit_code);
+void add_contacts(CLI::App& app, ExitCode& exit_code);
 
 /// The name the program was started by, for messages that say what to type; "gridlock" before it is known.
 std::string const& program_name();

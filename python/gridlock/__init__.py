@@ -30,16 +30,18 @@ from .files import Frame, RunDirectory, Trajectory, read_xyz
 from .files import open as open
 from .models import Model, Setting, Start, World, register_model
 from .neighbors import Neighbors, neighbors, pairs
+from .packings import Contacts, SpectralDensity, contacts, spectral_density
 from .simulation import Agents, Clock, Column, Result, Results, Simulation, run
 from .sweeps import SweepDirectory, sweep
 
 __version__: str = _core.version
 __all__ = [
-    "Agents", "Box", "Clock", "Column", "Combined", "Dynamics", "Error", "Frame", "Model", "Neighbors", "PairCorrelation",
-    "Problem", "Result", "Results", "RunDirectory", "RunFailure", "Setting", "Simulation", "Start", "StructureFactor",
-    "SweepDirectory", "Trajectory", "Voronoi", "World", "bond_orientation", "combine", "diffusion_coefficient", "dynamics",
-    "explain", "mean_squared_displacement", "neighbors", "pair_correlation", "pairs", "read_xyz", "register_model", "run",
-    "separations", "structure_factor", "sweep", "voronoi",
+    "Agents", "Box", "Clock", "Column", "Combined", "Contacts", "Dynamics", "Error", "Frame", "Model", "Neighbors",
+    "PairCorrelation", "Problem", "Result", "Results", "RunDirectory", "RunFailure", "Setting", "Simulation",
+    "SpectralDensity", "Start", "StructureFactor", "SweepDirectory", "Trajectory", "Voronoi", "World",
+    "bond_orientation", "combine", "contacts", "diffusion_coefficient", "dynamics", "explain",
+    "mean_squared_displacement", "neighbors", "pair_correlation", "pairs", "read_xyz", "register_model", "run",
+    "separations", "spectral_density", "structure_factor", "sweep", "voronoi",
 ]
 
 

@@ -82,6 +82,7 @@ void bind_analysis(nb::module_& module);
 void bind_files(nb::module_& module);
 void bind_grid(nb::module_& module);
 void bind_model(nb::module_& module);
+void bind_packing(nb::module_& module);
 void bind_simulation(nb::module_& module);
 
 }  // namespace gridlock::python

@@ -49,6 +49,7 @@ NB_MODULE(_core, module) {
   bind_files(module);
   bind_grid(module);
   bind_model(module);
+  bind_packing(module);
   bind_simulation(module);
 }
 

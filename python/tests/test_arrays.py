@@ -33,6 +33,8 @@ FUNCTIONS = {
     "voronoi": lambda points: gridlock.voronoi(points, 1.0),
     "bond_orientation": lambda points: gridlock.bond_orientation(points, 0.1, 1.0),
     "structure_factor": lambda points: gridlock.structure_factor(points, 1.0, largest_q=20.0),
+    "contacts": lambda points: gridlock.contacts(points, 0.001, 1.0),
+    "spectral_density": lambda points: gridlock.spectral_density(points, 0.001, 1.0, largest_q=20.0),
     "dynamics": lambda points: gridlock.dynamics(points),
     "mean_squared_displacement": lambda points: gridlock.mean_squared_displacement(points),
 }
@@ -52,6 +54,10 @@ NUMBERS = {
     "pair_correlation": lambda value: gridlock.pair_correlation(GOOD, 1.0, range=value),
     "bond_orientation": lambda value: gridlock.bond_orientation(GOOD, value, 1.0),
     "structure_factor": lambda value: gridlock.structure_factor(GOOD, 1.0, largest_q=value),
+    "radius": lambda value: gridlock.contacts(GOOD, value, 1.0),
+    "residual": lambda value: gridlock.contacts(GOOD, 0.001, 1.0, residual=value),
+    "radius of a spectrum": lambda value: gridlock.spectral_density(GOOD, value, 1.0, largest_q=20.0),
+    "largest_q": lambda value: gridlock.spectral_density(GOOD, 0.001, 1.0, largest_q=value),
     "q": lambda value: gridlock.dynamics(WALK, q=value) if value is not None else gridlock.dynamics(WALK, q="x"),
     "box": lambda value: gridlock.voronoi(GOOD, value),
     "side": lambda value: gridlock.voronoi(GOOD, (1.0, value)),
@@ -70,6 +76,7 @@ BAD_COUNTS = ["5", 0, -1, 2.5, True, np.nan, [5], 2**40]
 COUNTS = {
     "bins of g(r)": lambda value: gridlock.pair_correlation(GOOD, 1.0, range=0.1, bins=value),
     "bins of S(q)": lambda value: gridlock.structure_factor(GOOD, 1.0, largest_q=20.0, bins=value),
+    "bins of χ(q)": lambda value: gridlock.spectral_density(GOOD, 0.001, 1.0, largest_q=20.0, bins=value),
     "lags": lambda value: gridlock.dynamics(WALK, lags=value),
     "k": lambda value: gridlock.bond_orientation(GOOD, 0.2, 1.0, k=value),
 }

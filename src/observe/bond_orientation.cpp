@@ -13,16 +13,6 @@ namespace gridlock {
 
 namespace {
 
-/// exp(6 i θ) of the direction of a vector that is not zero.
-std::complex<double> sixth_power_of_direction(Vector r) {
-  double const squared = squared_length(r);
-  // (x + iy)² / |r|², a unit vector at twice the angle.
-  double const c = (r.x - r.y) * (r.x + r.y) / squared;
-  double const s = 2.0 * r.x * r.y / squared;
-  // Its third power.
-  return {c * (c * c - 3.0 * s * s), s * (3.0 * c * c - s * s)};
-}
-
 double neighbour_distance(Box const& box, std::size_t agents) {
   double const density = static_cast<double>(agents) / box.area();
   double const cutoff = 1.5 * std::sqrt(2.0 / (std::numbers::sqrt3 * density));

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <complex>
 #include <optional>
 #include <vector>
 
 #include "gridlock/core/disks.hpp"
+#include "gridlock/core/vector.hpp"
 #include "gridlock/observe/observable.hpp"
 #include "observe/structure_schedule.hpp"
 
@@ -38,6 +40,16 @@ inline std::optional<BondOrientationOrder> bond_orientation_order(State const& s
 std::vector<double> local_bond_orientation_orders(Box const& box, AgentsView const& agents);
 inline std::vector<double> local_bond_orientation_orders(State const& state) {
   return local_bond_orientation_orders(state.box, state.agents);
+}
+
+/// exp(6 i θ) of the direction of a vector that is not zero; no trigonometry.
+inline std::complex<double> sixth_power_of_direction(Vector r) {
+  double const squared = squared_length(r);
+  // (x + iy)² / |r|², a unit vector at twice the angle.
+  double const c = (r.x - r.y) * (r.x + r.y) / squared;
+  double const s = 2.0 * r.x * r.y / squared;
+  // Its third power.
+  return {c * (c * c - 3.0 * s * s), s * (3.0 * c * c - s * s)};
 }
 
 /// bond_orientation_order() along a run: the columns global_bond_orientation_order and local_bond_orientation_order,

@@ -5,22 +5,6 @@
 
 namespace gridlock {
 
-namespace {
-
-/// A symmetric matrix of 2 × 2.
-struct Block {
-  double xx = 0.0;
-  double xy = 0.0;
-  double yy = 0.0;
-
-  Block& operator+=(Block const& other) {
-    xx += other.xx;
-    xy += other.xy;
-    yy += other.yy;
-    return *this;
-  }
-};
-
 Block block_of(Contact const& contact, Potential potential, bool is_at_wall) {
   double const stiffness = stiffness_of(contact, potential);
   // A wall is straight: the force on a disk does not turn as the disk slides along.
@@ -29,8 +13,6 @@ Block block_of(Contact const& contact, Potential potential, bool is_at_wall) {
   double const along = stiffness + stress;
   return {.xx = along * n.x * n.x - stress, .xy = along * n.x * n.y, .yy = along * n.y * n.y - stress};
 }
-
-}  // namespace
 
 Unknowns::Unknowns(std::size_t all) : place(all), disks(all) {
   std::iota(place.begin(), place.end(), std::uint32_t{0});
@@ -52,12 +34,10 @@ SparseMatrix hessian_of(std::span<Contact const> contacts, Potential potential, 
     bool const is_at_wall = contact.second >= all;
     Block const block = block_of(contact, potential, is_at_wall);
     std::uint32_t const a = unknowns.place[contact.first];
-    if (a == Unknowns::none) continue;
-    diagonal[a] += block;
-    if (is_at_wall) continue;
-    std::uint32_t const b = unknowns.place[contact.second];
-    if (b == Unknowns::none) continue;
-    diagonal[b] += block;
+    std::uint32_t const b = is_at_wall ? Unknowns::none : unknowns.place[contact.second];
+    if (a != Unknowns::none) diagonal[a] += block;
+    if (b != Unknowns::none) diagonal[b] += block;
+    if (a == Unknowns::none || b == Unknowns::none) continue;
     // Places grow with the numbers of the disks, so that b > a: below the diagonal.
     auto const row = static_cast<int>(2 * b);
     auto const column = static_cast<int>(2 * a);

@@ -29,10 +29,27 @@ struct Unknowns {
   explicit Unknowns(std::vector<bool> const& takes_part);
 };
 
+/// A symmetric matrix of 2 × 2.
+struct Block {
+  double xx = 0.0;
+  double xy = 0.0;
+  double yy = 0.0;
+
+  Block& operator+=(Block const& other) {
+    xx += other.xx;
+    xy += other.xy;
+    yy += other.yy;
+    return *this;
+  }
+  friend Vector operator*(Block const& m, Vector v) { return {m.xx * v.x + m.xy * v.y, m.xy * v.x + m.yy * v.y}; }
+};
+
+/// The second derivatives of the energy of a contact by the separation of its two disks: k n nᵀ − (f/r) (1 − n nᵀ), at a wall k n nᵀ.
+Block block_of(Contact const& contact, Potential potential, bool is_at_wall);
+
 /// The second derivatives of the energy by the positions, the lower triangle.
 ///
-/// A contact gives k n nᵀ − (f/r) (1 − n nᵀ) to the diagonal blocks of its two disks, and the negative of it to the block between
-/// them; a wall k n nᵀ. A disk that is held acts as a wall of its shape.
+/// A contact gives its block to the diagonal blocks of its two disks, and the negative of it to the block between them. A disk that is held acts as a wall of its shape.
 SparseMatrix hessian_of(std::span<Contact const> contacts, Potential potential, Unknowns const& unknowns);
 
 }  // namespace gridlock

@@ -37,8 +37,8 @@ std::map<std::string, std::set<std::string>> const allowed{
     {"workspace", {"core", "grid", "io", "lattice", "engine", "observe", "model", "simulation", "workspace"}},
     {"drawing", {"core", "io", "observe", "simulation", "workspace", "drawing"}},
     {"apps",
-     {"core", "grid", "io", "lattice", "engine", "observe", "model", "packing", "simulation", "workspace", "drawing",
-      "apps"}},
+     {"core", "grid", "io", "lattice", "engine", "observe", "model", "packing", "analysis", "simulation", "workspace",
+      "drawing", "apps"}},
 };
 
 struct Include {

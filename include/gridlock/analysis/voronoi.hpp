@@ -37,4 +37,14 @@ struct VoronoiCells {
 /// Source: G. Voronoi (1908), doi:10.1515/crll.1908.134.198; cutting cell by cell: C. H. Rycroft (2009), doi:10.1063/1.3215722.
 VoronoiCells find_voronoi_cells(Box const& box, PointsInMemory const& points, std::uint64_t threads = 1);
 
+/// |ψ6| of every point: how nearly the directions to its Voronoi neighbours are those of a regular hexagon, 1 for all at once.
+///
+///     ψ6(j) = (1/n_j) Σ_k exp(6 i θ_jk)
+///
+/// over the n_j points k whose cells share an edge with that of j, θ_jk the direction to the nearest image of k. 0 without neighbours.
+/// Contract: `neighbours` are those that find_voronoi_cells() has found for the points.
+/// Source: D. R. Nelson & B. I. Halperin (1979), doi:10.1103/PhysRevB.19.2457.
+std::vector<double> local_bond_orientation_orders(Box const& box, PointsInMemory const& points,
+                                                  NeighbourLists const& neighbours);
+
 }  // namespace gridlock

@@ -1,0 +1,183 @@
+#include "gridlock/analysis/spectral_density.hpp"
+
+#include <fmt/format.h>
+#include <math.h>  // j1 of POSIX, which <cmath> need not declare
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "grid/require.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
+
+namespace gridlock {
+
+namespace {
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+constexpr std::size_t most_bins = 10'000'000;
+constexpr double most_vectors = 1e8;
+
+/// Disks in the order of their radii, so that those of one radius share a form factor.
+struct SortedDisks {
+  std::vector<double> x;
+  std::vector<double> y;
+  std::vector<double> radii;       ///< that differ
+  std::vector<std::size_t> begin;  ///< of the disks of each radius; one entry more
+
+  SortedDisks(PointsInMemory const& points, std::span<double const> radius) {
+    std::vector<std::size_t> order(points.count);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return radius[i]; });
+    for (std::size_t const i : order) {
+      if (radii.empty() || radius[i] != radii.back()) {
+        radii.push_back(radius[i]);
+        begin.push_back(x.size());
+      }
+      x.push_back(points.x[i * points.stride]);
+      y.push_back(points.y[i * points.stride]);
+    }
+    begin.push_back(x.size());
+  }
+};
+
+/// exp(i q·r_j) of all disks for the wave vectors of one column, row after row.
+class Waves {
+ public:
+  Waves(Box const& box, SortedDisks const& disks, std::int64_t column, std::int64_t row) {
+    for (std::size_t j = 0; j < disks.x.size(); ++j) {
+      double const turn = two_pi / box.height() * disks.y[j];
+      double const start =
+          two_pi / box.width() * static_cast<double>(column) * disks.x[j] + static_cast<double>(row) * turn;
+      real_.push_back(std::cos(start));
+      imaginary_.push_back(std::sin(start));
+      step_real_.push_back(std::cos(turn));
+      step_imaginary_.push_back(std::sin(turn));
+    }
+  }
+
+  void next_row() {
+    for (std::size_t j = 0; j < real_.size(); ++j) {
+      double const real = real_[j] * step_real_[j] - imaginary_[j] * step_imaginary_[j];
+      imaginary_[j] = real_[j] * step_imaginary_[j] + imaginary_[j] * step_real_[j];
+      real_[j] = real;
+    }
+  }
+
+  /// |Σ m(q R_j) exp(i q·r_j)|² with m = 2π R J₁(q R)/q.
+  [[nodiscard]] double power(SortedDisks const& disks, double q) const {
+    double real = 0.0;
+    double imaginary = 0.0;
+    for (std::size_t k = 0; k < disks.radii.size(); ++k) {
+      double const radius = disks.radii[k];
+      double const area = two_pi * radius * ::j1(q * radius) / q;
+      double sum_real = 0.0;
+      double sum_imaginary = 0.0;
+      for (std::size_t j = disks.begin[k]; j < disks.begin[k + 1]; ++j) {
+        sum_real += real_[j];
+        sum_imaginary += imaginary_[j];
+      }
+      real += area * sum_real;
+      imaginary += area * sum_imaginary;
+    }
+    return real * real + imaginary * imaginary;
+  }
+
+ private:
+  std::vector<double> real_;
+  std::vector<double> imaginary_;
+  std::vector<double> step_real_;
+  std::vector<double> step_imaginary_;
+};
+
+/// The wave vectors of one column that are in the rings: their lengths and powers.
+struct Column {
+  std::vector<double> lengths;
+  std::vector<double> powers;
+};
+
+Column powers_of_column(Box const& box, SortedDisks const& disks, std::int64_t column, double largest) {
+  Column found;
+  double const along_x = two_pi / box.width() * static_cast<double>(column);
+  double const left = std::sqrt(std::max(0.0, largest * largest - along_x * along_x));
+  auto const last = static_cast<std::int64_t>(left * box.height() / two_pi) + 1;
+  // One of every two opposite vectors, and not 0.
+  std::int64_t const first = column == 0 ? 1 : -last;
+  Waves waves(box, disks, column, first);
+  for (std::int64_t row = first; row <= last; ++row) {
+    double const along_y = two_pi / box.height() * static_cast<double>(row);
+    double const length = std::sqrt(along_x * along_x + along_y * along_y);
+    if (length <= largest) {
+      found.lengths.push_back(length);
+      found.powers.push_back(waves.power(disks, length));
+    }
+    waves.next_row();
+  }
+  return found;
+}
+
+void require_spectrum(Box const& box, PointsInMemory const& points, std::span<double const> radii, double largest,
+                      std::size_t bins) {
+  auto const refuse = [](std::string what, std::string hint) {
+    throw Error({.what = std::move(what), .hint = std::move(hint)});
+  };
+  if (!box.is_periodic()) refuse("the spectral density needs a periodic box", "between walls there are no plane waves");
+  if (radii.size() != points.count)
+    refuse(fmt::format("there are {} radii for {} disks", radii.size(), points.count), "give one for each disk");
+  for (double const radius : radii) {
+    if (!(radius > 0.0) || !std::isfinite(radius)) refuse(fmt::format("a radius is {}", radius), "use numbers above 0");
+  }
+  if (!(largest > 0.0) || !std::isfinite(largest))
+    refuse(fmt::format("the largest wave number is {}", largest), "use a number above 0");
+  if (bins == 0 || bins > most_bins)
+    refuse(fmt::format("the spectral density has {} bins", bins), fmt::format("use 1 to {}", most_bins));
+  // Half of the circle.
+  double const vectors = 0.5 * std::numbers::pi * largest * largest * box.area() / (two_pi * two_pi);
+  if (vectors > most_vectors) {
+    refuse(
+        fmt::format("{:.3g} wave vectors are shorter than {:.6g}; the most is {:.0g}", vectors, largest, most_vectors),
+        "use a smaller largest wave number");
+  }
+}
+
+}  // namespace
+
+SpectralDensity find_spectral_density(Box const& box, PointsInMemory const& points, std::span<double const> radii,
+                                      double largest_wave_number, std::size_t bins, std::uint64_t threads) {
+  require_points_in_memory(points);
+  require_box_for(box, 0.0);
+  require_spectrum(box, points, radii, largest_wave_number, bins);
+  SortedDisks const disks(points, radii);
+  // Rounding must not cost the vectors at the end of the last ring.
+  double const largest = largest_wave_number * (1.0 + 1e-12);
+  std::vector<Column> columns(static_cast<std::size_t>(largest * box.width() / two_pi) + 1);
+  ThreadPool pool(threads);
+  pool.for_each(columns.size(), [&](std::size_t column) {
+    columns[column] = powers_of_column(box, disks, static_cast<std::int64_t>(column), largest);
+  });
+  std::vector<std::uint64_t> counts(bins);
+  std::vector<double> lengths(bins), powers(bins);
+  for (Column const& column : columns) {
+    for (std::size_t k = 0; k < column.lengths.size(); ++k) {
+      auto const ring = static_cast<std::size_t>(column.lengths[k] / largest_wave_number * static_cast<double>(bins));
+      std::size_t const bin = std::min(ring, bins - 1);
+      ++counts[bin];
+      lengths[bin] += column.lengths[k];
+      powers[bin] += column.powers[k];
+    }
+  }
+  SpectralDensity found;
+  for (std::size_t bin = 0; bin < bins; ++bin) {
+    if (counts[bin] == 0) continue;
+    auto const count = static_cast<double>(counts[bin]);
+    found.wave_number.push_back(lengths[bin] / count);
+    found.density.push_back(powers[bin] / count / box.area());
+    found.vectors.push_back(counts[bin]);
+  }
+  return found;
+}
+
+}  // namespace gridlock
