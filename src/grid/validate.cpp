@@ -124,8 +124,10 @@ void validate(State const& state, Tolerance const& tolerance) {
   for_each_overlap(state, [&](std::size_t i, std::size_t j, double gap) {
     if (-gap <= tolerance.overlap) return;
     auto const [a, b] = std::minmax(state.agents.ids()[i], state.agents.ids()[j]);
-    overlaps.add(fmt::format("disks {} and {} overlap by {:.3g}", a, b, -gap),
-                 "move them apart or make them smaller; hard disks may touch but not overlap");
+    overlaps.add(
+        fmt::format("disks {} and {} overlap by {:.3g}", a, b, -gap),
+        "move them apart or make them smaller; hard disks may touch but not overlap, and a protocol whose first "
+        "stage is a quench of soft disks takes such a start");
   });
   overlaps.move_into(problems);
   double const diameter = 2.0 * radius_range(state.agents).largest;

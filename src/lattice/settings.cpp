@@ -61,33 +61,56 @@ void describe(SpeciesSettings& settings, SettingVisitor& visitor) {
 }
 
 void describe(DisksSettings& settings, SettingVisitor& visitor) {
-  static constexpr std::array<std::string_view, 4> starts{"square", "triangular", "random", "file"};
+  static constexpr std::array<std::string_view, 5> starts{"square", "triangular", "random", "uniform", "file"};
+  static constexpr std::array<std::string_view, 4> distributions{"equal", "inverse_cube", "uniform", "normal"};
   visitor.visit({.key = "count",
                  .documentation = "N, the number of disks.",
                  .least = 1,
                  .most = 2e9,
                  .default_note = "841, or as many as the file holds"},
                 settings.count);
-  visitor.visit({.key = "packing_fraction",
-                 .documentation = "φ = Σ π R² / (width · height); give this or disks.radius.",
-                 .least = 0.0,
-                 .most = 1.0,
-                 .least_is_allowed = false,
-                 .most_is_allowed = false,
-                 .default_note = "from disks.radius, or 0.5 where neither is given"},
-                settings.packing_fraction);
-  visitor.visit({.key = "radius",
-                 .unit = "length",
-                 .documentation = "R, the radius of a disk with size_ratio 1; give this or disks.packing_fraction.",
-                 .least = least_magnitude,
-                 .most = most_magnitude,
-                 .default_note = "from disks.packing_fraction"},
-                settings.radius);
+  visitor.visit(
+      {.key = "packing_fraction",
+       .documentation = "φ = Σ π R² / (width · height), below 1 unless disks overlap at the start; give this or "
+                        "disks.radius.",
+       .least = 0.0,
+       .most = 2.0,
+       .least_is_allowed = false,
+       .default_note = "from disks.radius, or 0.5 where neither is given"},
+      settings.packing_fraction);
+  visitor.visit(
+      {.key = "radius",
+       .unit = "length",
+       .documentation = "R, the radius of a disk with size_ratio 1, and with disks.sizes the mean radius; give this "
+                        "or disks.packing_fraction.",
+       .least = least_magnitude,
+       .most = most_magnitude,
+       .default_note = "from disks.packing_fraction"},
+      settings.radius);
   visit_enum(visitor,
-             {.key = "start",
-              .documentation = "Where the disks start: on a square or triangular lattice fitted to the box, at "
-                               "random without overlap, or as a file says."},
-             starts, settings.start);
+             {.key = "sizes",
+              .documentation =
+                  "How diameters σ are distributed, without species: all equal, P(σ) ∝ σ⁻³ between a smallest and "
+                  "a largest one, uniform between them, or normal, cut off at three standard deviations. Every "
+                  "seed has the same sizes, dealt out at random."},
+             distributions, settings.sizes);
+  visitor.visit(
+      {.key = "size_spread",
+       .documentation = "Standard deviation of the diameters over their mean, s; σ⁻³: s² = artanh(z)/z − 1 with z = "
+                        "(σ_max − σ_min)/(σ_max + σ_min), so that 0.23 is σ_max/σ_min = 2.23.",
+       .least = 0.0,
+       .most = 1.0,
+       .least_is_allowed = false,
+       .most_is_allowed = false,
+       .default_note = "0.23, where disks.sizes is given"},
+      settings.size_spread);
+  visit_enum(
+      visitor,
+      {.key = "start",
+       .documentation = "Where the disks start: on a square or triangular lattice fitted to the box, at "
+                        "random without overlap, at points uniformly at random, where soft disks may overlap, or "
+                        "as a file says."},
+      starts, settings.start);
   visitor.visit({.key = "file",
                  .documentation = "Extended XYZ file to start from, relative to the configuration; implies start = "
                                   "\"file\", and box, radii and velocities come from it.",

@@ -12,6 +12,7 @@
 #include "grid/linked_grid.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
+#include "lattice/sizes.hpp"
 
 namespace gridlock {
 
@@ -61,18 +62,43 @@ void require_whole(std::vector<SpeciesSettings> const& species) {
                .key = "disks.species"});
 }
 
-Kinds deal_kinds(DisksSettings const& settings, std::uint64_t count, std::uint64_t seed) {
+bool are_equal(DisksSettings const& settings) {
+  return settings.species.empty() && settings.sizes == SizeDistribution::equal;
+}
+
+void require_one_description_of_sizes(DisksSettings const& settings) {
+  if (settings.sizes == SizeDistribution::equal) {
+    if (!settings.size_spread) return;
+    throw Error({.what = fmt::format("disks.size_spread = {} is given for equal disks", *settings.size_spread),
+                 .hint = "give disks.sizes as well: \"inverse_cube\", \"uniform\" or \"normal\"",
+                 .key = "disks.size_spread"});
+  }
+  if (settings.species.empty()) return;
+  throw Error({.what = "disks.sizes and disks.species are both given",
+               .hint = "species are a few kinds, sizes a continuous distribution: leave one of them out",
+               .key = "disks.sizes"});
+}
+
+/// The kinds in order.
+Kinds kinds_of_species(std::vector<SpeciesSettings> const& species, std::uint64_t count) {
+  require_whole(species);
   Kinds kinds{std::vector<double>(count, 1.0), std::vector<double>(count, 1.0)};
-  if (settings.species.empty()) return kinds;
-  require_whole(settings.species);
-  std::vector<std::uint64_t> const numbers = numbers_of_kinds(settings.species, count);
+  std::vector<std::uint64_t> const numbers = numbers_of_kinds(species, count);
   std::size_t next = 0;
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     for (std::uint64_t n = 0; n < numbers[k] && next < count; ++n, ++next) {
-      kinds.size_ratio[next] = settings.species[k].size_ratio;
-      kinds.mass[next] = settings.species[k].mass;
+      kinds.size_ratio[next] = species[k].size_ratio;
+      kinds.mass[next] = species[k].mass;
     }
   }
+  return kinds;
+}
+
+Kinds deal_kinds(DisksSettings const& settings, std::uint64_t count, std::uint64_t seed) {
+  require_one_description_of_sizes(settings);
+  Kinds kinds = settings.species.empty() ? Kinds{quantiles_of_sizes(settings, count), std::vector<double>(count, 1.0)}
+                                         : kinds_of_species(settings.species, count);
+  if (are_equal(settings)) return kinds;
   // Fisher–Yates, so that every deal of the kinds over the sites is as likely as any other.
   RandomStream random(seed, 0, 0, Purpose::species);
   for (std::uint64_t last = count - 1; last > 0; --last) {
@@ -105,10 +131,16 @@ double wanted_radius(DisksSettings const& settings, Box const& box, Kinds const&
   }
   double const radius = settings.radius.value_or(radius_for(settings.packing_fraction.value_or(0.5), box, kinds));
   double const packing_fraction = packing_fraction_for(radius, box, kinds);
-  if (settings.species.empty() && packing_fraction > closest_packing) {
+  if (settings.start == StartKind::uniform) return radius;
+  if (are_equal(settings) && packing_fraction > closest_packing) {
     throw Error({.what = fmt::format("packing fraction {:.6g} is above the closest packing of equal disks, {:.4f}",
                                      packing_fraction, closest_packing),
                  .hint = fmt::format("use a value below {:.4f}", closest_packing),
+                 .key = size_key(settings)});
+  }
+  if (packing_fraction >= 1.0) {
+    throw Error({.what = fmt::format("disks that do not overlap cannot have packing fraction {:.6g}", packing_fraction),
+                 .hint = "use a value below 1, or disks.start = \"uniform\" for soft disks, which may overlap",
                  .key = size_key(settings)});
   }
   return radius;
@@ -349,7 +381,7 @@ State random_start(Box const& box, DisksSettings const& settings, Kinds const& k
                   .key = size_key(settings)});
   };
   // A few disks in a small box can pass the saturation of the infinite plane: only a fluctuation, but it exists.
-  if (settings.species.empty() && count >= 1000 && packing_fraction > random_insertion_saturation * 1.05) {
+  if (are_equal(settings) && count >= 1000 && packing_fraction > random_insertion_saturation * 1.05) {
     throw refuse(fmt::format("random insertion stops at packing fraction {:.6f} for equal disks, below {:.6g}",
                              random_insertion_saturation, packing_fraction),
                  random_insertion_saturation);
@@ -373,6 +405,28 @@ State random_start(Box const& box, DisksSettings const& settings, Kinds const& k
         reached);
   }
   return disks_on_sites(box, insertion.sites(), radius, kinds, seed);
+}
+
+/// Points uniformly at random, wherever the other disks are.
+State uniform_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed) {
+  double const radius = wanted_radius(settings, box, kinds);
+  double const largest = radius * kinds.largest_ratio();
+  if (2.0 * largest > std::min(box.width(), box.height())) {
+    throw Error({.what = fmt::format("a disk of diameter {:.6g} does not fit into the box of {} × {}", 2.0 * largest,
+                                     box.width(), box.height()),
+                 .hint = "use a larger box or smaller disks",
+                 .key = size_key(settings)});
+  }
+  std::vector<Vector> sites(kinds.mass.size());
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    RandomStream random(seed, 0, i, Purpose::start_position);
+    double const own_radius = radius * kinds.size_ratio[i];
+    Span const x = span_of_centres(box, box.width(), own_radius);
+    Span const y = span_of_centres(box, box.height(), own_radius);
+    double const along_x = random.uniform();
+    sites[i] = {x.first + x.length * along_x, y.first + y.length * random.uniform()};
+  }
+  return disks_on_sites(box, sites, radius, kinds, seed);
 }
 
 void remove_drift(Disks& disks) {
@@ -401,6 +455,8 @@ State make_start(Box const& box, DisksSettings const& settings, std::uint64_t se
       return lattice_start(box, settings, kinds, seed);
     case StartKind::random:
       return random_start(box, settings, kinds, seed);
+    case StartKind::uniform:
+      return uniform_start(box, settings, kinds, seed);
     case StartKind::file:
       break;
   }

@@ -64,6 +64,11 @@ bool are_radii_as_asked(Disks const& disks, double radius, std::vector<SpeciesSe
 void take_sizes(State& state, bool has_radii, DisksSettings& settings) {
   auto const radii = state.agents.column<Radius>();
   double const count = static_cast<double>(state.agents.size());
+  if (settings.sizes != SizeDistribution::equal) {
+    throw Error({.what = "disks.sizes are dealt out in lattice and random starts only",
+                 .hint = "leave disks.sizes out, or disks.file",
+                 .key = "disks.sizes"});
+  }
   if (settings.count && *settings.count != state.agents.size()) {
     throw contradiction("disks.count",
                         fmt::format("the start file holds {} disks, not {}", state.agents.size(), *settings.count));

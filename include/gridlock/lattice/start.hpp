@@ -37,14 +37,25 @@ struct SpeciesSettings {
 };
 void describe(SpeciesSettings& settings, SettingVisitor& visitor);
 
-/// Where the disks stand at the start.
-enum class StartKind { square, triangular, random, file };
+/// How the sizes of the disks are distributed: all equal, or P(σ) ∝ σ⁻³ between a smallest and a largest diameter, the same
+/// share of disks at every σ between them, or a normal distribution cut off at three standard deviations.
+///
+/// σ⁻³: Ninarello, Berthier, Coslovich 2017, doi:10.1103/PhysRevX.7.021039. A share of area ∝ σ² P(σ) dσ = dσ/σ at every
+/// size leaves no size alone, so that neighbouring sizes can change places at any density and nothing crystallizes.
+enum class SizeDistribution { equal, inverse_cube, uniform, normal };
+
+/// Where the disks stand at the start. `uniform`: points uniformly at random, whose disks overlap.
+enum class StartKind { square, triangular, random, uniform, file };
 
 /// The settings `[disks]`.
 struct DisksSettings {
   std::optional<std::uint64_t> count;      ///< left out: 841, or as many as the file holds
   std::optional<double> packing_fraction;  ///< exactly one of packing_fraction and radius, none for a file
-  std::optional<double> radius;            ///< of a disk with size_ratio 1
+  std::optional<double> radius;            ///< of a disk with size_ratio 1; with a distribution of sizes the mean
+  SizeDistribution sizes = SizeDistribution::equal;  ///< without species only
+  /// s = √(⟨σ²⟩ − ⟨σ⟩²)/⟨σ⟩ of the distribution; left out: 0.23. With z = (σ_max − σ_min)/(σ_max + σ_min):
+  /// inverse_cube s² = artanh(z)/z − 1, uniform s = z/√3, normal s = 0.3289 z.
+  std::optional<double> size_spread;
   StartKind start = StartKind::square;
   std::string file;                      ///< extended XYZ; giving it implies start = "file"
   std::vector<SpeciesSettings> species;  ///< empty: equal disks of mass 1
@@ -67,7 +78,8 @@ struct VelocitySettings {
 void describe(VelocitySettings& settings, SettingVisitor& visitor);
 
 /// Disks of the settings, on their sites, at rest; Ids 0 … count − 1 in the order of the sites, row after row from the
-/// lower left. Species are dealt out at random, exactly round(fraction · count) of each.
+/// lower left. Species are dealt out at random, exactly round(fraction · count) of each; so are the sizes of a distribution,
+/// its quantiles (k + ½)/count, which are the same for every seed. Disks of a `uniform` start overlap: soft disks may.
 ///
 /// Errors: Error where the settings contradict each other or the disks cannot fit, naming the largest packing fraction
 /// that does.
