@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/packing/contact_network.hpp"
+#include "gridlock/packing/elasticity.hpp"
 
 namespace gridlock {
 
@@ -148,11 +150,8 @@ void PressureRamp::accept(double packing_fraction, double pressure) {
                         (leads_down() ? pressure <= most_share_of_goal * goal_ : pressure > 0.0);
   if (is_level) {
     std::uint64_t const iterations = minimizer_.fire_iterations() + minimizer_.newton_iterations();
-    levels_.push_back({.packing_fraction = packing_fraction,
-                       .pressure = pressure,
-                       .energy = minimizer_.energy(),
-                       .residual = minimizer_.residual(),
-                       .iterations = iterations - iterations_before_});
+    levels_.push_back(level_of(good_, potential));
+    levels_.back().iterations = iterations - iterations_before_;
     iterations_before_ = iterations;
     if (has_slope)
       levels_.back().jamming_packing_fraction = packing_fraction - linear_pressure(pressure, potential) / slope_;
@@ -234,6 +233,24 @@ void PressureRamp::serialize(Archive& archive) {
   gridlock::serialize(archive, levels_);
 }
 
+PressureLevel level_of(Packing const& packing, Potential potential) {
+  ContactNetwork const network = find_contact_network(packing, potential);
+  PressureLevel level{.packing_fraction = packing_fraction(packing),
+                      .pressure = network.pressure,
+                      .energy = network.energy,
+                      .residual = network.residual_force,
+                      .backbone_disks = network.backbone_disks,
+                      .backbone_contacts = network.backbone_contacts,
+                      .contact_number = network.contact_number(),
+                      .excess_contacts = static_cast<double>(network.excess_contacts())};
+  if (std::optional<ElasticModuli> const moduli = find_elastic_moduli(packing, network)) {
+    level.bulk_modulus = moduli->bulk();
+    level.shear_modulus = moduli->shear();
+    level.least_shear_modulus = moduli->least_shear();
+  }
+  return level;
+}
+
 void serialize(Archive& archive, std::vector<PressureLevel>& levels) {
   std::uint64_t count = levels.size();
   archive.visit("levels", count);
@@ -247,6 +264,13 @@ void serialize(Archive& archive, std::vector<PressureLevel>& levels) {
       archive.visit("energy", level.energy);
       archive.visit("residual", level.residual);
       archive.visit("iterations", level.iterations);
+      archive.visit("backbone_disks", level.backbone_disks);
+      archive.visit("backbone_contacts", level.backbone_contacts);
+      archive.visit("contact_number", level.contact_number);
+      archive.visit("excess_contacts", level.excess_contacts);
+      archive.visit("bulk_modulus", level.bulk_modulus);
+      archive.visit("shear_modulus", level.shear_modulus);
+      archive.visit("least_shear_modulus", level.least_shear_modulus);
       archive.visit("jamming_packing_fraction", level.jamming_packing_fraction);
     });
   }

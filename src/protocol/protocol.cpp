@@ -22,13 +22,13 @@ void serialize_optional(Archive& archive, std::string_view name, std::optional<d
 void serialize_result(Archive& archive, StageResult& result) {
   archive.visit("packing_fraction", result.packing_fraction);
   serialize_optional(archive, "pressure", result.pressure);
-  serialize_optional(archive, "energy", result.energy);
-  serialize_optional(archive, "residual", result.residual);
+  serialize_optional(archive, "softest_mode", result.softest_mode);
   bool has_minimum = result.is_converged.has_value();
   bool is_converged = result.is_converged.value_or(false);
   archive.visit("has_minimum", has_minimum);
   archive.visit("is_converged", is_converged);
   result.is_converged = has_minimum ? std::optional(is_converged) : std::nullopt;
+  archive.visit("disks", result.disks);
   archive.visit("work", result.work);
   serialize_optional(archive, "jamming_packing_fraction", result.jamming_packing_fraction);
   serialize_optional(archive, "error_of_jamming_packing_fraction", result.error_of_jamming_packing_fraction);
@@ -62,6 +62,7 @@ bool Protocol::advance(State& state, std::function<bool()> const& should_continu
     StageResult result = current_->result(state);
     result.kind = settings.kind;
     result.work = current_->work();
+    result.disks = static_cast<double>(state.agents.size());
     results_.push_back(std::move(result));
     current_ = nullptr;
   }

@@ -8,6 +8,9 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
+#include "gridlock/engine/growth.hpp"
+#include "gridlock/packing/contact_network.hpp"
+#include "gridlock/packing/elasticity.hpp"
 #include "protocol/stage.hpp"
 
 namespace gridlock {
@@ -34,10 +37,16 @@ Packing quenched_packing(State const& state, std::optional<double> target) {
   return packing;
 }
 
+std::optional<double> softest_mode_of(Packing const& packing, Potential potential) {
+  std::optional<VibrationMode> const mode = find_softest_mode(find_contact_network(packing, potential));
+  return mode ? std::optional(mode->eigenvalue) : std::nullopt;
+}
+
 class QuenchStage final : public Stage {
  public:
   QuenchStage(StageSettings const& settings, ProtocolSettings const& protocol, State const& state)
-      : minimizer_(minimizer_settings(protocol, 1e-3), quenched_packing(state, settings.packing_fraction)) {}
+      : potential_(protocol.soft.potential),
+        minimizer_(minimizer_settings(protocol, 1e-3), quenched_packing(state, settings.packing_fraction)) {}
 
   bool advance(State& state, ShouldContinue const& should_continue) override {
     if (!minimizer_.advance(should_continue)) return false;
@@ -49,22 +58,24 @@ class QuenchStage final : public Stage {
     return minimizer_.fire_iterations() + minimizer_.newton_iterations();
   }
   [[nodiscard]] StageResult result(State const& state) const override {
-    bool const is_unjammed = minimizer_.status() == MinimumStatus::unjammed;
+    PressureLevel level = level_of(minimizer_.packing(), potential_);
+    level.iterations = work();
     return {.packing_fraction = packing_fraction_of(state),
-            .pressure = is_unjammed ? 0.0 : minimizer_.pressure(),
-            .energy = minimizer_.energy(),
-            .residual = minimizer_.residual(),
-            .is_converged = minimizer_.status() != MinimumStatus::unconverged};
+            .pressure = level.pressure,
+            .is_converged = minimizer_.status() != MinimumStatus::unconverged,
+            .levels = {level},
+            .softest_mode = softest_mode_of(minimizer_.packing(), potential_)};
   }
 
  private:
+  Potential potential_;
   Minimizer minimizer_;
 };
 
 class RampStage final : public Stage {
  public:
   RampStage(StageSettings const& settings, ProtocolSettings const& protocol, State const& state)
-      : ramp_(ramp_settings(settings, protocol), packing_of(state)) {}
+      : potential_(protocol.soft.potential), ramp_(ramp_settings(settings, protocol), packing_of(state)) {}
 
   bool advance(State& state, ShouldContinue const& should_continue) override {
     if (!ramp_.advance(should_continue)) return false;
@@ -82,8 +93,7 @@ class RampStage final : public Stage {
     if (result.levels.empty()) return result;
     PressureLevel const& last = result.levels.back();
     result.pressure = last.pressure;
-    result.energy = last.energy;
-    result.residual = last.residual;
+    result.softest_mode = softest_mode_of(ramp_.packing(), potential_);
     if (std::isfinite(last.jamming_packing_fraction)) result.jamming_packing_fraction = last.jamming_packing_fraction;
     result.error_of_jamming_packing_fraction = ramp_.error_of_jamming_packing_fraction();
     return result;
@@ -99,7 +109,36 @@ class RampStage final : public Stage {
     return ramp;
   }
 
+  Potential potential_;
   PressureRamp ramp_;
+};
+
+/// Hard disks that grow; the reduced pressure is that of the last rescaling.
+class GrowStage final : public Stage {
+ public:
+  GrowStage(StageSettings const& settings, State const& state) : growth_(growth_settings(settings), state) {}
+
+  bool advance(State& state, ShouldContinue const& should_continue) override {
+    return growth_.advance(state, counters_, should_continue);
+  }
+  void serialize(Archive& archive, State const& state) override {
+    serialize_inside(archive, "counters", [&] { gridlock::serialize(archive, counters_); });
+    serialize_inside(archive, "growth", [&] { growth_.serialize(archive, state); });
+  }
+  [[nodiscard]] std::uint64_t work() const override { return counters_.moves; }
+  [[nodiscard]] StageResult result(State const& state) const override {
+    return {.packing_fraction = packing_fraction_of(state), .pressure = growth_.reduced_pressure()};
+  }
+
+ private:
+  static GrowthSettings growth_settings(StageSettings const& settings) {
+    GrowthSettings growth{.packing_fraction = settings.until_packing_fraction, .pressure = settings.until_pressure};
+    growth.rate = settings.rate.value_or(growth.rate);
+    return growth;
+  }
+
+  Growth growth_;
+  Counters counters_;
 };
 
 /// The factor for all radii with which no two disks, and no disk and wall, overlap.
@@ -176,6 +215,7 @@ class RunStage final : public Stage {
 std::unique_ptr<Stage> make_stage(StageSettings const& settings, ProtocolSettings const& protocol, State const& state) {
   switch (settings.kind) {
     case StageKind::grow:
+      return std::make_unique<GrowStage>(settings, state);
     case StageKind::swap:
       break;
     case StageKind::run:

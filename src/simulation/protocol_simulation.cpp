@@ -12,37 +12,32 @@ namespace gridlock {
 
 namespace {
 
-std::optional<double> as_number(std::optional<bool> flag) {
-  return flag ? std::optional(*flag ? 1.0 : 0.0) : std::nullopt;
-}
-
-/// What the last stage that knows it says.
-void add_last(std::vector<NamedEstimate>& results, std::vector<StageResult> const& stages, std::string name,
-              auto value_of, auto error_of) {
-  for (auto stage = stages.rbegin(); stage != stages.rend(); ++stage) {
-    std::optional<double> const value = value_of(*stage);
-    if (!value) continue;
-    results.push_back({std::move(name), {.value = *value, .error = error_of(*stage)}, ""});
-    return;
-  }
-}
-
 std::vector<NamedEstimate> estimates_of(std::vector<StageResult> const& stages) {
+  auto const last_soft = std::ranges::find_if(stages.rbegin(), stages.rend(),
+                                              [](StageResult const& stage) { return !stage.levels.empty(); });
+  if (last_soft == stages.rend()) return {};
+  PressureLevel const& level = last_soft->levels.back();
   std::vector<NamedEstimate> results;
-  auto const no_error = [](StageResult const&) { return std::optional<double>(); };
-  add_last(
-      results, stages, "jamming_packing_fraction",
-      [](StageResult const& stage) { return stage.jamming_packing_fraction; },
-      [](StageResult const& stage) { return stage.error_of_jamming_packing_fraction; });
-  auto const of_soft = [](auto member) {
-    return [member](StageResult const& stage) { return leaves_overlaps(stage.kind) ? stage.*member : std::nullopt; };
+  auto const add = [&](char const* name, std::optional<double> value, std::optional<double> error = {}) {
+    if (value && std::isfinite(*value)) results.push_back({name, {.value = *value, .error = error}, ""});
   };
-  add_last(results, stages, "soft_pressure", of_soft(&StageResult::pressure), no_error);
-  add_last(results, stages, "soft_energy", of_soft(&StageResult::energy), no_error);
-  add_last(results, stages, "residual_force", of_soft(&StageResult::residual), no_error);
-  add_last(
-      results, stages, "is_converged", [](StageResult const& stage) { return as_number(stage.is_converged); },
-      no_error);
+  double const rattlers = last_soft->disks - static_cast<double>(level.backbone_disks);
+  bool const is_converged = last_soft->is_converged.value_or(false);
+  add("jamming_packing_fraction", last_soft->jamming_packing_fraction, last_soft->error_of_jamming_packing_fraction);
+  add("soft_pressure", level.pressure);
+  add("soft_energy", level.energy);
+  add("contact_number", level.contact_number);
+  add("backbone_disks", static_cast<double>(level.backbone_disks));
+  add("rattler_share", last_soft->disks > 0.0 ? rattlers / last_soft->disks : 0.0);
+  add("excess_contacts", level.excess_contacts);
+  add("bulk_modulus", level.bulk_modulus);
+  add("shear_modulus", level.shear_modulus);
+  add("softest_mode", last_soft->softest_mode);
+  add("residual_force", level.residual);
+  add("is_converged", is_converged ? 1.0 : 0.0);
+  add("is_jammed",
+      is_converged && level.backbone_disks > 0 && level.pressure > 0.0 && level.excess_contacts >= 0.0 ? 1.0 : 0.0);
+  add("is_shear_stable", level.least_shear_modulus > 0.0 ? 1.0 : 0.0);
   return results;
 }
 
@@ -51,43 +46,55 @@ Distribution stages_table(std::vector<StageResult> const& stages) {
                      .columns = {{"stage", "", "The number of the stage, from 1."},
                                  {"packing_fraction", "", "At its end."},
                                  {"pressure", "", "βP/ρ of hard disks, P D²/ε of soft ones."},
-                                 {"energy", "", "Of all soft disks, in ε."},
-                                 {"residual", "", "Largest net force over the mean contact force."},
                                  {"jamming_packing_fraction", "", "Where the pressure vanishes."},
                                  {"work", "", "Iterations, events or trial moves."}},
-                     .columns_of_values = std::vector<std::vector<double>>(7)};
+                     .columns_of_values = std::vector<std::vector<double>>(5)};
   for (std::size_t k = 0; k < stages.size(); ++k) {
     StageResult const& stage = stages[k];
-    double const row[] = {static_cast<double>(k + 1),        stage.packing_fraction,
-                          stage.pressure.value_or(no_value), stage.energy.value_or(no_value),
-                          stage.residual.value_or(no_value), stage.jamming_packing_fraction.value_or(no_value),
-                          static_cast<double>(stage.work)};
+    double const row[] = {static_cast<double>(k + 1), stage.packing_fraction, stage.pressure.value_or(no_value),
+                          stage.jamming_packing_fraction.value_or(no_value), static_cast<double>(stage.work)};
     for (std::size_t c = 0; c < std::size(row); ++c) table.columns_of_values[c].push_back(row[c]);
   }
   return table;
 }
 
+/// A column of levels.csv.
+struct LevelColumn {
+  ColumnInfo info;
+  std::function<double(PressureLevel const&)> value_of;
+};
+
+std::vector<LevelColumn> level_columns() {
+  auto const count = [](std::uint64_t PressureLevel::*member) {
+    return [member](PressureLevel const& level) { return static_cast<double>(level.*member); };
+  };
+  return {
+      {{"packing_fraction", "", "Of the minimum."}, &PressureLevel::packing_fraction},
+      {{"pressure", "", "P D²/ε."}, &PressureLevel::pressure},
+      {{"energy", "", "Of all disks, in ε."}, &PressureLevel::energy},
+      {{"contact_number", "", "Contacts of a disk of the backbone."}, &PressureLevel::contact_number},
+      {{"backbone_disks", "", "Disks that are no rattlers."}, count(&PressureLevel::backbone_disks)},
+      {{"excess_contacts", "", "Contacts beyond those that a marginal packing has."}, &PressureLevel::excess_contacts},
+      {{"bulk_modulus", "", "In ε/D²."}, &PressureLevel::bulk_modulus},
+      {{"shear_modulus", "", "Mean over all directions, in ε/D²."}, &PressureLevel::shear_modulus},
+      {{"least_shear_modulus", "", "Of the softest direction, in ε/D²."}, &PressureLevel::least_shear_modulus},
+      {{"residual", "", "Largest net force over the mean contact force."}, &PressureLevel::residual},
+      {{"iterations", "", "Of FIRE and Newton since the level before."}, count(&PressureLevel::iterations)},
+      {{"jamming_packing_fraction", "", "Where the pressure vanishes, from the last two minima."},
+       &PressureLevel::jamming_packing_fraction}};
+}
+
 Distribution levels_table(std::vector<StageResult> const& stages) {
+  std::vector<LevelColumn> const columns = level_columns();
   Distribution table{
-      .name = "levels",
-      .columns = {{"stage", "", "The number of the stage, from 1."},
-                  {"packing_fraction", "", "Of the minimum."},
-                  {"pressure", "", "P D²/ε."},
-                  {"energy", "", "Of all disks, in ε."},
-                  {"residual", "", "Largest net force over the mean contact force."},
-                  {"iterations", "", "Of FIRE and Newton since the level before."},
-                  {"jamming_packing_fraction", "", "Where the pressure vanishes, from the last two minima."}},
-      .columns_of_values = std::vector<std::vector<double>>(7)};
+      .name = "levels", .columns = {{"stage", "", "The number of the stage, from 1."}}, .columns_of_values = {}};
+  for (LevelColumn const& column : columns) table.columns.push_back(column.info);
+  table.columns_of_values.resize(table.columns.size());
   for (std::size_t k = 0; k < stages.size(); ++k) {
     for (PressureLevel const& level : stages[k].levels) {
-      double const row[] = {static_cast<double>(k + 1),
-                            level.packing_fraction,
-                            level.pressure,
-                            level.energy,
-                            level.residual,
-                            static_cast<double>(level.iterations),
-                            level.jamming_packing_fraction};
-      for (std::size_t c = 0; c < std::size(row); ++c) table.columns_of_values[c].push_back(row[c]);
+      table.columns_of_values[0].push_back(static_cast<double>(k + 1));
+      for (std::size_t c = 0; c < columns.size(); ++c)
+        table.columns_of_values[c + 1].push_back(columns[c].value_of(level));
     }
   }
   return table;

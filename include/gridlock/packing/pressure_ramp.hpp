@@ -40,12 +40,23 @@ struct PressureLevel {
   double pressure = 0.0;  ///< P D²/ε, D the smallest diameter
   double energy = 0.0;    ///< of all disks, in ε
   double residual = 0.0;
-  std::uint64_t iterations = 0;  ///< of FIRE and Newton since the level before
+  std::uint64_t iterations = 0;                                      ///< of FIRE and Newton since the level before
+  std::uint64_t backbone_disks = 0;                                  ///< N₀
+  std::uint64_t backbone_contacts = 0;                               ///< N_c
+  double contact_number = std::numeric_limits<double>::quiet_NaN();  ///< 2 N_c/N₀; no number without a backbone
+  double excess_contacts = 0.0;  ///< N_c − [2(N₀ − 1) + 1], between walls N_c − (2 N₀ + 1); a whole number
+  double bulk_modulus = std::numeric_limits<double>::quiet_NaN();   ///< in ε/D²; no number where there is none
+  double shear_modulus = std::numeric_limits<double>::quiet_NaN();  ///< ⟨G⟩, the mean over all directions
+  double least_shear_modulus =
+      std::numeric_limits<double>::quiet_NaN();  ///< below 0: the packing is unstable against shear
   /// φ − u/(du/dφ) with u = p^(1/(α−1)) and the slope since the last minimum; no number at the first.
   double jamming_packing_fraction = std::numeric_limits<double>::quiet_NaN();
 };
 
 void serialize(Archive& archive, std::vector<PressureLevel>& levels);
+
+/// A minimum with all that the network of its contacts says; without iterations and jamming packing fraction.
+PressureLevel level_of(Packing const& packing, Potential potential);
 
 /// How a ramp ended.
 enum class RampStatus {
@@ -63,7 +74,7 @@ char const* to_text(RampStatus status);
 /// a pressure up to 1.1 of the one asked for counts as reached. On the way up, steps of `step` lead to the first contacts. A packing
 /// fraction is reached in steps of `step`, each a level.
 /// Errors: Error for settings out of range and a packing that Minimizer refuses.
-/// Cost: some five minimizations a level, most of them by Newton's method.
+/// Cost: some five minimizations a level, most of them by Newton's method, and find_elastic_moduli().
 /// Source: C. S. O'Hern et al. (2003), doi:10.1103/PhysRevE.68.011306.
 class PressureRamp {
  public:

@@ -45,11 +45,12 @@ struct StageResult {
   double packing_fraction = 0.0;
   /// Of hard disks βP/ρ, of soft disks P D²/ε; none where it was not measured.
   std::optional<double> pressure = {};
-  std::optional<double> energy = {};    ///< of all soft disks, in ε
-  std::optional<double> residual = {};  ///< largest net force over the mean contact force
+  /// Soft disks: whether forces balance, or no disks press on each other.
   std::optional<bool> is_converged = {};
-  std::uint64_t work = 0;  ///< iterations, events or trial moves
-  std::vector<PressureLevel> levels = {};
+  double disks = 0.0;
+  std::uint64_t work = 0;                   ///< iterations, events or trial moves
+  std::vector<PressureLevel> levels = {};   ///< of soft disks, the last one the end of the stage
+  std::optional<double> softest_mode = {};  ///< ω² in ε/D² of unit masses, at the end
   std::optional<double> jamming_packing_fraction = {};
   std::optional<double> error_of_jamming_packing_fraction = {};
 };
