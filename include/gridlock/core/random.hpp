@@ -25,6 +25,7 @@ enum class Purpose : std::uint64_t {
   paper_study = 4,
   model_start = 5,   ///< where and what the agents of a model are at first
   model_step = 6,    ///< events of a whole model in one step
+  swap_trial = 7,    ///< trial moves of swap Monte Carlo
   model_turn = 256,  ///< and after it, see purpose_of_turn()
 };
 

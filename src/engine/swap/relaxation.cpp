@@ -1,0 +1,210 @@
+#include "engine/swap/relaxation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+namespace gridlock {
+
+namespace {
+
+constexpr std::uint64_t origins_in_a_run = 16;
+constexpr std::size_t most_watched = 4096;
+constexpr double cage = 0.3;  // in mean diameters
+
+double mean_diameter(State const& state) {
+  double sum = 0.0;
+  for (double const radius : state.agents.column<Radius>()) sum += 2.0 * radius;
+  return sum / static_cast<double>(state.agents.size());
+}
+
+/// Half as much again as the spacing of a triangular lattice, but no second image.
+double distance_of_neighbours(State const& state) {
+  double const density = static_cast<double>(state.agents.size()) / state.box.area();
+  double const distance = 1.5 * std::sqrt(2.0 / (std::numbers::sqrt3 * density));
+  return state.box.is_periodic() ? std::min(distance, 0.5 * std::min(state.box.width(), state.box.height())) : distance;
+}
+
+/// exp(6 i θ) of the direction of a vector that is not zero.
+Vector sixth_power_of_direction(Vector r) {
+  double const squared = squared_length(r);
+  double const c = (r.x - r.y) * (r.x + r.y) / squared;
+  double const s = 2.0 * r.x * r.y / squared;
+  return {c * (c * c - 3.0 * s * s), s * (3.0 * c * c - s * s)};
+}
+
+/// In their order, whatever the order of the grid.
+void find_neighbours(SwapTrials const& trials, std::size_t i, double distance, std::vector<std::uint32_t>& found) {
+  found.clear();
+  Vector const p = trials.position(i);
+  trials.grid().for_each_candidate(p, distance, [&](std::size_t j) {
+    if (j == i) return;
+    if (squared_length(trials.box().displacement(p, trials.position(j))) < distance * distance) {
+      found.push_back(static_cast<std::uint32_t>(j));
+    }
+  });
+  std::ranges::sort(found);
+}
+
+Vector bond_orientation(SwapTrials const& trials, std::size_t i, std::vector<std::uint32_t> const& neighbours) {
+  Vector sum;
+  for (std::uint32_t const j : neighbours) {
+    Vector const bond = trials.box().displacement(trials.position(i), trials.position(j));
+    if (squared_length(bond) > 0.0) sum = sum + sixth_power_of_direction(bond);
+  }
+  return neighbours.empty() ? sum : (1.0 / static_cast<double>(neighbours.size())) * sum;
+}
+
+/// From the mean of some disks to disk i, edges of the box crossed or not.
+template <class Neighbours>
+Vector relative_position(SwapTrials const& trials, std::size_t i, Neighbours const& neighbours) {
+  Vector sum;
+  for (std::uint32_t const j : neighbours) sum = sum + trials.unwrapped(j);
+  if (std::ranges::empty(neighbours)) return trials.unwrapped(i);
+  return trials.unwrapped(i) - (1.0 / static_cast<double>(std::ranges::size(neighbours))) * sum;
+}
+
+}  // namespace
+
+Relaxation::Relaxation(State const& state, std::uint64_t sweeps)
+    : disks_(state.agents.size()),
+      stride_((disks_ + most_watched - 1) / most_watched),
+      neighbour_distance_(distance_of_neighbours(state)),
+      squared_cage_(cage * mean_diameter(state) * cage * mean_diameter(state)),
+      spacing_(std::max<std::uint64_t>(1, (sweeps + origins_in_a_run - 1) / origins_in_a_run)) {}
+
+bool Relaxation::is_short_lag(std::uint64_t lag) const {
+  // 2ⁿ and 3·2ⁿ
+  while (lag % 2 == 0) lag /= 2;
+  return lag == 1 || lag == 3;
+}
+
+void Relaxation::look_at(SwapTrials const& trials, std::uint64_t sweep) {
+  std::uint64_t const lag = sweep % spacing_;
+  if (lag == 0) {
+    Origin now = look(trials, sweep);
+    for (Origin const& origin : origins_) compare(origin, now, trials);
+    if (origins_.size() < origins_in_a_run) origins_.push_back(std::move(now));
+  } else if (is_short_lag(lag) && !origins_.empty()) {
+    compare(origins_.back(), look(trials, sweep), trials);
+  }
+}
+
+Relaxation::Origin Relaxation::look(SwapTrials const& trials, std::uint64_t sweep) const {
+  Origin origin{.sweep = sweep, .first = {0}};
+  std::vector<std::uint32_t> neighbours;
+  for (std::size_t i = 0; i < disks_; i += stride_) {
+    find_neighbours(trials, i, neighbour_distance_, neighbours);
+    Vector const order = bond_orientation(trials, i, neighbours);
+    Vector const relative = relative_position(trials, i, neighbours);
+    origin.relative_x.push_back(relative.x);
+    origin.relative_y.push_back(relative.y);
+    origin.order_x.push_back(order.x);
+    origin.order_y.push_back(order.y);
+    origin.neighbours.insert(origin.neighbours.end(), neighbours.begin(), neighbours.end());
+    origin.first.push_back(static_cast<std::uint32_t>(origin.neighbours.size()));
+  }
+  return origin;
+}
+
+void Relaxation::compare(Origin const& origin, Origin const& now, SwapTrials const& trials) {
+  std::uint64_t const lag = now.sweep - origin.sweep;
+  auto place = std::ranges::lower_bound(sums_, lag, {}, &Sums::lag);
+  if (place == sums_.end() || place->lag != lag) place = sums_.insert(place, {.lag = lag});
+  std::uint64_t near = 0;
+  for (std::size_t k = 0; k < watched(); ++k) {
+    std::span const neighbours =
+        std::span(origin.neighbours).subspan(origin.first[k], origin.first[k + 1] - origin.first[k]);
+    Vector const before{origin.relative_x[k], origin.relative_y[k]};
+    Vector const moved = relative_position(trials, k * stride_, neighbours) - before;
+    if (squared_length(moved) < squared_cage_) ++near;
+    Vector const order{origin.order_x[k], origin.order_y[k]};
+    place->bond += dot(order, {now.order_x[k], now.order_y[k]});
+    place->bond_at_origin += squared_length(order);
+  }
+  place->near += static_cast<double>(near) / static_cast<double>(watched());
+  ++place->origins;
+}
+
+std::vector<SwapCorrelation> Relaxation::correlations() const {
+  std::vector<SwapCorrelation> correlations;
+  for (Sums const& sums : sums_) {
+    correlations.push_back({.lag = sums.lag,
+                            .origins = sums.origins,
+                            .self_overlap = sums.near / static_cast<double>(sums.origins),
+                            .bond_orientation = sums.bond_at_origin > 0.0 ? sums.bond / sums.bond_at_origin : 0.0});
+  }
+  return correlations;
+}
+
+void Relaxation::serialize(Archive& archive, Origin& origin) {
+  archive.visit("sweep", origin.sweep);
+  archive.visit("first", origin.first);
+  archive.visit("neighbours", origin.neighbours);
+  archive.visit("relative_x", origin.relative_x);
+  archive.visit("relative_y", origin.relative_y);
+  archive.visit("order_x", origin.order_x);
+  archive.visit("order_y", origin.order_y);
+}
+
+void Relaxation::serialize(Archive& archive, std::size_t disks) {
+  // What the settings and the start decide is not saved but for this, to which the sums belong.
+  archive.visit("squared_cage", squared_cage_);
+  archive.visit("neighbour_distance", neighbour_distance_);
+  archive.require(disks == disks_, "the correlations are of another number of disks");
+  std::uint64_t origins = origins_.size();
+  std::uint64_t lags = sums_.size();
+  archive.visit("origins", origins);
+  archive.visit("lags", lags);
+  archive.require(origins <= origins_in_a_run && lags <= 1000, "there are too many correlations");
+  origins_.resize(origins);
+  sums_.resize(lags);
+  for (std::size_t k = 0; k < origins; ++k) {
+    serialize_inside(archive, "origin_" + std::to_string(k), [&] { serialize(archive, origins_[k]); });
+  }
+  for (std::size_t k = 0; k < lags; ++k) {
+    serialize_inside(archive, "lag_" + std::to_string(k), [&] {
+      archive.visit("lag", sums_[k].lag);
+      archive.visit("origins", sums_[k].origins);
+      archive.visit("near", sums_[k].near);
+      archive.visit("bond", sums_[k].bond);
+      archive.visit("bond_at_origin", sums_[k].bond_at_origin);
+    });
+  }
+  if (archive.is_restoring()) require_restored(archive);
+}
+
+void Relaxation::require_restored(Archive const& archive) const {
+  char const* const what = "the correlations are not those of such a run";
+  for (Origin const& origin : origins_) {
+    archive.require(origin.first.size() == watched() + 1 && origin.relative_x.size() == watched() &&
+                        origin.relative_y.size() == watched() && origin.order_x.size() == watched() &&
+                        origin.order_y.size() == watched(),
+                    what);
+    archive.require(origin.first.front() == 0 && std::ranges::is_sorted(origin.first) &&
+                        origin.first.back() == origin.neighbours.size(),
+                    what);
+    archive.require(std::ranges::all_of(origin.neighbours, [&](std::uint32_t j) { return j < disks_; }), what);
+  }
+  archive.require(std::ranges::is_sorted(sums_, {}, &Sums::lag), what);
+  archive.require(std::ranges::is_sorted(origins_, {}, &Origin::sweep), what);
+  archive.require(std::ranges::all_of(sums_, [](Sums const& sums) { return sums.lag > 0 && sums.origins > 0; }), what);
+}
+
+std::optional<double> relaxation_time(std::vector<SwapCorrelation> const& correlations,
+                                      double SwapCorrelation::*quantity) {
+  double const end = 1.0 / std::numbers::e;
+  double lag = 0.0;
+  double value = 1.0;
+  for (SwapCorrelation const& next : correlations) {
+    auto const next_lag = static_cast<double>(next.lag);
+    double const next_value = next.*quantity;
+    if (next_value <= end) return lag + (next_lag - lag) * (value - end) / (value - next_value);
+    lag = next_lag;
+    value = next_value;
+  }
+  return std::nullopt;
+}
+
+}  // namespace gridlock

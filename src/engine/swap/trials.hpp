@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "gridlock/core/disks.hpp"
+#include "gridlock/engine/swap_monte_carlo.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
+
+namespace gridlock {
+
+/// The disks of a state, in the order of their Ids, and the trial moves of swap Monte Carlo.
+class SwapTrials {
+ public:
+  explicit SwapTrials(State const& state);
+
+  struct Sweep {
+    std::uint64_t number = 0;  ///< of all that have random numbers of their own
+    double swap_fraction = 0.0;
+    double step = 0.0;  ///< the largest displacement along x and along y, at most half the shorter side
+  };
+  /// N trial moves.
+  void take(Sweep const& sweep, SwapCounts& counts);
+
+  void write_back(State& state) const;
+
+  [[nodiscard]] std::size_t size() const { return disks_.size(); }
+  [[nodiscard]] Vector position(std::size_t i) const { return disks_[i].position; }
+  /// Where the disk would be had it not been put back into a periodic box.
+  [[nodiscard]] Vector unwrapped(std::size_t i) const {
+    Disk const& disk = disks_[i];
+    return {disk.position.x + disk.image_x * box_.width(), disk.position.y + disk.image_y * box_.height()};
+  }
+  [[nodiscard]] Box const& box() const { return box_; }
+  [[nodiscard]] PackedGrid const& grid() const { return grid_; }
+
+ private:
+  struct alignas(32) Disk {
+    Vector position;
+    double radius = 0.0;
+    std::int32_t image_x = 0;
+    std::int32_t image_y = 0;
+  };
+  /// What the random numbers ask for.
+  struct Trial {
+    bool is_swap;
+    std::uint32_t disk;
+    std::uint32_t other;  ///< of a swap
+    Vector displacement;  ///< of a displacement
+  };
+  static constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
+
+  [[nodiscard]] Trial draw(Sweep const& sweep, std::uint64_t number) const;
+  void displace(Trial const& trial, SwapCounts& counts);
+  void swap(Trial const& trial, SwapCounts& counts);
+  /// A disk of that radius at a place; two disks that it may overlap, itself and another.
+  struct Room {
+    Vector place;
+    double radius;
+    std::uint32_t disk;
+    std::uint32_t other;
+  };
+  /// Whether there is room for it.
+  [[nodiscard]] bool is_free(Room const& room) const;
+  [[nodiscard]] bool is_free_in_further_blocks(std::array<PackedGrid::Block const*, 9> const& around,
+                                               Room const& room) const;
+  [[nodiscard]] bool is_free_among_all(Room const& room) const;
+  [[nodiscard]] PackedGrid::LocalPoint seen_from(PackedGrid::LocalPoint here, std::size_t k) const;
+  [[nodiscard]] bool is_inside(Vector p, double radius) const;
+  [[nodiscard]] bool overlaps(Vector p, double radius, std::uint32_t j) const;
+
+  Box box_;
+  std::uint64_t seed_;
+  std::vector<Disk> disks_;
+  std::vector<std::uint32_t> row_;  ///< in the state
+  double largest_radius_;
+  PackedGrid grid_;
+  bool fits_blocks_;
+  double limit_per_area_;
+  float limit_error_;
+};
+
+}  // namespace gridlock

@@ -1,0 +1,217 @@
+#include "gridlock/engine/swap_monte_carlo.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/swap/relaxation.hpp"
+#include "engine/swap/trials.hpp"
+#include "gridlock/core/error.hpp"
+#include "gridlock/grid/validate.hpp"
+
+namespace gridlock {
+
+namespace {
+
+constexpr double first_step = 0.1;                              // in mean diameters
+constexpr double least_step = 1e-12;                            // in mean diameters
+constexpr double wanted_acceptance = 0.4;                       // of displacements
+constexpr std::uint64_t displacements_of_an_adjustment = 1000;  // their share accepted is known to 0.015
+constexpr std::uint64_t most_sweeps = (std::uint64_t{1} << 40) - 1;
+constexpr std::uint64_t most_stages = std::uint64_t{1} << 24;
+constexpr double enough_relaxation_times = 10.0;
+
+void require(bool holds, std::string what, std::string hint, std::string key) {
+  if (!holds) throw Error({.what = std::move(what), .hint = std::move(hint), .key = std::move(key)});
+}
+
+void require_bounds(SwapSettings const& settings) {
+  require(settings.sweeps >= 1 && settings.sweeps <= most_sweeps,
+          fmt::format("{} sweeps of swap Monte Carlo cannot be made", settings.sweeps),
+          "use 1 to 10¹²; 100000 are a beginning", "swap.sweeps");
+  require(settings.swap_fraction >= 0.0 && settings.swap_fraction < 1.0,
+          fmt::format("a share of {} of the trial moves cannot be swaps", settings.swap_fraction),
+          "use 0 or more and less than 1; the usual value is 0.2", "swap.swap_fraction");
+  require(settings.adjusting >= 0.0 && settings.adjusting < 1.0,
+          fmt::format("the step cannot be adjusted in a share of {} of the sweeps", settings.adjusting),
+          "use 0 or more and less than 1; the usual value is 0.1", "swap.adjusting");
+  if (settings.step) {
+    require(std::isfinite(*settings.step) && *settings.step > 0.0,
+            fmt::format("a displacement of up to {} diameters is no move", *settings.step),
+            "use a positive number, or leave it out", "swap.step");
+  }
+  require(settings.stage < most_stages, fmt::format("there is no stage {} of swap Monte Carlo", settings.stage),
+          fmt::format("use a number below {}", most_stages), "swap.stage");
+}
+
+double mean_diameter(State const& state) {
+  double sum = 0.0;
+  for (double const radius : state.agents.column<Radius>()) sum += 2.0 * radius;
+  return sum / static_cast<double>(state.agents.size());
+}
+
+std::optional<double> share(std::uint64_t part, std::uint64_t all) {
+  if (all == 0) return std::nullopt;
+  return static_cast<double>(part) / static_cast<double>(all);
+}
+
+void serialize_counts(Archive& archive, SwapCounts& counts) {
+  archive.visit("displacements", counts.displacements);
+  archive.visit("accepted_displacements", counts.accepted_displacements);
+  archive.visit("swaps", counts.swaps);
+  archive.visit("accepted_swaps", counts.accepted_swaps);
+  archive.require(counts.accepted_displacements <= counts.displacements && counts.accepted_swaps <= counts.swaps,
+                  "more trial moves were accepted than made");
+}
+
+}  // namespace
+
+void describe(SwapSettings& settings, SettingVisitor& visitor) {
+  visitor.visit({.key = "sweeps",
+                 .documentation = "Length in sweeps, N trial moves each.",
+                 .least = 1,
+                 .most = static_cast<double>(most_sweeps)},
+                settings.sweeps);
+  visitor.visit({.key = "swap_fraction",
+                 .documentation = "Share of the trial moves that exchange the radii of two disks.",
+                 .least = 0.0,
+                 .most = 1.0,
+                 .most_is_allowed = false},
+                settings.swap_fraction);
+  visitor.visit({.key = "step",
+                 .unit = "mean diameter",
+                 .documentation = "The largest displacement of a trial move along x and along y.",
+                 .least = 0.0,
+                 .least_is_allowed = false,
+                 .default_note = "adjusted until 40 % of the displacements are accepted"},
+                settings.step);
+  visitor.visit({.key = "adjusting",
+                 .documentation =
+                     "Share of the sweeps, at their start, in which the step is adjusted; they count for no average.",
+                 .least = 0.0,
+                 .most = 1.0,
+                 .most_is_allowed = false},
+                settings.adjusting);
+}
+
+struct SwapMonteCarlo::Progress {
+  SwapSettings settings;
+  std::uint64_t adjusting_sweeps = 0;
+  double diameter = 1.0;      ///< the mean
+  double longest_step = 1.0;  ///< beyond half the shorter side a disk would jump over more than its box
+  std::uint64_t sweep = 0;
+  double step = 1.0;     ///< in the unit of lengths
+  SwapCounts adjusting;  ///< since the last adjustment
+  SwapCounts counts;
+  Relaxation relaxation;
+
+  Progress(SwapSettings const& wanted, State const& state)
+      : settings(wanted),
+        adjusting_sweeps(
+            wanted.step ? 0 : static_cast<std::uint64_t>(wanted.adjusting * static_cast<double>(wanted.sweeps))),
+        diameter(mean_diameter(state)),
+        longest_step(0.5 * std::min(state.box.width(), state.box.height())),
+        step(std::min(longest_step, diameter * wanted.step.value_or(first_step))),
+        relaxation(state, wanted.sweeps - adjusting_sweeps) {}
+
+  void adjust_step() {
+    if (adjusting.displacements < displacements_of_an_adjustment) return;
+    double const accepted = *share(adjusting.accepted_displacements, adjusting.displacements);
+    step = std::clamp(step * std::clamp(accepted / wanted_acceptance, 0.5, 2.0), least_step * diameter, longest_step);
+    adjusting = {};
+  }
+
+  void take_sweep(SwapTrials& trials, std::uint64_t seed_of_stage) {
+    bool const is_adjusting = sweep < adjusting_sweeps;
+    if (sweep == adjusting_sweeps) relaxation.look_at(trials, 0);
+    trials.take({.number = seed_of_stage + sweep, .swap_fraction = settings.swap_fraction, .step = step},
+                is_adjusting ? adjusting : counts);
+    ++sweep;
+    if (is_adjusting) {
+      adjust_step();
+    } else {
+      relaxation.look_at(trials, sweep - adjusting_sweeps);
+    }
+  }
+
+  [[nodiscard]] std::string missing(SwapReport const& report) const {
+    double const sweeps_that_count = static_cast<double>(sweep - std::min(sweep, adjusting_sweeps));
+    if (!report.relaxation_times) {
+      return fmt::format(
+          "{} have not relaxed within {:.0f} sweeps: this is no equilibrium, and how many sweeps that takes is not "
+          "known",
+          report.overlap_relaxation_time ? "the bond orientations" : "the positions", sweeps_that_count);
+    }
+    double const time = std::max(*report.overlap_relaxation_time, *report.bond_relaxation_time);
+    double const needed = enough_relaxation_times * time * 1.1 * static_cast<double>(settings.sweeps) /
+                          static_cast<double>(settings.sweeps - adjusting_sweeps);
+    return fmt::format(
+        "{:.0f} sweeps are {:.1f} relaxation times of {:.3g} sweeps, and equilibrium takes {:.0f}: use {:.2g} sweeps",
+        sweeps_that_count, *report.relaxation_times, time, enough_relaxation_times, needed);
+  }
+};
+
+SwapMonteCarlo::SwapMonteCarlo(SwapSettings const& settings, State const& state) {
+  require_bounds(settings);
+  require(!state.agents.empty(), "there are no disks to move", "give at least one", "disks.count");
+  double const rounding = rounding_of_contact(state);
+  validate(state, {.overlap = rounding, .beyond_walls = rounding});
+  progress_ = std::make_unique<Progress>(settings, state);
+}
+
+SwapMonteCarlo::~SwapMonteCarlo() = default;
+SwapMonteCarlo::SwapMonteCarlo(SwapMonteCarlo&& other) noexcept = default;
+SwapMonteCarlo& SwapMonteCarlo::operator=(SwapMonteCarlo&& other) noexcept = default;
+
+bool SwapMonteCarlo::advance(State& state, std::function<bool()> const& should_continue) {
+  Progress& progress = *progress_;
+  SwapTrials trials(state);
+  std::uint64_t const first_number = progress.settings.stage * (most_sweeps + 1);
+  while (progress.sweep < progress.settings.sweeps) {
+    progress.take_sweep(trials, first_number);
+    if (should_continue && !should_continue()) break;
+  }
+  trials.write_back(state);
+  return progress.sweep == progress.settings.sweeps;
+}
+
+std::uint64_t SwapMonteCarlo::sweeps_done() const { return progress_->sweep; }
+
+SwapCounts const& SwapMonteCarlo::counts() const { return progress_->counts; }
+
+std::vector<SwapCorrelation> SwapMonteCarlo::correlations() const { return progress_->relaxation.correlations(); }
+
+SwapReport SwapMonteCarlo::report() const {
+  Progress const& progress = *progress_;
+  SwapCounts const& counts = progress.counts;
+  std::vector<SwapCorrelation> const correlations = this->correlations();
+  SwapReport report{.sweeps = progress.sweep,
+                    .step = progress.step / progress.diameter,
+                    .displacement_acceptance = share(counts.accepted_displacements, counts.displacements),
+                    .swap_acceptance = share(counts.accepted_swaps, counts.swaps),
+                    .overlap_relaxation_time = relaxation_time(correlations, &SwapCorrelation::self_overlap),
+                    .bond_relaxation_time = relaxation_time(correlations, &SwapCorrelation::bond_orientation)};
+  if (report.overlap_relaxation_time && report.bond_relaxation_time) {
+    double const longer = std::max(*report.overlap_relaxation_time, *report.bond_relaxation_time);
+    report.relaxation_times = static_cast<double>(progress.sweep - progress.adjusting_sweeps) / longer;
+  }
+  report.is_equilibrated = report.relaxation_times.value_or(0.0) >= enough_relaxation_times;
+  if (!report.is_equilibrated) report.warning = progress.missing(report);
+  return report;
+}
+
+void SwapMonteCarlo::serialize(Archive& archive, State const& state) {
+  Progress& progress = *progress_;
+  archive.visit("sweep", progress.sweep);
+  archive.visit("diameter", progress.diameter);
+  archive.visit("step", progress.step);
+  archive.require(progress.sweep <= progress.settings.sweeps, "more sweeps were done than there are");
+  archive.require(progress.step > 0.0 && progress.step <= progress.longest_step, "a step is no displacement");
+  serialize_inside(archive, "adjusting", [&] { serialize_counts(archive, progress.adjusting); });
+  serialize_inside(archive, "counts", [&] { serialize_counts(archive, progress.counts); });
+  serialize_inside(archive, "relaxation", [&] { progress.relaxation.serialize(archive, state.agents.size()); });
+}
+
+}  // namespace gridlock
