@@ -56,7 +56,7 @@ def packing(found: Contacts, colour: ArrayLike | str = "psi6", *, label: str = "
         axes.figure.colorbar(disks, ax=axes, label=label or usual, fraction=0.05, pad=0.02)
     for share, face in ((1.0, RATTLER), (0.9, "white")):
         Disks(axes, places[is_hollow], share * found.radii[rows][is_hollow]).set_facecolor(face)
-    axes.add_collection(PolyCollection(_lines_of(found, frame.positions), facecolors=INK, linewidths=0), autolim=False)
+    axes.add_collection(PolyCollection(list(_lines_of(found, frame.positions)), facecolors=INK, linewidths=0), autolim=False)
     _draw_box(axes, frame, None)
     return axes
 
@@ -86,16 +86,16 @@ def _values_of(found: Contacts, colour: Any) -> tuple[NDArray[np.float64], str, 
 
 def _lines_of(found: Contacts, places: NDArray[np.float64]) -> NDArray[np.float64]:
     """The four corners of each line: from the first disk to the second, and around the edges of a periodic box back from there."""
-    ways = found.normals * found.distances[:, None]
-    forces = found.forces if found.forces.any() else np.ones(len(ways))
+    separations = found.normals * found.distances[:, None]
+    forces = found.forces if found.forces.any() else np.ones(len(separations))
     mean = forces[forces > 0].mean() if (forces > 0).any() else 1.0
     widths = MEAN_WIDTH * found.smallest_diameter * np.minimum(forces / mean, 3.0)
     is_of_disks = found.pairs[:, 1] < len(places)
     first = places[found.pairs[:, 0]]
     second = places[found.pairs[is_of_disks, 1]]
     starts = np.concatenate([first, second])
-    ways = np.concatenate([ways, -ways[is_of_disks]])
+    separations = np.concatenate([separations, -separations[is_of_disks]])
     normals = np.concatenate([found.normals, found.normals[is_of_disks]])
     aside = np.concatenate([widths, widths[is_of_disks]])[:, None] / 2 * np.column_stack([-normals[:, 1], normals[:, 0]])
-    corners: NDArray[np.float64] = np.stack([starts - aside, starts + aside, starts + ways + aside, starts + ways - aside], axis=1)
+    corners: NDArray[np.float64] = np.stack([starts - aside, starts + aside, starts + separations + aside, starts + separations - aside], axis=1)
     return corners
