@@ -123,6 +123,43 @@ def test_the_result_cannot_be_assigned_to():
         found.pressure = 1.0
 
 
+@pytest.fixture
+def pyplot():
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    return pytest.importorskip("matplotlib.pyplot")
+
+
+def test_the_picture_has_all_disks_and_forces(pyplot):
+    from gridlock.plot import packing
+
+    found = gridlock.contacts(*known("mid"))
+    for colour in ("psi6", "coordination", np.arange(64)):
+        axes = packing(found, colour)
+        disks, rim, hole, lines = axes.collections
+        # Disks that an edge cuts are there twice or more.
+        assert len(disks.get_offsets()) >= 60 and len(rim.get_offsets()) == len(hole.get_offsets()) >= 4
+        assert len(lines.get_paths()) == 2 * len(found.pairs)
+        pyplot.close(axes.figure)
+    corners = np.array([path.vertices[:4] for path in axes.collections[3].get_paths()])[: len(found.pairs)]
+    widths = np.hypot(*(corners[:, 1] - corners[:, 0]).T)
+    assert np.allclose(widths / widths.max(), np.minimum(found.forces / found.forces.mean(), 3.0) / 3.0, rtol=0.05)
+    lengths = np.hypot(*(corners[:, 2] - corners[:, 1]).T)
+    assert np.allclose(lengths, found.distances)
+
+
+def test_the_picture_of_hard_disks_and_of_nothing(pyplot):
+    from gridlock.plot import packing
+
+    points, radii, box = known("marginal")
+    hard = gridlock.contacts(points, radii * (1 - 1e-6), box, tolerance=2e-6)
+    assert len(packing(hard).collections[-1].get_paths()) == 2 * len(hard.pairs) >= 2 * 119
+    assert len(packing(gridlock.contacts(np.empty((0, 2)), [], 1.0)).collections[-1].get_paths()) == 0
+    with pytest.raises(gridlock.Error, match='have no "speed"'):
+        packing(hard, "speed")
+    pyplot.close("all")
+
+
 @pytest.mark.parametrize("arguments, words", [
     ({"box": None}, "need a box"),
     ({"potential": "lennard-jones"}, "the potential is 'lennard-jones'"),

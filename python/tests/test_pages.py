@@ -1,5 +1,7 @@
 """Every program in Python that the pages show runs."""
 
+import json
+import os
 import pathlib
 import re
 import subprocess
@@ -25,6 +27,24 @@ def test_programs_of_the_page_run(root, page, capsys, tmp_path, monkeypatch):
             warnings.simplefilter("ignore")
             exec(compile(program, page, "exec"), {})  # noqa: S102
         assert capsys.readouterr().out
+
+
+def test_the_page_of_contacts_runs(root, program, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PATH", f"{pathlib.Path(program).parent}:{os.environ['PATH']}")
+    pathlib.Path("tests").symlink_to(root / "tests")
+    page = (root / "docs/how_to/contacts.md").read_text()
+    outputs = []
+    for block in re.findall(r"```sh\n(.*?)```", page, re.DOTALL):
+        outputs.append(subprocess.run(["sh", "-e"], input=block, text=True, check=True, capture_output=True).stdout)
+    shown = re.search(r"```text\n(.*?)```", page, re.DOTALL)[1].splitlines()
+    assert all(text == "  …" or text in outputs[0].splitlines() for text in shown)
+    files = re.findall(r"^\| `(\w+\.\w+)` \|", page, re.MULTILINE)
+    assert len(files) == 6 and all(pathlib.Path("results/contacts", name).is_file() for name in files)
+    named = re.findall(r"`(\w+)`", " ".join(re.findall(r"^\| (`.*?) \|", page, re.MULTILINE)))
+    assert set(named) - {"elastic_xxxx"} <= set(json.loads(pathlib.Path("results/contacts/summary.json").read_text()))
+    exec(compile(re.search(r"```python\n(.*?)```", page, re.DOTALL)[1], "page", "exec"), {})  # noqa: S102
+    assert capsys.readouterr().out.startswith("Z = 3.967, p = 0.0001055, K = 0.21")
 
 
 def test_the_reference_has_every_public_name(root):

@@ -47,9 +47,9 @@ void add_images(Table& table, Packing const& packing, std::span<Contact const> p
   for (Contact const& pair : pairs) {
     bool const is_at_wall = pair.second >= packing.size();
     std::uint32_t const j = is_at_wall ? pair.first : pair.second;
-    Vector const way = is_at_wall ? Vector{} : pair.distance * pair.normal;
-    x.push_back(std::round((packing.x[pair.first] + way.x - packing.x[j]) / packing.box.width()) + 0.0);
-    y.push_back(std::round((packing.y[pair.first] + way.y - packing.y[j]) / packing.box.height()) + 0.0);
+    Vector const separation = is_at_wall ? Vector{} : pair.distance * pair.normal;
+    x.push_back(std::round((packing.x[pair.first] + separation.x - packing.x[j]) / packing.box.width()) + 0.0);
+    y.push_back(std::round((packing.y[pair.first] + separation.y - packing.y[j]) / packing.box.height()) + 0.0);
   }
   table.add_column("image_x", std::move(x));
   table.add_column("image_y", std::move(y));

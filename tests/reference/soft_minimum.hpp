@@ -37,8 +37,8 @@ inline double energy_of(Packing const& packing, Potential potential) {
 
 /// The packing after all disks have moved; between walls no further than them.
 inline Packing moved(Packing packing, Eigen::VectorXd const& step) {
-  auto const along = [&](double& coordinate, double side, double way) {
-    coordinate += way;
+  auto const along = [&](double& coordinate, double side, double displacement) {
+    coordinate += displacement;
     if (packing.box.is_periodic()) {
       coordinate = image_inside(coordinate, side);
     } else {
@@ -77,11 +77,11 @@ inline Packing minimum_near(Packing packing, Potential potential) {
       cholesky.compute(hessian);
       if (cholesky.info() == Eigen::Success) break;
     }
-    Eigen::VectorXd way = cholesky.solve(force);
-    double const longest = way.cwiseAbs().maxCoeff();
+    Eigen::VectorXd displacement = cholesky.solve(force);
+    double const longest = displacement.cwiseAbs().maxCoeff();
     if (longest < 1e-14 * smallest_diameter(packing)) return packing;
-    way *= std::min(1.0, 0.1 * smallest_diameter(packing) / longest);
-    Packing const next = moved(packing, way);
+    displacement *= std::min(1.0, 0.1 * smallest_diameter(packing) / longest);
+    Packing const next = moved(packing, displacement);
     bool const is_better = energy_of(next, potential) < energy_of(packing, potential) ||
                            force_vector(next, potential).norm() < 0.5 * force.norm();
     if (is_better) packing = next;

@@ -1,4 +1,4 @@
-"""``gridlock plot DIR``: draws the pictures of a run or sweep from its data."""
+"""``gridlock plot DIR``: draws the pictures of a run, sweep or packing from its data."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from ..errors import Error, RunFailure
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="gridlock plot", description="Draw the pictures of a run or sweep from its data.")
-    parser.add_argument("directory", metavar="DIR", help="directory of a run or sweep")
+    parser = argparse.ArgumentParser(prog="gridlock plot", description="Draw the pictures of a run, sweep or packing from its data.")
+    parser.add_argument("directory", metavar="DIR", help="directory of a run, a sweep or of gridlock contacts")
     parser.add_argument("--colour", "--color", default="", metavar="NAME",
                         help="of the agents at the end: psi6, speed, direction, neighbourhood, radius, or a column")
     parser.add_argument("--pdf", action="store_true", help="write PDF files too, for papers")

@@ -1,4 +1,4 @@
-"""Charts by matplotlib: snapshots, series, measured curves and sweeps with errors, the pictures of a run, movies.
+"""Charts by matplotlib: snapshots, packings, series, measured curves and sweeps with errors, the pictures of a run, movies.
 
 Colours are those of Okabe and Ito, and viridis: both are told apart by colour-blind readers and in grey. Every function draws into
 ``axes``, or into new ones, and returns them; ``axes.figure.savefig("picture.pdf")`` writes a file. Inside ``with style():`` they have
@@ -15,11 +15,12 @@ except ImportError:
 from .agents import snapshot
 from .charts import curve, histogram, line, points, reference, series, sweep
 from .movies import movie
+from .packings import packing
 from .pictures import Pictures, pictures
 from .style import COLOURS, COLUMN, MARKERS, PAGE, STYLE, axis_label, sequential, style
 
 __all__ = [
     "COLOURS", "COLUMN", "MARKERS", "PAGE", "STYLE", "Pictures",
-    "axis_label", "curve", "histogram", "line", "movie", "pictures", "points", "reference", "sequential", "series", "snapshot", "style",
+    "axis_label", "curve", "histogram", "line", "movie", "packing", "pictures", "points", "reference", "sequential", "series", "snapshot", "style",
     "sweep",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import pathlib
 import warnings
@@ -13,11 +14,13 @@ from matplotlib.figure import Figure
 
 from .. import _core
 from ..errors import Error
-from ..files import Frame, RunDirectory
+from ..files import Frame, RunDirectory, read_xyz
+from ..packings import Contacts, contacts
 from ..simulation import Simulation
 from ..sweeps import SweepDirectory
 from .agents import colours_of, frame_of, snapshot, usual_colour
-from .charts import combinations, curve, reference, series, sweep, swept_number
+from .charts import combinations, curve, line, reference, series, sweep, swept_number
+from .packings import packing
 from .style import COLUMN, style
 
 #: More lines than that cannot be told apart.
@@ -212,14 +215,48 @@ def _draw_sweep(artist: _Artist, made: SweepDirectory) -> None:
             artist.chart(name, draw)
 
 
+def _draw_contacts(artist: _Artist, colour: str) -> None:
+    """What ``gridlock contacts`` has written: the packing with its chains of force, and how its forces and its area are distributed."""
+    directory = artist.directory
+    summary = json.loads((directory / "summary.json").read_text(encoding="utf-8"))
+    frame = read_xyz(directory / "packing.xyz")
+    found = contacts(frame.positions, frame.radius, frame.box, potential=summary["potential"], tolerance=summary["tolerance"], stiffness=False)
+
+    def draw(axes: Any) -> None:
+        packing(found, colour or "psi6", axes=axes)
+        axes.set_title(f"φ = {found.packing_fraction:.5g}, Z = {found.contact_number:.4g}, {found.is_rattler.sum()} rattlers")
+
+    artist.agents("packing", found.box, draw, has_side=True)
+    if len(found.relative_forces) > 0:
+        artist.chart("forces", lambda axes: _chart_forces(axes, found))
+    if _has(directory, "spectral_density.csv"):
+        artist.chart("spectral_density", lambda axes: _chart_spectrum(axes, directory, found))
+
+
+def _chart_forces(axes: Any, found: Contacts) -> None:
+    for label, is_drawn in (("extended", ~found.is_of_buckler), ("of bucklers", found.is_of_buckler)):
+        forces = found.relative_forces[is_drawn]
+        if len(forces) > 0:
+            line(axes, forces, np.arange(1, len(forces) + 1) / len(forces), label=f"{label} ({len(forces)})")
+    axes.set(xscale="log", yscale="log", xlabel="force f/⟨f⟩", ylabel="share of forces up to f")
+    axes.legend()
+
+
+def _chart_spectrum(axes: Any, directory: pathlib.Path, found: Contacts) -> None:
+    q, density = np.loadtxt(directory / "spectral_density.csv", delimiter=",", skiprows=1, ndmin=2)[:, :2].T
+    diameter = found.smallest_diameter
+    line(axes, q * diameter, density / diameter**2)
+    axes.set(xscale="log", yscale="log", xlabel="wave number q D", ylabel="spectral density χ(q) / D²")
+
+
 def pictures(directory: str | os.PathLike[str], colour: str = "", *, pdf: bool = False) -> Pictures:
-    """Draws the pictures of a finished run or sweep into its directory, as ``gridlock plot`` does: SVG and PNG, with ``pdf`` PDF too.
+    """Draws the pictures of a finished run, sweep or packing into its directory, as ``gridlock plot`` does: SVG and PNG, with ``pdf`` PDF too.
 
     A run: start, final (coloured by displacement), displacement, speed_distribution, pair_correlation. A run of a model: final,
     and every column of its series. A sweep: results against the swept number with the most values, one line for each combination of the
-    others.
+    others. A packing, as ``gridlock contacts -o`` writes it: packing, forces, spectral_density.
 
-    :param colour: of the agents at the end, as for :func:`snapshot`, or ``"displacement"``.
+    :param colour: of the disks of a packing, as for :func:`packing`; of the agents at the end, as for :func:`snapshot`, or ``"displacement"``.
     :returns: the files, and a note on each picture that could not be drawn.
     :raises Error: for a directory that holds neither, and for a colour that the agents do not have, before anything is drawn.
     """
@@ -230,10 +267,12 @@ def pictures(directory: str | os.PathLike[str], colour: str = "", *, pdf: bool =
             _draw_run(artist, RunDirectory(path), colour)
         elif _has(path, "config.resolved.toml") and _has(path, "summary.json"):
             raise Error(f"{path} holds a run without its last state\n  hint: pictures need final.xyz: leave run.final_state = false out")
+        elif _has(path, "contacts.csv") and _has(path, "packing.xyz"):
+            _draw_contacts(artist, colour)
         elif _has(path, "means.csv"):
             if colour:
                 raise Error("a sweep has no agents to colour\n  hint: name the directory of one of its runs, below runs/")
             _draw_sweep(artist, SweepDirectory(path))
         else:
-            raise Error(f"{path} holds neither a run nor a sweep\n  hint: name a directory that gridlock run or gridlock sweep has written")
+            raise Error(f"{path} holds neither a run nor a sweep\n  hint: name a directory that gridlock run, gridlock sweep or gridlock contacts has written")
     return artist.made

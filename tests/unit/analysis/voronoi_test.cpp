@@ -120,5 +120,27 @@ TEST(VoronoiCells, RefusePointsThatHaveNone) {
   EXPECT_THROW(find_voronoi_cells(Box(1.0, 1.0, Edge::periodic), points.view()), Error);
 }
 
+TEST(LocalBondOrientation, OverVoronoiNeighboursIsOneInHexagonsAndSmallInSquares) {
+  std::vector<double> x, y, square_x, square_y;
+  for (int k = 0; k < 64; ++k) {
+    x.push_back(k % 8 + 0.5 * (k / 8 % 2));
+    y.push_back(k / 8 * std::sqrt(0.75));
+    square_x.push_back(k % 8);
+    square_y.push_back(k / 8);
+  }
+  PointsInMemory const hexagons{.x = x.data(), .y = y.data(), .count = 64};
+  Box const box(8.0, 8.0 * std::sqrt(0.75), Edge::periodic);
+  for (double const order :
+       local_bond_orientation_orders(box, hexagons, find_voronoi_cells(box, hexagons).neighbours)) {
+    EXPECT_NEAR(order, 1.0, 1e-12);
+  }
+  PointsInMemory const squares{.x = square_x.data(), .y = square_y.data(), .count = 64};
+  Box const wide(8.0, 8.0, Edge::periodic);
+  for (double const order :
+       local_bond_orientation_orders(wide, squares, find_voronoi_cells(wide, squares).neighbours)) {
+    EXPECT_NEAR(order, 0.0, 1e-12) << "exp(6 i θ) of four neighbours cancel";
+  }
+}
+
 }  // namespace
 }  // namespace gridlock

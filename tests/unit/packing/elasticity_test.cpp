@@ -81,15 +81,15 @@ TEST(ElasticModuli, GiveTheChangeOfThePressureAsRadiiScale) {
   }
 }
 
-/// The contacts of a packing in a strained box, from whose affine places the disks move by `way`.
+/// The contacts of a packing in a strained box, from whose affine places the disks move by `displacement`.
 std::vector<Contact> strained(std::vector<Contact> contacts, double xx, double yy, double xy,
-                              Eigen::VectorXd const& way) {
+                              Eigen::VectorXd const& displacement) {
   for (Contact& contact : contacts) {
     Vector const r = contact.distance * contact.normal;
     auto const a = static_cast<Eigen::Index>(2 * contact.first);
     auto const b = static_cast<Eigen::Index>(2 * contact.second);
-    Vector const d{(1.0 + xx) * r.x + xy * r.y + way(b) - way(a),
-                   xy * r.x + (1.0 + yy) * r.y + way(b + 1) - way(a + 1)};
+    Vector const d{(1.0 + xx) * r.x + xy * r.y + displacement(b) - displacement(a),
+                   xy * r.x + (1.0 + yy) * r.y + displacement(b + 1) - displacement(a + 1)};
     contact.distance = std::sqrt(squared_length(d));
     contact.normal = {d.x / contact.distance, d.y / contact.distance};
   }
@@ -102,18 +102,19 @@ double least_energy(std::vector<Contact> const& contacts, std::size_t disks, Pot
   std::vector<bool> moves(disks, true);
   moves[0] = false;
   Unknowns const unknowns(moves);
-  Eigen::VectorXd way = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(2 * disks));
+  Eigen::VectorXd displacement = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(2 * disks));
   for (int step = 0; step < 6; ++step) {
-    std::vector<Contact> const now = strained(contacts, xx, yy, xy, way);
+    std::vector<Contact> const now = strained(contacts, xx, yy, xy, displacement);
     std::vector<Vector> const forces = forces_of(now, potential, disks);
     Eigen::VectorXd force(static_cast<Eigen::Index>(2 * disks - 2));
     for (std::size_t i = 1; i < disks; ++i) {
       force(static_cast<Eigen::Index>(2 * i - 2)) = forces[i].x;
       force(static_cast<Eigen::Index>(2 * i - 1)) = forces[i].y;
     }
-    way.tail(force.size()) += Eigen::SimplicialLLT<SparseMatrix>(hessian_of(now, potential, unknowns)).solve(force);
+    displacement.tail(force.size()) +=
+        Eigen::SimplicialLLT<SparseMatrix>(hessian_of(now, potential, unknowns)).solve(force);
   }
-  return energy_of(strained(contacts, xx, yy, xy, way), potential);
+  return energy_of(strained(contacts, xx, yy, xy, displacement), potential);
 }
 
 TEST(ElasticModuli, AreTheCurvatureOfTheEnergyUnderFiniteStrains) {
