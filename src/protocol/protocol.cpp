@@ -19,6 +19,20 @@ void serialize_optional(Archive& archive, std::string_view name, std::optional<d
   value = number == number ? std::optional(number) : std::nullopt;
 }
 
+void serialize_swap(Archive& archive, SwapResult& swap) {
+  serialize_optional(archive, "displacement_acceptance", swap.displacement_acceptance);
+  serialize_optional(archive, "swap_acceptance", swap.swap_acceptance);
+  serialize_optional(archive, "overlap_relaxation_time", swap.overlap_relaxation_time);
+  serialize_optional(archive, "bond_relaxation_time", swap.bond_relaxation_time);
+  serialize_optional(archive, "relaxation_times", swap.relaxation_times);
+  archive.visit("is_equilibrated", swap.is_equilibrated);
+  archive.visit("lags", swap.lags);
+  archive.visit("self_overlap", swap.self_overlap);
+  archive.visit("bond_orientation", swap.bond_orientation);
+  archive.require(swap.self_overlap.size() == swap.lags.size() && swap.bond_orientation.size() == swap.lags.size(),
+                  "the correlations of swap Monte Carlo differ in length");
+}
+
 void serialize_result(Archive& archive, StageResult& result) {
   archive.visit("packing_fraction", result.packing_fraction);
   serialize_optional(archive, "pressure", result.pressure);
@@ -32,6 +46,13 @@ void serialize_result(Archive& archive, StageResult& result) {
   archive.visit("work", result.work);
   serialize_optional(archive, "jamming_packing_fraction", result.jamming_packing_fraction);
   serialize_optional(archive, "error_of_jamming_packing_fraction", result.error_of_jamming_packing_fraction);
+  bool has_swap = result.swap.has_value();
+  archive.visit("has_swap", has_swap);
+  if (has_swap) {
+    SwapResult swap = result.swap.value_or(SwapResult());
+    serialize_inside(archive, "swap", [&] { serialize_swap(archive, swap); });
+    result.swap = std::move(swap);
+  }
   serialize(archive, result.levels);
 }
 
@@ -44,7 +65,7 @@ std::string text_of(Error const& error) {
 
 Protocol::Protocol(ProtocolSettings settings, State const& start) : settings_(std::move(settings)) {
   require_valid(settings_.stages);
-  if (!settings_.stages.empty()) current_ = make_stage(settings_.stages.front(), settings_, start);
+  if (!settings_.stages.empty()) current_ = make_stage(settings_, 0, start);
 }
 
 Protocol::~Protocol() = default;
@@ -53,7 +74,7 @@ bool Protocol::advance(State& state, std::function<bool()> const& should_continu
   while (stage() < stages()) {
     StageSettings const& settings = settings_.stages[stage()];
     try {
-      if (!current_) current_ = make_stage(settings, settings_, state);
+      if (!current_) current_ = make_stage(settings_, stage(), state);
     } catch (Error const& error) {
       throw RunFailure(fmt::format("stage {} of the protocol, \"{}\", cannot begin: {}", stage() + 1,
                                    name_of(settings.kind), text_of(error)));
@@ -91,7 +112,7 @@ void Protocol::serialize(Archive& archive, State const& state) {
   bool has_begun = current_ != nullptr;
   archive.visit("has_begun", has_begun);
   archive.require(!has_begun || stage() < stages(), "a protocol has begun a stage that it does not have");
-  if (archive.is_restoring()) current_ = has_begun ? make_stage(settings_.stages[stage()], settings_, state) : nullptr;
+  if (archive.is_restoring()) current_ = has_begun ? make_stage(settings_, stage(), state) : nullptr;
   if (current_) serialize_inside(archive, "stage", [&] { current_->serialize(archive, state); });
 }
 

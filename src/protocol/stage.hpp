@@ -35,8 +35,8 @@ class Stage {
   [[nodiscard]] virtual StageResult result(State const& state) const = 0;
 };
 
-/// Errors: Error for a state that such a stage cannot begin with.
-std::unique_ptr<Stage> make_stage(StageSettings const& settings, ProtocolSettings const& protocol, State const& state);
+/// The stage of that number, from 0. Errors: Error for a state that it cannot begin with.
+std::unique_ptr<Stage> make_stage(ProtocolSettings const& protocol, std::size_t number, State const& state);
 
 /// Writes positions and radii into the state the packing was made of, and counts the edges that disks have crossed.
 void write_packing(Packing const& packing, State& state);

@@ -9,6 +9,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/engine/growth.hpp"
+#include "gridlock/engine/swap_monte_carlo.hpp"
 #include "gridlock/packing/contact_network.hpp"
 #include "gridlock/packing/elasticity.hpp"
 #include "protocol/stage.hpp"
@@ -141,6 +142,44 @@ class GrowStage final : public Stage {
   Counters counters_;
 };
 
+/// Swap Monte Carlo of hard disks.
+class SwapStage final : public Stage {
+ public:
+  SwapStage(StageSettings const& settings, std::uint64_t number, State const& state)
+      : swap_(swap_settings(settings, number), state) {}
+
+  bool advance(State& state, ShouldContinue const& should_continue) override {
+    return swap_.advance(state, should_continue);
+  }
+  void serialize(Archive& archive, State const& state) override { swap_.serialize(archive, state); }
+  [[nodiscard]] std::uint64_t work() const override { return swap_.sweeps_done(); }
+  [[nodiscard]] StageResult result(State const& state) const override {
+    SwapReport const report = swap_.report();
+    SwapResult swap{.displacement_acceptance = report.displacement_acceptance,
+                    .swap_acceptance = report.swap_acceptance,
+                    .overlap_relaxation_time = report.overlap_relaxation_time,
+                    .bond_relaxation_time = report.bond_relaxation_time,
+                    .relaxation_times = report.relaxation_times,
+                    .is_equilibrated = report.is_equilibrated};
+    for (SwapCorrelation const& correlation : swap_.correlations()) {
+      swap.lags.push_back(static_cast<double>(correlation.lag));
+      swap.self_overlap.push_back(correlation.self_overlap);
+      swap.bond_orientation.push_back(correlation.bond_orientation);
+    }
+    return {.packing_fraction = packing_fraction_of(state), .swap = std::move(swap)};
+  }
+
+ private:
+  static SwapSettings swap_settings(StageSettings const& settings, std::uint64_t number) {
+    SwapSettings swap{.stage = number};
+    swap.sweeps = settings.sweeps.value_or(swap.sweeps);
+    swap.swap_fraction = settings.swap_fraction.value_or(swap.swap_fraction);
+    return swap;
+  }
+
+  SwapMonteCarlo swap_;
+};
+
 /// The factor for all radii with which no two disks, and no disk and wall, overlap.
 double separating_factor(Packing const& packing) {
   double factor = 1.0;
@@ -212,12 +251,13 @@ class RunStage final : public Stage {
 
 }  // namespace
 
-std::unique_ptr<Stage> make_stage(StageSettings const& settings, ProtocolSettings const& protocol, State const& state) {
+std::unique_ptr<Stage> make_stage(ProtocolSettings const& protocol, std::size_t number, State const& state) {
+  StageSettings const& settings = protocol.stages[number];
   switch (settings.kind) {
     case StageKind::grow:
       return std::make_unique<GrowStage>(settings, state);
     case StageKind::swap:
-      break;
+      return std::make_unique<SwapStage>(settings, number, state);
     case StageKind::run:
       return std::make_unique<RunStage>(settings, protocol, state);
     case StageKind::quench:

@@ -1,6 +1,7 @@
 #include "simulation/protocol_simulation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <string>
@@ -12,14 +13,53 @@ namespace gridlock {
 
 namespace {
 
+void add_if_known(std::vector<NamedEstimate>& results, char const* name, std::optional<double> value,
+                  std::optional<double> error = {}) {
+  if (value && std::isfinite(*value)) results.push_back({name, {.value = *value, .error = error}, ""});
+}
+
+/// Of the last stage of swap Monte Carlo.
+void add_swap(std::vector<StageResult> const& stages, std::vector<NamedEstimate>& results) {
+  auto const last = std::ranges::find_if(stages.rbegin(), stages.rend(),
+                                         [](StageResult const& stage) { return stage.swap.has_value(); });
+  if (last == stages.rend()) return;
+  SwapResult const& swap = *last->swap;
+  add_if_known(results, "displacement_acceptance", swap.displacement_acceptance);
+  add_if_known(results, "swap_acceptance", swap.swap_acceptance);
+  add_if_known(results, "overlap_relaxation_time", swap.overlap_relaxation_time);
+  add_if_known(results, "bond_relaxation_time", swap.bond_relaxation_time);
+  add_if_known(results, "relaxation_times", swap.relaxation_times);
+  add_if_known(results, "is_equilibrated", swap.is_equilibrated ? 1.0 : 0.0);
+}
+
+/// The decay of the correlations in all stages of swap Monte Carlo.
+Distribution swap_table(std::vector<StageResult> const& stages) {
+  Distribution table{.name = "swap_correlations",
+                     .columns = {{"stage", "", "The number of the stage, from 1."},
+                                 {"lag", "sweeps", "Between two times."},
+                                 {"self_overlap", "", "Share of disks in the cage they were in."},
+                                 {"bond_orientation", "", "Correlation of the local hexatic order."}},
+                     .columns_of_values = std::vector<std::vector<double>>(4)};
+  for (std::size_t k = 0; k < stages.size(); ++k) {
+    if (!stages[k].swap) continue;
+    SwapResult const& swap = *stages[k].swap;
+    for (std::size_t i = 0; i < swap.lags.size(); ++i) {
+      double const row[] = {static_cast<double>(k + 1), swap.lags[i], swap.self_overlap[i], swap.bond_orientation[i]};
+      for (std::size_t c = 0; c < std::size(row); ++c) table.columns_of_values[c].push_back(row[c]);
+    }
+  }
+  return table;
+}
+
 std::vector<NamedEstimate> estimates_of(std::vector<StageResult> const& stages) {
+  std::vector<NamedEstimate> results;
+  add_swap(stages, results);
   auto const last_soft = std::ranges::find_if(stages.rbegin(), stages.rend(),
                                               [](StageResult const& stage) { return !stage.levels.empty(); });
-  if (last_soft == stages.rend()) return {};
+  if (last_soft == stages.rend()) return results;
   PressureLevel const& level = last_soft->levels.back();
-  std::vector<NamedEstimate> results;
   auto const add = [&](char const* name, std::optional<double> value, std::optional<double> error = {}) {
-    if (value && std::isfinite(*value)) results.push_back({name, {.value = *value, .error = error}, ""});
+    add_if_known(results, name, value, error);
   };
   double const rattlers = last_soft->disks - static_cast<double>(level.backbone_disks);
   bool const is_converged = last_soft->is_converged.value_or(false);
@@ -160,8 +200,10 @@ std::vector<Distribution> ProtocolSimulation::distributions() const {
   if (is_prepared_) distributions = simulation_->distributions();
   if (protocol_.results().empty()) return distributions;
   distributions.push_back(stages_table(protocol_.results()));
-  Distribution levels = levels_table(protocol_.results());
-  if (!levels.columns_of_values.front().empty()) distributions.push_back(std::move(levels));
+  std::array tables{levels_table(protocol_.results()), swap_table(protocol_.results())};
+  for (Distribution& table : tables) {
+    if (!table.columns_of_values.front().empty()) distributions.push_back(std::move(table));
+  }
   return distributions;
 }
 

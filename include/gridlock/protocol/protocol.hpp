@@ -39,6 +39,19 @@ struct ProtocolSettings {
   std::uint64_t threads = 1;  ///< of soft disks; 0: all cores
 };
 
+/// What swap Monte Carlo says of itself, see SwapReport and SwapCorrelation.
+struct SwapResult {
+  std::optional<double> displacement_acceptance = {};
+  std::optional<double> swap_acceptance = {};
+  std::optional<double> overlap_relaxation_time = {};  ///< in sweeps, as the next
+  std::optional<double> bond_relaxation_time = {};
+  std::optional<double> relaxation_times = {};
+  bool is_equilibrated = false;
+  std::vector<double> lags = {};  ///< in sweeps
+  std::vector<double> self_overlap = {};
+  std::vector<double> bond_orientation = {};
+};
+
 /// What came out of a stage.
 struct StageResult {
   StageKind kind = StageKind::quench;
@@ -51,6 +64,7 @@ struct StageResult {
   std::uint64_t work = 0;                   ///< iterations, events or trial moves
   std::vector<PressureLevel> levels = {};   ///< of soft disks, the last one the end of the stage
   std::optional<double> softest_mode = {};  ///< ω² in ε/D² of unit masses, at the end
+  std::optional<SwapResult> swap = {};
   std::optional<double> jamming_packing_fraction = {};
   std::optional<double> error_of_jamming_packing_fraction = {};
 };
