@@ -1,0 +1,172 @@
+#include "gridlock/protocol/protocol.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/grid/validate.hpp"
+#include "gridlock/lattice/start.hpp"
+#include "io/checkpoint.hpp"
+
+namespace gridlock {
+namespace {
+
+/// Few disks of two sizes in a fluid.
+State fluid(Edge edge = Edge::periodic) {
+  DisksSettings disks{.count = 36, .packing_fraction = 0.4, .start = StartKind::random};
+  disks.species = {{.fraction = 0.5, .size_ratio = 1.0}, {.fraction = 0.5, .size_ratio = 1.4}};
+  State state = make_start(Box(1.0, 1.0, edge), disks, 3);
+  draw_velocities(state, {.kind = VelocityKind::maxwell});
+  return state;
+}
+
+/// Every kind of stage, each short.
+ProtocolSettings all_stages(std::uint64_t threads = 1) {
+  return {.stages = {{.kind = StageKind::grow, .rate = 0.05, .until_packing_fraction = 0.7},
+                     {.kind = StageKind::run, .collisions_per_disk = 200.0},
+                     {.kind = StageKind::swap, .sweeps = 200},
+                     {.kind = StageKind::quench, .packing_fraction = 0.9},
+                     {.kind = StageKind::decompress, .until_pressure = 1e-4},
+                     {.kind = StageKind::compress, .until_pressure = 1e-3},
+                     {.kind = StageKind::separate},
+                     {.kind = StageKind::run, .until_time = 0.01}},
+          .threads = threads};
+}
+
+std::uint64_t hash_after(ProtocolSettings const& settings, State state) {
+  Protocol protocol(settings, state);
+  EXPECT_TRUE(protocol.advance(state));
+  return hash(state);
+}
+
+class ProtocolOf : public testing::TestWithParam<Edge> {};
+INSTANTIATE_TEST_SUITE_P(Edges, ProtocolOf, testing::Values(Edge::periodic, Edge::wall),
+                         [](auto const& edge) { return edge.param == Edge::wall ? "wall" : "periodic"; });
+
+TEST_P(ProtocolOf, CarriesOutItsStagesInOrder) {
+  State state = fluid(GetParam());
+  Protocol protocol(all_stages(), state);
+  EXPECT_EQ(protocol.name_of_stage(), "grow");
+  ASSERT_TRUE(protocol.advance(state));
+  EXPECT_EQ(protocol.name_of_stage(), "");
+  std::vector<StageResult> const& results = protocol.results();
+  ASSERT_EQ(results.size(), 8U);
+  EXPECT_NEAR(results[0].packing_fraction, 0.7, 1e-12);
+  EXPECT_GT(*results[1].pressure, 5.0);  // a dense fluid
+  EXPECT_TRUE(results[2].swap.has_value());
+  EXPECT_NEAR(results[3].packing_fraction, 0.9, 1e-12);
+  EXPECT_NEAR(*results[4].pressure, 1e-4, 0.1e-4);
+  EXPECT_NEAR(*results[5].pressure, 1e-3, 0.1e-3);
+  EXPECT_TRUE(*results[5].is_converged);
+  EXPECT_LT(results[6].packing_fraction, results[5].packing_fraction);
+  EXPECT_GT(state.clock.time, 0.01);
+  // What is left is one of hard disks.
+  EXPECT_NO_THROW(validate(state));
+}
+
+TEST_P(ProtocolOf, HasTheSameBitsWhenItIsKilledAnywhereAndRestored) {
+  ProtocolSettings const settings = all_stages();
+  State const start = fluid(GetParam());
+  std::uint64_t const expected = hash_after(settings, start);
+  State state = start;
+  Protocol protocol(settings, state);
+  std::vector<std::size_t> tries(settings.stages.size() + 1, 0);
+  std::size_t restored_in_stages = 0;
+  for (bool is_done = false; !is_done;) {
+    is_done = protocol.advance(state, [] { return false; });
+    if (++tries[protocol.stage()] != 3 && tries[protocol.stage()] != 40) continue;
+    std::string const saved = to_checkpoint([&](Archive& archive) {
+      serialize(archive, state);
+      protocol.serialize(archive, state);
+    });
+    // From another start, all of which is restored.
+    State other = fluid(GetParam());
+    other.agents.column<X>()[0] += 1e-3;
+    Protocol resumed(settings, other);
+    from_checkpoint(saved, "saved", [&](Archive& archive) {
+      serialize(archive, other);
+      resumed.serialize(archive, other);
+    });
+    ASSERT_EQ(resumed.stage(), protocol.stage());
+    ASSERT_TRUE(resumed.advance(other));
+    ASSERT_EQ(hash(other), expected) << "from stage " << protocol.stage() << ", piece " << tries[protocol.stage()];
+    ASSERT_EQ(resumed.results().size(), settings.stages.size());
+    ++restored_in_stages;
+  }
+  EXPECT_EQ(hash(state), expected);
+  EXPECT_GE(restored_in_stages, 5U);
+}
+
+TEST(Protocol, HasTheSameBitsForAnyNumberOfThreads) {
+  std::uint64_t const expected = hash_after(all_stages(1), fluid());
+  for (std::uint64_t const threads : {2U, 3U, 8U}) EXPECT_EQ(hash_after(all_stages(threads), fluid()), expected);
+}
+
+TEST(Protocol, CountsTheEdgesThatDisksCrossWhileTheyAreQuenched) {
+  State state = fluid();
+  double const before = state.agents.column<X>()[5] + static_cast<double>(state.agents.column<ImageX>()[5]);
+  ProtocolSettings const settings{.stages = {{.kind = StageKind::quench, .packing_fraction = 0.95}}};
+  Protocol protocol(settings, state);
+  protocol.advance(state);
+  double const after = state.agents.column<X>()[5] + static_cast<double>(state.agents.column<ImageX>()[5]);
+  EXPECT_LT(std::abs(after - before), 0.3) << "unwrapped, a disk moves by a few radii";
+  for (double const x : state.agents.column<X>()) EXPECT_TRUE(x >= 0.0 && x < 1.0);
+}
+
+/// The key and the text of every problem that the stages have.
+std::vector<Problem> problems_of(std::vector<StageSettings> const& stages) {
+  try {
+    require_valid(stages);
+  } catch (Error const& error) {
+    return error.problems();
+  }
+  return {};
+}
+
+TEST(Protocol, RefusesStagesThatContradictThemselves) {
+  struct Case {
+    std::vector<StageSettings> stages;
+    std::string key;
+    std::string what;
+  };
+  std::vector<Case> const cases{
+      {{{.kind = StageKind::grow}}, "protocol[0]", "does not say when it ends"},
+      {{{.kind = StageKind::run}}, "protocol[0]", "does not say when it ends"},
+      {{{.kind = StageKind::decompress}}, "protocol[0]", "does not say when it ends"},
+      {{{.kind = StageKind::quench, .rate = 1e-3}}, "protocol[0].rate", "has no setting rate"},
+      {{{.kind = StageKind::separate, .until_time = 1.0}}, "protocol[0].until_time", "has no setting until_time"},
+      {{{.kind = StageKind::compress, .until_packing_fraction = 0.9, .until_pressure = 1e-3}},
+       "protocol[0].until_packing_fraction",
+       "at a pressure and at a packing fraction"},
+      {{{.kind = StageKind::quench}, {.kind = StageKind::run, .until_time = 1.0}}, "protocol[1]", "leaves overlaps"},
+  };
+  for (Case const& one : cases) {
+    std::vector<Problem> const problems = problems_of(one.stages);
+    ASSERT_EQ(problems.size(), 1U) << one.what;
+    EXPECT_EQ(problems.front().key, one.key);
+    EXPECT_NE(problems.front().what.find(one.what), std::string::npos) << problems.front().what;
+    EXPECT_FALSE(problems.front().hint.empty());
+  }
+  EXPECT_TRUE(problems_of(all_stages().stages).empty());
+}
+
+TEST(Protocol, FailsWithTheReasonWhereAStageCannotBegin) {
+  State state = fluid();
+  // Two disks at one place cannot be separated.
+  state.agents.column<X>()[1] = state.agents.column<X>()[0];
+  state.agents.column<Y>()[1] = state.agents.column<Y>()[0];
+  Protocol protocol({.stages = {{.kind = StageKind::separate}}}, state);
+  EXPECT_THROW(protocol.advance(state), RunFailure);
+}
+
+TEST(Protocol, RefusesAStartThatOverlapsWhereHardDisksAreNeeded) {
+  State state = fluid();
+  for (double& radius : state.agents.column<Radius>()) radius *= 2.0;
+  EXPECT_THROW(Protocol({.stages = {{.kind = StageKind::grow, .until_packing_fraction = 0.9}}}, state), Error);
+}
+
+}  // namespace
+}  // namespace gridlock
