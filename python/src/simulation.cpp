@@ -96,8 +96,10 @@ class PythonSimulation {
     nb::gil_scoped_release const released;
     SettingsFile const settings = settings_of(file, assignments);
     setup_ = set_up(settings, {.threads = threads});
-    has_end_ =
+    bool const has_length =
         settings.is_given("run.steps") || settings.is_given("run.time") || settings.is_given("run.collisions_per_disk");
+    ends_with_protocol_ = !has_length && !setup_.configuration.protocol.empty();
+    has_end_ = has_length || ends_with_protocol_;
     for (char const* table : {"trajectory", "checkpoint"}) {
       if (settings.is_given(table)) unused_tables_.emplace_back(table);
     }
@@ -118,6 +120,11 @@ class PythonSimulation {
       throw Error(Problem{.what = "the settings give this simulation no end",
                           .hint = "say how far: run(steps=1000), or give run.steps, run.time or "
                                   "run.collisions_per_disk in the settings"});
+    }
+    if (ends_with_protocol_ && steps) {
+      throw Error(
+          Problem{.what = "this simulation ends with its protocol and takes no steps after it",
+                  .hint = "give run.steps, run.time or run.collisions_per_disk in the settings, or leave steps out"});
     }
     release_arrays();
     check_changes();
@@ -321,6 +328,7 @@ class PythonSimulation {
   Setup setup_;
   RunPlan plan_;
   bool has_end_ = false;
+  bool ends_with_protocol_ = false;
   std::vector<std::string> unused_tables_;
   std::vector<std::unique_ptr<PythonWriter>> writers_;
   std::optional<Run> run_;

@@ -20,7 +20,8 @@ import gridlock
 from gridlock import paper
 from gridlock.commands.paper import main
 from gridlock.paper import Length, figure_5
-from gridlock.paper.runs import Outcome, PartialResults, Run, RunPool, perfect_triangular_sites, square_sites_to_walls
+from gridlock.paper.runs import Outcome, Run, perfect_triangular_sites, square_sites_to_walls
+from gridlock.study.runs import PartialResults, RunPool
 
 #: The whole study on a toy: a few disks, a few steps.
 TINY = dataclasses.replace(

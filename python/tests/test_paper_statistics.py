@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from gridlock.paper import figure_5, physics_or_step, turn_order
-from gridlock.paper.statistics import (Crossing, Estimate, MeanOfRuns, Verdict, find_crossing, fit_power_law, mean_over_runs,
+from gridlock.study.statistics import (Crossing, Estimate, MeanOfRuns, Verdict, find_crossing, fit_power_law, mean_over_runs,
                                        three_sigma, verdict_on_fall)
 from gridlock.paper.theory import enskog_diffusion, mean_distance, mean_distance_after_diffusion, mean_distance_in_square
 

@@ -65,7 +65,8 @@ std::string text_of(Error const& error) {
 
 Protocol::Protocol(ProtocolSettings settings, State const& start) : settings_(std::move(settings)) {
   require_valid(settings_.stages);
-  if (!settings_.stages.empty()) current_ = make_stage(settings_, 0, start);
+  // To refuse what cannot begin; the stage itself begins with the disks as they are then.
+  if (!settings_.stages.empty()) static_cast<void>(make_stage(settings_, 0, start));
 }
 
 Protocol::~Protocol() = default;

@@ -173,6 +173,15 @@ Preparation ProtocolSimulation::preparation() const {
           .work = protocol_.work()};
 }
 
+void ProtocolSimulation::observe(std::unique_ptr<Observable> observable) {
+  if (!is_prepared_) {
+    throw Error({.what = "an observable cannot be added before the protocol has ended",
+                 .hint = "carry out the protocol alone, and start the run from the state that it leaves",
+                 .key = "protocol"});
+  }
+  simulation_->observe(std::move(observable));
+}
+
 AgentsView ProtocolSimulation::view() const { return is_prepared_ ? simulation_->view() : AgentsView(state_.agents); }
 
 std::uint64_t ProtocolSimulation::state_hash() const { return is_prepared_ ? simulation_->state_hash() : hash(state_); }

@@ -37,7 +37,7 @@ class ProtocolSimulation final : public Simulation {
   [[nodiscard]] std::shared_ptr<void> release_columns() override;
   void require_valid() const override;
   void advance(StopCondition const& stop_condition) override { simulation_->advance(stop_condition); }
-  void observe(std::unique_ptr<Observable> observable) override { simulation_->observe(std::move(observable)); }
+  void observe(std::unique_ptr<Observable> observable) override;
   [[nodiscard]] std::vector<ColumnInfo> columns() const override { return simulation_->columns(); }
   void sample(std::span<double> row, bool counts_for_average) override { simulation_->sample(row, counts_for_average); }
   [[nodiscard]] std::vector<NamedEstimate> results() const override;

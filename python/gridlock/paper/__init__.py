@@ -4,9 +4,9 @@ J.-X. Shen, *Agent based simulations and optimization with uniform grid applied 
 what ``gridlock paper`` calls.
 """
 
-from .chapter import Claim
+from ..study.chapter import Claim
+from ..study.statistics import Verdict
 from .extent import Engine, Extent, Length, full, quick
-from .statistics import Verdict
 from .study import Paper, Stopped, make
 
 __all__ = ["Claim", "Engine", "Extent", "Length", "Paper", "Stopped", "Verdict", "full", "make", "quick"]

@@ -8,9 +8,10 @@ import numpy as np
 
 from ..neighbors import pairs
 from ..simulation import Agents, Simulation
-from . import style
-from .chapter import Chapter, Claim, Context, Drawing
-from .statistics import Verdict, plain, total
+from ..study import style
+from ..study.chapter import Chapter, Claim, Drawing
+from ..study.statistics import Verdict, plain, total
+from .context import Context
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

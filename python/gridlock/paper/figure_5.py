@@ -15,11 +15,12 @@ import numpy as np
 
 from ..errors import Error
 from ..simulation import Simulation
-from . import style
-from .chapter import Chapter, Claim, Context, Drawing, Table
+from ..study import style
+from ..study.chapter import Chapter, Claim, Drawing, Table
 from .extent import Extent
 from .figure_4 import neighbourhoods_of
-from .statistics import PowerLaw, Verdict, fit_power_law, plain, total
+from ..study.statistics import PowerLaw, Verdict, fit_power_law, plain, total
+from .context import Context
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -347,7 +348,13 @@ def _draw_checks(costs: Sequence[StepCost]) -> Figure:
     return figure
 
 
-def make(context: Context, costs: Sequence[StepCost]) -> Chapter:
+def measure(context: Context, jobs: int, on_progress: Callable[[float], None]) -> None:
+    """Counts and times; make() tells of it."""
+    context.costs = Measurement(context).measure(jobs, on_progress)
+
+
+def make(context: Context) -> Chapter:
+    costs = context.costs
     rows = []
     for cost in costs:
         paper = LOOKS * paper_checks(cost.disks, cost.k)

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import style
-from .chapter import Chapter, Claim, Context, Drawing
+from ..study import style
+from ..study.chapter import Chapter, Claim, Drawing
 from .replicas import Measured, ReplicaSet, paper_replica_set
-from .statistics import MeanOfRuns, plain, verdict_on_fall
+from ..study.statistics import MeanOfRuns, plain, verdict_on_fall
+from .context import Context
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

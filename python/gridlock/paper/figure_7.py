@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..simulation import Simulation
-from . import style
-from .chapter import Chapter, Claim, Context, Drawing, Table
+from ..study import style
+from ..study.chapter import Chapter, Claim, Drawing, Table
 from .extent import Engine, Extent, Length
 from .replicas import Measured, ReplicaSet, paper_replica_set, paper_replica_sets
-from .statistics import NOT_MEASURED, Crossing, Estimate, Verdict, find_crossing, plain, three_sigma
+from ..study.statistics import NOT_MEASURED, Crossing, Estimate, Verdict, find_crossing, plain, three_sigma
+from .context import Context
 from .theory import enskog_diffusion, mean_distance, mean_distance_after_diffusion, mean_distance_in_square
 
 if TYPE_CHECKING:

@@ -6,11 +6,12 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from . import style
-from .chapter import Chapter, Context, Drawing, Table
+from ..study import style
+from ..study.chapter import Chapter, Drawing, Table
 from .extent import Extent
 from .replicas import USUAL_TIME_STEP, Measured, ReplicaSet, paper_replica_set, sampled_evenly
-from .statistics import plain, three_sigma
+from ..study.statistics import plain, three_sigma
+from .context import Context
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

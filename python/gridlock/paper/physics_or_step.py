@@ -6,12 +6,13 @@ import dataclasses
 import math
 from collections.abc import Sequence
 
-from .chapter import Chapter, Context, Table
+from ..study.chapter import Chapter, Table
 from .extent import Engine
 from .figure_7 import STARTS, early_and_late_crossing
 from .open_choices import choices_of
 from .replicas import Measured, paper_replica_sets
-from .statistics import Crossing, Estimate, plain, span_text, three_sigma
+from ..study.statistics import Crossing, Estimate, plain, span_text, three_sigma
+from .context import Context
 
 TITLE = "Physics, or the time step?"
 

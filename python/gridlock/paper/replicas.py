@@ -6,8 +6,9 @@ import dataclasses
 from collections.abc import Callable
 
 from .extent import Engine, Extent, Length
-from .runs import Outcome, Run, RunPool
-from .statistics import Estimate, mean_over_runs, tail_mean
+from ..study.runs import RunPool
+from .runs import Outcome, Run
+from ..study.statistics import Estimate, mean_over_runs, tail_mean
 
 #: The time step of runs that are not about it, in diameters per v_max.
 USUAL_TIME_STEP = 0.1
@@ -64,7 +65,7 @@ def sampled_evenly(replica_set: ReplicaSet, diameters: float, samples: int) -> R
 class Measured:
     """What a set of replicas has measured, over those of its runs that are finished."""
 
-    def __init__(self, runs: RunPool, replica_set: ReplicaSet) -> None:
+    def __init__(self, runs: RunPool[Run, Outcome], replica_set: ReplicaSet) -> None:
         self.set = replica_set
         self.outcomes: list[Outcome] = [outcome for run in replica_set.runs if (outcome := runs[run]) is not None]
         self.seeds = len(self.outcomes)

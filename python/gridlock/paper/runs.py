@@ -1,27 +1,20 @@
-"""The simulations of the study: each is done once, whichever figures need it, and kept until the report is written."""
+"""The simulations of the study."""
 
 from __future__ import annotations
 
-import concurrent.futures
-import contextlib
 import dataclasses
 import functools
-import hashlib
-import io
 import json
 import math
 import os
-import pathlib
-import re
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import _core
-from ..errors import Error, RunFailure
+from ..errors import Error
 from ..simulation import Simulation
 
 if TYPE_CHECKING:
@@ -64,6 +57,24 @@ class Run:
             density = self.packing_fraction
             cost = 0.17 + 0.36 * density * (1.0 - 7.0 / 16.0 * density) / (1.0 - density) ** 2
         return cost * self.disks * self.steps
+
+    @property
+    def key(self) -> str:
+        return json.dumps(dataclasses.asdict(self))
+
+    @property
+    def title(self) -> str:
+        return f"{self.start} start, packing fraction {self.packing_fraction}, seed {self.seed}"
+
+    def carry_out(self, on_progress: Callable[[int, float], None]) -> Outcome:
+        """Runs it to its end."""
+        start = time.perf_counter()
+        simulation = self.simulation()
+        simulation.run(progress=on_progress)
+        return Outcome.of(simulation, time.perf_counter() - start)
+
+    def restored(self, arrays: Mapping[str, NDArray[Any]]) -> Outcome:
+        return Outcome.restored(arrays)
 
     def simulation(self) -> Simulation:
         """:raises Error: where the start does not exist."""
@@ -164,155 +175,3 @@ class Outcome:
         """From what was kept."""
         series = dict(zip(arrays["names"].tolist(), arrays["series"]))
         return cls(series, str(arrays["state_hash"]), float(arrays["seconds"]))
-
-
-class PartialResults:
-    """Finished pieces of a study that is not finished, one file each, so that a study that is stopped or killed continues
-    without doing them again.
-
-    A piece is found by its key, which says everything that its result depends on. Its file holds the key and the version of the
-    library as well; a file that is damaged or of another version counts as none. Every file is written whole or not at all.
-    """
-
-    def __init__(self, directory: pathlib.Path) -> None:
-        self.directory = directory
-        self.problem = ""  #: why a piece could not be kept
-
-    def _file(self, key: str) -> pathlib.Path:
-        return self.directory / f"{hashlib.sha256(key.encode()).hexdigest()[:16]}.npz"
-
-    def restore(self, key: str) -> dict[str, NDArray[Any]] | None:
-        """The arrays that were kept, or None."""
-        try:
-            with np.load(self._file(key), allow_pickle=False) as file:
-                arrays = dict(file.items())
-        except Exception:  # Whatever is wrong with the file, the piece is done again.
-            return None
-        is_this = str(arrays.pop("key", "")) == key and str(arrays.pop("version", "")) == _core.version
-        return arrays if is_this else None
-
-    def keep(self, key: str, arrays: Mapping[str, Any]) -> None:
-        """Where it cannot be written the study continues, and ``problem`` says why."""
-        data = io.BytesIO()
-        np.savez(data, key=np.array(key), version=np.array(_core.version), **arrays)
-        file = self._file(key)
-        part = file.with_name(f".{file.name}.part")
-        try:
-            self.directory.mkdir(parents=True, exist_ok=True)
-            part.write_bytes(data.getbuffer())
-            part.replace(file)
-        except OSError as error:
-            self.problem = self.problem or str(error)
-
-    def remove_all(self) -> None:
-        """Removes all pieces, and the directory where nothing else is in it."""
-        for file in self.directory.glob("*"):
-            # What a killed process has left of a piece is hidden and ends with "part".
-            if re.fullmatch(r"[0-9a-f]{16}\.npz|\.[0-9a-f]{16}\.npz\.part", file.name):
-                file.unlink(missing_ok=True)
-        with contextlib.suppress(OSError):
-            self.directory.rmdir()
-
-
-class _Stopped(Exception):
-    """Ends a run that nobody waits for any more."""
-
-
-def cores() -> int:
-    """How many this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-class RunPool:
-    """Simulations that several figures share."""
-
-    def __init__(self, partial_results: PartialResults) -> None:
-        self._partial_results = partial_results
-        self._outcomes: dict[Run, Outcome | None] = {}
-        self._failures: dict[Run, str] = {}
-        self._done: dict[Run, float] = {}  # the share that is done of each run of this call
-        self._is_stopped = False
-
-    def add(self, run: Run) -> None:
-        """Notes that a run is needed; one that was asked for before is not done twice."""
-        if run in self._outcomes:
-            return
-        kept = self._partial_results.restore(_key(run))
-        if kept is None:
-            self._outcomes[run] = None
-        else:
-            self._outcomes[run] = Outcome.restored(kept)
-
-    def __len__(self) -> int:
-        return len(self._outcomes)
-
-    def __iter__(self) -> Iterator[tuple[Run, Outcome]]:
-        """The finished runs."""
-        return ((run, outcome) for run, outcome in self._outcomes.items() if outcome is not None)
-
-    def __getitem__(self, run: Run) -> Outcome | None:
-        """What came out of a run; None where it is not finished, or was never asked for."""
-        return self._outcomes.get(run)
-
-    @property
-    def finished(self) -> int:
-        return sum(1 for _ in self)
-
-    @property
-    def work(self) -> float:
-        """Of all runs that are not finished, in disk-steps of the paper's rule."""
-        return sum(run.work for run, outcome in self._outcomes.items() if outcome is None)
-
-    @property
-    def failures(self) -> list[str]:
-        """Runs that broke, in words."""
-        return [f"{run.start} start, packing fraction {run.packing_fraction}, seed {run.seed}: {text}"
-                for run, text in self._failures.items()]
-
-    def run_all(self, threads: int, on_progress: Callable[[float], None]) -> None:
-        """Does what is not finished, ``threads`` runs at a time, the longest first.
-
-        on_progress is called a few times a second with the share of the work that is done; whatever it raises stops every run at
-        its next look.
-        """
-        runs = sorted((run for run, outcome in self._outcomes.items() if outcome is None), key=lambda run: -run.work)
-        work = sum(run.work for run in runs)
-        self._done = {run: 0.0 for run in runs}
-        self._is_stopped = False
-        with concurrent.futures.ThreadPoolExecutor(threads) as executor:
-            waiting = {executor.submit(self._carry_out, run) for run in runs}
-            try:
-                while waiting:
-                    ended, waiting = concurrent.futures.wait(waiting, timeout=0.1)
-                    for future in ended:
-                        future.result()
-                    on_progress(sum(run.work * share for run, share in self._done.items()) / work)
-            finally:
-                self._is_stopped = True
-                for future in waiting:
-                    future.cancel()
-
-    def _carry_out(self, run: Run) -> None:
-        start = time.perf_counter()
-        try:
-            simulation = run.simulation()
-            simulation.run(progress=functools.partial(self._note, run))
-        except _Stopped:
-            return
-        except (Error, RunFailure) as error:
-            self._failures[run] = str(error)
-            self._done[run] = 1.0
-            return
-        outcome = Outcome.of(simulation, time.perf_counter() - start)
-        self._partial_results.keep(_key(run), outcome.arrays)
-        self._outcomes[run] = outcome
-        self._done[run] = 1.0
-
-    def _note(self, run: Run, steps: int, fraction: float) -> None:
-        if self._is_stopped:
-            raise _Stopped
-        self._done[run] = fraction
-
-
-def _key(run: Run) -> str:
-    return json.dumps(dataclasses.asdict(run))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .statistics import total
+from ..study.statistics import total
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from . import style
-from .chapter import Chapter, Context, Drawing, Table
+from ..study import style
+from ..study.chapter import Chapter, Drawing, Table
 from .extent import Engine
 from .replicas import USUAL_TIME_STEP, Measured, ReplicaSet, paper_replica_set, sampled_evenly
 from .runs import ABOUT_CENTRE, Outcome
-from .statistics import Estimate, mean_over_runs, plain, tail_mean, three_sigma
+from ..study.statistics import Estimate, mean_over_runs, plain, tail_mean, three_sigma
+from .context import Context
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,13 +7,11 @@ import dataclasses
 import io
 import pathlib
 from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar, Union
 
 from .. import _core
 from . import style
-from .extent import Extent
-from .replicas import Measured, ReplicaSet
-from .runs import PartialResults, RunPool
+from .runs import OutcomeType, PartialResults, RunPool, RunType
 from .statistics import Verdict
 
 if TYPE_CHECKING:
@@ -62,30 +60,37 @@ class Chapter:
     conclusions: list[str] = dataclasses.field(default_factory=list)
 
 
-class Context:
+class Extent(Protocol):
+    """How much a study simulates."""
+
+    @property
+    def name(self) -> str:
+        """What the report calls it."""
+
+
+ExtentType = TypeVar("ExtentType", bound=Extent)
+
+
+class Context(Generic[ExtentType, RunType, OutcomeType]):
     """The settings, the simulations and the directory of a study."""
 
-    def __init__(self, extent: Extent, seed: int, path: pathlib.Path, directory: _core.Directory,
+    def __init__(self, extent: ExtentType, seed: int, path: pathlib.Path, directory: _core.Directory,
                  partial_results: PartialResults, on_drawing: Callable[[str], None]) -> None:
         self.extent = extent
         self.seed = seed  #: of the first run of each replica set
         self.path = path
         self.partial_results = partial_results
-        self.runs = RunPool(partial_results)
+        self.runs: RunPool[RunType, OutcomeType] = RunPool(partial_results)
         self.pictures: dict[str, bytes] = {}  #: SVG by name
         self.files: list[pathlib.Path] = []  #: everything written
         self.notes: list[str] = []  #: what went wrong
         self._directory = directory
         self._on_drawing = on_drawing
 
-    def plan(self, replica_sets: Iterable[ReplicaSet]) -> None:
-        for replica_set in replica_sets:
-            for run in replica_set.runs:
-                self.runs.add(run)
-
-    def measured(self, replica_sets: Iterable[ReplicaSet]) -> list[Measured]:
-        """Those of which a run is finished."""
-        return [result for result in (Measured(self.runs, replica_set) for replica_set in replica_sets) if result.seeds]
+    def plan(self, runs: Iterable[RunType]) -> None:
+        """Notes that these runs are needed."""
+        for run in runs:
+            self.runs.add(run)
 
     def write(self, name: str, content: bytes) -> None:
         self._directory.write(name, content)

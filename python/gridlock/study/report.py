@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import base64
+import dataclasses
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .. import _core
 from .chapter import Chapter, Claim, Context, Table
@@ -45,20 +46,30 @@ def _conclusion(claims: Sequence[Claim]) -> str:
     return f"{text}, and these do not: {' '.join(differing)}" if differing else f"{text}."
 
 
-def _overview(claims: Sequence[Claim]) -> Table:
-    table = Table(["where", "the paper says", "verdict"])
+@dataclasses.dataclass(frozen=True)
+class Texts:
+    """What a report says of its study."""
+
+    name: str  #: "the study of the paper"
+    title: str
+    summary: str  #: whose claims are tested
+    claimant: str  #: above them: "the paper says"
+
+
+def _overview(texts: Texts, claims: Sequence[Claim]) -> Table:
+    table = Table(["where", texts.claimant, "verdict"])
     # "Figure 5" stays on one line, however narrow its column.
     table.rows += [[claim.where.replace(" ", "\u00a0"), claim.statement, claim.verdict] for claim in claims]
     return table
 
 
-def _claim_table(claims: Sequence[Claim]) -> Table:
-    table = Table(["the paper says", "measured here", "verdict"])
+def _claim_table(texts: Texts, claims: Sequence[Claim]) -> Table:
+    table = Table([texts.claimant, "measured here", "verdict"])
     table.rows += [[claim.statement, claim.measured, claim.verdict] for claim in claims]
     return table
 
 
-def html(context: Context, chapters: Sequence[Chapter], seconds: float, *, is_resumed: bool) -> str:
+def html(texts: Texts, context: Context[Any, Any, Any], chapters: Sequence[Chapter], seconds: float, *, is_resumed: bool) -> str:
     """The page."""
     import jinja2
 
@@ -67,19 +78,18 @@ def html(context: Context, chapters: Sequence[Chapter], seconds: float, *, is_re
             f"{' since the last interruption' if is_resumed else ''}. Every plot has its data (.csv) beside it.")
     if len(context.runs):
         made += f" Each of the {len(context.runs)} simulations is listed in runs.csv with its settings and state hash."
-    environment = jinja2.Environment(loader=jinja2.PackageLoader("gridlock.paper", "."), autoescape=True, trim_blocks=True,
+    environment = jinja2.Environment(loader=jinja2.PackageLoader("gridlock.study", "."), autoescape=True, trim_blocks=True,
                                      lstrip_blocks=True, undefined=jinja2.StrictUndefined)
     environment.filters["emphasized"] = _emphasized
     environment.filters["number_columns"] = _number_columns
     environment.filters["verdict"] = lambda cell: cell if isinstance(cell, Verdict) else None
     return environment.get_template("report.html.jinja").render(
-        title="The paper's figures, made afresh",
-        summary="Agent based simulations and optimization with uniform grid applied to colloidal jamming transitions (J.-X. "
-        f"Shen). Verdicts: {_count(claims, Verdict.AGREES)} agree, {_count(claims, Verdict.DIFFERS)} differ, "
+        title=texts.title,
+        summary=f"{texts.summary} Verdicts: {_count(claims, Verdict.AGREES)} agree, {_count(claims, Verdict.DIFFERS)} differ, "
         f"{_count(claims, Verdict.UNDECIDED)} undecided.",
         introduction=[made, *([_conclusion(claims)] if claims else [])],
-        overview=_overview(claims),
-        chapters=[(chapter, _claim_table(chapter.claims)) for chapter in chapters],
+        overview=_overview(texts, claims),
+        chapters=[(chapter, _claim_table(texts, chapter.claims)) for chapter in chapters],
         notes=context.notes,
         pictures={name: base64.b64encode(svg).decode() for name, svg in context.pictures.items()},
     )
