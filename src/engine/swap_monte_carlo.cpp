@@ -68,34 +68,6 @@ void serialize_counts(Archive& archive, SwapCounts& counts) {
 
 }  // namespace
 
-void describe(SwapSettings& settings, SettingVisitor& visitor) {
-  visitor.visit({.key = "sweeps",
-                 .documentation = "Length in sweeps, N trial moves each.",
-                 .least = 1,
-                 .most = static_cast<double>(most_sweeps)},
-                settings.sweeps);
-  visitor.visit({.key = "swap_fraction",
-                 .documentation = "Share of the trial moves that exchange the radii of two disks.",
-                 .least = 0.0,
-                 .most = 1.0,
-                 .most_is_allowed = false},
-                settings.swap_fraction);
-  visitor.visit({.key = "step",
-                 .unit = "mean diameter",
-                 .documentation = "The largest displacement of a trial move along x and along y.",
-                 .least = 0.0,
-                 .least_is_allowed = false,
-                 .default_note = "adjusted until 40 % of the displacements are accepted"},
-                settings.step);
-  visitor.visit({.key = "adjusting",
-                 .documentation =
-                     "Share of the sweeps, at their start, in which the step is adjusted; they count for no average.",
-                 .least = 0.0,
-                 .most = 1.0,
-                 .most_is_allowed = false},
-                settings.adjusting);
-}
-
 struct SwapMonteCarlo::Progress {
   SwapSettings settings;
   std::uint64_t adjusting_sweeps = 0;

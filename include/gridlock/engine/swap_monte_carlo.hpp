@@ -23,7 +23,6 @@
 
 #include "gridlock/core/archive.hpp"
 #include "gridlock/core/disks.hpp"
-#include "gridlock/core/setting.hpp"
 
 namespace gridlock {
 
@@ -38,7 +37,6 @@ struct SwapSettings {
   double adjusting = 0.1;
   std::uint64_t stage = 0;  ///< runs of one seed that differ in this number have random numbers of their own; below 2²⁴
 };
-void describe(SwapSettings& settings, SettingVisitor& visitor);
 
 /// How often trial moves were made and accepted since the step was fixed.
 struct SwapCounts {

@@ -17,9 +17,6 @@ SwapTrials::SwapTrials(State const& state)
       row_(rows_in_order(state.agents.ids())),
       largest_radius_(radius_range(state.agents).largest),
       grid_(layout_for_cutoff(state.box, 2.0 * largest_radius_, state.agents.size()), state.agents.size()),
-      // Cells hold the largest distance at contact, so three by three are enough where they are not the whole box.
-      fits_blocks_(!grid_.layout().goes_around(1, 1) && grid_.layout().columns_within(2.0 * largest_radius_) <= 1 &&
-                   grid_.layout().rows_within(2.0 * largest_radius_) <= 1),
       limit_per_area_(1.001 * grid_.locals_per_length() * grid_.locals_per_length()),
       limit_error_(grid_.local_limit(0.0)) {
   disks_.reserve(row_.size());
@@ -122,7 +119,6 @@ inline bool SwapTrials::overlaps(Vector p, double radius, std::uint32_t j) const
 bool SwapTrials::is_free(Room const& room) const {
   auto const& [p, radius, disk, other] = room;
   if (!is_inside(p, radius)) return false;
-  if (!fits_blocks_) return is_free_among_all(room);
   double const cutoff = radius + largest_radius_;
   int const column = grid_.layout().column_of(p.x);
   int const row = grid_.layout().row_of(p.y);
@@ -130,7 +126,8 @@ bool SwapTrials::is_free(Room const& room) const {
   float const limit = static_cast<float>(cutoff * cutoff * limit_per_area_) + limit_error_;
   std::array<int, 3> const columns{grid_.column_left_of(column), column, grid_.column_right_of(column)};
   std::array<int, 3> const rows{grid_.row_below(row), row, grid_.row_above(row)};
-  // All are compared before the first is looked at, which keeps the processor from waiting for each.
+  // A cell is at least as wide as the largest distance at contact, so three by three are enough. In a box of one or two columns
+  // a cell is seen more than once, as its images are. All are compared before the first disk is looked at, which keeps the processor from waiting for each.
   std::array<PackedGrid::Block const*, 9> around;
   std::uint64_t near = 0;
   std::uint32_t next = PackedGrid::none;
@@ -170,15 +167,6 @@ bool SwapTrials::is_free_in_further_blocks(std::array<PackedGrid::Block const*, 
 PackedGrid::LocalPoint SwapTrials::seen_from(PackedGrid::LocalPoint here, std::size_t k) const {
   return {here.x - static_cast<float>(static_cast<int>(k % 3) - 1) * grid_.local_width(),
           here.y - static_cast<float>(static_cast<int>(k / 3) - 1) * grid_.local_height()};
-}
-
-bool SwapTrials::is_free_among_all(Room const& room) const {
-  bool is_free = true;
-  grid_.for_each_candidate(room.place, room.radius + largest_radius_, [&](std::size_t candidate) {
-    auto const j = static_cast<std::uint32_t>(candidate);
-    if (is_free && j != room.disk && j != room.other && overlaps(room.place, room.radius, j)) is_free = false;
-  });
-  return is_free;
 }
 
 }  // namespace gridlock

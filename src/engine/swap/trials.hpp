@@ -67,7 +67,6 @@ class SwapTrials {
   [[nodiscard]] bool is_free(Room const& room) const;
   [[nodiscard]] bool is_free_in_further_blocks(std::array<PackedGrid::Block const*, 9> const& around,
                                                Room const& room) const;
-  [[nodiscard]] bool is_free_among_all(Room const& room) const;
   [[nodiscard]] PackedGrid::LocalPoint seen_from(PackedGrid::LocalPoint here, std::size_t k) const;
   [[nodiscard]] bool is_inside(Vector p, double radius) const;
   [[nodiscard]] bool overlaps(Vector p, double radius, std::uint32_t j) const;
@@ -78,7 +77,6 @@ class SwapTrials {
   std::vector<std::uint32_t> row_;  ///< in the state
   double largest_radius_;
   PackedGrid grid_;
-  bool fits_blocks_;
   double limit_per_area_;
   float limit_error_;
 };
