@@ -10,6 +10,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -44,8 +45,8 @@ struct Options {
   OutputOptions output;
 };
 
-Error problem_of(fs::path const& file, std::string what, std::string hint) {
-  return Error({.what = fmt::format("{} {}", file.string(), what), .hint = std::move(hint), .file = file.string()});
+Error problem_of(fs::path const& file, std::string_view what, std::string const& hint) {
+  return Error({.what = fmt::format("{} {}", file.string(), what), .hint = hint, .file = file.string()});
 }
 
 /// Gives all disks one radius where the file has none.

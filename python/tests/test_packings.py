@@ -2,6 +2,7 @@
 
 import dataclasses
 import pathlib
+import subprocess
 
 import numpy as np
 import pytest
@@ -146,6 +147,19 @@ def test_the_picture_has_all_disks_and_forces(pyplot):
     assert np.allclose(widths / widths.max(), np.minimum(found.forces / found.forces.mean(), 3.0) / 3.0, rtol=0.05)
     lengths = np.hypot(*(corners[:, 2] - corners[:, 1]).T)
     assert np.allclose(lengths, found.distances)
+
+
+def test_the_pictures_of_a_directory(pyplot, program, tmp_path):
+    from gridlock.plot import pictures
+
+    for name, options, drawn in [("mid", [], ["packing", "forces", "spectral_density"]),
+                                 ("marginal", ["--tolerance", "0.01"], ["packing", "forces", "spectral_density"])]:
+        subprocess.run([program, "contacts", PACKINGS / f"harmonic64_{name}.xyz", "-o", tmp_path / name, "--no-pictures", *options],
+                       check=True, capture_output=True)
+        made = pictures(tmp_path / name, "coordination")
+        assert [file.name for file in made.files] == [f"{stem}.{end}" for stem in drawn for end in ("svg", "png")]
+        assert made.notes == [] and all(file.stat().st_size > 1000 for file in made.files)
+        assert "packing.png" in (tmp_path / name / ".gridlock.files").read_text()
 
 
 def test_the_picture_of_hard_disks_and_of_nothing(pyplot):

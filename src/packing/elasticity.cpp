@@ -31,7 +31,7 @@ StrainedBackbone strain(ContactNetwork const& network, std::span<Contact const> 
   auto const add = [&](std::uint32_t disk, Eigen::Index column, Vector change) {
     std::uint32_t const place = unknowns.place[disk];
     if (place == Unknowns::none) return;
-    auto const row = static_cast<Eigen::Index>(2 * place);
+    auto const row = 2 * static_cast<Eigen::Index>(place);
     result.force(row, column) += change.x;
     result.force(row + 1, column) += change.y;
   };

@@ -161,7 +161,7 @@ std::optional<VibrationMode> find_softest_mode(ContactNetwork const& network) {
                       .displacement = std::vector<Vector>(network.size())};
   for (std::size_t i = 0; i < network.size(); ++i) {
     if (!takes_part[i]) continue;
-    auto const row = static_cast<Index>(2 * unknowns.place[i]);
+    auto const row = 2 * static_cast<Index>(unknowns.place[i]);
     found.displacement[i] = {mode(row), mode(row + 1)};
   }
   return found;

@@ -61,6 +61,24 @@ std::vector<double> overlaps_of(std::span<Contact const> pairs, double sign) {
   return overlaps;
 }
 
+/// Null for all where there are no moduli.
+void add_elasticity(Json& json, PackingAnalysis const& analysis) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  ElasticModuli const moduli = analysis.moduli.value_or(ElasticModuli{nan, nan, nan, nan, nan, nan});
+  json["bulk_modulus"] = number(moduli.bulk());
+  json["shear_modulus"] = number(moduli.shear());
+  json["shear_modulus_xy"] = number(moduli.shear_xy());
+  json["shear_modulus_xx_yy"] = number(moduli.shear_xx_yy());
+  json["least_shear_modulus"] = number(moduli.least_shear());
+  json["elastic_xxxx"] = number(moduli.xxxx);
+  json["elastic_yyyy"] = number(moduli.yyyy);
+  json["elastic_xyxy"] = number(moduli.xyxy);
+  json["elastic_xxyy"] = number(moduli.xxyy);
+  json["elastic_xxxy"] = number(moduli.xxxy);
+  json["elastic_yyxy"] = number(moduli.yyxy);
+  json["softest_mode"] = analysis.softest_mode ? number(analysis.softest_mode->eigenvalue) : Json(nullptr);
+}
+
 void put_inside(Packing& packing) {
   if (!packing.box.is_periodic()) return;
   for (double& x : packing.x) x = image_inside(x, packing.box.width());
@@ -129,8 +147,6 @@ Table forces_table(PackingAnalysis const& analysis) {
 Json summary_of(PackingAnalysis const& analysis) {
   ContactNetwork const& network = analysis.network;
   auto const disks = static_cast<double>(network.size());
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  ElasticModuli const moduli = analysis.moduli.value_or(ElasticModuli{nan, nan, nan, nan, nan, nan});
   double const largest_residual = analysis.questions.largest_residual;
   Json json;
   json["potential"] = network.potential == Potential::harmonic ? "harmonic" : "hertzian";
@@ -151,21 +167,10 @@ Json summary_of(PackingAnalysis const& analysis) {
   json["stress_yy"] = network.stress.yy;
   json["stress_xy"] = network.stress.xy;
   json["residual_force"] = network.residual_force;
-  json["bulk_modulus"] = number(moduli.bulk());
-  json["shear_modulus"] = number(moduli.shear());
-  json["shear_modulus_xy"] = number(moduli.shear_xy());
-  json["shear_modulus_xx_yy"] = number(moduli.shear_xx_yy());
-  json["least_shear_modulus"] = number(moduli.least_shear());
-  json["elastic_xxxx"] = number(moduli.xxxx);
-  json["elastic_yyyy"] = number(moduli.yyyy);
-  json["elastic_xyxy"] = number(moduli.xyxy);
-  json["elastic_xxyy"] = number(moduli.xxyy);
-  json["elastic_xxxy"] = number(moduli.xxxy);
-  json["elastic_yyxy"] = number(moduli.yyxy);
-  json["softest_mode"] = analysis.softest_mode ? number(analysis.softest_mode->eigenvalue) : Json(nullptr);
+  add_elasticity(json, analysis);
   json["is_converged"] = network.is_converged(largest_residual);
   json["is_jammed"] = network.is_jammed(largest_residual);
-  json["is_shear_stable"] = analysis.moduli ? Json(moduli.is_shear_stable()) : Json(nullptr);
+  json["is_shear_stable"] = analysis.moduli ? Json(analysis.moduli->is_shear_stable()) : Json(nullptr);
   return json;
 }
 

@@ -39,7 +39,7 @@ struct SpectralDensity {
 /// Errors: Error for a box that is not periodic, radii whose number is not that of the points or that are not positive, no bins or more
 /// than 10⁷, a largest wave number that is not positive, and more than 10⁸ wave vectors. The result does not depend
 /// on `threads` (0: all cores).
-/// Cost: 3 ns a disk and wave vector, and 40 ns a wave vector and radius that differs from the others.
+/// Cost: 2 ns a disk and wave vector, and 40 ns a wave vector and radius that differs from the others.
 /// Source: C. E. Zachary, Y. Jiao, S. Torquato (2011), doi:10.1103/PhysRevE.83.051308.
 SpectralDensity find_spectral_density(Box const& box, PointsInMemory const& points, std::span<double const> radii,
                                       double largest_wave_number, std::size_t bins, std::uint64_t threads = 1);

@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
 
-#: So wide is the line of the mean force, over the smallest diameter; the strongest are at most three times as wide.
-MEAN_WIDTH = 0.12
+#: Over the mean diameter: so wide is the line of the mean force, and the rim of a rattler. The strongest forces are at most three times as wide.
+MEAN_WIDTH = 0.1
+RIM = 0.04
 #: Pale colours, on which dark lines show.
 PALE = ListedColormap(colormaps["YlGnBu"](np.linspace(0.04, 0.62, 256)), name="pale")
 RATTLER = "#8C8C8C"
@@ -54,8 +55,10 @@ def packing(found: Contacts, colour: ArrayLike | str = "psi6", *, label: str = "
     disks.set_clim(*limits)
     if not is_hollow.all():
         axes.figure.colorbar(disks, ax=axes, label=label or usual, fraction=0.05, pad=0.02)
-    for share, face in ((1.0, RATTLER), (0.9, "white")):
-        Disks(axes, places[is_hollow], share * found.radii[rows][is_hollow]).set_facecolor(face)
+    rattlers = found.radii[rows][is_hollow]
+    rim = RIM * 2.0 * found.radii.mean() if len(found.radii) > 0 else 0.0
+    for radii, face in ((rattlers, RATTLER), (np.maximum(rattlers - rim, 0.5 * rattlers), "white")):
+        Disks(axes, places[is_hollow], radii).set_facecolor(face)
     axes.add_collection(PolyCollection(list(_lines_of(found, frame.positions)), facecolors=INK, linewidths=0), autolim=False)
     _draw_box(axes, frame, None)
     return axes
@@ -89,7 +92,8 @@ def _lines_of(found: Contacts, places: NDArray[np.float64]) -> NDArray[np.float6
     separations = found.normals * found.distances[:, None]
     forces = found.forces if found.forces.any() else np.ones(len(separations))
     mean = forces[forces > 0].mean() if (forces > 0).any() else 1.0
-    widths = MEAN_WIDTH * found.smallest_diameter * np.minimum(forces / mean, 3.0)
+    diameter = 2.0 * found.radii.mean() if len(found.radii) > 0 else 0.0
+    widths = MEAN_WIDTH * diameter * np.minimum(forces / mean, 3.0)
     is_of_disks = found.pairs[:, 1] < len(places)
     first = places[found.pairs[:, 0]]
     second = places[found.pairs[is_of_disks, 1]]
