@@ -48,9 +48,10 @@ bool has_command(CLI::App& app, std::string const& word) {
 }
 
 /// The commands of Gridlock that are programs of its Python package, with what the help says of them.
-constexpr std::array<std::pair<char const*, char const*>, 2> python_commands{
+constexpr std::array<std::pair<char const*, char const*>, 3> python_commands{
     {{"plot", "Draw the pictures of a run, sweep or packing from its data"},
-     {"paper", "Make the paper's Figures 4 to 7 and check its claims"}}};
+     {"paper", "Make the paper's Figures 4 to 7 and check its claims"},
+     {"jam", "Jam disks by quench, growth and decompression, and compare with published numbers"}}};
 
 bool is_python_command(std::string_view word) {
   return std::ranges::find(python_commands, word, [](auto const& command) {

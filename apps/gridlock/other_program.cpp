@@ -76,7 +76,7 @@ std::vector<std::string> other_programs() {
 
 std::string python_package(std::string_view command) {
   return fmt::format("it comes with the Python package: pip install \".[{}]\" in the sources of Gridlock",
-                     command == "paper" ? "paper" : "plots");
+                     command == "plot" ? "plots" : "paper");
 }
 
 void become(fs::path const& program, std::vector<std::string> const& arguments) {

@@ -94,14 +94,14 @@ TEST_F(DrawnByAnother, RunNeedsItsLastState) {
 }
 
 TEST_F(DrawnByAnother, CommandThatIsMissingSaysWhatToInstall) {
-  for (std::string const command : {"plot", "paper"}) {
+  for (std::string const command : {"plot", "paper", "jam"}) {
     for (std::vector<std::string> const& words :
          {std::vector<std::string>{command}, {command, "--help"}, {"help", command}}) {
       Outcome const outcome = run(words);
       EXPECT_EQ(outcome.exit_code, 2);
       EXPECT_EQ(outcome.err, "error: the program gridlock-" + command +
                                  " is not installed\n  hint: it comes with the Python package: pip install \".[" +
-                                 (command == "paper" ? "paper" : "plots") + "]\" in the sources of Gridlock\n");
+                                 (command == "plot" ? "plots" : "paper") + "]\" in the sources of Gridlock\n");
     }
   }
   std::string const help = run({"--help"}).out;

@@ -1,0 +1,35 @@
+"""``gridlock jam``: where disks jam, and how, beside published numbers."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+from ..study.command import StudyCommand, run
+
+
+def _make(*arguments: Any, **options: Any) -> Any:
+    # Packages that the help does not need are imported only here.
+    from ..jam import make
+
+    return make(*arguments, **options)
+
+
+COMMAND = StudyCommand(
+    name="gridlock jam",
+    description="Jam disks by quench, growth and decompression, and compare with published numbers",
+    figures=(1, 7),
+    quick="few starts of 64 and 256 disks, at most three minutes on two cores",
+    full="more starts and larger systems, about an hour on two cores",
+    directory="results/jam",
+    make=_make,
+)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """See :func:`gridlock.study.command.run`."""
+    return run(COMMAND, arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
