@@ -73,9 +73,9 @@ class Outcome:
     @classmethod
     def of(cls, simulation: Simulation, seconds: float) -> Outcome:
         arrays: dict[str, Any] = {"state_hash": simulation.state_hash, "seconds": seconds}
-        for table, columns in simulation.distributions.items():
+        for table, rows in simulation.distributions.items():
             if table in ("stages", "levels"):
-                arrays.update({f"{table}.{name}": np.array(values) for name, values in columns.items()})
+                arrays.update({f"{table}.{name}": np.array(rows[name]) for name in rows.dtype.names or ()})
         arrays.update({f"result.{name}": float(result.value) for name, result in simulation.results.items()})
         agents = simulation.agents
         arrays["positions"], arrays["radii"] = np.array(agents.positions), np.array(agents.radius)
