@@ -27,8 +27,6 @@ using reference::difference;
 using reference::random_scene;
 using reference::SceneSettings;
 
-constexpr double no_end = std::numeric_limits<double>::infinity();
-
 struct GrowthCase {
   std::string name;
   SceneSettings scene;
@@ -93,7 +91,7 @@ TEST_P(GrowthProperty, GoesThroughTheSameEventsAsBruteForce) {
     double virial = 0.0;
     for (std::uint64_t n = 1; n <= GetParam().collisions_per_disk * disks() / 2; ++n) {
       brute.collide_next();
-      ASSERT_FALSE(dynamics.grow(no_end, n, 3, counters));
+      ASSERT_FALSE(dynamics.grow({.pair_collisions = n}, 3, counters));
       if (n % (2 * disks()) == 0) dynamics.renew();
       dynamics.write_at_last_event(state);
       ASSERT_EQ(counters.pair_collisions, n);
@@ -129,8 +127,8 @@ double last_scale(State const& state) {
 bool grow(exact::Dynamics& dynamics, double scale, std::uint64_t collisions, Counters& counters) {
   std::uint64_t const leg = 10 * dynamics.size();
   while (counters.pair_collisions < collisions) {
-    if (dynamics.grow(scale, std::min(collisions, (counters.pair_collisions / leg + 1) * leg), 101, counters))
-      return true;
+    std::uint64_t const leg_end = std::min(collisions, (counters.pair_collisions / leg + 1) * leg);
+    if (dynamics.grow({.scale = scale, .pair_collisions = leg_end}, 101, counters)) return true;
     if (counters.pair_collisions % leg == 0) dynamics.renew(0.97);
   }
   return false;

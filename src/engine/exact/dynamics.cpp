@@ -177,19 +177,21 @@ void Dynamics::sort_disks_by_cell() {
 bool Dynamics::run(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Counters& counters,
                    std::function<bool()> const& should_continue) {
   if (epoch_length_ == 0.0) return true;  // nothing moves, nothing happens
-  return run_until([&] { return elapsed - epoch_start_; }, pair_collisions, audit_every, counters, should_continue);
+  return run_until([&] { return elapsed - epoch_start_; }, [&] { return counters.pair_collisions >= pair_collisions; },
+                   audit_every, counters, should_continue);
 }
 
-bool Dynamics::grow(double scale, std::uint64_t pair_collisions, std::uint64_t audit_every, Counters& counters,
+bool Dynamics::grow(EndOfGrowth const& end, std::uint64_t audit_every, Counters& counters,
                     std::function<bool()> const& should_continue) {
-  return run_until([&] { return growth_.scale.time_of(scale); }, pair_collisions, audit_every, counters,
+  auto const has_enough = [&] { return counters.pair_collisions >= end.pair_collisions || growth_.hits >= end.hits; };
+  return run_until([&] { return growth_.scale.time_of(end.scale); }, has_enough, audit_every, counters,
                    should_continue);
 }
 
-template <class TimeToStop>
-bool Dynamics::run_until(TimeToStop time_to_stop, std::uint64_t pair_collisions, std::uint64_t audit_every,
-                         Counters& counters, std::function<bool()> const& should_continue) {
-  while (counters.pair_collisions < pair_collisions) {
+template <class TimeToStop, class HasEnough>
+bool Dynamics::run_until(TimeToStop time_to_stop, HasEnough has_enough, std::uint64_t audit_every, Counters& counters,
+                         std::function<bool()> const& should_continue) {
+  while (!has_enough()) {
     ScheduledEvent const* const next = next_event();
     if (next->time > time_to_stop()) return true;
     ScheduledEvent const due = *next;
