@@ -164,6 +164,32 @@ TEST_P(GrowthProperty, HasTheSameBitsForAnyCells) {
   }
 }
 
+// From a fluid to gaps of a millionth, through cells that become larger and a capacity of cells that does too.
+TEST(GrowthOfManyDisks, HasTheSameBitsForAnyCellsUpToJamming) {
+  for (Edge const edge : {Edge::wall, Edge::periodic}) {
+    State const begin =
+        random_scene({.edge = edge, .count = 150, .packing_fraction = 0.4, .smallest_ratio = 0.6, .seed = 3});
+    std::vector<std::uint64_t> hashes;
+    std::vector<double> virials;
+    for (double const size_of_cells : {1.0, 1.25}) {
+      State state = begin;
+      Counters counters;
+      exact::Dynamics dynamics(begin, {.rate = 0.02, .size_of_cells = size_of_cells});
+      for (std::uint64_t leg = 1; leg <= 150; ++leg) {
+        dynamics.grow({.hits = leg * 40 * begin.agents.size()}, 0, counters);
+        dynamics.renew(0.9);
+      }
+      dynamics.audit();
+      dynamics.write_at_last_event(state);
+      EXPECT_GT(covered_area(state.agents), 0.8);
+      hashes.push_back(hash(state));
+      virials.push_back(counters.pair_virial);
+    }
+    EXPECT_EQ(hashes[0], hashes[1]);
+    EXPECT_EQ(virials[0], virials[1]);
+  }
+}
+
 TEST_P(GrowthProperty, PredictsTheSameBitsWithAndWithoutWideRegisters) {
   State const state = start(2);
   exact::Dynamics dynamics(state, growth());
