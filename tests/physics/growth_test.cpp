@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -40,16 +41,44 @@ State fluid_of_two_sizes(std::uint64_t count, double ratio, std::uint64_t seed) 
 }
 
 /// Z = 1 + Σ σ|Δp| / (2 N kT t) at constant size, after a while.
-double compressibility(State& state, std::uint64_t collisions_a_disk) {
+double compressibility(State& state, std::uint64_t equilibration, std::uint64_t collisions_a_disk) {
   Counters counters;
   auto const engine = make_engine({.kind = "exact"}, state);
   auto const count = static_cast<std::uint64_t>(state.agents.size());
-  engine->advance(state, counters, {.pair_collisions = 100 * count});
+  engine->advance(state, counters, {.pair_collisions = equilibration * count});
   Counters const before = counters;
   double const begin = state.clock.time;
-  engine->advance(state, counters, {.pair_collisions = (100 + collisions_a_disk) * count});
+  engine->advance(state, counters, {.pair_collisions = (equilibration + collisions_a_disk) * count});
   double const thermal = 2.0 * static_cast<double>(count) * *temperature(state) * (state.clock.time - begin);
   return 1.0 + (counters.pair_virial - before.pair_virial) / thermal;
+}
+
+/// How many disks are held by three others or more, nearer than 10⁻⁵ diameters, of which each is held as well.
+std::size_t disks_of_backbone(State const& state) {
+  auto const radius = state.agents.column<Radius>();
+  std::size_t const count = state.agents.size();
+  std::vector<std::vector<std::size_t>> neighbours(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      Vector const d = state.box.displacement(position(state.agents, i), position(state.agents, j));
+      if (std::sqrt(squared_length(d)) > (1.0 + 1e-5) * (radius[i] + radius[j])) continue;
+      neighbours[i].push_back(j);
+      neighbours[j].push_back(i);
+    }
+  }
+  std::vector<bool> is_held(count, true);
+  auto held = static_cast<std::size_t>(count);
+  for (bool has_changed = true; has_changed;) {
+    has_changed = false;
+    for (std::size_t i = 0; i < count; ++i) {
+      auto const is_neighbour_held = [&](std::size_t j) { return is_held[j]; };
+      if (!is_held[i] || std::ranges::count_if(neighbours[i], is_neighbour_held) >= 3) continue;
+      is_held[i] = false;
+      has_changed = true;
+      --held;
+    }
+  }
+  return held;
 }
 
 // An independent program, N = 256, half of them 1.4 times as large, γ = 2e-3: 4540 collisions a disk up to p = 1e5, and a mean
@@ -90,13 +119,28 @@ TEST(GrowthPhysics, ClosesTheGapsInProportionToOneOverThePressure) {
   EXPECT_NEAR(at_second, 2.0, 0.5);
 }
 
+// Without growth each of N₀ disks of the backbone, but for the motion of all, flies in a free volume that vanishes at φ_J:
+// p (1 − φ/φ_J) = 2 (N₀ − 1)/N.
+TEST(GrowthPhysics, HasThePressureOfFreeVolumeInEquilibrium) {
+  State state = fluid_of_two_sizes(256, 1.4, 7);
+  Counters counters;
+  ASSERT_TRUE(Growth({.rate = 2e-3, .pressure = 1e4}, state).advance(state, counters));
+  double const pressure = compressibility(state, 400, 2000);
+  double const density = covered_area(state.agents);
+  State jammed = state;
+  ASSERT_TRUE(Growth({.rate = 2e-3, .pressure = 1e10}, jammed).advance(jammed, counters));
+  auto const held = static_cast<double>(disks_of_backbone(jammed));
+  EXPECT_GT(held, 0.9 * 256.0);
+  EXPECT_NEAR(pressure * (1.0 - density / covered_area(jammed.agents)) * 256.0 / (2.0 * (held - 1.0)), 1.0, 0.04);
+}
+
 // Kolafa & Rottner 2006, Mol. Phys. 104, 3435.
 TEST(GrowthPhysics, GrowsAFluidToTheKnownEquationOfState) {
   State state = fluid_of_two_sizes(900, 1.0, 1);
   Counters counters;
   ASSERT_TRUE(Growth({.rate = 5e-3, .packing_fraction = 0.65}, state).advance(state, counters));
   // Standard error of a run as long as this: 0.02.
-  EXPECT_NEAR(compressibility(state, 4000), 8.408, 0.06);
+  EXPECT_NEAR(compressibility(state, 100, 4000), 8.408, 0.06);
 }
 
 // A slow growth is a row of equilibria: the pressure measured while growing is that of the fluid.
