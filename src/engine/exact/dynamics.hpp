@@ -135,16 +135,16 @@ class Dynamics {
 
   void restore(Archive const& archive, SavedDisks const& saved);
 
-  template <class TimeToStop, class HasEnough>
+  template <bool grows, class TimeToStop, class HasEnough>
   bool run_until(TimeToStop time_to_stop, HasEnough has_enough, std::uint64_t audit_every, Counters& counters,
                  std::function<bool()> const& should_continue);
   void look();
   ScheduledEvent const* next_event();
   void end_epoch();
   void fetch_ahead();
+  template <bool grows>
   void handle(Index i, Counters& counters);
   void collide(Index i, Index j, Counters& counters);
-  void hit_or_cross_border(MovingDisk& disk, Index i, Counters& counters);
   void hit_or_cross_vertical_border(MovingDisk& disk, Index i, Counters& counters);
   void hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Counters& counters);
   void cross_vertical_border(MovingDisk& disk, Index i, bool is_rightwards);
