@@ -69,7 +69,7 @@ std::vector<double> exponents(Potential potential) {
   for (std::uint64_t seed = 1; seed <= 16; ++seed) {
     Minimizer quench({.potential = potential}, reference::random_packing(64, 0.86, seed));
     quench.advance();
-    PressureRamp ramp({.minimizer = {.potential = potential, .newton_residual = 1e-2}}, quench.packing());
+    PressureRamp ramp({.minimizer = {.potential = potential}}, quench.packing());
     ramp.advance();
     exponents.push_back(exponent_of_pressure(ramp));
   }
