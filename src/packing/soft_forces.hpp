@@ -91,7 +91,7 @@ class SoftForces {
   [[nodiscard]] std::uint32_t entry_of(Packing const& packing, std::uint32_t i, std::uint32_t j) const;
 
   Potential potential_;
-  double skin_of_smallest_ = 0.35;  ///< in smallest diameters
+  double skin_of_smallest_ = 0.25;  ///< in smallest diameters
   double skin_ = 0.0;               ///< at the last build
   double largest_contact_ = 0.0;    ///< at the last build
   Columns built_at_;
