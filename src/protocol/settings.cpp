@@ -128,7 +128,8 @@ void describe(StageSettings& settings, SettingVisitor& visitor) {
              {.key = "stage",
               .documentation =
                   "What happens: hard disks grow, run, or swap their radii; soft disks are quenched, compressed or "
-                  "decompressed; separate shrinks them until none overlap."},
+                  "decompressed; separate shrinks them until none overlap.",
+              .default_note = "none: has to be given"},
              kind_names, settings.kind);
   visitor.visit({.key = "rate",
                  .documentation = "grow: the rate of growth (dD/dt)/√(kT/m), D and m of the smallest disk.",

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <random>
 #include <string>
@@ -28,7 +29,7 @@ constexpr char const* fluid =
     "[disks]\ncount = 256\npacking_fraction = 0.45\nstart = \"random\"\n"
     "species = [{ fraction = 0.5, size_ratio = 1.0 }, { fraction = 0.5, size_ratio = 1.4 }]\n";
 constexpr char const* points =
-    "[disks]\ncount = 256\npacking_fraction = 0.5\nstart = \"uniform\"\n"
+    "[disks]\ncount = 400\npacking_fraction = 0.5\nstart = \"uniform\"\n"
     "species = [{ fraction = 0.5, size_ratio = 1.0 }, { fraction = 0.5, size_ratio = 1.4 }]\n";
 constexpr char const* many_points = "[disks]\ncount = 1500\npacking_fraction = 0.5\nstart = \"uniform\"\n";
 constexpr char const* many_sizes =
@@ -74,11 +75,12 @@ TEST_P(ProtocolFaults, KilledInAStageAProtocolResumesToTheSameBits) {
   double const milliseconds =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   std::mt19937 random(1);
-  std::uniform_real_distribution<double> moment(0.1 * milliseconds, 0.6 * milliseconds);
+  // The program looks whether a checkpoint is due ten times a second.
+  std::uniform_real_distribution<double> moment(160.0, std::max(0.7 * milliseconds, 200.0));
   Arguments const resuming{"resume", "run", "-q", "--no-pictures"};
   int killed = 0;
   int restored = 0;
-  for (int attempt = 0; attempt < 3; ++attempt) {
+  for (int attempt = 0; attempt < 2; ++attempt) {
     fs::remove_all(workplace / "run");
     for (int again = 0; again < 3 && !is_finished(workplace / "run"); ++again) {
       bool const has_begun = fs::exists(workplace / "run" / "config.resolved.toml");
@@ -94,13 +96,13 @@ TEST_P(ProtocolFaults, KilledInAStageAProtocolResumesToTheSameBits) {
     }
     expect_same(workplace / "whole", workplace / "run");
   }
-  EXPECT_GE(killed, 3);
+  EXPECT_GE(killed, 2);
   EXPECT_GE(restored, 2) << "a stage so short that it has no checkpoint proves nothing";
 }
 
 INSTANTIATE_TEST_SUITE_P(Stages, ProtocolFaults,
                          testing::Values(Case{"grow", fluid,
-                                              "stage = \"grow\"\nrate = 7e-4\nuntil_packing_fraction = 0.8\n"},
+                                              "stage = \"grow\"\nrate = 2e-4\nuntil_packing_fraction = 0.8\n"},
                                          Case{"run", fluid, "stage = \"run\"\ncollisions_per_disk = 12000\n"},
                                          Case{"swap", many_sizes, "stage = \"swap\"\nsweeps = 12000\n"},
                                          Case{"quench", many_points, "stage = \"quench\"\npacking_fraction = 0.9\n"},
@@ -108,7 +110,7 @@ INSTANTIATE_TEST_SUITE_P(Stages, ProtocolFaults,
                                               "stage = \"quench\"\npacking_fraction = 0.86\n"
                                               "[[protocol]]\nstage = \"decompress\"\nuntil_pressure = 1e-6\n"},
                                          Case{"compress", points,
-                                              "stage = \"quench\"\npacking_fraction = 0.8\n"
+                                              "stage = \"quench\"\npacking_fraction = 0.82\n"
                                               "[[protocol]]\nstage = \"compress\"\nuntil_pressure = 1e-3\n"
                                               "[[protocol]]\nstage = \"separate\"\n"}),
                          [](auto const& instance) { return std::string(instance.param.name); });
