@@ -103,8 +103,8 @@ TEST_P(ProtocolFaults, KilledInAStageAProtocolResumesToTheSameBits) {
 INSTANTIATE_TEST_SUITE_P(Stages, ProtocolFaults,
                          testing::Values(Case{"grow", fluid,
                                               "stage = \"grow\"\nrate = 2e-4\nuntil_packing_fraction = 0.8\n"},
-                                         Case{"run", fluid, "stage = \"run\"\ncollisions_per_disk = 12000\n"},
-                                         Case{"swap", many_sizes, "stage = \"swap\"\nsweeps = 12000\n"},
+                                         Case{"run", fluid, "stage = \"run\"\ncollisions_per_disk = 25000\n"},
+                                         Case{"swap", many_sizes, "stage = \"swap\"\nsweeps = 25000\n"},
                                          Case{"quench", many_points, "stage = \"quench\"\npacking_fraction = 0.9\n"},
                                          Case{"decompress", points,
                                               "stage = \"quench\"\npacking_fraction = 0.86\n"
