@@ -23,8 +23,8 @@ namespace {
 /// So fast that the disks of a fluid are pushed, not squeezed.
 constexpr double largest_rate = 1.0;
 
-/// Pair collisions a disk after which the events are sorted anew.
-constexpr std::uint64_t collisions_per_renewal = 16;
+/// Hits of each disk, on the average, after which the events are sorted anew.
+constexpr std::uint64_t hits_per_renewal = 32;
 
 /// A gap is known to the last digits of the coordinates; this many of them are enough to tell one gap from another.
 constexpr double digits_of_gap = 16.0;
@@ -156,8 +156,8 @@ Growth::Growth(GrowthSettings const& settings, State const& state)
   require_exact_start(state);
   require_growth(settings, state, temperature_);
   diameter_rate_ = settings.rate * std::sqrt(temperature_ / mass_of_smallest(state.agents));
-  collisions_per_rescaling_ = static_cast<std::uint64_t>(
-      std::llround(settings.collisions_per_rescaling * static_cast<double>(state.agents.size())));
+  hits_per_rescaling_ = static_cast<std::uint64_t>(
+      std::llround(2.0 * settings.collisions_per_rescaling * static_cast<double>(state.agents.size())));
 }
 
 Growth::~Growth() = default;
@@ -173,13 +173,8 @@ void Growth::start_from(State const& state) {
   last_scale_ = settings_.packing_fraction ? std::sqrt(*settings_.packing_fraction / packing_fraction_of(state))
                                            : std::numeric_limits<double>::infinity();
   measured_from_temperature_ = temperature;
-  collisions_since_rescaling_ = 0;
-  collisions_since_renewal_ = 0;
-}
-
-std::uint64_t Growth::collisions_of_leg() const {
-  return std::min(collisions_per_rescaling_ - collisions_since_rescaling_,
-                  collisions_per_renewal * dynamics_->size() - collisions_since_renewal_);
+  hits_at_rescaling_ = hits_per_rescaling_;
+  hits_at_renewal_ = hits_per_renewal * dynamics_->size();
 }
 
 bool Growth::advance(State& state, Counters& counters, std::function<bool()> const& should_continue) {
@@ -196,26 +191,21 @@ bool Growth::advance(State& state, Counters& counters, std::function<bool()> con
   while (!is_stopped) {
     std::uint64_t const before = counters.pair_collisions;
     bool is_at_end = false;
+    std::uint64_t const hits = std::min(hits_at_rescaling_, hits_at_renewal_);
     try {
-      is_at_end = dynamics_->grow(last_scale_, before + collisions_of_leg(), settings_.audit_every, counters, ask);
+      is_at_end = dynamics_->grow({.scale = last_scale_, .hits = hits}, settings_.audit_every, counters, ask);
     } catch (RunFailure const&) {
       leave_at_last_event(state);
       throw;
     }
-    std::uint64_t const collided = counters.pair_collisions - before;
-    collisions_ += collided;
-    collisions_since_rescaling_ += collided;
-    collisions_since_renewal_ += collided;
+    collisions_ += counters.pair_collisions - before;
     if (is_at_end) {
-      state.clock.time = start_time_ + dynamics_->time_of(last_scale_);
-      dynamics_->write_grown(last_scale_, state);
-      if (collisions_since_rescaling_ >= dynamics_->size() || !reduced_pressure_) measure_pressure(state);
-      finish(state);
-    } else if (collisions_since_rescaling_ == collisions_per_rescaling_) {
+      finish_at_density(state);
+    } else if (dynamics_->hits() >= hits_at_rescaling_) {
       rescale(state);
-    } else if (collisions_since_renewal_ == collisions_per_renewal * dynamics_->size()) {
+    } else if (dynamics_->hits() >= hits_at_renewal_) {
       dynamics_->renew();
-      collisions_since_renewal_ = 0;
+      hits_at_renewal_ = dynamics_->hits() + hits_per_renewal * dynamics_->size();
     }
     if (is_finished_) return true;
   }
@@ -248,9 +238,18 @@ void Growth::rescale(State& state) {
   dynamics_->renew(std::sqrt(temperature_ / temperature_by_id(state)));
   dynamics_->begin_measurement();
   measured_from_temperature_ = temperature_;
-  collisions_since_rescaling_ = 0;
-  collisions_since_renewal_ = 0;
+  hits_at_rescaling_ = dynamics_->hits() + hits_per_rescaling_;
+  hits_at_renewal_ = dynamics_->hits() + hits_per_renewal * dynamics_->size();
   ++rescalings_;
+}
+
+void Growth::finish_at_density(State& state) {
+  state.clock.time = start_time_ + dynamics_->time_of(last_scale_);
+  dynamics_->write_grown(last_scale_, state);
+  // The hits of a few disks say nothing.
+  bool const has_seen_enough = dynamics_->hits() + hits_per_rescaling_ >= hits_at_rescaling_ + 2 * dynamics_->size();
+  if (has_seen_enough || !reduced_pressure_) measure_pressure(state);
+  finish(state);
 }
 
 void Growth::require_gaps_of_some_digits(State const& state) const {
@@ -289,11 +288,8 @@ void Growth::serialize(Archive& archive, State const& state) {
   archive.visit("start_time", start_time_);
   archive.visit("last_scale", last_scale_);
   archive.visit("measured_from_temperature", measured_from_temperature_);
-  archive.visit("collisions_since_rescaling", collisions_since_rescaling_);
-  archive.visit("collisions_since_renewal", collisions_since_renewal_);
-  archive.require(collisions_since_rescaling_ < collisions_per_rescaling_ &&
-                      collisions_since_renewal_ < collisions_per_renewal * state.agents.size(),
-                  "there were too many collisions");
+  archive.visit("hits_at_rescaling", hits_at_rescaling_);
+  archive.visit("hits_at_renewal", hits_at_renewal_);
   if (archive.is_restoring()) {
     double const diameter = 2.0 * radius_range(state.agents).smallest;
     dynamics_ = std::make_unique<exact::Dynamics>(state, exact::GrowthOfRadii{.rate = diameter_rate_ / diameter});

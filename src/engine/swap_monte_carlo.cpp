@@ -183,7 +183,8 @@ void SwapMonteCarlo::serialize(Archive& archive, State const& state) {
   archive.require(progress.step > 0.0 && progress.step <= progress.longest_step, "a step is no displacement");
   serialize_inside(archive, "adjusting", [&] { serialize_counts(archive, progress.adjusting); });
   serialize_inside(archive, "counts", [&] { serialize_counts(archive, progress.counts); });
-  serialize_inside(archive, "relaxation", [&] { progress.relaxation.serialize(archive, state.agents.size()); });
+  serialize_inside(archive, "relaxation",
+                   [&] { progress.relaxation.serialize(archive, state.agents.size(), progress.sweep); });
 }
 
 }  // namespace gridlock

@@ -18,11 +18,8 @@ namespace gridlock {
 
 namespace {
 
-MinimizerSettings minimizer_settings(ProtocolSettings const& protocol, double newton_residual) {
-  return {.potential = protocol.soft.potential,
-          .residual = protocol.soft.residual,
-          .newton_residual = newton_residual,
-          .threads = protocol.threads};
+MinimizerSettings minimizer_settings(ProtocolSettings const& protocol) {
+  return {.potential = protocol.soft.potential, .residual = protocol.soft.residual, .threads = protocol.threads};
 }
 
 double packing_fraction_of(State const& state) { return covered_area(state.agents) / state.box.area(); }
@@ -47,7 +44,7 @@ class QuenchStage final : public Stage {
  public:
   QuenchStage(StageSettings const& settings, ProtocolSettings const& protocol, State const& state)
       : potential_(protocol.soft.potential),
-        minimizer_(minimizer_settings(protocol, 1e-3), quenched_packing(state, settings.packing_fraction)) {}
+        minimizer_(minimizer_settings(protocol), quenched_packing(state, settings.packing_fraction)) {}
 
   bool advance(State& state, ShouldContinue const& should_continue) override {
     if (!minimizer_.advance(should_continue)) return false;
@@ -127,7 +124,7 @@ class RampStage final : public Stage {
   }
 
   static PressureRampSettings ramp_settings(StageSettings const& settings, ProtocolSettings const& protocol) {
-    PressureRampSettings ramp{.minimizer = minimizer_settings(protocol, 1e-2),
+    PressureRampSettings ramp{.minimizer = minimizer_settings(protocol),
                               .packing_fraction = settings.until_packing_fraction};
     ramp.pressure = settings.until_pressure.value_or(ramp.pressure);
     ramp.levels_per_decade = settings.levels_per_decade.value_or(ramp.levels_per_decade);

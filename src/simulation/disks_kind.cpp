@@ -13,6 +13,7 @@
 #include "core/saturating.hpp"
 #include "gridlock/core/detail/time_step_rule.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/grid/validate.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/simulation/world_simulation.hpp"
 #include "simulation/countable_time.hpp"
@@ -150,6 +151,14 @@ void require_clock(State const& state, std::filesystem::path const& start_file, 
   refuse(fmt::format("at time {:.6g} a clock cannot count steps of {:.6g}: numbers of that size are {:.3g} apart",
                      clock.time, duration, spacing_at(clock.time)),
          "set Time in its second line to a smaller number, such as 0");
+}
+
+/// Said once and of the setting, not pair by pair.
+void require_hard_start(DisksSettings const& disks, State const& state) {
+  if (disks.start != StartKind::uniform || !(largest_overlap(state) > 0.0)) return;
+  throw Error({.what = "disks at uniform points overlap, and the run is one of hard disks",
+               .hint = "begin a [[protocol]] with stage = \"quench\", or use disks.start = \"random\"",
+               .key = "disks.start"});
 }
 
 /// The engine; what is wrong with a state from a file is blamed on the file. What counts as valid is the engine's to say:
@@ -420,6 +429,7 @@ void DisksKind::build(Setup& setup, SetupOptions const& options) const {
   }
   require_clock(state, setup.start_file, settings);
   require_collisions(run, state);
+  require_hard_start(configuration.disks, state);
   std::unique_ptr<Engine> engine = engine_for(state, setup.start_file, settings);
   require_short_substeps(settings, state);
   if (auto note = misleading_rule(state, record)) setup.notes.push_back(*std::move(note));

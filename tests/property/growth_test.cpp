@@ -27,8 +27,6 @@ using reference::difference;
 using reference::random_scene;
 using reference::SceneSettings;
 
-constexpr double no_end = std::numeric_limits<double>::infinity();
-
 struct GrowthCase {
   std::string name;
   SceneSettings scene;
@@ -93,7 +91,7 @@ TEST_P(GrowthProperty, GoesThroughTheSameEventsAsBruteForce) {
     double virial = 0.0;
     for (std::uint64_t n = 1; n <= GetParam().collisions_per_disk * disks() / 2; ++n) {
       brute.collide_next();
-      ASSERT_FALSE(dynamics.grow(no_end, n, 3, counters));
+      ASSERT_FALSE(dynamics.grow({.pair_collisions = n}, 3, counters));
       if (n % (2 * disks()) == 0) dynamics.renew();
       dynamics.write_at_last_event(state);
       ASSERT_EQ(counters.pair_collisions, n);
@@ -129,8 +127,8 @@ double last_scale(State const& state) {
 bool grow(exact::Dynamics& dynamics, double scale, std::uint64_t collisions, Counters& counters) {
   std::uint64_t const leg = 10 * dynamics.size();
   while (counters.pair_collisions < collisions) {
-    if (dynamics.grow(scale, std::min(collisions, (counters.pair_collisions / leg + 1) * leg), 101, counters))
-      return true;
+    std::uint64_t const leg_end = std::min(collisions, (counters.pair_collisions / leg + 1) * leg);
+    if (dynamics.grow({.scale = scale, .pair_collisions = leg_end}, 101, counters)) return true;
     if (counters.pair_collisions % leg == 0) dynamics.renew(0.97);
   }
   return false;
@@ -163,6 +161,32 @@ TEST_P(GrowthProperty, HasTheSameBitsForAnyCells) {
       EXPECT_EQ(fine_counters.wall_impulse, coarse_counters.wall_impulse);
       EXPECT_EQ(fine_dynamics.measurement().virial, coarse_dynamics.measurement().virial);
     }
+  }
+}
+
+// From a fluid to gaps of a millionth, through cells that become larger and a capacity of cells that does too.
+TEST(GrowthOfManyDisks, HasTheSameBitsForAnyCellsUpToJamming) {
+  for (Edge const edge : {Edge::wall, Edge::periodic}) {
+    State const begin =
+        random_scene({.edge = edge, .count = 150, .packing_fraction = 0.4, .smallest_ratio = 0.6, .seed = 3});
+    std::vector<std::uint64_t> hashes;
+    std::vector<double> virials;
+    for (double const size_of_cells : {1.0, 1.25}) {
+      State state = begin;
+      Counters counters;
+      exact::Dynamics dynamics(begin, {.rate = 0.02, .size_of_cells = size_of_cells});
+      for (std::uint64_t leg = 1; leg <= 150; ++leg) {
+        dynamics.grow({.hits = leg * 40 * begin.agents.size()}, 0, counters);
+        dynamics.renew(0.9);
+      }
+      dynamics.audit();
+      dynamics.write_at_last_event(state);
+      EXPECT_GT(covered_area(state.agents), 0.8);
+      hashes.push_back(hash(state));
+      virials.push_back(counters.pair_virial);
+    }
+    EXPECT_EQ(hashes[0], hashes[1]);
+    EXPECT_EQ(virials[0], virials[1]);
   }
 }
 

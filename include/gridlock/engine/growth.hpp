@@ -35,7 +35,8 @@ struct GrowthSettings {
   double rate = 1e-3;
   std::optional<double> packing_fraction;  ///< to end at, exactly
   std::optional<double> pressure;          ///< reduced pressure βP/ρ to reach, measured since the last rescaling
-  /// Pair collisions divided by disks, after which the pressure is measured and the velocities are rescaled to kT of the start.
+  /// Pair collisions divided by disks, after which the pressure is measured and the velocities are rescaled to kT of the start;
+  /// two hits at walls count as one.
   double collisions_per_rescaling = 20.0;
   std::uint64_t audit_every = 0;  ///< pair collisions between two audits; 0 is never
 };
@@ -83,16 +84,16 @@ class Growth {
  private:
   void start_from(State const& state);
   void leave_at_last_event(State& state);
-  [[nodiscard]] std::uint64_t collisions_of_leg() const;
   void measure_pressure(State const& state);
   void rescale(State& state);
   void require_gaps_of_some_digits(State const& state) const;
+  void finish_at_density(State& state);
   void finish(State& state);
 
   GrowthSettings settings_;
-  double temperature_ = 0.0;    // kT of the start
-  double diameter_rate_ = 0.0;  // dD/dt of the smallest disk
-  std::uint64_t collisions_per_rescaling_ = 0;
+  double temperature_ = 0.0;                   // kT of the start
+  double diameter_rate_ = 0.0;                 // dD/dt of the smallest disk
+  std::uint64_t hits_per_rescaling_ = 0;       // of all disks
   std::unique_ptr<exact::Dynamics> dynamics_;  // nullptr before the start and after the end
   std::unique_ptr<exact::LeftState> left_;
   double start_time_ = 0.0;
@@ -100,8 +101,8 @@ class Growth {
       0.0;  // of the radii at start_time_, at which they reach the packing fraction; infinite without one
   double measured_from_temperature_ = 0.0;
   std::uint64_t collisions_ = 0;
-  std::uint64_t collisions_since_rescaling_ = 0;
-  std::uint64_t collisions_since_renewal_ = 0;
+  std::uint64_t hits_at_rescaling_ = 0;  // when the next one is due
+  std::uint64_t hits_at_renewal_ = 0;
   std::uint64_t rescalings_ = 0;
   std::optional<double> reduced_pressure_;
   bool is_finished_ = false;

@@ -42,7 +42,7 @@ char const* to_text(MinimumStatus status);
 /// FIRE 2.0 with unit masses: v ← v + F dt, v ← (1 − α) v + α |v| F/|F|, x ← x + v dt; where F·v ≤ 0, half a step back and
 /// v ← 0. Delay 20, growth 1.1, shrinking 0.5, α₀ = 0.25, × 0.99; dt from 0.1 to 0.45 √(m D²/ε), D the smallest diameter. Below
 /// `newton_residual` Newton's method with H + s 1, factorized by Cholesky: s/(ε/D²) starts at 1e-9, grows tenfold until the matrix is
-/// positive definite, and shrinks to a fifth after a full step. A step moves no disk by more than 0.1 D, and is taken where it lowers
+/// positive definite, and shrinks to a fifth after a full step. A step moves no disk by more than 0.1 D, and is halved up to six times until it lowers
 /// the energy or halves the residual.
 /// Overlaps near the rounding of the positions set a limit to the residual: it counts as reached at
 /// 2⁻⁵⁰ L/(D δ̄), L the longer side of the box, δ̄ the mean overlap.

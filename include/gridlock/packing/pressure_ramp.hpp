@@ -26,7 +26,7 @@ namespace gridlock {
 
 /// How a packing is brought to a pressure.
 struct PressureRampSettings {
-  MinimizerSettings minimizer{.newton_residual = 1e-2};
+  MinimizerSettings minimizer = {};
   double pressure = 1e-8;                       ///< P D²/ε to reach
   std::optional<double> packing_fraction = {};  ///< to reach in place of a pressure
   std::uint64_t levels_per_decade = 2;          ///< on the way down: every such pressure is a minimum that is kept

@@ -40,7 +40,7 @@ def quick() -> Extent:
         name="quick", quench_starts=((64, 120), (256, 24)), quench_densities=(0.815, 0.825, 0.83, 0.835, 0.84, 0.845, 0.855),
         decompressed_disks=256, decompressed_starts=12, large_disks=1024, large_starts=1,
         fluid_densities=((0.4, 200.0), (0.6, 400.0), (0.7, 1000.0), (0.74, 2000.0), (0.775, 5000.0)), fluid_disks=256, fluid_starts=10,
-        growth_rates=(2e-2, 2e-3), growth_disks=256, growth_starts=4, equal_disks=256, equal_starts=3,
+        growth_rates=(2e-2, 2e-3, 4e-4), growth_disks=256, growth_starts=4, equal_disks=256, equal_starts=3,
     )
 
 

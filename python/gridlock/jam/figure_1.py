@@ -70,7 +70,7 @@ class Rise(NamedTuple):
 
 
 def _rise(shares: list[Share]) -> Rise | None:
-    """By maximum likelihood; errors from the curvature of the likelihood."""
+    """By maximum likelihood; errors from the curvature of the likelihood at its maximum."""
     from scipy.optimize import minimize  # type: ignore[import-untyped]
     from scipy.special import log_ndtr  # type: ignore[import-untyped]
 
@@ -84,9 +84,12 @@ def _rise(shares: list[Share]) -> Rise | None:
         z = (density - parameters[0]) / np.exp(parameters[1])
         return -float(np.sum(jammed * log_ndtr(z) + (starts - jammed) * log_ndtr(-z)))
 
-    found = minimize(cost, (0.838, math.log(0.004)), method="BFGS")
-    errors = np.sqrt(np.diag(found.hess_inv))
+    found = minimize(cost, (0.838, math.log(0.004)), method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-9})
     width = math.exp(found.x[1])
+    steps = np.diag((0.05 * width, 0.05))
+    curvature = np.array([[(cost(found.x + a + b) - cost(found.x + a - b) - cost(found.x - a + b) + cost(found.x - a - b))
+                           / (4.0 * a.sum() * b.sum()) for b in steps] for a in steps])
+    errors = np.sqrt(np.diag(np.linalg.inv(curvature)))
     return Rise(Estimate(float(found.x[0]), float(errors[0])), Estimate(width, width * float(errors[1])))
 
 

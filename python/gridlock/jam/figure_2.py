@@ -106,5 +106,6 @@ def make(context: Context) -> Chapter:
         conclusions=[f"Mean jamming packing fraction {jamming}; published: 0.842 ± 0.001 (O'Hern et al. 2003), 0.84177 ± 0.00001 for "
                      "large systems (Vågberg et al. 2011).",
                      f"Unstable against shear at the end: {unstable['harmonic']} harmonic and {unstable['hertzian']} Hertzian packings. "
-                     "They are in the figure: a square box that keeps its shape does not relax shear."],
+                     "They are in the figure: a packing with one state of self-stress in a box that keeps its shape resists compression, and "
+                     "some direction of shear only by a term of the order of p, which may be negative (Dagois-Bohy et al. 2012)."],
     )

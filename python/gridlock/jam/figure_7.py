@@ -32,7 +32,7 @@ def plan(context: Context) -> list[Run]:
 def _local_order(outcome: Outcome) -> float:
     """⟨|ψ6|⟩ over the Voronoi neighbours."""
     neighbours = voronoi(outcome.positions, 1.0).neighbors
-    return float(np.mean(np.abs(bond_orientation(outcome.positions, 1.0, neighbors=neighbours))))
+    return float(np.mean(np.abs(bond_orientation(outcome.positions, box=1.0, neighbors=neighbours))))
 
 
 def _density(outcomes: list[Outcome]) -> tuple[Any, Any]:

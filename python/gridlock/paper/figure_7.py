@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 STARTS = ("square", "triangular")
 JAMMING_LEVEL = 0.1
+#: Freezing: Engel et al. (2013); random quenches of two sizes, 1 : 1.4: O'Hern et al. (2003); equal disks, which jam as polycrystals:
+#: Atkinson et al. (2014).
+PUBLISHED_DENSITIES = {0.700: "freezing", 0.842: "quenched mixtures jam", 0.88: "equal disks jam"}
 TEMPERATURE_OF_START = 0.25  # kT/m = v_max²/4 for v_max = 1
 SHARE_OF_PLATEAU = 0.4  # of a plateau run that counts
 DIFFUSIVE_UP_TO = 0.6  # where Enskog's theory is drawn
@@ -151,7 +154,11 @@ def _draw(figure: _Figure, theory: list[tuple[float, ...]]) -> Figure:
     axes.errorbar([result.set.run.packing_fraction for result in figure.plateaus], [one.value for one in forgotten],
                   [one.known_error for one in forgotten], color=style.COLOURS[4], marker="v", linestyle="none", capsize=2,
                   label="longer runs, start forgotten")
-    axes.set(xlim=(0.0, 0.9), ylim=(0.0, 0.6))
+    for density, name in PUBLISHED_DENSITIES.items():
+        axes.axvline(density, color=style.GREY, linewidth=0.8, linestyle=":")
+        axes.annotate(name, (density, 1.0), xycoords=axes.get_xaxis_transform(), xytext=(-2, -4), textcoords="offset points",
+                      rotation=90, fontsize=7, color=style.GREY, ha="right", va="top")
+    axes.set(xlim=(0.0, 0.92), ylim=(0.0, 0.6))
     chart.legend(loc="outside lower center", ncols=2)
     for left, start in zip((0.05, 0.3), STARTS):
         inset = axes.inset_axes((left, 0.2, 0.2, 0.36))
@@ -337,5 +344,9 @@ def make(context: Context) -> Chapter:
             "For comparison: an infinite system of hard disks freezes between φ = 0.700 (liquid) and 0.720 (hexatic and solid), "
             "Engel et al. 2013, doi:10.1103/PhysRevE.87.042134. That the 10 % line is crossed near this density is what one expects of "
             "a crystal, whose disks keep their neighbours; the lattices themselves are jammed only when close packed.",
+            "**Mobility, freezing and jamming are three different densities.** Where the mean displacement falls through 10 % depends on how "
+            "long one waits and on the rule. Equal disks freeze at φ = 0.700, whatever the rule. They jam, as polycrystals, near 0.88, and "
+            "mixtures of two sizes, quenched from random points, at 0.842 (O'Hern et al. 2003, doi:10.1103/PhysRevE.68.011306), or higher "
+            "from denser fluids. gridlock jam takes disks there and measures it.",
         ],
     )

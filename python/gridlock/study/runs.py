@@ -31,9 +31,10 @@ class Outcome(Protocol):
 
 
 OutcomeType = TypeVar("OutcomeType", bound=Outcome)
+OutcomeOfRun = TypeVar("OutcomeOfRun", bound=Outcome, covariant=True)
 
 
-class Run(Protocol[OutcomeType]):
+class Run(Protocol[OutcomeOfRun]):
     """Something to be run, told from others by its settings."""
 
     @property
@@ -48,10 +49,10 @@ class Run(Protocol[OutcomeType]):
     def title(self) -> str:
         """What a reader of a failure calls it."""
 
-    def carry_out(self, on_progress: Callable[[int, float], None]) -> OutcomeType:
+    def carry_out(self, on_progress: Callable[[int, float], None]) -> OutcomeOfRun:
         """Calls ``on_progress`` with the steps done and the fraction of the run now and then; what that raises ends the run."""
 
-    def restored(self, arrays: Mapping[str, NDArray[Any]]) -> OutcomeType:
+    def restored(self, arrays: Mapping[str, NDArray[Any]]) -> OutcomeOfRun:
         """The outcome that was kept."""
 
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/exact/dynamics.hpp"
 #include "gridlock/core/error.hpp"
@@ -12,6 +13,7 @@ namespace {
 
 /// How far two disks may overlap, in diameters, before it is more than rounding.
 constexpr double tolerance = 1e-12;
+constexpr double never = std::numeric_limits<double>::infinity();
 /// All pairs are looked at up to this many disks.
 constexpr std::size_t most_disks_for_all_pairs = 2000;
 
@@ -73,12 +75,14 @@ void Dynamics::audit_overlaps() const {
   }
 }
 
-/// Up to the earlier of the two disks' own events nobody looks at a pair again, so until then it must not overlap.
+/// Up to the earlier of the two disks' own events nobody looks at a pair again, so until then it must not overlap. Where the
+/// disks grow, all look again at the end of the epoch.
 void Dynamics::audit_missed_events() const {
   double const last_image = box_.is_periodic() ? 1.0 : 0.0;
+  double const last = is_growing() ? epoch_length_ : never;
   for (Index i = 0; i < size_; ++i) {
     for (Index j = 0; j < i; ++j) {
-      double const end = std::max(now_, std::min(disks_[i].event_time, disks_[j].event_time));
+      double const end = std::max(now_, std::min({disks_[i].event_time, disks_[j].event_time, last}));
       Flight const pair = flight(disks_[i], disks_[j]);
       double const sum = radius_of(i) + radius_of(j);
       for (double n = -last_image; n <= last_image; n += 1.0) {

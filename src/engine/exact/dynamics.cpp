@@ -177,19 +177,22 @@ void Dynamics::sort_disks_by_cell() {
 bool Dynamics::run(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Counters& counters,
                    std::function<bool()> const& should_continue) {
   if (epoch_length_ == 0.0) return true;  // nothing moves, nothing happens
-  return run_until([&] { return elapsed - epoch_start_; }, pair_collisions, audit_every, counters, should_continue);
+  return run_until<false>([&] { return elapsed - epoch_start_; },
+                          [&] { return counters.pair_collisions >= pair_collisions; }, audit_every, counters,
+                          should_continue);
 }
 
-bool Dynamics::grow(double scale, std::uint64_t pair_collisions, std::uint64_t audit_every, Counters& counters,
+bool Dynamics::grow(EndOfGrowth const& end, std::uint64_t audit_every, Counters& counters,
                     std::function<bool()> const& should_continue) {
-  return run_until([&] { return growth_.scale.time_of(scale); }, pair_collisions, audit_every, counters,
-                   should_continue);
+  auto const has_enough = [&] { return counters.pair_collisions >= end.pair_collisions || growth_.hits >= end.hits; };
+  return run_until<true>([&] { return growth_.scale.time_of(end.scale); }, has_enough, audit_every, counters,
+                         should_continue);
 }
 
-template <class TimeToStop>
-bool Dynamics::run_until(TimeToStop time_to_stop, std::uint64_t pair_collisions, std::uint64_t audit_every,
-                         Counters& counters, std::function<bool()> const& should_continue) {
-  while (counters.pair_collisions < pair_collisions) {
+template <bool grows, class TimeToStop, class HasEnough>
+bool Dynamics::run_until(TimeToStop time_to_stop, HasEnough has_enough, std::uint64_t audit_every, Counters& counters,
+                         std::function<bool()> const& should_continue) {
+  while (!has_enough()) {
     ScheduledEvent const* const next = next_event();
     if (next->time > time_to_stop()) return true;
     ScheduledEvent const due = *next;
@@ -197,7 +200,7 @@ bool Dynamics::run_until(TimeToStop time_to_stop, std::uint64_t pair_collisions,
     std::uint64_t const before = counters.pair_collisions;
     now_ = due.time;
     if (fetches_ahead_) fetch_ahead();
-    handle(due.disk, counters);
+    handle<grows>(due.disk, counters);
     bool const is_audit_due =
         audit_every > 0 && counters.pair_collisions != before && counters.pair_collisions % audit_every == 0;
     if (is_audit_due) {
@@ -292,14 +295,19 @@ void Dynamics::fetch_ahead() {
   } while (pipeline_.waiting() > most_waiting);
 }
 
+template <bool grows>
 void Dynamics::handle(Index i, Counters& counters) {
   ++counters.moves;
   MovingDisk& disk = disks_[i];
-  if (disk.partner >= vertical_border) {
-    hit_or_cross_border(disk, i, counters);
+  if (grows && disk.partner >= vertical_border) {
+    hit_or_cross_growing(disk, i, counters);
+  } else if (disk.partner == vertical_border) {
+    hit_or_cross_vertical_border(disk, i, counters);
+  } else if (disk.partner == horizontal_border) {
+    hit_or_cross_horizontal_border(disk, i, counters);
   } else if (disks_[disk.partner].collision_count == disk.partner_collision_count) {
     Index const j = disk.partner;
-    is_growing() ? collide_growing(i, j, counters) : collide(i, j, counters);
+    grows ? collide_growing(i, j, counters) : collide(i, j, counters);
     disk.event_time = never;
     disks_[j].event_time = never;
     // Both predictions before either is written down, so that the processor works on the two at once.
@@ -347,16 +355,6 @@ void Dynamics::collide(Index i, Index j, Counters& counters) {
   ++b.collision_count;
   ++counters.pair_collisions;
   counters.pair_virial -= mass_a * along_a * squared_distance;
-}
-
-void Dynamics::hit_or_cross_border(MovingDisk& disk, Index i, Counters& counters) {
-  if (is_growing()) {
-    hit_or_cross_growing(disk, i, counters);
-  } else if (disk.partner == vertical_border) {
-    hit_or_cross_vertical_border(disk, i, counters);
-  } else {
-    hit_or_cross_horizontal_border(disk, i, counters);
-  }
 }
 
 void Dynamics::hit_or_cross_vertical_border(MovingDisk& disk, Index i, Counters& counters) {

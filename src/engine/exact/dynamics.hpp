@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -24,6 +25,13 @@ struct SavedDisks;
 struct GrowthOfRadii {
   double rate = 0.0;           ///< every radius is R · (1 + rate · t); 0: constant
   double size_of_cells = 1.0;  ///< in sides of the smallest that will do; nothing but the cost depends on it
+};
+
+/// Where a growth stops: at whichever comes first.
+struct EndOfGrowth {
+  double scale = std::numeric_limits<double>::infinity();                     ///< by which all radii have grown
+  std::uint64_t pair_collisions = std::numeric_limits<std::uint64_t>::max();  ///< of the counters
+  std::uint64_t hits = std::numeric_limits<std::uint64_t>::max();             ///< of disks, one or two more
 };
 
 /// Hard disks in free flight from event to event: the exact dynamics of a state, in a layout of its own.
@@ -48,9 +56,11 @@ class Dynamics {
            std::function<bool()> const& should_continue = {});
   static constexpr std::uint64_t events_per_look = std::uint64_t{1} << 14;
 
-  /// The same for disks that grow, up to the time at which all radii have grown by the factor `scale`.
-  bool grow(double scale, std::uint64_t pair_collisions, std::uint64_t audit_every, Counters& counters,
+  /// The same for disks that grow; says whether it got to the scale.
+  bool grow(EndOfGrowth const& end, std::uint64_t audit_every, Counters& counters,
             std::function<bool()> const& should_continue = {});
+  /// How often a disk was hit, by a wall or by another, which is a hit for both; while the disks grow.
+  [[nodiscard]] std::uint64_t hits() const { return growth_.hits; }
   /// Begins a new epoch at the last event, and multiplies all velocities: often enough, some tens of collisions a disk
   /// apart, to keep the calendar small. Contract: the disks grow.
   void renew(double factor_of_velocities = 1.0);
@@ -125,16 +135,16 @@ class Dynamics {
 
   void restore(Archive const& archive, SavedDisks const& saved);
 
-  template <class TimeToStop>
-  bool run_until(TimeToStop time_to_stop, std::uint64_t pair_collisions, std::uint64_t audit_every, Counters& counters,
+  template <bool grows, class TimeToStop, class HasEnough>
+  bool run_until(TimeToStop time_to_stop, HasEnough has_enough, std::uint64_t audit_every, Counters& counters,
                  std::function<bool()> const& should_continue);
   void look();
   ScheduledEvent const* next_event();
   void end_epoch();
   void fetch_ahead();
+  template <bool grows>
   void handle(Index i, Counters& counters);
   void collide(Index i, Index j, Counters& counters);
-  void hit_or_cross_border(MovingDisk& disk, Index i, Counters& counters);
   void hit_or_cross_vertical_border(MovingDisk& disk, Index i, Counters& counters);
   void hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Counters& counters);
   void cross_vertical_border(MovingDisk& disk, Index i, bool is_rightwards);
@@ -204,7 +214,8 @@ class Dynamics {
     double size_of_cells = 1.0;
     double largest_radius = 0.0;   // at the start
     std::vector<double> last_hit;  // see PredictionInput
-    std::uint64_t collisions_in_epoch = 0;
+    std::uint64_t hits = 0;
+    std::uint64_t hits_before_epoch = 0;
     double measured_time = 0.0;  // up to the start of the epoch
     double measured_virial = 0.0;
   };

@@ -7,8 +7,8 @@ namespace gridlock::exact {
 
 namespace {
 
-/// An epoch lasts for about this many pair collisions a disk, where they are many.
-constexpr double collisions_in_epoch = 32.0;
+/// An epoch lasts for about as long as each disk is hit this often, where they are hit often.
+constexpr double hits_in_epoch = 64.0;
 
 }  // namespace
 
@@ -39,10 +39,10 @@ double Dynamics::longest_growing_epoch() const {
 
 void Dynamics::renew(double factor_of_velocities) {
   double length = epoch_length_;
-  if (growth_.collisions_in_epoch >= size_) {
-    double const disks = static_cast<double>(size_);
-    double const wanted = collisions_in_epoch * disks / static_cast<double>(growth_.collisions_in_epoch);
-    double const duration = now_ * wanted / factor_of_velocities;
+  std::uint64_t const hits = growth_.hits - growth_.hits_before_epoch;
+  if (hits >= 2 * size_) {
+    double const longer = hits_in_epoch * static_cast<double>(size_) / static_cast<double>(hits);
+    double const duration = now_ * longer / factor_of_velocities;
     if (duration > 0.0) length = std::min(power_of_two_below(duration), longest_epoch_);
   }
   begin_growing_epoch(now_, length, factor_of_velocities);
@@ -52,7 +52,7 @@ void Dynamics::begin_growing_epoch(double zero, double length, double factor_of_
   move_zero_of_time(zero);
   growth_.scale.move_zero(zero);
   growth_.measured_time += zero;
-  growth_.collisions_in_epoch = 0;
+  growth_.hits_before_epoch = growth_.hits;
   std::ranges::fill(growth_.last_hit, 0.0);
   if (factor_of_velocities != 1.0) {
     for (std::size_t i = 0; i < size_; ++i) {
@@ -119,7 +119,7 @@ void Dynamics::collide_growing(Index i, Index j, Counters& counters) {
   ++b.collision_count;
   growth_.last_hit[i] = now_;
   growth_.last_hit[j] = now_;
-  ++growth_.collisions_in_epoch;
+  growth_.hits += 2;
   double const virial = -(mass_[i] * mass_[j]) * along * squared_distance;
   growth_.measured_virial += virial;
   ++counters.pair_collisions;
@@ -152,6 +152,7 @@ void Dynamics::hit_wall_growing(MovingDisk& disk, Index i, Side side, Counters& 
   place -= change * now_;
   ++disk.collision_count;
   growth_.last_hit[i] = now_;
+  ++growth_.hits;
   auto const wall = static_cast<std::size_t>(side);  // in the order of Counters::Wall
   double const impulse = mass_[i] * std::abs(change);
   ++counters.wall_hits[wall];
@@ -175,7 +176,8 @@ void Dynamics::serialize_growth(Archive& archive) {
   archive.visit("growth_rate", growth_.scale.rate);
   archive.visit("scale", growth_.scale.at_zero);
   archive.visit("scale_rest", growth_.scale.rest);
-  archive.visit("collisions_in_epoch", growth_.collisions_in_epoch);
+  archive.visit("hits", growth_.hits);
+  archive.visit("hits_before_epoch", growth_.hits_before_epoch);
   archive.visit("measured_time", growth_.measured_time);
   archive.visit("measured_virial", growth_.measured_virial);
   if (!archive.is_restoring()) return;

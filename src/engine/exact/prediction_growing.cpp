@@ -70,9 +70,11 @@ Prediction predict_growing(PredictionInput const& s, Index i, double now, Index 
         s.slots + static_cast<std::size_t>(row + 1) * s.row_stride + static_cast<std::size_t>(disk.column) * s.capacity;
     for (std::int32_t column = disk.column - 1; column <= disk.column + 1; ++column) {
       double const shift_x = shift_of_image(column, s.columns, s.width);
-      for (Index const* const end = slot + s.capacity; slot != end; ++slot) {
-        if (*slot != no_disk && *slot != i) earliest.consider(*slot, shift_x, shift_y);
+      // The first slots of a cell are the ones in use.
+      for (std::size_t k = 0; k < s.capacity && slot[k] != no_disk; ++k) {
+        if (slot[k] != i) earliest.consider(slot[k], shift_x, shift_y);
       }
+      slot += s.capacity;
     }
   }
   return earliest.best();

@@ -15,77 +15,87 @@ GRIDLOCK_AVX512 inline __m512d shift_to_nearest(__m512d d, double side) {
   return _mm512_mask_mov_pd(shift, below, _mm512_set1_pd(side));
 }
 
-/// The nearest images of eight candidates, as EarliestGrowing::consider() wants them.
-struct Shifts {
-  __m512d x, y;
+GRIDLOCK_AVX512 inline __m512d dot(__m512d a_x, __m512d a_y, __m512d b_x, __m512d b_y) {
+  return _mm512_add_pd(_mm512_mul_pd(a_x, b_x), _mm512_mul_pd(a_y, b_y));
+}
+
+/// Eight candidates of a disk, from the moments at which the velocity of one of each two last changed.
+struct Approaches {
+  __m512d begin, a, b, c;    // see Predict for growing disks
+  __m512d shift_x, shift_y;  // to the nearest image
 };
 
-/// The first of `best` and the contacts with the candidates. Disks that part more slowly than they grow are rare: they are
-/// looked at one by one.
+GRIDLOCK_AVX512 inline Approaches approaches_of(PredictionInput const& s, Index i, double now, Index const* names,
+                                                Columns const& other, bool needs_images) {
+  MovingDisk const& self = s.disks[i];
+  __m256i const places = _mm256_loadu_si256(reinterpret_cast<__m256i const*>(names));
+  __m512d const begin =
+      _mm512_max_pd(_mm512_set1_pd(s.last_hit[i]), _mm512_i32gather_pd(places, s.last_hit, sizeof(double)));
+  __m512d const w_x = _mm512_sub_pd(other.velocity_x, _mm512_set1_pd(self.velocity_x));
+  __m512d const w_y = _mm512_sub_pd(other.velocity_y, _mm512_set1_pd(self.velocity_y));
+  __m512d d_x = _mm512_sub_pd(other.x, _mm512_set1_pd(self.x));
+  __m512d d_y = _mm512_sub_pd(other.y, _mm512_set1_pd(self.y));
+  __m512d shift_x = _mm512_setzero_pd();
+  __m512d shift_y = _mm512_setzero_pd();
+  if (needs_images) {
+    shift_x = shift_to_nearest(_mm512_add_pd(d_x, _mm512_mul_pd(w_x, _mm512_set1_pd(now))), s.width);
+    shift_y = shift_to_nearest(_mm512_add_pd(d_y, _mm512_mul_pd(w_y, _mm512_set1_pd(now))), s.height);
+    d_x = _mm512_add_pd(d_x, shift_x);
+    d_y = _mm512_add_pd(d_y, shift_y);
+  }
+  d_x = _mm512_add_pd(d_x, _mm512_mul_pd(w_x, begin));
+  d_y = _mm512_add_pd(d_y, _mm512_mul_pd(w_y, begin));
+  __m512d const sum = _mm512_add_pd(_mm512_set1_pd(s.radius[i]), _mm512_i32gather_pd(places, s.radius, sizeof(double)));
+  __m512d const rate = _mm512_set1_pd(s.scale.rate);
+  __m512d const scale = _mm512_add_pd(_mm512_set1_pd(s.scale.at_zero),
+                                      _mm512_add_pd(_mm512_set1_pd(s.scale.rest), _mm512_mul_pd(rate, begin)));
+  __m512d const contact = _mm512_mul_pd(sum, scale);
+  __m512d const growth = _mm512_mul_pd(sum, rate);
+  return {begin,
+          _mm512_sub_pd(dot(w_x, w_y, w_x, w_y), _mm512_mul_pd(growth, growth)),
+          _mm512_sub_pd(dot(d_x, d_y, w_x, w_y), _mm512_mul_pd(growth, contact)),
+          _mm512_sub_pd(dot(d_x, d_y, d_x, d_y), _mm512_mul_pd(contact, contact)),
+          shift_x,
+          shift_y};
+}
+
+/// The first of `best` and the contacts with candidates that part more slowly than they grow: rare, and looked at one by one.
+GRIDLOCK_AVX512 inline Prediction with_slow_ones(PredictionInput const& s, Index i, double now, Index const* names,
+                                                 Approaches const& pairs, unsigned slow, Prediction best) {
+  alignas(64) double shift_x[lanes];
+  alignas(64) double shift_y[lanes];
+  _mm512_store_pd(shift_x, pairs.shift_x);
+  _mm512_store_pd(shift_y, pairs.shift_y);
+  EarliestGrowing earliest(s, i, now, no_disk, best);
+  for (; slow != 0; slow &= slow - 1U) {
+    int const lane = std::countr_zero(slow);
+    earliest.consider(names[lane], shift_x[lane], shift_y[lane]);
+  }
+  return earliest.best();
+}
+
+/// The first of the border and the contacts with the candidates.
 GRIDLOCK_AVX512 inline Prediction first_contact(PredictionInput const& s, Index i, double now,
                                                 Candidates const& candidates) {
   Prediction best = s.is_periodic ? predict_border_packed(s, i, now) : border_growing(s, i, now);
-  MovingDisk const& self = s.disks[i];
-  bool const needs_images = is_at_periodic_edge(s, self);
+  bool const needs_images = is_at_periodic_edge(s, s.disks[i]);
   __m512d const zero = _mm512_setzero_pd();
-  __m512d const time_now = _mm512_set1_pd(now);
-  __m512d const self_x = _mm512_set1_pd(self.x);
-  __m512d const self_y = _mm512_set1_pd(self.y);
-  __m512d const self_velocity_x = _mm512_set1_pd(self.velocity_x);
-  __m512d const self_velocity_y = _mm512_set1_pd(self.velocity_y);
   for (std::size_t k = 0; k < candidates.count; k += lanes) {
     Index const* const names = candidates.disks + k;
     Columns const other = columns_of(s.disks, names);
-    __m256i const places = _mm256_loadu_si256(reinterpret_cast<__m256i const*>(names));
-    __m512d const begin =
-        _mm512_max_pd(_mm512_set1_pd(s.last_hit[i]), _mm512_i32gather_pd(places, s.last_hit, sizeof(double)));
-    __m512d const w_x = _mm512_sub_pd(other.velocity_x, self_velocity_x);
-    __m512d const w_y = _mm512_sub_pd(other.velocity_y, self_velocity_y);
-    __m512d d_x = _mm512_sub_pd(other.x, self_x);
-    __m512d d_y = _mm512_sub_pd(other.y, self_y);
-    Shifts shifts{zero, zero};
-    if (needs_images) {
-      shifts.x = shift_to_nearest(_mm512_add_pd(d_x, _mm512_mul_pd(w_x, time_now)), s.width);
-      shifts.y = shift_to_nearest(_mm512_add_pd(d_y, _mm512_mul_pd(w_y, time_now)), s.height);
-      d_x = _mm512_add_pd(d_x, shifts.x);
-      d_y = _mm512_add_pd(d_y, shifts.y);
-    }
-    d_x = _mm512_add_pd(d_x, _mm512_mul_pd(w_x, begin));
-    d_y = _mm512_add_pd(d_y, _mm512_mul_pd(w_y, begin));
-    __m512d const sum =
-        _mm512_add_pd(_mm512_set1_pd(s.radius[i]), _mm512_i32gather_pd(places, s.radius, sizeof(double)));
-    __m512d const rate = _mm512_set1_pd(s.scale.rate);
-    __m512d const scale = _mm512_add_pd(_mm512_set1_pd(s.scale.at_zero),
-                                        _mm512_add_pd(_mm512_set1_pd(s.scale.rest), _mm512_mul_pd(rate, begin)));
-    __m512d const contact = _mm512_mul_pd(sum, scale);
-    __m512d const growth = _mm512_mul_pd(sum, rate);
-    __m512d const a =
-        _mm512_sub_pd(_mm512_add_pd(_mm512_mul_pd(w_x, w_x), _mm512_mul_pd(w_y, w_y)), _mm512_mul_pd(growth, growth));
-    __m512d const b =
-        _mm512_sub_pd(_mm512_add_pd(_mm512_mul_pd(d_x, w_x), _mm512_mul_pd(d_y, w_y)), _mm512_mul_pd(growth, contact));
-    __m512d const c =
-        _mm512_sub_pd(_mm512_add_pd(_mm512_mul_pd(d_x, d_x), _mm512_mul_pd(d_y, d_y)), _mm512_mul_pd(contact, contact));
-    __m512d const discriminant = _mm512_sub_pd(_mm512_mul_pd(b, b), _mm512_mul_pd(a, c));
-    __m512d const wait = _mm512_div_pd(c, _mm512_sub_pd(_mm512_sqrt_pd(discriminant), b));
-    __m512d const time = _mm512_max_pd(_mm512_add_pd(begin, wait), time_now);
+    Approaches const pairs = approaches_of(s, i, now, names, other, needs_images);
+    __m512d const discriminant = _mm512_sub_pd(_mm512_mul_pd(pairs.b, pairs.b), _mm512_mul_pd(pairs.a, pairs.c));
+    __m512d const wait = _mm512_div_pd(pairs.c, _mm512_sub_pd(_mm512_sqrt_pd(discriminant), pairs.b));
+    __m512d const time = _mm512_max_pd(_mm512_add_pd(pairs.begin, wait), _mm512_set1_pd(now));
 
     auto const all = static_cast<__mmask8>((1U << (candidates.count - k)) - 1U);  // there are at most sixteen
-    __mmask8 hits = _mm512_mask_cmp_pd_mask(all, b, zero, _CMP_LT_OQ);
+    __mmask8 hits = _mm512_mask_cmp_pd_mask(all, pairs.b, zero, _CMP_LT_OQ);
     hits = _mm512_mask_cmp_pd_mask(hits, discriminant, zero, _CMP_GE_OQ);
     hits = _mm512_mask_cmp_pd_mask(hits, time, other.event_time, _CMP_LT_OQ);
     best = earlier_of(best, hits, time, names, s.disks);
-    if (unsigned slow = _mm512_mask_cmp_pd_mask(all, a, zero, _CMP_LT_OQ); slow != 0) [[unlikely]] {
-      alignas(64) double shift_x[lanes];
-      alignas(64) double shift_y[lanes];
-      _mm512_store_pd(shift_x, shifts.x);
-      _mm512_store_pd(shift_y, shifts.y);
-      EarliestGrowing earliest(s, i, now, no_disk, best);
-      for (; slow != 0; slow &= slow - 1U) {
-        int const lane = std::countr_zero(slow);
-        earliest.consider(names[lane], shift_x[lane], shift_y[lane]);
-      }
-      best = earliest.best();
-    }
+    unsigned const slow = _mm512_mask_cmp_pd_mask(all, pairs.a, zero, _CMP_LT_OQ);
+    if (slow != 0) [[unlikely]]
+      best = with_slow_ones(s, i, now, names, pairs, slow, best);
   }
   return best;
 }

@@ -15,8 +15,9 @@ namespace {
 constexpr std::uint64_t least_events = std::uint64_t{1} << 20;
 constexpr std::uint64_t events_per_disk = 16;
 
-/// A free flight of fewer last digits of a coordinate is none.
-constexpr double digits_per_flight = 64.0;
+/// A free flight of fewer last digits of a coordinate is none. Wedged disks fly for hundredths of one, jammed ones for all
+/// those of the gaps that growth.cpp allows.
+constexpr double digits_per_flight = 1.0;
 
 }  // namespace
 

@@ -148,7 +148,7 @@ void Relaxation::serialize(Archive& archive, Origin& origin) {
   archive.visit("order_y", origin.order_y);
 }
 
-void Relaxation::serialize(Archive& archive, std::size_t disks) {
+void Relaxation::serialize(Archive& archive, std::size_t disks, std::uint64_t sweep) {
   // What the settings and the start decide is not saved but for this, to which the sums belong.
   archive.visit("squared_cage", squared_cage_);
   archive.visit("neighbour_distance", neighbour_distance_);
@@ -172,16 +172,17 @@ void Relaxation::serialize(Archive& archive, std::size_t disks) {
       archive.visit("bond_at_origin", sums_[k].bond_at_origin);
     });
   }
-  if (archive.is_restoring()) require_restored(archive);
+  if (archive.is_restoring()) require_restored(archive, sweep);
 }
 
-void Relaxation::require_restored(Archive const& archive) const {
+void Relaxation::require_restored(Archive const& archive, std::uint64_t sweep) const {
   char const* const what = "the correlations are not those of such a run";
   for (Origin const& origin : origins_) {
     archive.require(origin.first.size() == watched() + 1 && origin.relative_x.size() == watched() &&
                         origin.relative_y.size() == watched() && origin.order_x.size() == watched() &&
                         origin.order_y.size() == watched(),
                     what);
+    archive.require(origin.sweep <= sweep, what);
     archive.require(origin.first.front() == 0 && std::ranges::is_sorted(origin.first) &&
                         origin.first.back() == origin.neighbours.size(),
                     what);

@@ -28,8 +28,8 @@ class Relaxation {
 
   [[nodiscard]] std::vector<SwapCorrelation> correlations() const;
 
-  /// Errors: Error where what is restored is not of such a run of so many disks.
-  void serialize(Archive& archive, std::size_t disks);
+  /// After so many sweeps. Errors: Error where what is restored is not of such a run of so many disks.
+  void serialize(Archive& archive, std::size_t disks, std::uint64_t sweep);
 
  private:
   /// What is remembered of one time.
@@ -56,7 +56,7 @@ class Relaxation {
   void compare(Origin const& origin, Origin const& now, SwapTrials const& trials);
   [[nodiscard]] bool is_short_lag(std::uint64_t lag) const;
   static void serialize(Archive& archive, Origin& origin);
-  void require_restored(Archive const& archive) const;
+  void require_restored(Archive const& archive, std::uint64_t sweep) const;
 
   std::size_t disks_ = 0;
   std::size_t stride_ = 1;  ///< every disk whose number it divides is watched

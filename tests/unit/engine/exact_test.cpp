@@ -8,6 +8,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/validate.hpp"
+#include "io/checkpoint.hpp"
 #include "reference/random_scene.hpp"
 
 namespace gridlock {
@@ -325,6 +326,32 @@ TEST(ExactEngine, CollisionsClosePackedAreNoStandstill) {
   scene.engine = make_engine({.kind = "exact"}, scene.state);
   scene.run({.time = 1e3, .pair_collisions = 4'000'000});
   EXPECT_EQ(scene.counters.pair_collisions, 4'000'000U);
+}
+
+// Epochs of so many collisions are cut after a million events; after that a state has to know of shorter ones.
+TEST(ExactEngine, HasTheSameBitsSavedAndRestoredWhereEpochsAreCut) {
+  Scene begin(Edge::wall, 0.6 + 2e-6, 1.0);
+  begin.add(0.1, 0.1, 0.5, 0.0).add(0.3 + 1e-6, 0.1, -0.25, 0.0).add(0.5 + 2e-6, 0.1, 0.125, 0.0);
+  StopCondition const end{.time = 1e3, .pair_collisions = 2'000'000};
+  EngineSettings const settings{.kind = "exact", .time_step = 1e6};
+  State whole = begin.state;
+  Counters whole_counters;
+  make_engine(settings, whole)->advance(whole, whole_counters, end);
+  State cut = begin.state;
+  Counters cut_counters;
+  auto engine = make_engine(settings, cut);
+  while (cut_counters.pair_collisions < end.pair_collisions) {
+    StopCondition stop = end;
+    int looks = 0;
+    stop.should_continue = [&] { return ++looks < 9; };
+    engine->advance(cut, cut_counters, stop);
+    std::string const saved = to_checkpoint([&](Archive& archive) { engine->serialize(archive, cut); });
+    engine = make_engine(settings, begin.state);
+    from_checkpoint(saved, "saved", [&](Archive& archive) { engine->serialize(archive, cut); });
+  }
+  EXPECT_EQ(hash(whole), hash(cut));
+  EXPECT_EQ(whole_counters.moves, cut_counters.moves);
+  EXPECT_EQ(whole_counters.pair_virial, cut_counters.pair_virial);
 }
 
 TEST(ExactEngine, IsStoppedWithinAStepAndGoesOnToTheSameBits) {

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
@@ -179,6 +181,32 @@ TEST(SwapMonteCarlo, SaysThatACrystalHasNotRelaxed) {
   EXPECT_FALSE(report.is_equilibrated);
   EXPECT_FALSE(report.bond_relaxation_time.has_value());
   EXPECT_NE(report.warning.find("have not relaxed within 900 sweeps"), std::string::npos) << report.warning;
+}
+
+// A gas so thin that nothing is refused: after t sweeps each coordinate of a disk has the variance σ² = t step²/3, relative to the
+// mean of n neighbours (1 + 1/n) σ², and the share within c is 1 − exp(−c²/(2 (1 + 1/n) σ²)); n has Poisson's distribution.
+TEST(SwapMonteCarlo, MeasuresTheOverlapOfAThinGasAsItsWalkIs) {
+  constexpr double step = 0.05;
+  DisksSettings const disks{.count = 2000, .packing_fraction = 1e-6, .start = StartKind::random};
+  State state = make_start(Box(1.0, 1.0, Edge::periodic), disks, 5);
+  SwapMonteCarlo swaps({.sweeps = 3200, .swap_fraction = 0.0, .step = step}, state);
+  swaps.advance(state);
+  double const mean_neighbours = std::numbers::pi * 1.5 * 1.5 * 2.0 / std::numbers::sqrt3;
+  for (SwapCorrelation const& correlation : swaps.correlations()) {
+    double const variance = static_cast<double>(correlation.lag) * step * step / 3.0;
+    double expected = 0.0;
+    double poisson = std::exp(-mean_neighbours);
+    for (int n = 0; n < 60; ++n) {
+      double const of_neighbours = n == 0 ? 0.0 : 1.0 / n;
+      expected += poisson * (1.0 - std::exp(-0.3 * 0.3 / (2.0 * variance * (1.0 + of_neighbours))));
+      poisson *= mean_neighbours / (n + 1);
+    }
+    // Few steps are no Gaussian walk, and few origins scatter.
+    if (correlation.lag < 24 || correlation.origins < 8) continue;
+    EXPECT_NEAR(correlation.self_overlap, expected, 0.015) << correlation.lag;
+    EXPECT_GT(correlation.bond_orientation, 0.97) << "a thousandth of a spacing changes no bonds";
+  }
+  EXPECT_NEAR(swaps.report().overlap_relaxation_time.value(), 105.0, 8.0) << "σ² (1 + 1/n) = 0.3²/(2 · 0.459)";
 }
 
 Problem refusal_of_swaps(SwapSettings const& settings, State const& state) {
