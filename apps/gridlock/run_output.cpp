@@ -34,7 +34,20 @@ void print_line(Json const& json) {
   std::fflush(stdout);
 }
 
+/// "stage 2 of 3, decompress"
+std::string stage_text(gridlock::Preparation const& preparation) {
+  return fmt::format("stage {} of {}, {}", preparation.finished + 1, preparation.stages, preparation.what);
+}
+
 Json to_json(gridlock::Progress const& progress) {
+  if (!progress.preparation.what.empty()) {
+    return {{"event", "progress"},
+            {"stage", progress.preparation.what},
+            {"stages_finished", progress.preparation.finished},
+            {"stages", progress.preparation.stages},
+            {"fraction", progress.fraction},
+            {"seconds", progress.seconds}};
+  }
   Json observables = Json::object();
   for (std::size_t k = 2; k < progress.last_sample.size(); ++k) {
     double const value = progress.last_sample[k];
@@ -104,6 +117,24 @@ void print_results(gridlock::RunRecord const& record) {
   }
 }
 
+/// What was done: "2000 steps", "2 stages", "1 of 2 stages" or "2 stages and 2000 steps".
+std::string work_text(gridlock::RunRecord const& record) {
+  gridlock::Preparation const& preparation = record.preparation;
+  std::string const steps = fmt::format("{} steps", record.steps);
+  if (preparation.stages == 0) return steps;
+  std::string const plural = preparation.stages == 1 ? "" : "s";
+  if (preparation.finished < preparation.stages)
+    return fmt::format("{} of {} stage{}", preparation.finished, preparation.stages, plural);
+  std::string const stages = fmt::format("{} stage{}", preparation.stages, plural);
+  return record.steps == 0 ? stages : fmt::format("{} and {}", stages, steps);
+}
+
+/// The time of a protocol is no time of steps.
+std::string rate_text(gridlock::RunRecord const& record) {
+  if (record.preparation.stages > 0) return "";
+  return fmt::format(" ({}agent-steps/s)", count_text(record.agent_steps_per_second()));
+}
+
 /// How to continue, unless another process has taken the run over meanwhile.
 std::string resume_text(std::filesystem::path const& directory) {
   std::error_code ignored;
@@ -149,7 +180,12 @@ void RunOutput::print_progress(gridlock::Progress const& progress) {
     if (progress.seconds - last_json_ < seconds_between_lines && progress.fraction < 1.0) return;
     last_json_ = progress.seconds;
     print_line(to_json(progress));
-  } else if (!is_quiet_) {
+  } else if (is_quiet_) {
+    return;
+  } else if (!progress.preparation.what.empty()) {
+    // Nothing is known of how long a stage takes.
+    line_->show(progress.fraction, stage_text(progress.preparation) + "  " + duration_text(progress.seconds));
+  } else {
     line_->show(progress.fraction, progress.seconds,
                 fmt::format("step {}  {}agent-steps/s{}", progress.clock.step,
                             count_text(progress.agent_steps_per_second), sample_text(progress)));
@@ -167,8 +203,8 @@ void RunOutput::print_end(gridlock::RunRecord const& record, std::filesystem::pa
                 {"directory", directory.string()}});
     return;
   }
-  fmt::print("{} {} steps of {} agents in {} ({}agent-steps/s)\n", gridlock::to_text(record.status), record.steps,
-             record.agents, duration_text(record.seconds), count_text(record.agent_steps_per_second()));
+  fmt::print("{} {} of {} agents in {}{}\n", gridlock::to_text(record.status), work_text(record), record.agents,
+             duration_text(record.seconds), rate_text(record));
   print_results(record);
   fmt::print("  {:<26} {:016x}\nresults in {}\n", "state_hash", record.state_hash, directory.string());
   if (!draws_ && record.status == gridlock::RunStatus::finished && has_last_state(directory)) {
@@ -187,7 +223,7 @@ ExitCode RunOutput::finish(gridlock::RunRecord const& record, std::filesystem::p
   if (!is_quiet_) print_end(record, directory);
   if (record.status == gridlock::RunStatus::finished) return ExitCode::good;
   if (record.status == gridlock::RunStatus::failed) fmt::print(stderr, "error: {}\n", record.failure);
-  fmt::print(stderr, "{} after {} steps; partial results are in {}{}\n", gridlock::to_text(record.status), record.steps,
+  fmt::print(stderr, "{} after {}; partial results are in {}{}\n", gridlock::to_text(record.status), work_text(record),
              directory.string(), resume_text(directory));
   return ExitCode::run_failed;
 }

@@ -52,6 +52,11 @@ ProgressLine::~ProgressLine() {
 }
 
 void ProgressLine::show(double fraction, double seconds, std::string const& what) {
+  double const seconds_left = fraction > 0.0 ? seconds * (1.0 - fraction) / fraction : 0.0;
+  show(fraction, fmt::format("{}  {} left", what, duration_text(seconds_left)));
+}
+
+void ProgressLine::show(double fraction, std::string const& what) {
   auto const now = Clock::now();
   double const waited = std::chrono::duration<double>(now - last_time_).count();
   bool const is_done = fraction >= 1.0;
@@ -63,8 +68,7 @@ void ProgressLine::show(double fraction, double seconds, std::string const& what
   is_first_ = false;
   last_time_ = now;
   last_fraction_ = fraction;
-  double const seconds_left = fraction > 0.0 ? seconds * (1.0 - fraction) / fraction : 0.0;
-  std::string const text = fmt::format("{:5.1f} %  {}  {} left", 100.0 * fraction, what, duration_text(seconds_left));
+  std::string const text = fmt::format("{:5.1f} %  {}", 100.0 * fraction, what);
   if (is_terminal_) {
     fmt::print(stderr, "\r\033[K{}", text);
     is_line_open_ = true;

@@ -28,6 +28,8 @@ class ProgressLine {
 
   /// `what` is the part between the percentage and the time left, such as the rate.
   void show(double fraction, double seconds, std::string const& what);
+  /// Without the time left.
+  void show(double fraction, std::string const& what);
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -67,9 +67,21 @@ Found follow(TomlValue const& root, std::string_view key) {
 
 bool is_usable_key(std::string_view key) {
   if (key.empty()) return false;
-  return std::ranges::all_of(parts_of(key), [](KeyPart const& part) { return !part.name.empty(); }) &&
-         key.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-.") ==
-             std::string_view::npos;
+  return std::ranges::all_of(parts_of(key), [](KeyPart const& part) {
+    return !part.name.empty() &&
+           part.name.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-") ==
+               std::string::npos;
+  });
+}
+
+/// The table at a place of a list.
+TomlValue& table_at(TomlValue* list, std::string_view key, std::size_t place, SettingLocation const& where) {
+  std::size_t const size = list == nullptr || list->kind != Kind::array ? 0 : list->items.size();
+  if (place < size && list->items[place].is_table()) return list->items[place];
+  throw Error(problem_at(
+      where, std::string(key),
+      fmt::format("{} cannot be set: the list has {} table{}, counted from 0", key, size, size == 1 ? "" : "s"),
+      "set a table that the settings file has"));
 }
 
 /// Collects the lists of a table and of the tables that dotted keys make within it.
@@ -155,6 +167,11 @@ void SettingsFile::set(std::string_view key, std::string_view value, SettingLoca
   for (KeyPart const& part : parts_of(key)) {
     if (!path.empty()) path += '.';
     path += part.name;
+    if (part.place) {
+      path += fmt::format("[{}]", *part.place);
+      table = &table_at(table->find(part.name), key, *part.place, where);
+      continue;
+    }
     if (path.size() == key.size()) {
       TomlValue given = parse_toml_value(value, where);
       table->put(part.name, std::move(given));
@@ -172,6 +189,8 @@ void SettingsFile::set(std::string_view key, std::string_view value, SettingLoca
     }
     table = inner;
   }
+  throw Error(problem_at(where, std::string(key), fmt::format("{} is a table, not a setting", key),
+                         "name a setting of it, after a dot"));
 }
 
 void SettingsFile::leave_out(std::string_view key) {

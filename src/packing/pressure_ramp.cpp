@@ -236,7 +236,7 @@ void PressureRamp::serialize(Archive& archive) {
 PressureLevel level_of(Packing const& packing, Potential potential) {
   ContactNetwork const network = find_contact_network(packing, potential);
   PressureLevel level{.packing_fraction = packing_fraction(packing),
-                      .pressure = network.pressure,
+                      .pressure = network.pressure + 0.0,  // no −0 where nothing presses
                       .energy = network.energy,
                       .residual = network.residual_force,
                       .backbone_disks = network.backbone_disks,

@@ -61,34 +61,84 @@ std::string text_of(Error const& error) {
   return problem.hint.empty() ? problem.what : fmt::format("{}\n  hint: {}", problem.what, problem.hint);
 }
 
+/// "stage 2 of the protocol, "quench","
+std::string stage_text(std::size_t number, StageKind kind) {
+  return fmt::format("stage {} of the protocol, \"{}\",", number + 1, name_of(kind));
+}
+
+/// The setting of a stage that an engine or a ramp knows by a key of its own; other keys as they are.
+std::string setting_of_stage(std::string const& key, std::size_t number) {
+  constexpr std::pair<std::string_view, std::string_view> settings[] = {
+      {"growth.packing_fraction", "until_packing_fraction"},
+      {"growth.pressure", "until_pressure"},
+      {"growth.rate", "rate"},
+      {"swap.sweeps", "sweeps"},
+      {"swap.swap_fraction", "swap_fraction"},
+      {"protocol.until_pressure", "until_pressure"},
+      {"protocol.until_packing_fraction", "until_packing_fraction"},
+      {"stage.until_time", "until_time"},
+      {"stage.collisions_per_disk", "collisions_per_disk"}};
+  for (auto const& [name, setting] : settings) {
+    if (name == key) return fmt::format("protocol[{}].{}", number, setting);
+  }
+  return key;
+}
+
+/// What keeps a stage from beginning, with the stage and its settings.
+Error located(Error const& error, std::size_t number, StageKind kind) {
+  std::vector<Problem> problems = error.problems();
+  for (Problem& problem : problems) {
+    problem.what = fmt::format("{} cannot begin: {}", stage_text(number, kind), problem.what);
+    problem.key = setting_of_stage(problem.key, number);
+  }
+  return Error(std::move(problems));
+}
+
 }  // namespace
 
 Protocol::Protocol(ProtocolSettings settings, State const& start) : settings_(std::move(settings)) {
   require_valid(settings_.stages);
   // To refuse what cannot begin; the stage itself begins with the disks as they are then.
-  if (!settings_.stages.empty()) static_cast<void>(make_stage(settings_, 0, start));
+  if (settings_.stages.empty()) return;
+  try {
+    static_cast<void>(make_stage(settings_, 0, start));
+  } catch (Error const& error) {
+    throw located(error, 0, settings_.stages.front().kind);
+  }
 }
 
 Protocol::~Protocol() = default;
 
 bool Protocol::advance(State& state, std::function<bool()> const& should_continue) {
   while (stage() < stages()) {
-    StageSettings const& settings = settings_.stages[stage()];
+    begin_stage(state);
+    StageKind const kind = settings_.stages[stage()].kind;
     try {
-      if (!current_) current_ = make_stage(settings_, stage(), state);
+      if (!current_->advance(state, should_continue)) return false;
+      StageResult result = current_->result(state);
+      result.kind = kind;
+      result.work = current_->work();
+      result.disks = static_cast<double>(state.agents.size());
+      results_.push_back(std::move(result));
+    } catch (RunFailure const& failure) {
+      throw RunFailure(fmt::format("{} failed: {}", stage_text(stage(), kind), failure.what()));
     } catch (Error const& error) {
-      throw RunFailure(fmt::format("stage {} of the protocol, \"{}\", cannot begin: {}", stage() + 1,
-                                   name_of(settings.kind), text_of(error)));
+      throw RunFailure(fmt::format("{} failed: {}\n  hint: use a lower packing fraction or pressure",
+                                   stage_text(stage(), kind), error.problems().front().what));
     }
-    if (!current_->advance(state, should_continue)) return false;
-    StageResult result = current_->result(state);
-    result.kind = settings.kind;
-    result.work = current_->work();
-    result.disks = static_cast<double>(state.agents.size());
-    results_.push_back(std::move(result));
     current_ = nullptr;
   }
   return true;
+}
+
+void Protocol::begin_stage(State const& state) {
+  if (current_) return;
+  try {
+    current_ = make_stage(settings_, stage(), state);
+  } catch (Error const& error) {
+    Error const here = located(error, stage(), settings_.stages[stage()].kind);
+    throw RunFailure(text_of(here));
+  }
 }
 
 std::string Protocol::name_of_stage() const {

@@ -69,6 +69,20 @@ bool contains(std::vector<std::string_view> const& names, std::string_view name)
 
 bool is_hard(StageKind kind) { return kind == StageKind::grow || kind == StageKind::run || kind == StageKind::swap; }
 
+/// Hard and soft disks measure pressure differently; one in the units of the other is never reached.
+void check_pressure(StageSettings const& stage, std::string const& place, std::vector<Problem>& problems) {
+  if (!stage.until_pressure) return;
+  double const pressure = *stage.until_pressure;
+  bool const is_too_low = stage.kind == StageKind::grow && pressure <= 1.0;
+  bool const is_too_high = leaves_overlaps(stage.kind) && pressure >= 1.0;
+  if (!is_too_low && !is_too_high) return;
+  problems.push_back(
+      {.what = fmt::format("a stage \"{}\" cannot end at a pressure of {}", name_of(stage.kind), pressure),
+       .hint = is_too_low ? "the reduced pressure βP/ρ of hard disks is above 1: use for example 1e5"
+                          : "the pressure of soft disks is in ε/D²: use a number below 1, such as 1e-6",
+       .key = fmt::format("{}.until_pressure", place)});
+}
+
 void check_settings(StageSettings const& stage, std::string const& place, std::vector<Problem>& problems) {
   std::string_view const name = name_of(stage.kind);
   StageRules const rules = rules_of(stage.kind);
@@ -88,6 +102,7 @@ void check_settings(StageSettings const& stage, std::string const& place, std::v
                         .key = place});
   }
   bool const is_ramp = stage.kind == StageKind::compress || stage.kind == StageKind::decompress;
+  check_pressure(stage, place, problems);
   if (is_ramp && stage.until_pressure && stage.until_packing_fraction) {
     problems.push_back({.what = fmt::format("a stage \"{}\" cannot end at a pressure and at a packing fraction", name),
                         .hint = "give one of the two",
@@ -113,7 +128,8 @@ void describe(StageSettings& settings, SettingVisitor& visitor) {
              {.key = "stage",
               .documentation =
                   "What happens: hard disks grow, run, or swap their radii; soft disks are quenched, compressed or "
-                  "decompressed; separate shrinks them until none overlap."},
+                  "decompressed; separate shrinks them until none overlap.",
+              .default_note = "none: has to be given"},
              kind_names, settings.kind);
   visitor.visit({.key = "rate",
                  .documentation = "grow: the rate of growth (dD/dt)/√(kT/m), D and m of the smallest disk.",
@@ -124,12 +140,14 @@ void describe(StageSettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "packing_fraction",
                  .documentation = "quench: the packing fraction to which all radii are scaled first.",
                  .least = 0.0,
+                 .most = 4.0,
                  .least_is_allowed = false,
                  .default_note = "as it is"},
                 settings.packing_fraction);
   visitor.visit({.key = "until_packing_fraction",
                  .documentation = "grow, compress, decompress: where the stage ends.",
                  .least = 0.0,
+                 .most = 4.0,
                  .least_is_allowed = false,
                  .default_note = "no end by packing fraction"},
                 settings.until_packing_fraction);
@@ -161,8 +179,8 @@ void describe(StageSettings& settings, SettingVisitor& visitor) {
                 settings.levels_per_decade);
   visitor.visit(
       {.key = "step",
-       .documentation =
-           "compress, decompress: steps in packing fraction, while nothing presses or where the stage ends at one.",
+       .documentation = "compress, decompress: steps in packing fraction, while nothing presses or where the stage "
+                        "ends at one.",
        .least = 0.0,
        .most = 0.1,
        .least_is_allowed = false,

@@ -73,10 +73,15 @@ class QuenchStage final : public Stage {
 class RampStage final : public Stage {
  public:
   RampStage(StageSettings const& settings, ProtocolSettings const& protocol, State const& state)
-      : potential_(protocol.soft.potential), ramp_(ramp_settings(settings, protocol), packing_of(state)) {}
+      : settings_(settings),
+        potential_(protocol.soft.potential),
+        ramp_(ramp_settings(settings, protocol), packing_of(state)) {
+    require_direction(packing_fraction_of(state));
+  }
 
   bool advance(State& state, ShouldContinue const& should_continue) override {
-    if (!ramp_.advance(should_continue)) return false;
+    auto const goes_on = [&] { return !leads_away() && (!should_continue || should_continue()); };
+    if (!leads_away() && !ramp_.advance(goes_on) && !leads_away()) return false;
     write_packing(ramp_.packing(), state);
     return true;
   }
@@ -98,6 +103,26 @@ class RampStage final : public Stage {
   }
 
  private:
+  bool compresses() const { return settings_.kind == StageKind::compress; }
+
+  void require_direction(double now) const {
+    if (!settings_.until_packing_fraction) return;
+    double const end = *settings_.until_packing_fraction;
+    if (compresses() ? end >= now : end <= now) return;
+    throw Error({.what = fmt::format("the packing fraction is {:.6g}, and the stage ends at {:.6g}", now, end),
+                 .hint = fmt::format("use a stage \"{}\"", compresses() ? "decompress" : "compress"),
+                 .key = "protocol.until_packing_fraction"});
+  }
+
+  /// Whether the first minimum lies beyond the pressure to reach: a decompression does not compress.
+  bool leads_away() const {
+    if (!settings_.until_pressure || ramp_.levels().empty()) return false;
+    // What counts as reached in PressureRamp.
+    constexpr double tolerance = 1.1;
+    double const first = ramp_.levels().front().pressure;
+    return compresses() ? first > tolerance * *settings_.until_pressure : tolerance * first < *settings_.until_pressure;
+  }
+
   static PressureRampSettings ramp_settings(StageSettings const& settings, ProtocolSettings const& protocol) {
     PressureRampSettings ramp{.minimizer = minimizer_settings(protocol),
                               .packing_fraction = settings.until_packing_fraction};
@@ -107,6 +132,7 @@ class RampStage final : public Stage {
     return ramp;
   }
 
+  StageSettings settings_;
   Potential potential_;
   PressureRamp ramp_;
 };
@@ -210,11 +236,9 @@ class RunStage final : public Stage {
  public:
   RunStage(StageSettings const& settings, ProtocolSettings const& protocol, State const& state)
       : engine_(make_engine({.kind = "exact", .time_step = protocol.time_step}, state)), start_time_(state.clock.time) {
-    if (settings.until_time) stop_condition_.time = state.clock.time + *settings.until_time;
-    if (settings.collisions_per_disk) {
-      double const pairs = *settings.collisions_per_disk * static_cast<double>(state.agents.size()) / 2.0;
-      stop_condition_.pair_collisions = static_cast<std::uint64_t>(std::ceil(pairs));
-    }
+    if (!settings.until_time) require_moving(state);
+    if (settings.until_time) end_at_time(*settings.until_time);
+    if (settings.collisions_per_disk) end_at_collisions(*settings.collisions_per_disk, state.agents.size());
   }
 
   bool advance(State& state, ShouldContinue const& should_continue) override {
@@ -240,6 +264,39 @@ class RunStage final : public Stage {
   }
 
  private:
+  /// Disks at rest, or one alone, never collide.
+  static void require_moving(State const& state) {
+    if (state.agents.size() > 1 && kinetic_energy(state.agents) > 0.0) return;
+    throw Error({.what = fmt::format("{} disks with kinetic energy {} never collide", state.agents.size(),
+                                     kinetic_energy(state.agents)),
+                 .hint = "use two or more disks, with velocities",
+                 .key = "velocities"});
+  }
+
+  void end_at_time(double duration) {
+    // The clock has to count steps up to there.
+    double const end = start_time_ + duration;
+    double const spacing = std::nextafter(end, std::numeric_limits<double>::infinity()) - end;
+    if (!(0.5 * spacing <= 1e-3 * engine_->time_step())) {
+      throw Error({.what = fmt::format("no clock counts up to time {:.6g}", end),
+                   .hint = "use a shorter time, or collisions_per_disk",
+                   .key = "stage.until_time"});
+    }
+    stop_condition_.time = end;
+  }
+
+  void end_at_collisions(double collisions_per_disk, std::size_t disks) {
+    // Counts of collisions end before 2⁶⁴.
+    constexpr double most = 9e18;
+    double const pairs = std::ceil(collisions_per_disk * static_cast<double>(disks) / 2.0);
+    if (!(pairs < most)) {
+      throw Error({.what = fmt::format("no stage reaches {:.3g} collisions per disk", collisions_per_disk),
+                   .hint = "use a smaller number",
+                   .key = "stage.collisions_per_disk"});
+    }
+    stop_condition_.pair_collisions = static_cast<std::uint64_t>(pairs);
+  }
+
   std::unique_ptr<Engine> engine_;
   double start_time_;
   StopCondition stop_condition_;

@@ -46,6 +46,13 @@ void refuse_tables_of_others(Configuration const& configuration, IsGiven const& 
                         .hint = "set model.kind = \"disks\", or take [[protocol]] out",
                         .key = "protocol"});
   }
+  for (std::size_t k = 0; k < configuration.protocol.size(); ++k) {
+    std::string const table = fmt::format("protocol[{}]", k);
+    if (!is_given(table) || is_given(table + ".stage")) continue;
+    problems.push_back({.what = fmt::format("{} does not say what happens in it", table),
+                        .hint = "name the stage, as in stage = \"quench\"",
+                        .key = table});
+  }
   if (configuration.run.collisions_per_disk && !configuration.kind().counts_collisions()) {
     problems.push_back(
         {.what = fmt::format("the length of a run of the model \"{}\" cannot be given in collisions", model),

@@ -400,11 +400,13 @@ std::unique_ptr<Simulation> prepared_simulation(Configuration const& configurati
                                   .soft = configuration.soft,
                                   .time_step = settings.time_step,
                                   .threads = settings.threads};
+  bool const is_hard_at_end = !leaves_overlaps(configuration.protocol.back().kind);
   auto const make = [=, run = configuration.run, observe = configuration.observe](State world, bool is_prepared) {
     EngineSettings engine = settings;
     engine.time_step *= duration / step_duration(settings, world);
     std::unique_ptr<EngineFor<HardDisks>> advancing = std::make_unique<RestingEngine>(duration);
-    if (is_prepared && has_length(run)) advancing = patient(make_engine(engine, world), run, world);
+    // Hard disks may be run on later, where this run has no length.
+    if (is_prepared && is_hard_at_end) advancing = patient(make_engine(engine, world), run, world);
     auto simulation = std::make_unique<DiskSimulation>(std::move(advancing), std::move(world));
     simulation->observe(observe, {.halts_moves = engine_record(settings.kind).has_time_step});
     return simulation;

@@ -14,7 +14,7 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::array<std::string_view, 17> kind_texts{"unused_setting",
+constexpr std::array<std::string_view, 21> kind_texts{"unused_setting",
                                                       "misleading_rule",
                                                       "note_of_model",
                                                       "frames_beyond_end",
@@ -29,6 +29,10 @@ constexpr std::array<std::string_view, 17> kind_texts{"unused_setting",
                                                       "checkpoint_written",
                                                       "checkpoint_failed",
                                                       "checkpoint_damaged",
+                                                      "stage_not_equilibrated",
+                                                      "stage_without_pressure",
+                                                      "stage_fell_short",
+                                                      "packing_unstable",
                                                       "audited",
                                                       "ended"};
 
@@ -99,6 +103,32 @@ std::string text_of_checkpoint(Event const& event) {
   return fmt::format("{}; going back to the previous one", of.word("why"));
 }
 
+std::string text_of_stage(Event const& event) {
+  Values const of{event};
+  std::string const stage = fmt::format("stage {} of the protocol, \"{}\"", of.count("stage"), of.word("name"));
+  switch (event.kind) {
+    case EventKind::stage_not_equilibrated:
+      return find(event, "relaxation_times") == nullptr
+                 ? stage + ", is no equilibrium: the disks have not forgotten where they began; use more sweeps"
+                 : fmt::format("{}, is no equilibrium: its sweeps are {:.3g} relaxation times, and it takes 10", stage,
+                               of.number("relaxation_times"));
+    case EventKind::stage_without_pressure:
+      return fmt::format("{}, ends with disks that do not press on each other, at packing fraction {:.6g}", stage,
+                         of.number("packing_fraction"));
+    case EventKind::stage_fell_short:
+      return fmt::format(
+          "{}, ends short of its goal, at pressure {:.6g} and packing fraction {:.6g}: it presses less or more than "
+          "the "
+          "stage can mend, or no further minimum was found",
+          stage, of.number("pressure"), of.number("packing_fraction"));
+    default:
+      return fmt::format(
+          "the packing of {}, is unstable against shear: its least shear modulus is {:.3g}, since the box keeps its "
+          "shape",
+          stage, of.number("least_shear_modulus"));
+  }
+}
+
 std::string text_of_end(Event const& event) {
   Values const of{event};
   std::string const failure = of.word("failure");
@@ -145,6 +175,11 @@ std::string to_text(Event const& event) {
     case EventKind::checkpoint_failed:
     case EventKind::checkpoint_damaged:
       return text_of_checkpoint(event);
+    case EventKind::stage_not_equilibrated:
+    case EventKind::stage_without_pressure:
+    case EventKind::stage_fell_short:
+    case EventKind::packing_unstable:
+      return text_of_stage(event);
     case EventKind::audited:
       return text_of_audits(of);
     case EventKind::ended:

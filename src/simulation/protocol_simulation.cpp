@@ -140,6 +140,52 @@ Distribution levels_table(std::vector<StageResult> const& stages) {
   return table;
 }
 
+/// A note on the stage of that number, from 0.
+Event note_on(EventKind kind, StageResult const& stage, std::size_t number) {
+  return {.kind = kind,
+          .key = "protocol",
+          .values = {{"stage", static_cast<std::uint64_t>(number + 1)},
+                     {"name", std::string(name_of(stage.kind))},
+                     {"packing_fraction", stage.packing_fraction}}};
+}
+
+/// Of swap Monte Carlo, and of the end of a ramp or quench.
+std::optional<Event> note_on_end(StageResult const& stage, std::size_t number) {
+  if (stage.swap && !stage.swap->is_equilibrated) {
+    Event note = note_on(EventKind::stage_not_equilibrated, stage, number);
+    std::optional<double> const times = stage.swap->relaxation_times;
+    if (times && std::isfinite(*times)) note.values.emplace_back("relaxation_times", *times);
+    return note;
+  }
+  if (stage.levels.empty()) return std::nullopt;
+  double const pressure = stage.levels.back().pressure;
+  if (!(pressure > 0.0)) return note_on(EventKind::stage_without_pressure, stage, number);
+  if (stage.is_converged.value_or(true)) return std::nullopt;
+  Event note = note_on(EventKind::stage_fell_short, stage, number);
+  note.values.emplace_back("pressure", pressure);
+  return note;
+}
+
+std::vector<Event> notes_on(std::vector<StageResult> const& stages) {
+  std::vector<Event> notes;
+  std::optional<std::size_t> last_soft;
+  for (std::size_t k = 0; k < stages.size(); ++k) {
+    if (!stages[k].levels.empty()) last_soft = k;
+  }
+  for (std::size_t k = 0; k < stages.size(); ++k) {
+    // A quench below jamming may be the start of a compression.
+    if (stages[k].kind == StageKind::quench && k != last_soft) continue;
+    if (auto note = note_on_end(stages[k], k)) notes.push_back(*std::move(note));
+  }
+  if (!last_soft) return notes;
+  double const least = stages[*last_soft].levels.back().least_shear_modulus;
+  // No number where no disks press.
+  if (!(least <= 0.0)) return notes;
+  notes.push_back(note_on(EventKind::packing_unstable, stages[*last_soft], *last_soft));
+  notes.back().values.emplace_back("least_shear_modulus", least);
+  return notes;
+}
+
 }  // namespace
 
 ProtocolSimulation::ProtocolSimulation(ProtocolSettings const& settings, State start, MakeSimulation make)
@@ -167,11 +213,17 @@ void ProtocolSimulation::begin_simulation() {
 }
 
 Preparation ProtocolSimulation::preparation() const {
-  if (is_prepared_) return {};
   return {.fraction = static_cast<double>(protocol_.stage()) / static_cast<double>(protocol_.stages()),
           .what = protocol_.name_of_stage(),
-          .work = protocol_.work()};
+          .work = protocol_.work(),
+          .stages = protocol_.stages(),
+          .finished = protocol_.stage()};
 }
+
+std::vector<Event> ProtocolSimulation::notes() const { return notes_on(protocol_.results()); }
+
+/// Before its first step a run has measured nothing.
+bool ProtocolSimulation::has_run() const { return is_prepared_ && simulation_->clock() != start_clock_; }
 
 void ProtocolSimulation::observe(std::unique_ptr<Observable> observable) {
   if (!is_prepared_) {
@@ -200,13 +252,13 @@ void ProtocolSimulation::require_valid() const {
 
 std::vector<NamedEstimate> ProtocolSimulation::results() const {
   std::vector<NamedEstimate> results = estimates_of(protocol_.results());
-  if (is_prepared_) std::ranges::move(simulation_->results(), std::back_inserter(results));
+  if (has_run()) std::ranges::move(simulation_->results(), std::back_inserter(results));
   return results;
 }
 
 std::vector<Distribution> ProtocolSimulation::distributions() const {
   std::vector<Distribution> distributions;
-  if (is_prepared_) distributions = simulation_->distributions();
+  if (has_run()) distributions = simulation_->distributions();
   if (protocol_.results().empty()) return distributions;
   distributions.push_back(stages_table(protocol_.results()));
   std::array tables{levels_table(protocol_.results()), swap_table(protocol_.results())};

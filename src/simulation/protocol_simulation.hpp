@@ -13,7 +13,8 @@ namespace gridlock {
 
 /// Disks that a protocol prepares, and the simulation that begins where it ends.
 ///
-/// Until then the simulation is one of the start that nothing advances or samples; it knows the columns of the series. The clock of the simulation is that of the start, whatever time has passed in the protocol.
+/// Until then the simulation is one of the start that nothing advances or samples; it knows the columns of the series.
+/// The clock of the simulation is that of the start, whatever time has passed in the protocol.
 class ProtocolSimulation final : public Simulation {
  public:
   /// Makes the simulation of a state; called for the start at once, whose disks may overlap, and again at the end of the protocol.
@@ -24,6 +25,7 @@ class ProtocolSimulation final : public Simulation {
   [[nodiscard]] bool is_prepared() const override { return is_prepared_; }
   bool prepare(std::function<bool()> const& should_continue) override;
   [[nodiscard]] Preparation preparation() const override;
+  [[nodiscard]] std::vector<Event> notes() const override;
 
   [[nodiscard]] Clock clock() const override { return is_prepared_ ? simulation_->clock() : start_clock_; }
   [[nodiscard]] double time_step() const override { return simulation_->time_step(); }
@@ -47,6 +49,7 @@ class ProtocolSimulation final : public Simulation {
 
  private:
   void begin_simulation();
+  [[nodiscard]] bool has_run() const;
 
   MakeSimulation make_;
   Clock start_clock_;

@@ -230,7 +230,7 @@ bool Run::report(OnProgress const& on_progress) {
   return on_progress(
       {.clock = simulation_.clock(),
        .fraction = simulation_.is_prepared() ? fraction_done() : preparation.fraction * share_of_preparation(),
-       .preparation = preparation.what,
+       .preparation = preparation,
        .steps = steps_done(),
        .seconds = seconds_,
        .agent_steps_per_second = seconds_ > 0.0 ? turns / seconds_ : 0.0,
@@ -285,6 +285,7 @@ RunRecord Run::record() const {
           .time_step = simulation_.time_step(),
           .seconds = seconds_,
           .agents = simulation_.agents(),
+          .preparation = simulation_.preparation(),
           .state_hash = simulation_.state_hash(),
           .counts = simulation_.counts(),
           .series = series_,

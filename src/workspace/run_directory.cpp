@@ -284,6 +284,7 @@ class RunInDirectory {
                                                 : remove_checkpoints(directory_);
     }
     remove_leftovers(directory_);
+    for (Event const& note : simulation_.notes()) log_.write(note);
     if (auto const audits = audit_event(simulation_)) log_.write(*audits);
     log_.write({.kind = EventKind::ended,
                 .severity = Severity::info,

@@ -34,7 +34,7 @@ void expect_golden(std::string const& scene, Model const& model, Box const& box,
   for (std::uint64_t const threads : {2, 3, 8}) {
     EXPECT_EQ(run(model, box, steps, threads).end, now.end) << threads << " threads";
   }
-  Table("models.csv").expect({scene, std::string(Model::name)}, now);
+  HashTable("models.csv").expect({scene, std::string(Model::name)}, now);
 }
 
 Box const walls(1.0, 1.0, Edge::wall);
@@ -76,7 +76,7 @@ TEST(GoldenModels, ColloidInTheScenePaperOfTheEngines) {
     ModelEngine<decltype(model)> colloid(model, walls, {.threads = 2});
     std::string const start = fmt::format("{:016x}", hash(world));
     colloid.advance(world, {.time = 0.5});
-    Table("hashes.csv").expect({"paper", engine}, {start, fmt::format("{:016x}", hash(world))});
+    HashTable("hashes.csv").expect({"paper", engine}, {start, fmt::format("{:016x}", hash(world))});
   };
   expect_scene(Colloid{}, "stepped");
   expect_scene(TiledColloid{}, "tiled");
@@ -89,7 +89,7 @@ TEST(GoldenModels, ColloidTileByTile) {
 }
 
 TEST(GoldenModels, TheTableHasNoRowsOfScenesThatAreGone) {
-  Table("models.csv")
+  HashTable("models.csv")
       .expect_only({{"vicsek", "flocking"},
                     {"boids", "flocking"},
                     {"walls", "epidemic"},

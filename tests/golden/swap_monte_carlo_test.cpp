@@ -23,7 +23,7 @@ void expect_golden(std::string const& scene, Edge edge, DisksSettings const& dis
   SwapMonteCarlo swaps({.sweeps = 150}, state);
   swaps.advance(state);
   // The step that was adjusted is in what comes after.
-  Table("swap_monte_carlo.csv").expect({scene, "swap"}, {start, hash_text(state)});
+  HashTable("swap_monte_carlo.csv").expect({scene, "swap"}, {start, hash_text(state)});
 }
 
 TEST(GoldenSwaps, OfEverySizeDistribution) {
@@ -44,11 +44,11 @@ TEST(GoldenSwaps, OfAStartThatOverlaps) {
   DisksSettings const disks{
       .count = 300, .packing_fraction = 0.86, .sizes = SizeDistribution::inverse_cube, .start = StartKind::uniform};
   std::string const start = hash_text(make_start(Box(1.25, 0.8, Edge::periodic), disks, 20));
-  Table("swap_monte_carlo.csv").expect({"overlapping", "none"}, {start, start});
+  HashTable("swap_monte_carlo.csv").expect({"overlapping", "none"}, {start, start});
 }
 
 TEST(GoldenSwaps, AreThoseOfTheTable) {
-  Table("swap_monte_carlo.csv")
+  HashTable("swap_monte_carlo.csv")
       .expect_only({{"inverse_cube", "swap"}, {"uniform", "swap"}, {"normal", "swap"}, {"overlapping", "none"}});
 }
 

@@ -19,11 +19,11 @@ struct Hashes {
 };
 
 /// A committed table: scene and engine → hashes. With GRIDLOCK_WRITE_GOLDEN set it takes what it is asked to compare.
-class Table {
+class HashTable {
  public:
   using Name = std::pair<std::string, std::string>;
 
-  explicit Table(std::string const& file) : path_(std::string(GRIDLOCK_SOURCE_DIR) + "/tests/golden/" + file) {
+  explicit HashTable(std::string const& file) : path_(std::string(GRIDLOCK_SOURCE_DIR) + "/tests/golden/" + file) {
     std::ifstream stream(path_);
     std::string line;
     std::getline(stream, line);  // the names of the columns

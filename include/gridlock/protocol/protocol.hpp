@@ -96,6 +96,8 @@ class Protocol {
   void serialize(Archive& archive, State const& state);
 
  private:
+  void begin_stage(State const& state);
+
   ProtocolSettings settings_;
   std::unique_ptr<class Stage> current_;  ///< nothing before a stage begins and after the last
   std::vector<StageResult> results_;

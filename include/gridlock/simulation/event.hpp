@@ -37,8 +37,12 @@ enum class EventKind {
   lengthened,
   equilibration_fitted,  ///< to a new length, so that averages leave out what they have left out so far
   checkpoint_written,
-  checkpoint_failed,   ///< it could not be written, and the run continues
-  checkpoint_damaged,  ///< the newest one; the one before is used
+  checkpoint_failed,       ///< it could not be written, and the run continues
+  checkpoint_damaged,      ///< the newest one; the one before is used
+  stage_not_equilibrated,  ///< swap Monte Carlo was too short
+  stage_without_pressure,  ///< soft disks do not press on each other where the stage ends
+  stage_fell_short,        ///< soft disks press, but a minimum or the end of the stage was not found
+  packing_unstable,        ///< the packing gives way to a shear
   audited,
   ended,
 };

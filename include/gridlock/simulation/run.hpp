@@ -31,7 +31,7 @@ namespace gridlock {
 struct Progress {
   Clock clock;
   double fraction = 0.0;    ///< of the run that is done, from 0 to 1
-  std::string preparation;  ///< the stage of the protocol that is carried out; empty in the run itself
+  Preparation preparation;  ///< the stage of the protocol that is carried out; nothing in the run itself
   std::uint64_t steps = 0;  ///< steps done in this run
   double seconds = 0.0;     ///< of real time so far
   double agent_steps_per_second = 0.0;
@@ -105,6 +105,7 @@ struct RunRecord {
   double time_step = 0.0;
   double seconds = 0.0;  ///< real time, without set-up
   std::size_t agents = 0;
+  Preparation preparation;  ///< by a protocol
   std::uint64_t state_hash = 0;
   std::vector<Count> counts;
   Table series;  ///< step, time and one column per instantaneous or interval value

@@ -14,14 +14,17 @@
 #include "gridlock/core/frame.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/observe/observable.hpp"
+#include "gridlock/simulation/event.hpp"
 
 namespace gridlock {
 
 /// How far the preparation of a simulation has come.
 struct Preparation {
   double fraction = 1.0;
-  std::string what;        ///< is being done now: "quench"
-  std::uint64_t work = 0;  ///< grows with everything that is done
+  std::string what;          ///< is being done now: "quench"; empty at the end
+  std::uint64_t work = 0;    ///< grows with everything that is done
+  std::size_t stages = 0;    ///< of the protocol; 0 without one
+  std::size_t finished = 0;  ///< of these
 };
 
 /// What a run advances: agents of any kind, the rule that moves them and what is measured of them.
@@ -49,6 +52,8 @@ class Simulation {
   /// Errors: RunFailure where it cannot end.
   virtual bool prepare(std::function<bool()> const& /*should_continue*/) { return true; }
   [[nodiscard]] virtual Preparation preparation() const { return {}; }
+  /// What there is to say of how the preparation went.
+  [[nodiscard]] virtual std::vector<Event> notes() const { return {}; }
 
   [[nodiscard]] virtual Clock clock() const = 0;
   /// The physical time of one step.

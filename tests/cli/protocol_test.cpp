@@ -1,0 +1,165 @@
+// Protocols through the program: what they print and write, what is refused, and what a user does next.
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+#include "cli/program.hpp"
+#include "gridlock/io/table.hpp"
+
+namespace {
+
+using namespace gridlock::test;
+
+fs::path const scenes = fs::path(GRIDLOCK_SOURCE_DIR) / "scenes";
+
+nlohmann::json summary_of(fs::path const& directory) {
+  return nlohmann::json::parse(text_of(directory / "summary.json"));
+}
+
+/// Disks of one size in a fluid, then these stages.
+std::string fluid_with(std::string const& stages) {
+  return "box.edge = \"periodic\"\nvelocities.kind = \"maxwell\"\n"
+         "[disks]\ncount = 64\npacking_fraction = 0.5\nstart = \"random\"\n" +
+         stages;
+}
+
+Outcome run(std::string const& settings, fs::path const& workplace) {
+  write(workplace / "a.toml", settings);
+  return gridlock::test::gridlock({"run", "a.toml", "-o", "out", "--overwrite", "--no-pictures"}, workplace);
+}
+
+TEST(Protocol, OfTheSceneJamsAndSaysSo) {
+  Workplace const workplace;
+  Outcome const outcome = gridlock::test::gridlock(
+      {"run", (scenes / "jamming.toml").string(), "-o", "out", "--no-pictures"}, workplace.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out.find("finished 2 stages of 64 agents in "), 0U) << outcome.out;
+  auto const summary = summary_of(workplace / "out");
+  EXPECT_NEAR(summary["jamming_packing_fraction"]["value"].get<double>(), 0.838, 0.02);
+  EXPECT_EQ(summary["is_jammed"]["value"], 1.0);
+  EXPECT_EQ(summary["excess_contacts"]["value"], 0.0);
+  // Nothing was run, so nothing was displaced.
+  EXPECT_FALSE(summary.contains("mean_displacement"));
+  EXPECT_EQ(outcome.out.find("agent-steps"), std::string::npos) << outcome.out;
+  EXPECT_EQ(gridlock::read_csv(workplace / "out/stages.csv").row_count(), 2U);
+  EXPECT_GT(gridlock::read_csv(workplace / "out/levels.csv").row_count(), 8U);
+  bool const is_stable = summary["is_shear_stable"]["value"] == 1.0;
+  std::string const words = "is unstable against shear";
+  EXPECT_EQ(outcome.err.find(words) == std::string::npos, is_stable) << outcome.err;
+  EXPECT_EQ(text_of(workplace / "out/run.log").find(words) == std::string::npos, is_stable);
+}
+
+TEST(Protocol, SaysWhereAStageFallsShort) {
+  Workplace const workplace;
+  auto const expect_note = [&](std::string const& stages, std::string const& note) {
+    Outcome const outcome = run(fluid_with(stages), workplace.path());
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("note: " + note), std::string::npos) << outcome.err;
+    EXPECT_NE(text_of(workplace / "out/run.log").find(note), std::string::npos);
+  };
+  expect_note("[[protocol]]\nstage = \"decompress\"\nuntil_pressure = 1e-4\n",
+              "stage 1 of the protocol, \"decompress\", ends with disks that do not press on each other");
+  expect_note(
+      "[[protocol]]\nstage = \"quench\"\npacking_fraction = 1.0\n"
+      "[[protocol]]\nstage = \"compress\"\nuntil_pressure = 1e-4\n",
+      "stage 2 of the protocol, \"compress\", ends short of its goal, at pressure ");
+  expect_note("[[protocol]]\nstage = \"swap\"\nsweeps = 3\n", "stage 1 of the protocol, \"swap\", is no equilibrium");
+}
+
+TEST(Protocol, IsRefusedWithTheStageAndTheSettingThatIsWrong) {
+  struct Case {
+    std::string stages;
+    std::string words;
+    std::string line;
+  };
+  std::vector<Case> const cases{
+      {"packing_fraction = 0.9", "protocol[0] does not say what happens in it", "[[protocol]]"},
+      {"stage = \"melt\"", "protocol[0].stage is \"melt\"", "stage = \"melt\""},
+      {"stage = \"grow\"\nuntil_packing_fraction = 0.95", "\"grow\", cannot begin: packing fraction 0.95",
+       "until_packing_fraction = 0.95"},
+      {"stage = \"grow\"\nuntil_pressure = 0.5", "a stage \"grow\" cannot end at a pressure of 0.5",
+       "until_pressure = 0.5"},
+      {"stage = \"decompress\"\nuntil_pressure = 1e9", "a stage \"decompress\" cannot end at a pressure of 1000000000",
+       "until_pressure = 1e9"},
+      {"stage = \"decompress\"\nuntil_pressure = nan", "must be a finite number", "until_pressure = nan"},
+      {"stage = \"decompress\"\nuntil_packing_fraction = 0.7", "the packing fraction is 0.5, and the stage ends at 0.7",
+       "until_packing_fraction = 0.7"},
+      {"stage = \"run\"\ncollisions_per_disk = 1e300", "no stage reaches 1e+300 collisions per disk",
+       "collisions_per_disk = 1e300"},
+      {"stage = \"run\"\nuntil_time = 1e300", "no clock counts up to time 1e+300", "until_time = 1e300"},
+  };
+  Workplace const workplace;
+  for (Case const& one : cases) {
+    Outcome const outcome = run(fluid_with("[[protocol]]\n" + one.stages + "\n"), workplace.path());
+    EXPECT_EQ(outcome.exit_code, 2) << one.stages;
+    EXPECT_NE(outcome.err.find(one.words), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("   " + one.line + "\n  hint: "), std::string::npos) << outcome.err;
+    EXPECT_FALSE(fs::exists(workplace / "out")) << "refused after something was written: " << one.stages;
+  }
+}
+
+TEST(Protocol, ThatFailsLaterNamesTheStageAndKeepsWhatItHas) {
+  Workplace const workplace;
+  Outcome const outcome = run(fluid_with("[[protocol]]\nstage = \"quench\"\npacking_fraction = 0.9\n"
+                                         "[[protocol]]\nstage = \"decompress\"\nuntil_packing_fraction = 0.95\n"),
+                              workplace.path());
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(
+      outcome.err.find("error: stage 2 of the protocol, \"decompress\", cannot begin: the packing fraction is 0.9"),
+      std::string::npos)
+      << outcome.err;
+  EXPECT_NE(outcome.err.find("failed after 1 of 2 stages; partial results are in out"), std::string::npos)
+      << outcome.err;
+  EXPECT_EQ(gridlock::read_csv(workplace / "out/stages.csv").row_count(), 1U);
+}
+
+TEST(Protocol, GrowthToADensityThatIsOutOfReachEndsWithTheReason) {
+  Workplace const workplace;
+  Outcome const outcome =
+      run("box.edge = \"periodic\"\nvelocities.kind = \"maxwell\"\n"
+          "[disks]\ncount = 32\npacking_fraction = 0.4\nstart = \"random\"\n"
+          "species = [{ fraction = 0.5 }, { fraction = 0.5, size_ratio = 1.4 }]\n"
+          "[[protocol]]\nstage = \"grow\"\nrate = 0.1\nuntil_packing_fraction = 0.95\n",
+          workplace.path());
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_NE(outcome.err.find("error: stage 1 of the protocol, \"grow\", failed: "), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("packing fraction 0.8"), std::string::npos) << outcome.err;
+}
+
+TEST(Protocol, IsSetAndSweptStageByStage) {
+  Workplace const workplace;
+  std::string const stage = "protocol[0].packing_fraction";
+  std::string const scene = (scenes / "jamming.toml").string();
+  expect_good(gridlock::test::gridlock({"run", scene, "--set", stage + "=0.9", "-o", "set", "-q", "--no-pictures"},
+                                       workplace.path()));
+  gridlock::Table const stages = gridlock::read_csv(workplace / "set/stages.csv");
+  EXPECT_NEAR(stages.numbers("packing_fraction").front(), 0.9, 1e-12);
+  write(workplace / "sweep.toml", text_of(scene) + "[sweep]\n\"" + stage + "\" = [0.86, 0.9]\n");
+  expect_good(
+      gridlock::test::gridlock({"sweep", "sweep.toml", "-o", "swept", "-q", "--no-pictures"}, workplace.path()));
+  gridlock::Table const sweep = gridlock::read_csv(workplace / "swept/sweep.csv");
+  ASSERT_EQ(sweep.row_count(), 2U);
+  EXPECT_EQ(sweep.numbers("jamming_packing_fraction").back(),
+            summary_of(workplace / "set")["jamming_packing_fraction"]["value"].get<double>());
+  Outcome const outside = gridlock::test::gridlock(
+      {"run", scene, "--set", "protocol[7].packing_fraction=0.9", "-o", "no"}, workplace.path());
+  EXPECT_EQ(outside.exit_code, 2);
+  EXPECT_NE(outside.err.find("the list has 2 tables, counted from 0"), std::string::npos) << outside.err;
+}
+
+TEST(Protocol, IsFollowedByARunAsLongAsOneLikes) {
+  Workplace const workplace;
+  std::string const stages = "[[protocol]]\nstage = \"grow\"\nrate = 0.05\nuntil_packing_fraction = 0.7\n";
+  std::string const settings = "engine.kind = \"exact\"\nobserve.every = 10\n" + fluid_with(stages);
+  Outcome const prepared = run(settings, workplace.path());
+  ASSERT_EQ(prepared.exit_code, 0) << prepared.err;
+  expect_good(gridlock::test::gridlock({"resume", "out", "--steps", "40", "-q", "--no-pictures"}, workplace.path()));
+  expect_good(gridlock::test::gridlock({"run", "a.toml", "--set", "run.steps=40", "-o", "whole", "-q", "--no-pictures"},
+                                       workplace.path()));
+  EXPECT_EQ(summary_of(workplace / "out")["state_hash"], summary_of(workplace / "whole")["state_hash"]);
+  EXPECT_TRUE(summary_of(workplace / "whole").contains("mean_displacement"));
+}
+
+}  // namespace

@@ -1,0 +1,118 @@
+// Protocols that are killed in the middle of each kind of stage, with the real program.
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "cli/program.hpp"
+
+namespace {
+
+using namespace gridlock::test;
+using Arguments = std::vector<std::string>;
+
+/// A stage that lasts some tenths of a second, behind those that it needs.
+struct Case {
+  char const* name;
+  char const* disks;
+  char const* stages;
+};
+
+void PrintTo(Case const& one, std::ostream* stream) { *stream << one.name; }
+
+constexpr char const* fluid =
+    "[disks]\ncount = 256\npacking_fraction = 0.45\nstart = \"random\"\n"
+    "species = [{ fraction = 0.5, size_ratio = 1.0 }, { fraction = 0.5, size_ratio = 1.4 }]\n";
+constexpr char const* points =
+    "[disks]\ncount = 400\npacking_fraction = 0.5\nstart = \"uniform\"\n"
+    "species = [{ fraction = 0.5, size_ratio = 1.0 }, { fraction = 0.5, size_ratio = 1.4 }]\n";
+constexpr char const* many_points = "[disks]\ncount = 1500\npacking_fraction = 0.5\nstart = \"uniform\"\n";
+constexpr char const* many_sizes =
+    "[disks]\ncount = 256\npacking_fraction = 0.5\nstart = \"random\"\nsizes = \"inverse_cube\"\n";
+
+class ProtocolFaults : public testing::TestWithParam<Case> {
+ protected:
+  static void write_settings(fs::path const& workplace) {
+    write(workplace / "run.toml",
+          std::string("box.edge = \"periodic\"\nvelocities.kind = \"maxwell\"\ncheckpoint.every_seconds = 0.01\n") +
+              GetParam().disks + "[[protocol]]\n" + GetParam().stages);
+  }
+
+  static Arguments beginning(char const* directory) {
+    return {"run", "run.toml", "-o", directory, "-q", "--no-pictures"};
+  }
+
+  static void expect_same(fs::path const& whole, fs::path const& other) {
+    auto const hash_of = [](fs::path const& run) {
+      return nlohmann::json::parse(text_of(run / "summary.json"))["state_hash"].get<std::string>();
+    };
+    EXPECT_EQ(hash_of(whole), hash_of(other));
+    std::vector<std::string> names;
+    for (char const* name : {"stages.csv", "levels.csv", "swap_correlations.csv"}) {
+      if (!fs::exists(whole / name)) continue;
+      names.emplace_back(name);
+      EXPECT_EQ(text_of(whole / name), text_of(other / name)) << name;
+    }
+    EXPECT_FALSE(names.empty());
+  }
+};
+
+bool is_finished(fs::path const& run) {
+  return text_of(run / "summary.json").find("\"status\": \"finished\"") != std::string::npos;
+}
+
+TEST_P(ProtocolFaults, KilledInAStageAProtocolResumesToTheSameBits) {
+  Workplace const workplace;
+  write_settings(workplace.path());
+  auto const start = std::chrono::steady_clock::now();
+  Outcome const whole = gridlock::test::gridlock(beginning("whole"), workplace.path());
+  ASSERT_EQ(whole.exit_code, 0) << whole.err;
+  double const milliseconds =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  std::mt19937 random(1);
+  // The program looks whether a checkpoint is due ten times a second.
+  std::uniform_real_distribution<double> moment(160.0, std::max(0.7 * milliseconds, 200.0));
+  Arguments const resuming{"resume", "run", "-q", "--no-pictures"};
+  int killed = 0;
+  int restored = 0;
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    fs::remove_all(workplace / "run");
+    for (int again = 0; again < 3 && !is_finished(workplace / "run"); ++again) {
+      bool const has_begun = fs::exists(workplace / "run" / "config.resolved.toml");
+      restored += fs::exists(workplace / "run" / "checkpoint.gridlock") ? 1 : 0;
+      Process const process(GRIDLOCK_PROGRAM, has_begun ? resuming : beginning("run"), workplace.path());
+      std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(moment(random)));
+      process.signal(SIGKILL);
+      killed += process.wait().exit_code == 0 ? 0 : 1;
+    }
+    if (!is_finished(workplace / "run")) {
+      Outcome const last = gridlock::test::gridlock(resuming, workplace.path());
+      ASSERT_EQ(last.exit_code, 0) << last.err;
+    }
+    expect_same(workplace / "whole", workplace / "run");
+  }
+  EXPECT_GE(killed, 2);
+  EXPECT_GE(restored, 2) << "a stage so short that it has no checkpoint proves nothing";
+}
+
+INSTANTIATE_TEST_SUITE_P(Stages, ProtocolFaults,
+                         testing::Values(Case{"grow", fluid,
+                                              "stage = \"grow\"\nrate = 2e-4\nuntil_packing_fraction = 0.8\n"},
+                                         Case{"run", fluid, "stage = \"run\"\ncollisions_per_disk = 25000\n"},
+                                         Case{"swap", many_sizes, "stage = \"swap\"\nsweeps = 25000\n"},
+                                         Case{"quench", many_points, "stage = \"quench\"\npacking_fraction = 0.9\n"},
+                                         Case{"decompress", points,
+                                              "stage = \"quench\"\npacking_fraction = 0.86\n"
+                                              "[[protocol]]\nstage = \"decompress\"\nuntil_pressure = 1e-6\n"},
+                                         Case{"compress", points,
+                                              "stage = \"quench\"\npacking_fraction = 0.82\n"
+                                              "[[protocol]]\nstage = \"compress\"\nuntil_pressure = 1e-3\n"
+                                              "[[protocol]]\nstage = \"separate\"\n"}),
+                         [](auto const& instance) { return std::string(instance.param.name); });
+
+}  // namespace
