@@ -64,8 +64,8 @@ std::vector<NamedEstimate> estimates_of(std::vector<StageResult> const& stages) 
   double const rattlers = last_soft->disks - static_cast<double>(level.backbone_disks);
   bool const is_converged = last_soft->is_converged.value_or(false);
   add("jamming_packing_fraction", last_soft->jamming_packing_fraction, last_soft->error_of_jamming_packing_fraction);
-  add("soft_pressure", level.pressure);
-  add("soft_energy", level.energy);
+  add("pressure", level.pressure);
+  add("energy_per_disk", last_soft->disks > 0.0 ? level.energy / last_soft->disks : 0.0);
   add("contact_number", level.contact_number);
   add("backbone_disks", static_cast<double>(level.backbone_disks));
   add("rattler_share", last_soft->disks > 0.0 ? rattlers / last_soft->disks : 0.0);

@@ -23,7 +23,7 @@ def _write_runs(context: Context) -> None:
     for run, outcome in context.runs:
         settings = json.loads(run.settings)
         rows.append((run.title, settings["disks"]["count"], settings["run"]["seed"], str(outcome.arrays["state_hash"]),
-                     outcome.result("jamming_packing_fraction"), outcome.result("soft_pressure"), outcome.result("excess_contacts"),
+                     outcome.result("jamming_packing_fraction"), outcome.result("pressure"), outcome.result("excess_contacts"),
                      outcome.result("is_jammed"), outcome.result("is_shear_stable"), float(outcome.arrays["seconds"]), run.settings))
     context.write_table("runs.csv", "title disks seed state_hash jamming_packing_fraction pressure excess_contacts is_jammed is_shear_stable "
                         "seconds settings", rows)

@@ -129,7 +129,10 @@ void Dynamics::refresh_prediction_input() {
                        .height = box_.height(),
                        .is_periodic = box_.is_periodic(),
                        .last_hit = is_growing() ? growth_.last_hit.data() : nullptr,
-                       .scale = growth_.scale};
+                       .scale = growth_.scale,
+                       .neighbours = growth_.neighbours.empty() ? nullptr : growth_.neighbours.data(),
+                       .places = growth_.places.empty() ? nullptr : growth_.places.data(),
+                       .room = growth_.room};
   predictor_ = fastest_predictor(prediction_input_);
 }
 
@@ -273,7 +276,7 @@ void Dynamics::move_zero_of_time(double zero) {
   now_ -= zero;
   looks_in_epoch_ = 0;
   expected_events_ = calendar_.made();
-  if (epoch_ % epochs_per_sort == 0) sort_disks_by_cell();
+  if (epoch_ % epochs_per_sort == 0 && growth_.neighbours.empty()) sort_disks_by_cell();
   pipeline_.clear();
 }
 
@@ -498,6 +501,7 @@ void Dynamics::restore(Archive const& archive, SavedDisks const& saved) {
     image_[disks[id_index]] = {saved.image_x[id_index], saved.image_y[id_index]};
     grid_.insert(disks[id_index], disk.column, disk.row);
   }
+  if (!growth_.places.empty()) find_all_neighbours();
   refresh_prediction_input();
   pipeline_.clear();
   start_epoch();

@@ -10,6 +10,7 @@
 #include "engine/exact/calendar.hpp"
 #include "engine/exact/fetch_pipeline.hpp"
 #include "engine/exact/moving_disk.hpp"
+#include "engine/exact/neighbours.hpp"
 #include "engine/exact/prediction.hpp"
 #include "engine/exact/scale.hpp"
 #include "engine/exact/slot_grid.hpp"
@@ -156,12 +157,18 @@ class Dynamics {
   void start_growing(GrowthOfRadii const& growth);
   void begin_growing_epoch(double zero, double length, double factor_of_velocities);
   [[nodiscard]] double longest_growing_epoch() const;
+  [[nodiscard]] double side_of_cells() const;
   void make_room_in_cells();
+  void renew_neighbours();
+  void find_all_neighbours();
+  void find_neighbours(Index i, bool tells_them);
+  void take_new_place(Index i);
   void lay_cells(CellLayout const& layout);
   void collide_growing(Index i, Index j, Counters& counters);
   void hit_or_cross_growing(MovingDisk& disk, Index i, Counters& counters);
   void hit_wall_growing(MovingDisk& disk, Index i, Side wall, Counters& counters);
   void serialize_growth(Archive& archive);
+  void serialize_places(Archive& archive, std::vector<Index> const& disks);
   void restore_cells(Archive const& archive, std::vector<std::uint64_t> const& cells);
 
   void write_at(double time, double scale, State& state) const;
@@ -216,7 +223,12 @@ class Dynamics {
     std::vector<double> last_hit;  // see PredictionInput
     std::uint64_t hits = 0;
     std::uint64_t hits_before_epoch = 0;
-    double measured_time = 0.0;  // up to the start of the epoch
+    // Where collisions are frequent, disks look at lists of neighbours: nothing but the cost depends on them.
+    std::vector<Neighbours> neighbours;  // empty while cells are looked at
+    std::vector<Place> places;
+    double room = 0.0;            // around the places
+    double scale_of_lists = 1.0;  // up to which they are good
+    double measured_time = 0.0;   // up to the start of the epoch
     double measured_virial = 0.0;
   };
   Growth growth_;

@@ -19,6 +19,12 @@ inline double wait_for_growth(double a, double b, double c, double squared_conta
   return (b + std::sqrt(b * b - a * gap)) / -a;
 }
 
+/// By how much a coordinate of a separation is to be moved to be the nearest image.
+inline double shift_to_nearest(double d, double side) {
+  if (d > 0.5 * side) return -side;
+  return d < -0.5 * side ? side : 0.0;
+}
+
 /// The candidate with the earliest collision so far.
 class EarliestGrowing {
  public:
@@ -67,6 +73,15 @@ class EarliestGrowing {
     if (time < best_.time || (is_tie && other.id_index < s_.disks[best_.partner].id_index)) best_ = {time, j};
   }
 
+  /// Looks at the image of disk j that is the nearest now.
+  void consider_nearest_image(Index j) {
+    MovingDisk const& other = s_.disks[j];
+    double const d_x = (other.x - self_.x) + (other.velocity_x - self_.velocity_x) * now_;
+    double const d_y = (other.y - self_.y) + (other.velocity_y - self_.velocity_y) * now_;
+    consider(j, s_.is_periodic ? shift_to_nearest(d_x, s_.width) : 0.0,
+             s_.is_periodic ? shift_to_nearest(d_y, s_.height) : 0.0);
+  }
+
   [[nodiscard]] Prediction best() const { return best_; }
 
  private:
@@ -79,9 +94,25 @@ class EarliestGrowing {
   Prediction best_;
 };
 
-/// When a growing disk reaches the border of its cell, or a wall.
+/// When a disk in a periodic box reaches the border of its cell or of the room around its place.
+inline Prediction border_near_place(PredictionInput const& s, Index i, double now) {
+  MovingDisk const& disk = s.disks[i];
+  Place const place = s.places[i];
+  bool const is_rightwards = disk.velocity_x > 0.0;
+  bool const is_upwards = disk.velocity_y > 0.0;
+  double const x_edge = s.column_edges[disk.column + (is_rightwards ? 1 : 0)];
+  double const y_edge = s.row_edges[disk.row + (is_upwards ? 1 : 0)];
+  double const x_end = is_rightwards ? std::min(x_edge, place.x + s.room) : std::max(x_edge, place.x - s.room);
+  double const y_end = is_upwards ? std::min(y_edge, place.y + s.room) : std::max(y_edge, place.y - s.room);
+  constexpr double never = std::numeric_limits<double>::infinity();
+  double const x_time = disk.velocity_x != 0.0 ? (x_end - disk.x) / disk.velocity_x : never;
+  double const y_time = disk.velocity_y != 0.0 ? (y_end - disk.y) / disk.velocity_y : never;
+  return {std::max(now, std::min(x_time, y_time)), vertical_border + static_cast<Index>(y_time < x_time)};
+}
+
+/// When a growing disk reaches the border of its cell or of the room around its place, or a wall.
 inline Prediction border_growing(PredictionInput const& s, Index i, double now) {
-  if (s.is_periodic) return predict_border(s, i, now);
+  if (s.is_periodic) return s.places != nullptr ? border_near_place(s, i, now) : predict_border(s, i, now);
   BorderEvent const border = border_event_growing(s, i);
   bool const is_vertical = border.side == Side::left || border.side == Side::right;
   return {std::max(now, border.time), is_vertical ? vertical_border : horizontal_border};

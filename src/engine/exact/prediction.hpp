@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "engine/exact/moving_disk.hpp"
+#include "engine/exact/neighbours.hpp"
 #include "engine/exact/scale.hpp"
 
 namespace gridlock::exact {
@@ -26,6 +27,9 @@ struct PredictionInput {
   double const* last_hit =
       nullptr;       ///< when each disk's velocity last changed, in this epoch; nullptr while nothing grows
   Scale scale = {};  ///< of all radii
+  Neighbours const* neighbours = nullptr;  ///< of each disk; nullptr while the block of cells is looked at
+  Place const* places = nullptr;           ///< of each disk that has neighbours
+  double room = 0.0;                       ///< how far a disk may be from its place
 
   [[nodiscard]] double radius_of(Index i) const { return radius != nullptr ? radius[i] : equal_radius; }
 };
@@ -106,11 +110,13 @@ inline Prediction predict_border(PredictionInput const& s, Index i, double now) 
 
 enum class Side { left, right, bottom, top };
 
-/// The first border of its cell, or wall, that a growing disk reaches.
+enum class Border { of_cell, of_place, wall };
+
+/// The first border of its cell, of the room around its place, or wall, that a growing disk reaches.
 struct BorderEvent {
   double time;
   Side side;
-  bool is_wall;
+  Border border;
 };
 BorderEvent border_event_growing(PredictionInput const& prediction_input, Index i);
 

@@ -8,7 +8,7 @@ namespace gridlock::exact {
 namespace {
 
 /// By how much a coordinate of a separation is to be moved to be the nearest image.
-GRIDLOCK_AVX512 inline __m512d shift_to_nearest(__m512d d, double side) {
+GRIDLOCK_AVX512 inline __m512d shifts_to_nearest(__m512d d, double side) {
   __mmask8 const above = _mm512_cmp_pd_mask(d, _mm512_set1_pd(0.5 * side), _CMP_GT_OQ);
   __mmask8 const below = _mm512_cmp_pd_mask(d, _mm512_set1_pd(-0.5 * side), _CMP_LT_OQ);
   __m512d const shift = _mm512_maskz_mov_pd(above, _mm512_set1_pd(-side));
@@ -38,8 +38,8 @@ GRIDLOCK_AVX512 inline Approaches approaches_of(PredictionInput const& s, Index 
   __m512d shift_x = _mm512_setzero_pd();
   __m512d shift_y = _mm512_setzero_pd();
   if (needs_images) {
-    shift_x = shift_to_nearest(_mm512_add_pd(d_x, _mm512_mul_pd(w_x, _mm512_set1_pd(now))), s.width);
-    shift_y = shift_to_nearest(_mm512_add_pd(d_y, _mm512_mul_pd(w_y, _mm512_set1_pd(now))), s.height);
+    shift_x = shifts_to_nearest(_mm512_add_pd(d_x, _mm512_mul_pd(w_x, _mm512_set1_pd(now))), s.width);
+    shift_y = shifts_to_nearest(_mm512_add_pd(d_y, _mm512_mul_pd(w_y, _mm512_set1_pd(now))), s.height);
     d_x = _mm512_add_pd(d_x, shift_x);
     d_y = _mm512_add_pd(d_y, shift_y);
   }
@@ -77,7 +77,8 @@ GRIDLOCK_AVX512 inline Prediction with_slow_ones(PredictionInput const& s, Index
 /// The first of the border and the contacts with the candidates.
 GRIDLOCK_AVX512 inline Prediction first_contact(PredictionInput const& s, Index i, double now,
                                                 Candidates const& candidates) {
-  Prediction best = s.is_periodic ? predict_border_packed(s, i, now) : border_growing(s, i, now);
+  bool const is_in_cell_only = s.is_periodic && s.places == nullptr;
+  Prediction best = is_in_cell_only ? predict_border_packed(s, i, now) : border_growing(s, i, now);
   bool const needs_images = is_at_periodic_edge(s, s.disks[i]);
   __m512d const zero = _mm512_setzero_pd();
   for (std::size_t k = 0; k < candidates.count; k += lanes) {
@@ -100,6 +101,20 @@ GRIDLOCK_AVX512 inline Prediction first_contact(PredictionInput const& s, Index 
   return best;
 }
 
+/// The disks that i may meet but for `apart`: those of its list where it has one, or of the cells around it.
+/// Returns false where there are too many.
+GRIDLOCK_AVX512 inline bool collect_growing(PredictionInput const& s, Index i, Index apart, Candidates& candidates) {
+  if (s.neighbours != nullptr && s.neighbours[i].has_all()) {
+    __m512i const names = _mm512_load_si512(s.neighbours[i].disks);
+    auto const listed = static_cast<__mmask16>((1U << s.neighbours[i].count) - 1U);
+    __mmask16 const found = _mm512_mask_cmpneq_epi32_mask(listed, names, _mm512_set1_epi32(static_cast<int>(apart)));
+    _mm512_store_si512(candidates.disks, _mm512_maskz_compress_epi32(found, names));
+    candidates.count = static_cast<std::size_t>(std::popcount(static_cast<unsigned>(found)));
+    return true;
+  }
+  return s.capacity == slots_per_cell && collect(s, i, apart, candidates);
+}
+
 /// The disk that i has just collided with touches it again before another event only where growth overtakes the two.
 inline Prediction with_disk_apart(PredictionInput const& s, Index i, double now, Index apart, Prediction best) {
   MovingDisk const& self = s.disks[i];
@@ -109,10 +124,8 @@ inline Prediction with_disk_apart(PredictionInput const& s, Index i, double now,
   double const growth = (s.radius[i] + s.radius[apart]) * s.scale.rate;
   if (w_x * w_x + w_y * w_y >= growth * growth) [[likely]]
     return best;
-  auto const shift = [](double d, double side) { return d > 0.5 * side ? -side : d < -0.5 * side ? side : 0.0; };
   EarliestGrowing earliest(s, i, now, apart, best);
-  earliest.consider(apart, s.is_periodic ? shift((other.x - self.x) + w_x * now, s.width) : 0.0,
-                    s.is_periodic ? shift((other.y - self.y) + w_y * now, s.height) : 0.0);
+  earliest.consider_nearest_image(apart);
   return earliest.best();
 }
 
@@ -120,7 +133,7 @@ inline Prediction with_disk_apart(PredictionInput const& s, Index i, double now,
 
 GRIDLOCK_AVX512 Prediction predict_growing_with_avx512(PredictionInput const& s, Index i, double now, Index apart) {
   Candidates candidates;
-  if (!collect(s, i, apart, candidates)) [[unlikely]]
+  if (!collect_growing(s, i, apart, candidates)) [[unlikely]]
     return predict_growing(s, i, now, apart);
   Prediction const best = first_contact(s, i, now, candidates);
   return apart == no_disk ? best : with_disk_apart(s, i, now, apart, best);
@@ -130,8 +143,8 @@ GRIDLOCK_AVX512 PairPrediction predict_pair_growing_with_avx512(PredictionInput 
                                                                 double now) {
   Candidates around_i;
   Candidates around_j;
-  bool const fits_i = collect(s, i, j, around_i);
-  bool const fits_j = collect(s, j, i, around_j);
+  bool const fits_i = collect_growing(s, i, j, around_i);
+  bool const fits_j = collect_growing(s, j, i, around_j);
   if (!fits_i || !fits_j) [[unlikely]]
     return predict_pair_growing(s, i, j, now);
   return {with_disk_apart(s, i, now, j, first_contact(s, i, now, around_i)),
