@@ -149,6 +149,15 @@ TEST(Protocol, IsSetAndSweptStageByStage) {
   EXPECT_NE(outside.err.find("the list has 2 tables, counted from 0"), std::string::npos) << outside.err;
 }
 
+TEST(Protocol, IsDrawnWithItsLevelsAndWithoutDisplacements) {
+  if (!has_python_commands()) GTEST_SKIP() << "this build has no gridlock-plot";
+  Workplace const workplace;
+  expect_good(gridlock::test::gridlock({"run", (scenes / "jamming.toml").string(), "-o", "out", "-q", "--pictures"},
+                                       workplace.path()));
+  for (char const* name : {"final.svg", "start.svg", "levels.svg"}) EXPECT_TRUE(fs::exists(workplace / "out" / name));
+  EXPECT_FALSE(fs::exists(workplace / "out/displacement.svg"));
+}
+
 TEST(Protocol, IsFollowedByARunAsLongAsOneLikes) {
   Workplace const workplace;
   std::string const stages = "[[protocol]]\nstage = \"grow\"\nrate = 0.05\nuntil_packing_fraction = 0.7\n";

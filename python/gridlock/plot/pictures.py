@@ -145,6 +145,25 @@ def _draw_series(artist: _Artist, run: RunDirectory, column: str, *, name: str =
     artist.chart(name or column, draw)
 
 
+def _draw_levels(artist: _Artist, run: RunDirectory) -> None:
+    """The pressures at which a protocol kept a minimum."""
+    levels = run.table("levels")
+    levels = levels[levels["pressure"] > 0.0]
+    if len(levels) < 2:
+        return
+
+    def draw(axes: Any) -> None:
+        for stage in np.unique(levels["stage"]):
+            of_stage = levels[levels["stage"] == stage]
+            axes.plot(of_stage["packing_fraction"], of_stage["pressure"], "o-", label=f"stage {stage:.0f}")
+        axes.set_yscale("log")
+        axes.set_xlabel("packing fraction φ")
+        axes.set_ylabel("pressure P D²/ε")
+        axes.legend()
+
+    artist.chart("levels", draw)
+
+
 def _draw_disks(artist: _Artist, run: RunDirectory, last: Frame, colour: str) -> None:
     file = run.path / "config.resolved.toml"
     with warnings.catch_warnings():
@@ -153,15 +172,20 @@ def _draw_disks(artist: _Artist, run: RunDirectory, last: Frame, colour: str) ->
     start = frame_of(simulation)
     order = np.argsort(start.ids)
     start = Frame(start.box, start.clock, start.ids[order], {name: values[order] for name, values in start.columns.items()})
-    if colour in ("", "displacement"):
+    # Without steps after a protocol nothing was displaced in a run.
+    has_steps = len(run.series) > 1
+    if colour == "displacement" or (colour == "" and has_steps):
         _draw_displacements(artist, start, last)
     else:
-        _draw_last(artist, last, colour)
+        _draw_last(artist, last, colour or "psi6")
     settings = run.settings
     _draw_start(artist, start, settings["engine"].get("cells", 0))
     # The paper's mark of jamming, of its rule between its walls.
     is_as_in_paper = not start.box.periodic and settings["engine"]["kind"] in ("stepped", "tiled")
-    _draw_series(artist, run, "mean_displacement", name="displacement", mark=0.1 if is_as_in_paper else None)
+    if has_steps:
+        _draw_series(artist, run, "mean_displacement", name="displacement", mark=0.1 if is_as_in_paper else None)
+    if _has(run.path, "levels.csv"):
+        _draw_levels(artist, run)
     _draw_curves(artist, run, last)
 
 
