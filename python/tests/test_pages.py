@@ -50,7 +50,7 @@ def test_the_reference_has_every_public_name(root):
     page = (root / "docs/reference/python.md").read_text()
     named = set(re.findall(r"auto\w+:: gridlock\.(\w+)$", page, re.MULTILINE))
     assert set(gridlock.__all__) <= named
-    assert {name for name in named if not hasattr(gridlock, name)} <= {"turns", "plot", "paper"}
+    assert {name for name in named if not hasattr(gridlock, name)} <= {"turns", "plot", "paper", "jam"}
 
 
 def test_the_program_for_partial_g_reads_the_run_of_its_page(root, program, tmp_path, monkeypatch):
