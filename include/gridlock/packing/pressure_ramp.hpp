@@ -29,12 +29,12 @@ struct PressureRampSettings {
   MinimizerSettings minimizer = {};
   double pressure = 1e-8;                       ///< P D²/ε to reach
   std::optional<double> packing_fraction = {};  ///< to reach in place of a pressure
-  std::uint64_t levels_per_decade = 2;          ///< on the way down: every such pressure is a minimum that is kept
+  std::uint64_t levels_per_decade = 2;          ///< of decompression: at every such pressure a minimum is kept
   double step =
-      1e-3;  ///< of the packing fraction: on the way up while nothing presses, and on the way to a packing fraction
+      1e-3;  ///< of the packing fraction: of compression while nothing presses, and towards a packing fraction
 };
 
-/// A minimum on the way.
+/// A minimum between the start and the end of a ramp.
 struct PressureLevel {
   double packing_fraction = 0.0;
   double pressure = 0.0;  ///< P D²/ε, D the smallest diameter

@@ -90,7 +90,7 @@ class Outcome:
         return float(self.arrays[f"stages.{column}"][number])
 
     def level(self, column: str) -> NDArray[np.float64]:
-        """A number of each minimum on the way down, the highest pressure first; the first is left out, which has no slope."""
+        """A number of each minimum of the last stage, the highest pressure first."""
         if "levels.stage" not in self.arrays:
             raise RunFailure("no levels were kept")
         last = self.arrays["levels.stage"] == self.arrays["levels.stage"][-1]
