@@ -109,7 +109,7 @@ void check_settings(StageSettings const& stage, std::string const& place, std::v
                         .key = fmt::format("{}.until_packing_fraction", place)});
   }
   if (stage.kind == StageKind::decompress && stage.until_packing_fraction && stage.levels_per_decade) {
-    problems.push_back({.what = "levels of pressure mean nothing on the way to a packing fraction",
+    problems.push_back({.what = "levels of pressure mean nothing where a packing fraction is the end",
                         .hint = "leave levels_per_decade out; step is the distance of the levels",
                         .key = fmt::format("{}.levels_per_decade", place)});
   }
