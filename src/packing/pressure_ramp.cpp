@@ -17,6 +17,8 @@ namespace {
 constexpr double least_share_of_goal = 0.3;
 constexpr double most_share_of_goal = 1.1;
 constexpr std::uint64_t most_halvings = 60;
+/// Minima between two levels; usually there are five. A pressure that nothing tells from none is approached for ever.
+constexpr std::uint64_t most_minima_between_levels = 300;
 
 /// du/dφ where nothing better is known: that of random packings of two sizes.
 constexpr double usual_slope_harmonic = 0.27;
@@ -148,6 +150,11 @@ void PressureRamp::accept(double packing_fraction, double pressure) {
   bool const is_first = levels_.empty();
   bool const is_level = is_first || settings_.packing_fraction ||
                         (leads_down() ? pressure <= most_share_of_goal * goal_ : pressure > 0.0);
+  minima_since_level_ = is_level || pressure == 0.0 ? 0 : minima_since_level_ + 1;
+  if (minima_since_level_ > most_minima_between_levels) {
+    status_ = RampStatus::unjammed;
+    return;
+  }
   if (is_level) {
     std::uint64_t const iterations = minimizer_.fire_iterations() + minimizer_.newton_iterations();
     levels_.push_back(level_of(good_, potential));
@@ -229,6 +236,7 @@ void PressureRamp::serialize(Archive& archive) {
   archive.visit("goal", goal_);
   archive.visit("tried", tried_);
   archive.visit("halvings", halvings_);
+  archive.visit("minima_since_level", minima_since_level_);
   archive.visit("iterations_before", iterations_before_);
   gridlock::serialize(archive, levels_);
 }

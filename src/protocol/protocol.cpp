@@ -123,7 +123,7 @@ bool Protocol::advance(State& state, std::function<bool()> const& should_continu
     } catch (RunFailure const& failure) {
       throw RunFailure(fmt::format("{} failed: {}", stage_text(stage(), kind), failure.what()));
     } catch (Error const& error) {
-      throw RunFailure(fmt::format("{} failed: {}\n  hint: use a lower packing fraction or pressure",
+      throw RunFailure(fmt::format("{} failed: {}\n  hint: use more disks, or a lower packing fraction or pressure",
                                    stage_text(stage(), kind), error.problems().front().what));
     }
     current_ = nullptr;

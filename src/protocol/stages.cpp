@@ -80,8 +80,8 @@ class RampStage final : public Stage {
   }
 
   bool advance(State& state, ShouldContinue const& should_continue) override {
-    auto const continues = [&] { return !leads_away() && (!should_continue || should_continue()); };
-    if (!leads_away() && !ramp_.advance(continues) && !leads_away()) return false;
+    auto const may_continue = [&] { return !leads_away() && (!should_continue || should_continue()); };
+    if (!leads_away() && !ramp_.advance(may_continue) && !leads_away()) return false;
     write_packing(ramp_.packing(), state);
     return true;
   }

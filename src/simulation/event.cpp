@@ -117,9 +117,9 @@ std::string text_of_stage(Event const& event) {
                          of.number("packing_fraction"));
     case EventKind::stage_fell_short:
       return fmt::format(
-          "{}, ends short of its goal, at pressure {:.6g} and packing fraction {:.6g}: it presses less or more than "
-          "the "
-          "stage can mend, or no further minimum was found",
+          "{}, ends short of its goal, at pressure {:.6g} and packing fraction {:.6g}: the start lies on the other "
+          "side, or no "
+          "minimum was found closer to it",
           stage, of.number("pressure"), of.number("packing_fraction"));
     default:
       return fmt::format(

@@ -65,7 +65,21 @@ TEST(Protocol, SaysWhereAStageFallsShort) {
       "[[protocol]]\nstage = \"quench\"\npacking_fraction = 1.0\n"
       "[[protocol]]\nstage = \"compress\"\nuntil_pressure = 1e-4\n",
       "stage 2 of the protocol, \"compress\", ends short of its goal, at pressure ");
+  expect_note(
+      "[[protocol]]\nstage = \"quench\"\npacking_fraction = 1.0\n"
+      "[[protocol]]\nstage = \"decompress\"\nuntil_pressure = 1e-11\n",
+      "stage 2 of the protocol, \"decompress\", ends short of its goal, at pressure ");
   expect_note("[[protocol]]\nstage = \"swap\"\nsweeps = 3\n", "stage 1 of the protocol, \"swap\", is no equilibrium");
+}
+
+TEST(Protocol, OfOneDiskBetweenWallsEnds) {
+  Workplace const workplace;
+  // Its pressure falls below what counts as none before it reaches the end.
+  Outcome const outcome = gridlock::test::gridlock({"run", (scenes / "jamming.toml").string(), "--set", "disks.count=1",
+                                                    "--set", "box.edge=wall", "-o", "out", "--no-pictures"},
+                                                   workplace.path());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("ends short of its goal, at pressure "), std::string::npos) << outcome.err;
 }
 
 TEST(Protocol, IsRefusedWithTheStageAndTheSettingThatIsWrong) {

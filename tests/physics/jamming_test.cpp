@@ -86,7 +86,7 @@ TEST(JammingPhysics, PressureOfHarmonicDisksIsProportionalToTheDistanceToJamming
 }
 
 TEST(JammingPhysics, PressureOfHertzianDisksGrowsWithTheExponentThreeHalves) {
-  // Contacts that close meanwhile make single starts differ by 0.006. They close above p = 1e-6 most of all: from there to 1e-5 the
+  // Contacts that close in between make single starts differ by 0.006. They close above p = 1e-6 most of all: from there to 1e-5 the
   // mean over starts would be 1.505(2).
   std::vector<double> const all = exponents(Potential::hertzian, 1e-9, 40);
   EXPECT_LT(standard_error(all), 0.0015);

@@ -29,12 +29,11 @@ struct PressureRampSettings {
   MinimizerSettings minimizer = {};
   double pressure = 1e-8;                       ///< P D²/ε to reach
   std::optional<double> packing_fraction = {};  ///< to reach in place of a pressure
-  std::uint64_t levels_per_decade = 2;          ///< of decompression: at every such pressure a minimum is kept
-  double step =
-      1e-3;  ///< of the packing fraction: of compression while nothing presses, and towards a packing fraction
+  std::uint64_t levels_per_decade = 2;          ///< going down: every such pressure is a minimum that is kept
+  double step = 1e-3;  ///< of the packing fraction: going up while nothing presses, and towards a packing fraction
 };
 
-/// A minimum between the start and the end of a ramp.
+/// A minimum that was kept.
 struct PressureLevel {
   double packing_fraction = 0.0;
   double pressure = 0.0;  ///< P D²/ε, D the smallest diameter
@@ -113,6 +112,7 @@ class PressureRamp {
   double goal_ = 0.0;   ///< the pressure of the next level
   double tried_ = 0.0;  ///< the packing fraction of the minimization under way
   std::uint64_t halvings_ = 0;
+  std::uint64_t minima_since_level_ = 0;
   std::uint64_t iterations_before_ = 0;  ///< of the minimizer at the last level
   std::vector<PressureLevel> levels_;
 };
