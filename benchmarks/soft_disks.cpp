@@ -18,7 +18,7 @@ using Time = std::chrono::steady_clock;
 
 double seconds_since(Time::time_point start) { return std::chrono::duration<double>(Time::now() - start).count(); }
 
-/// A number that stands for all positions and radii.
+/// The same for the same bits of all positions and radii.
 std::uint64_t hash_of(Packing const& packing) {
   State state{.box = packing.box};
   for (std::size_t i = 0; i < packing.size(); ++i) {

@@ -167,13 +167,15 @@ void PressureRamp::accept(double packing_fraction, double pressure) {
 }
 
 void PressureRamp::next_packing_fraction() {
-  double const left = *settings_.packing_fraction - packing_fraction_;
-  // As near as the rounding of the radii comes.
-  if (std::abs(left) <= 1e-14) {
+  double const goal = *settings_.packing_fraction;
+  double const left = goal - packing_fraction_;
+  // The radii come as near as their rounding allows.
+  if (left == 0.0 || tried_ == goal) {
     status_ = RampStatus::reached;
     return;
   }
-  try_packing_fraction(packing_fraction_ + std::clamp(left, -settings_.step, settings_.step));
+  try_packing_fraction(std::abs(left) <= settings_.step ? goal
+                                                        : packing_fraction_ + std::copysign(settings_.step, left));
 }
 
 void PressureRamp::next_goal() {

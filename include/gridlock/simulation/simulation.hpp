@@ -1,5 +1,17 @@
 #pragma once
 
+/// \file
+/// What a run advances: agents of any kind, the rule that moves them and what is measured of them.
+///
+/// ```cpp
+/// auto const mean_x = [](Simulation& simulation) {
+///   simulation.advance({.step = simulation.clock().step + 100});
+///   double sum = 0.0;
+///   for (double const x : simulation.view().column<X>()) sum += x;
+///   return sum / static_cast<double>(simulation.agents());
+/// };
+/// ```
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -30,15 +42,6 @@ struct Preparation {
 /// What a run advances: agents of any kind, the rule that moves them and what is measured of them.
 ///
 /// The loop of a run, its directory, trajectories, checkpoints, sweeps and the command line know nothing else.
-///
-/// ```cpp
-/// auto const mean_x = [](Simulation& simulation) {
-///   simulation.advance({.step = simulation.clock().step + 100});
-///   double sum = 0.0;
-///   for (double const x : simulation.view().column<X>()) sum += x;
-///   return sum / static_cast<double>(simulation.agents());
-/// };
-/// ```
 class Simulation {
  public:
   Simulation() = default;
