@@ -6,14 +6,12 @@
 /// ```cpp
 /// #include "gridlock/lattice/start.hpp"
 ///
-/// inline double jamming_packing_fraction() {
-///   State state = make_start(Box(1.0, 1.0, Edge::periodic), {.count = 64, .packing_fraction = 0.4, .start = StartKind::random}, 1);
-///   Protocol protocol({.stages = {{.kind = StageKind::quench, .packing_fraction = 0.9},
-///                                 {.kind = StageKind::decompress, .until_pressure = 1e-6}}},
-///                     state);
-///   protocol.advance(state);
-///   return *protocol.results().back().jamming_packing_fraction;
-/// }
+/// State state = make_start(Box(1.0, 1.0, Edge::periodic), {.count = 64, .packing_fraction = 0.4, .start = StartKind::random}, 1);
+/// Protocol protocol({.stages = {{.kind = StageKind::quench, .packing_fraction = 0.9},
+///                               {.kind = StageKind::decompress, .until_pressure = 1e-6}}},
+///                   state);
+/// protocol.advance(state);
+/// double const jamming_packing_fraction = *protocol.results().back().jamming_packing_fraction;
 /// ```
 
 #include <cstddef>
