@@ -33,6 +33,9 @@ constexpr double most_shift = 1e3;
 constexpr double longest_step = 0.1;  // D
 constexpr int most_halvings = 6;
 
+constexpr double largest_negative_curvature = 1e-7;  // ε/D², of a minimum
+constexpr double displacement_from_saddle = 1e-4;    // D
+
 constexpr std::uint64_t iterations_per_look = 8;
 
 MinimizerSettings const& checked(MinimizerSettings const& settings) {
@@ -81,12 +84,9 @@ class Minimizer::Search {
   /// At rest, with disks that may have another size.
   void restart(Packing const& packing) {
     diameter_ = smallest_diameter(packing);
-    std::ranges::fill(velocity_.x, 0.0);
-    std::ranges::fill(velocity_.y, 0.0);
-    time_step_ = first_time_step * diameter_;
-    mixing_ = first_mixing;
-    downhill_ = 0;
+    start_fire();
     iterations_ = 0;
+    saddles_ = 0;
     newton_residual_ = settings_.newton_residual;
     shift_ = least_shift;
   }
@@ -103,6 +103,30 @@ class Minimizer::Search {
     return sums.contacts > 0 && sums.residual() <= newton_residual_;
   }
   [[nodiscard]] bool is_given_up() const { return iterations_ >= settings_.iterations; }
+
+  /// Whether the forces balance at a saddle: some displacement lowers the energy by more than the pressure of a marginal packing does.
+  bool is_at_saddle(Packing const& packing) {
+    if (settings_.newton_residual == 0.0) return false;
+    SparseMatrix const hessian = hessian_of(contacts(packing), settings_.potential, Unknowns(packing.size()));
+    analyze(hessian);
+    factors_.setShift(largest_negative_curvature / (diameter_ * diameter_));
+    factors_.factorize(hessian);
+    return factors_.info() != Eigen::Success;
+  }
+
+  /// Displaces every disk a little, each in a direction of its own, and leaves the next search to FIRE for longer.
+  void leave_saddle(Packing& packing) {
+    ++iterations_;
+    ++saddles_;
+    double const length = displacement_from_saddle * diameter_;
+    for (std::size_t i = 0; i < packing.size(); ++i) {
+      Vector const step = length * direction(2.399963229728653 * static_cast<double>((i + saddles_) % 1009));
+      packing.x[i] += step.x;
+      packing.y[i] += step.y;
+    }
+    start_fire();
+    newton_residual_ *= 0.1;
+  }
 
   void fire_step(Packing& packing, ForceSums const& sums) {
     ++iterations_;
@@ -188,12 +212,21 @@ class Minimizer::Search {
     archive.visit("mixing", mixing_);
     archive.visit("downhill", downhill_);
     archive.visit("iterations", iterations_);
+    archive.visit("saddles", saddles_);
     archive.visit("newton_residual", newton_residual_);
     archive.visit("shift", shift_);
     archive.visit("diameter", diameter_);
   }
 
  private:
+  void start_fire() {
+    std::ranges::fill(velocity_.x, 0.0);
+    std::ranges::fill(velocity_.y, 0.0);
+    time_step_ = first_time_step * diameter_;
+    mixing_ = first_mixing;
+    downhill_ = 0;
+  }
+
   /// Finds the order of elimination anew where the pattern of the matrix is another one.
   void analyze(SparseMatrix const& hessian) {
     std::span const outer(hessian.outerIndexPtr(), static_cast<std::size_t>(hessian.outerSize() + 1));
@@ -234,7 +267,8 @@ class Minimizer::Search {
   double mixing_ = first_mixing;
   double shift_ = least_shift;
   std::uint64_t downhill_ = 0;
-  std::uint64_t iterations_ = 0;  ///< of this search
+  std::uint64_t iterations_ = 0;  ///< of this search, as the next
+  std::uint64_t saddles_ = 0;
   bool evaluate_again_ = false;
 };
 
@@ -254,10 +288,15 @@ bool Minimizer::advance(std::function<bool()> const& should_continue) {
       residual_ = sums.residual();
       if (energy_ < unjammed_energy * static_cast<double>(packing_.size())) {
         status_ = MinimumStatus::unjammed;
-      } else if (search_->is_converged(sums, packing_.box)) {
-        status_ = MinimumStatus::converged;
       } else if (search_->is_given_up()) {
         status_ = MinimumStatus::unconverged;
+      } else if (search_->is_converged(sums, packing_.box)) {
+        if (search_->is_at_saddle(packing_)) {
+          search_->leave_saddle(packing_);
+          ++fire_iterations_;
+        } else {
+          status_ = MinimumStatus::converged;
+        }
       } else if (search_->is_for_newton(sums)) {
         search_->newton_step(packing_, sums);
         ++newton_iterations_;

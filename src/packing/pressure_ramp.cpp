@@ -174,8 +174,8 @@ void PressureRamp::next_packing_fraction() {
     status_ = RampStatus::reached;
     return;
   }
-  try_packing_fraction(std::abs(left) <= settings_.step ? goal
-                                                        : packing_fraction_ + std::copysign(settings_.step, left));
+  try_packing_fraction(
+      std::abs(left) <= (1.0 + 1e-9) * settings_.step ? goal : packing_fraction_ + std::copysign(settings_.step, left));
 }
 
 void PressureRamp::next_goal() {

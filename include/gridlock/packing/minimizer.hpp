@@ -22,10 +22,10 @@ namespace gridlock {
 /// How a minimum is looked for.
 struct MinimizerSettings {
   Potential potential = Potential::harmonic;
-  double residual = 1e-8;         ///< largest net force of a disk over the mean contact force at which it is found
-  double newton_residual = 1e-3;  ///< the same, at which Newton's method takes over; 0: never
-  std::uint64_t iterations = 2'000'000;  ///< of FIRE and Newton together; then it is given up
-  std::uint64_t threads = 1;             ///< 0: all cores
+  double residual = 1e-8;              ///< largest net force of a disk over the mean contact force at which it is found
+  double newton_residual = 1e-3;       ///< the same, at which Newton's method takes over; 0: never
+  std::uint64_t iterations = 500'000;  ///< of FIRE and Newton together; then it is given up
+  std::uint64_t threads = 1;           ///< 0: all cores
 };
 
 /// What came out of a minimization.
@@ -44,6 +44,8 @@ char const* to_text(MinimumStatus status);
 /// `newton_residual` Newton's method with H + s 1, factorized by Cholesky: s/(ε/D²) starts at 1e-9, grows tenfold until the matrix is
 /// positive definite, and shrinks to a fifth after a full step. A step moves no disk by more than 0.1 D, and is halved up to six times until it lowers
 /// the energy or halves the residual.
+/// Where the forces balance at a saddle, with a curvature below −1e-7 ε/D², all disks are displaced by 1e-4 D and the search goes downhill
+/// from there; not where `newton_residual` is 0.
 /// Overlaps near the rounding of the positions set a limit to the residual: it counts as reached at
 /// 2⁻⁵⁰ L/(D δ̄), L the longer side of the box, δ̄ the mean overlap.
 /// Same bits for any number of threads, interrupted or not: each disk adds up its forces in the order of their numbers.

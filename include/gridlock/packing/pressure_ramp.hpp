@@ -4,15 +4,18 @@
 /// Decompression and compression of soft disks to a pressure, and the packing fraction at which it vanishes.
 ///
 /// ```cpp
-/// Packing const start{.box = Box(1.0, 1.0, Edge::periodic),
-///                     .x = {0.25, 0.75, 0.25, 0.75},
-///                     .y = {0.25, 0.25, 0.75, 0.75},
-///                     .radius = {0.26, 0.26, 0.26, 0.26}};
+/// Packing start{.box = Box(1.0, std::sqrt(3.0) / 2.0, Edge::periodic), .x = {}, .y = {}, .radius = {}};
+/// for (int k = 0; k < 16; ++k) {  // a triangular lattice
+///   start.x.push_back((k % 4 + 0.5 * (k / 4 % 2)) / 4.0);
+///   start.y.push_back((k / 4 + 0.5) * std::sqrt(3.0) / 8.0);
+///   start.radius.push_back(0.13);
+/// }
 /// PressureRamp ramp({.pressure = 1e-6}, start);
 /// ramp.advance();
-/// double const jamming_packing_fraction = ramp.levels().back().jamming_packing_fraction;  // π/4
+/// double const jamming_packing_fraction = ramp.levels().back().jamming_packing_fraction;  // π/√12
 /// ```
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <limits>
