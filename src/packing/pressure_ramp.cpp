@@ -16,7 +16,9 @@ namespace {
 
 constexpr double least_share_of_goal = 0.3;
 constexpr double most_share_of_goal = 1.1;
-constexpr std::uint64_t most_halvings = 60;
+constexpr std::uint64_t most_halvings = 60;  // of a step up
+/// Of a step down: disks that no thousandth of it leaves pressing have nothing to lean on at lower pressures. They rearrange at once.
+constexpr std::uint64_t most_halvings_down = 12;
 /// Minima between two levels; usually there are five. A pressure that nothing tells from none is approached for ever.
 constexpr std::uint64_t most_minima_between_levels = 300;
 
@@ -131,7 +133,7 @@ void PressureRamp::take_minimum() {
     accept(found, pressure);
     return;
   }
-  if (++halvings_ > most_halvings) {
+  if (++halvings_ > (leads_down() ? most_halvings_down : most_halvings)) {
     status_ = RampStatus::unjammed;
     return;
   }
