@@ -101,6 +101,10 @@ std::vector<Contact> find_contacts(Packing const& packing, double largest_gap) {
   double const factor = 1.0 + largest_gap;
   double const cutoff = (largest + second) * factor;
   std::vector<Contact> contacts;
+  // A disk alone touches its own images.
+  if (packing.size() == 1 && 2.0 * cutoff > std::min(packing.box.width(), packing.box.height())) {
+    require_room_for_images(packing.box, cutoff);
+  }
   if (packing.size() > 1) {
     require_room_for_images(packing.box, cutoff);
     PointPairs const pairs =

@@ -171,5 +171,11 @@ TEST(SoftDisks, RefuseWhatIsNoPacking) {
   expect_refused(bad);
 }
 
+TEST(SoftDisks, RefuseADiskThatTouchesItsOwnImages) {
+  EXPECT_THROW(find_contacts({.box = Box(1.0, 1.0, Edge::periodic), .x = {0.5}, .y = {0.5}, .radius = {0.6}}), Error);
+  EXPECT_TRUE(find_contacts({.box = Box(1.0, 1.0, Edge::periodic), .x = {0.5}, .y = {0.5}, .radius = {0.4}}).empty());
+  EXPECT_EQ(find_contacts({.box = Box(1.0, 1.0, Edge::wall), .x = {0.5}, .y = {0.5}, .radius = {0.6}}).size(), 4U);
+}
+
 }  // namespace
 }  // namespace gridlock
