@@ -103,7 +103,8 @@ TEST(HardDiskFluid, PressureFromVirialAndFromCollisionRateAreThatOfTheVirialSeri
   // η = 0.3: Z = 2.063261 and Γσ/√(kT/m) = 2.399523 (Kolafa & Rottner 2006 and Z = 1 + (σ/4)√(πm/kT) Γ), for disks
   // that approach and a short time step. Three seeds, each within its own errors.
   for (std::uint64_t const seed : {1U, 2U, 3U}) {
-    MeasuredFluid run({.edge = Edge::periodic, .engine = {.time_step = 0.02, .contact = CollisionRule::approaching}}, seed);
+    MeasuredFluid run({.edge = Edge::periodic, .engine = {.time_step = 0.02, .contact = CollisionRule::approaching}},
+                      seed);
     run.advance(1000);
     for (int k = 0; k < 64; ++k) {
       run.advance(100);

@@ -69,8 +69,8 @@ TEST_P(WallVirialIdentity, HoldsForOneTrajectoryUpToAnErrorProportionalToTheTime
   EXPECT_LT(std::abs(fine), 0.005);
 }
 
-INSTANTIATE_TEST_SUITE_P(Contacts, WallVirialIdentity, testing::Values(CollisionRule::always, CollisionRule::approaching),
-                         [](auto const& contact) {
+INSTANTIATE_TEST_SUITE_P(Contacts, WallVirialIdentity,
+                         testing::Values(CollisionRule::always, CollisionRule::approaching), [](auto const& contact) {
                            return contact.param == CollisionRule::always ? "always" : "approaching";
                          });
 

@@ -51,7 +51,7 @@ struct ContactNetwork {
   std::size_t backbone_contacts = 0;  ///< N_c
 
   double energy = 0.0;    ///< of all contacts
-  double pressure = 0.0;           ///< p = P D²/ε, P = Σ f r / (2 A)
+  double pressure = 0.0;  ///< p = P D²/ε, P = Σ f r / (2 A)
   StressTensor stress;
   double mean_force = 0.0;         ///< over the contacts that overlap
   double residual_force = 0.0;     ///< the largest net force on a disk over the mean force; 0 without forces
