@@ -120,7 +120,7 @@ void print_results(gridlock::RunRecord const& record) {
 /// What was done: "2000 steps", "2 stages", "1 of 2 stages" or "2 stages and 2000 steps".
 std::string work_text(gridlock::RunRecord const& record) {
   gridlock::Preparation const& preparation = record.preparation;
-  std::string const steps = fmt::format("{} steps", record.steps);
+  std::string steps = fmt::format("{} steps", record.steps);
   if (preparation.stages == 0) return steps;
   std::string const plural = preparation.stages == 1 ? "" : "s";
   if (preparation.finished < preparation.stages)
