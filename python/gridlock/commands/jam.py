@@ -20,7 +20,7 @@ COMMAND = StudyCommand(
     description="Jam disks by quench, growth and decompression, and compare with published numbers",
     figures=(1, 7),
     quick="few starts of 64 and 256 disks, at most three minutes on two cores",
-    full="more starts and larger systems, about an hour on two cores",
+    full="more starts and larger systems",
     directory="results/jam",
     make=_make,
 )

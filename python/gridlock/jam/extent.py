@@ -45,7 +45,7 @@ def quick() -> Extent:
 
 
 def full() -> Extent:
-    """About an hour on two cores."""
+    """More starts and larger systems."""
     return Extent(
         name="full", quench_starts=((64, 600), (256, 150), (1024, 16)),
         quench_densities=(0.81, 0.82, 0.825, 0.83, 0.835, 0.84, 0.845, 0.85, 0.86),

@@ -59,7 +59,7 @@ def make(
 
     :param directory: where each figure is written as data (``figure_*.csv``), SVG and PNG; ``runs.csv`` with every run, its settings
         and state hash; and ``report.html``, which holds all pictures, claims and verdicts and needs no other file.
-    :param extent: "quick", at most three minutes on two cores; "full", about an hour; or an :class:`Extent`.
+    :param extent: "quick", half a minute on two cores; "full", more starts and larger systems; or an :class:`Extent`.
     :param figure: 1 to 7 alone; None: all of them.
     :param seed: the seeds of the runs are this one and those after it. The numbers follow from it alone.
     :param threads: simulations at a time; None: one for each core.
