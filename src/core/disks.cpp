@@ -12,6 +12,16 @@ RadiusRange radius_range(Disks const& disks) {
   return {smallest, largest};
 }
 
+double largest_contact_distance(std::span<double const> radii) {
+  double largest = 0.0;
+  double second = 0.0;
+  for (double const radius : radii) {
+    second = std::max(second, std::min(largest, radius));
+    largest = std::max(largest, radius);
+  }
+  return largest + second;
+}
+
 double largest_speed(Disks const& disks) {
   double largest = 0.0;
   for (std::size_t i = 0; i < disks.size(); ++i) largest = std::max(largest, squared_length(velocity(disks, i)));

@@ -69,19 +69,7 @@ void require_masses_of_like_size(State const& state) {
 
 }  // namespace
 
-double side_for_images(State const& state) {
-  double largest = 0.0;
-  double second = 0.0;
-  for (double const r : state.agents.column<Radius>()) {
-    if (r > largest) {
-      second = largest;
-      largest = r;
-    } else {
-      second = std::max(second, r);
-    }
-  }
-  return 2.0 * (largest + second);
-}
+double side_for_images(State const& state) { return 2.0 * largest_contact_distance(state.agents.column<Radius>()); }
 
 void require_exact_start(State const& state) {
   double const rounding = rounding_of_contact(state);

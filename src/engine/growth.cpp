@@ -29,8 +29,6 @@ constexpr std::uint64_t hits_per_renewal = 32;
 /// A gap is known to the last digits of the coordinates; this many of them are enough to tell one gap from another.
 constexpr double digits_of_gap = 16.0;
 
-double packing_fraction_of(State const& state) { return covered_area(state.agents) / state.box.area(); }
-
 double closest_packing(State const& state) {
   auto const [smallest, largest] = radius_range(state.agents);
   return smallest == largest ? std::numbers::pi / std::sqrt(12.0) : 1.0;

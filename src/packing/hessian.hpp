@@ -1,16 +1,12 @@
 #pragma once
 
-// Eigen's own vector instructions would make the bits depend on the compiler and the processor.
-#define EIGEN_DONT_VECTORIZE
-#define EIGEN_DONT_PARALLELIZE
-#include <Eigen/SparseCore>
-
 #include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
 
 #include "gridlock/packing/soft_disks.hpp"
+#include "packing/eigen.hpp"
 
 namespace gridlock {
 

@@ -9,18 +9,14 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/packing/contact_network.hpp"
+#include "packing/eigen.hpp"
 #include "packing/hessian.hpp"
-// After hessian.hpp, which says how Eigen is compiled.
-#include <Eigen/SparseCholesky>
-
 #include "packing/soft_forces.hpp"
 
 namespace gridlock {
 
 namespace {
-
-/// E/N of disks that do not press on each other.
-constexpr double unjammed_energy = 1e-16;
 
 constexpr double first_time_step = 0.1;  // √(m D²/ε), as the next
 constexpr double longest_time_step = 0.45;
@@ -72,9 +68,8 @@ class Minimizer::Search {
         diameter_(smallest_diameter(packing)),
         velocity_(packing.size()),
         force_(packing.size()),
-        newton_residual_(settings.newton_residual) {
-    time_step_ = first_time_step * diameter_;
-  }
+        newton_residual_(settings.newton_residual),
+        time_step_(first_time_step * diameter_) {}
 
   [[nodiscard]] double diameter() const { return diameter_; }
 
@@ -107,11 +102,7 @@ class Minimizer::Search {
   /// Whether the forces balance at a saddle: some displacement lowers the energy by more than the pressure of a marginal packing does.
   bool is_at_saddle(Packing const& packing) {
     if (settings_.newton_residual == 0.0) return false;
-    SparseMatrix const hessian = hessian_of(contacts(packing), settings_.potential, Unknowns(packing.size()));
-    analyze(hessian);
-    factors_.setShift(largest_negative_curvature / (diameter_ * diameter_));
-    factors_.factorize(hessian);
-    return factors_.info() != Eigen::Success;
+    return !factorize(analyzed_hessian(packing), largest_negative_curvature);
   }
 
   /// Displaces every disk a little, each in a direction of its own, and leaves the next search to FIRE for longer.
@@ -147,10 +138,9 @@ class Minimizer::Search {
         velocity_.x[i] = 0.0;
         velocity_.y[i] = 0.0;
       }
-      // The forces are those of before the half step back; with them the next step would go uphill at a steep place.
-      evaluate_again_ = true;
     }
-    ForceSums const here = std::exchange(evaluate_again_, false) ? evaluate(packing) : sums;
+    // After the half step back the forces are others; with the old ones the next step would go uphill at a steep place.
+    ForceSums const here = sums.power > 0.0 ? sums : evaluate(packing);
     double const dt = time_step_;
     double const squared_speed = here.speed_squares + 2.0 * dt * here.power + dt * dt * here.force_squares;
     double const along = here.force_squares > 0.0 ? mixing_ * std::sqrt(squared_speed / here.force_squares) : 0.0;
@@ -166,9 +156,7 @@ class Minimizer::Search {
   /// Where no step can be found FIRE takes over, down to a tenth of the residual.
   void newton_step(Packing& packing, ForceSums const& sums) {
     ++iterations_;
-    std::vector<Contact> const all = contacts(packing);
-    SparseMatrix const hessian = hessian_of(all, settings_.potential, Unknowns(packing.size()));
-    analyze(hessian);
+    SparseMatrix const hessian = analyzed_hessian(packing);
     Eigen::VectorXd right(hessian.rows());
     for (std::size_t i = 0; i < packing.size(); ++i) {
       right[static_cast<Eigen::Index>(2 * i)] = force_.x[i];
@@ -179,9 +167,7 @@ class Minimizer::Search {
     std::ranges::fill(velocity_.x, 0.0);
     std::ranges::fill(velocity_.y, 0.0);
     for (; shift_ <= most_shift; shift_ *= 10.0) {
-      factors_.setShift(shift_ / (diameter_ * diameter_));
-      factors_.factorize(hessian);
-      if (factors_.info() != Eigen::Success) continue;
+      if (!factorize(hessian, shift_)) continue;
       Eigen::VectorXd const step = factors_.solve(right);
       double scale = longest_scale(step);
       // An energy costs a thousandth of a factorization.
@@ -198,9 +184,7 @@ class Minimizer::Search {
     force_ = force_before;
     shift_ = least_shift;
     newton_residual_ = 0.1 * std::min(newton_residual_, sums.residual());
-    time_step_ = first_time_step * diameter_;
-    mixing_ = first_mixing;
-    downhill_ = 0;
+    start_fire();
   }
 
   void serialize(Archive& archive) {
@@ -225,6 +209,20 @@ class Minimizer::Search {
     time_step_ = first_time_step * diameter_;
     mixing_ = first_mixing;
     downhill_ = 0;
+  }
+
+  /// The Hessian of all disks, for factorize().
+  SparseMatrix analyzed_hessian(Packing const& packing) {
+    SparseMatrix hessian = hessian_of(contacts(packing), settings_.potential, Unknowns(packing.size()));
+    analyze(hessian);
+    return hessian;
+  }
+
+  /// Whether the Hessian and a multiple of ε/D² on its diagonal are positive definite: then factors_ solves with them.
+  bool factorize(SparseMatrix const& hessian, double shift) {
+    factors_.setShift(shift / (diameter_ * diameter_));
+    factors_.factorize(hessian);
+    return factors_.info() == Eigen::Success;
   }
 
   /// Finds the order of elimination anew where the pattern of the matrix is another one.
@@ -263,13 +261,12 @@ class Minimizer::Search {
   std::vector<int> outer_;  ///< the pattern that factors_ knows, with the next
   std::vector<int> inner_;
   double newton_residual_;
-  double time_step_ = 0.0;
+  double time_step_;
   double mixing_ = first_mixing;
   double shift_ = least_shift;
   std::uint64_t downhill_ = 0;
   std::uint64_t iterations_ = 0;  ///< of this search, as the next
   std::uint64_t saddles_ = 0;
-  bool evaluate_again_ = false;
 };
 
 Minimizer::Minimizer(MinimizerSettings const& settings, Packing packing)
@@ -286,7 +283,7 @@ bool Minimizer::advance(std::function<bool()> const& should_continue) {
       ForceSums const sums = search_->evaluate(packing_);
       energy_ = sums.energy;
       residual_ = sums.residual();
-      if (energy_ < unjammed_energy * static_cast<double>(packing_.size())) {
+      if (energy_ < least_energy_of_a_disk * static_cast<double>(packing_.size())) {
         status_ = MinimumStatus::unjammed;
       } else if (search_->is_given_up()) {
         status_ = MinimumStatus::unconverged;
@@ -310,19 +307,10 @@ bool Minimizer::advance(std::function<bool()> const& should_continue) {
   return true;
 }
 
-void Minimizer::search_anew() {
-  status_ = MinimumStatus::searching;
-  search_->restart(packing_);
-}
-
-void Minimizer::scale_radii(double factor) {
-  for (double& radius : packing_.radius) radius *= factor;
-  search_anew();
-}
-
 void Minimizer::restart(Packing packing) {
   packing_ = std::move(packing);
-  search_anew();
+  status_ = MinimumStatus::searching;
+  search_->restart(packing_);
 }
 
 double Minimizer::pressure() const {

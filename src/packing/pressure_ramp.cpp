@@ -15,7 +15,6 @@ namespace gridlock {
 namespace {
 
 constexpr double least_share_of_goal = 0.3;
-constexpr double most_share_of_goal = 1.1;
 constexpr std::uint64_t most_halvings = 60;  // of a step up
 /// Of a step down: disks that no thousandth of it leaves pressing have nothing to lean on at lower pressures. They rearrange at once.
 constexpr std::uint64_t most_halvings_down = 12;

@@ -3,34 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <string_view>
 
+#include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/neighbour_lists.hpp"
 #include "packing/potential.hpp"
+#include "packing/walls.hpp"
 
 namespace gridlock {
 
 namespace {
-
-/// The radii of the two largest disks, the larger first.
-std::array<double, 2> largest_radii(Packing const& packing) {
-  std::array<double, 2> largest{};
-  for (double const radius : packing.radius) {
-    if (radius > largest[0]) {
-      largest[1] = largest[0];
-      largest[0] = radius;
-    } else {
-      largest[1] = std::max(largest[1], radius);
-    }
-  }
-  return largest;
-}
 
 void require_room_for_images(Box const& box, double cutoff) {
   double const side = std::min(box.width(), box.height());
@@ -43,33 +28,12 @@ void require_room_for_images(Box const& box, double cutoff) {
                .key = "disks"});
 }
 
-void add_wall_contacts(Packing const& packing, std::uint32_t disk, double largest_gap, std::vector<Contact>& contacts) {
-  auto const disks = static_cast<std::uint32_t>(packing.size());
-  double const radius = packing.radius[disk];
-  double const cutoff = radius * (1.0 + largest_gap);
-  auto const add = [&](Counters::Wall wall, Vector normal, double distance) {
-    if (distance >= cutoff) return;
-    contacts.push_back({.first = disk,
-                        .second = disks + static_cast<std::uint32_t>(wall),
-                        .normal = normal,
-                        .distance = distance,
-                        .contact_distance = radius});
-  };
-  add(Counters::left, {-1.0, 0.0}, packing.x[disk]);
-  add(Counters::right, {1.0, 0.0}, packing.box.width() - packing.x[disk]);
-  add(Counters::bottom, {0.0, -1.0}, packing.y[disk]);
-  add(Counters::top, {0.0, 1.0}, packing.box.height() - packing.y[disk]);
-}
-
 }  // namespace
 
 Packing packing_of(State const& state) {
   Disks const& disks = state.agents;
-  std::vector<std::size_t> rows(disks.size());
-  std::iota(rows.begin(), rows.end(), std::size_t{0});
-  std::ranges::sort(rows, {}, [&](std::size_t row) { return disks.ids()[row]; });
   Packing packing{.box = state.box, .x = {}, .y = {}, .radius = {}};
-  for (std::size_t const row : rows) {
+  for (std::uint32_t const row : rows_in_order(disks.ids())) {
     packing.x.push_back(disks.column<X>()[row]);
     packing.y.push_back(disks.column<Y>()[row]);
     packing.radius.push_back(disks.column<Radius>()[row]);
@@ -97,9 +61,8 @@ double stiffness_of(Contact const& contact, Potential potential) {
 
 std::vector<Contact> find_contacts(Packing const& packing, double largest_gap) {
   require_valid(packing);
-  auto const [largest, second] = largest_radii(packing);
   double const factor = 1.0 + largest_gap;
-  double const cutoff = (largest + second) * factor;
+  double const cutoff = largest_contact_distance(packing.radius) * factor;
   std::vector<Contact> contacts;
   // A disk alone touches its own images.
   if (packing.size() == 1 && 2.0 * cutoff > std::min(packing.box.width(), packing.box.height())) {
@@ -121,7 +84,7 @@ std::vector<Contact> find_contacts(Packing const& packing, double largest_gap) {
     }
   }
   if (!packing.box.is_periodic()) {
-    for (std::uint32_t i = 0; i < packing.size(); ++i) add_wall_contacts(packing, i, largest_gap, contacts);
+    for (std::uint32_t i = 0; i < packing.size(); ++i) add_wall_contacts(packing, i, factor, contacts);
   }
   std::ranges::sort(contacts, [](Contact const& a, Contact const& b) {
     return a.first != b.first ? a.first < b.first : a.second < b.second;

@@ -8,9 +8,9 @@
 
 #include "core/avx512.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/neighbour_lists.hpp"
 #include "packing/potential.hpp"
+#include "packing/walls.hpp"
 
 namespace gridlock {
 
@@ -27,30 +27,11 @@ constexpr int images_across = 2 * farthest_image + 1;
 
 std::size_t blocks_of(std::size_t disks) { return (disks + block_size - 1) / block_size; }
 
-double largest_contact_distance(Packing const& packing) {
-  double largest = 0.0;
-  double second = 0.0;
-  for (double const radius : packing.radius) {
-    second = std::max(second, std::min(largest, radius));
-    largest = std::max(largest, radius);
-  }
-  return largest + second;
-}
-
 int image_of(double separation, double nearest, double side) {
   auto const image = static_cast<int>(std::lround((nearest - separation) / side));
   if (std::abs(image) > farthest_image)
     throw RunFailure("a soft disk has moved farther than three boxes while energy was minimized");
   return image;
-}
-
-/// The push of a wall on a disk, along the inward direction.
-template <class Push>
-void for_each_wall(Box const& box, Vector p, double radius, Push push) {
-  if (p.x < radius) push(p.x, Vector{1.0, 0.0});
-  if (box.width() - p.x < radius) push(box.width() - p.x, Vector{-1.0, 0.0});
-  if (p.y < radius) push(p.y, Vector{0.0, 1.0});
-  if (box.height() - p.y < radius) push(box.height() - p.y, Vector{0.0, -1.0});
 }
 
 }  // namespace
@@ -115,7 +96,7 @@ void SoftForces::refresh(Packing const& packing) {
 }
 
 void SoftForces::build(Packing const& packing) {
-  double const largest = largest_contact_distance(packing);
+  double const largest = largest_contact_distance(packing.radius);
   skin_ = skin_of_smallest_ * smallest_diameter(packing);
   if (packing.box.is_periodic() && packing.size() > 1) {
     double const half = 0.5 * std::min(packing.box.width(), packing.box.height());
@@ -243,13 +224,14 @@ void SoftForces::push_from_walls(Packing const& packing, std::size_t first, std:
   Law const law(potential);
   for (std::size_t i = first; i < end; ++i) {
     double const radius = packing.radius[i];
-    for_each_wall(packing.box, {packing.x[i], packing.y[i]}, radius, [&](double distance, Vector inward) {
-      double const overlap = 1.0 - distance / radius;
-      double const force = law.force(overlap, radius);
-      forces.x[i] += force * inward.x;
-      forces.y[i] += force * inward.y;
-      sums.count(law.energy(overlap), force, overlap);
-    });
+    for_each_wall(packing.box, {packing.x[i], packing.y[i]}, radius,
+                  [&](Counters::Wall /*wall*/, double distance, Vector outward) {
+                    double const overlap = 1.0 - distance / radius;
+                    double const force = law.force(overlap, radius);
+                    forces.x[i] -= force * outward.x;
+                    forces.y[i] -= force * outward.y;
+                    sums.count(law.energy(overlap), force, overlap);
+                  });
   }
 }
 
@@ -348,18 +330,7 @@ std::vector<Contact> SoftForces::contacts(Packing const& packing) {
       Vector const normal = distance > 0.0 ? Vector{d.x / distance, d.y / distance} : Vector{1.0, 0.0};
       contacts.push_back({.first = i, .second = j, .normal = normal, .distance = distance, .contact_distance = sigma});
     }
-    if (packing.box.is_periodic()) continue;
-    for_each_wall(packing.box, {packing.x[i], packing.y[i]}, packing.radius[i], [&](double distance, Vector inward) {
-      std::uint32_t const wall = inward.x > 0.0   ? Counters::left
-                                 : inward.x < 0.0 ? Counters::right
-                                 : inward.y > 0.0 ? Counters::bottom
-                                                  : Counters::top;
-      contacts.push_back({.first = i,
-                          .second = disks + wall,
-                          .normal = -1.0 * inward,
-                          .distance = distance,
-                          .contact_distance = packing.radius[i]});
-    });
+    if (!packing.box.is_periodic()) add_wall_contacts(packing, i, 1.0, contacts);
   }
   return contacts;
 }

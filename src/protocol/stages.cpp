@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
+#include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/engine/growth.hpp"
@@ -21,8 +21,6 @@ namespace {
 MinimizerSettings minimizer_settings(ProtocolSettings const& protocol) {
   return {.potential = protocol.soft.potential, .residual = protocol.soft.residual, .threads = protocol.threads};
 }
-
-double packing_fraction_of(State const& state) { return covered_area(state.agents) / state.box.area(); }
 
 void scale_to(Packing& packing, double target) {
   double const factor = std::sqrt(target / packing_fraction(packing));
@@ -117,8 +115,7 @@ class RampStage final : public Stage {
   /// Whether the first minimum lies beyond the pressure to reach: a decompression does not compress.
   bool leads_away() const {
     if (!settings_.until_pressure || ramp_.levels().empty()) return false;
-    // What counts as reached in PressureRamp.
-    constexpr double tolerance = 1.1;
+    constexpr double tolerance = PressureRamp::most_share_of_goal;
     double const first = ramp_.levels().front().pressure;
     return compresses() ? first > tolerance * *settings_.until_pressure : tolerance * first < *settings_.until_pressure;
   }
@@ -327,9 +324,7 @@ std::unique_ptr<Stage> make_stage(ProtocolSettings const& protocol, std::size_t 
 
 void write_packing(Packing const& packing, State& state) {
   Disks& disks = state.agents;
-  std::vector<std::size_t> rows(disks.size());
-  std::iota(rows.begin(), rows.end(), std::size_t{0});
-  std::ranges::sort(rows, {}, [&](std::size_t row) { return disks.ids()[row]; });
+  std::vector<std::uint32_t> const rows = rows_in_order(disks.ids());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::size_t const row = rows[i];
     Vector p{packing.x[i], packing.y[i]};

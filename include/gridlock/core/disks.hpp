@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "gridlock/core/agents_view.hpp"
 #include "gridlock/core/population.hpp"
@@ -70,6 +71,9 @@ struct RadiusRange {
 };
 RadiusRange radius_range(Disks const& disks);
 
+/// The distance at contact of the two largest disks; of one disk its radius, 0 for none.
+double largest_contact_distance(std::span<double const> radii);
+
 /// The fastest disk's speed; 0 for no disks.
 double largest_speed(Disks const& disks);
 
@@ -95,5 +99,8 @@ struct HardDisks {
 /// std::uint64_t const identity = hash(state);
 /// ```
 using State = World<HardDisks>;
+
+/// covered_area() over the area of the box.
+inline double packing_fraction_of(State const& state) { return covered_area(state.agents) / state.box.area(); }
 
 }  // namespace gridlock

@@ -60,9 +60,7 @@ class Minimizer {
   /// Iterates until the search has ended or should_continue, asked after every few iterations, says no. Returns whether it has ended.
   bool advance(std::function<bool()> const& should_continue = {});
 
-  /// Multiplies all radii, and searches anew from where the disks are now, at rest.
-  void scale_radii(double factor);
-  /// Goes back to these positions and radii, at rest. Contract: as many disks as before.
+  /// Searches anew from these positions and radii, at rest. Contract: as many disks as before.
   void restart(Packing packing);
 
   [[nodiscard]] MinimumStatus status() const { return status_; }
@@ -82,8 +80,6 @@ class Minimizer {
 
  private:
   class Search;
-
-  void search_anew();
 
   MinimizerSettings settings_;
   Packing packing_;

@@ -80,6 +80,9 @@ char const* to_text(RampStatus status);
 /// Source: C. S. O'Hern et al. (2003), doi:10.1103/PhysRevE.68.011306.
 class PressureRamp {
  public:
+  /// Up to this multiple of the pressure asked for counts as reached.
+  static constexpr double most_share_of_goal = 1.1;
+
   PressureRamp(PressureRampSettings const& settings, Packing packing);
 
   /// Goes on until the ramp has ended or should_continue says no. Returns whether it has ended.

@@ -346,16 +346,8 @@ void Dynamics::collide(Index i, Index j, Counters& counters) {
   double const along = 2.0 * (w_x * d_x + w_y * d_y) / ((mass_a + mass_b) * squared_distance);
   double const along_a = mass_b * along;
   double const along_b = mass_a * along;
-  a.velocity_x += along_a * d_x;
-  a.velocity_y += along_a * d_y;
-  b.velocity_x -= along_b * d_x;
-  b.velocity_y -= along_b * d_y;
-  a.x -= along_a * d_x * now_;
-  a.y -= along_a * d_y * now_;
-  b.x += along_b * d_x * now_;
-  b.y += along_b * d_y * now_;
-  ++a.collision_count;
-  ++b.collision_count;
+  change_velocity(a, along_a * d_x, along_a * d_y, now_);
+  change_velocity(b, -along_b * d_x, -along_b * d_y, now_);
   ++counters.pair_collisions;
   counters.pair_virial -= mass_a * along_a * squared_distance;
 }

@@ -183,16 +183,8 @@ void Dynamics::collide_growing(Index i, Index j, Counters& counters) {
   double const along = 2.0 * approach / ((mass_[i] + mass_[j]) * squared_distance);
   double const along_a = mass_[j] * along;
   double const along_b = mass_[i] * along;
-  a.velocity_x += along_a * d_x;
-  a.velocity_y += along_a * d_y;
-  b.velocity_x -= along_b * d_x;
-  b.velocity_y -= along_b * d_y;
-  a.x -= along_a * d_x * now_;
-  a.y -= along_a * d_y * now_;
-  b.x += along_b * d_x * now_;
-  b.y += along_b * d_y * now_;
-  ++a.collision_count;
-  ++b.collision_count;
+  change_velocity(a, along_a * d_x, along_a * d_y, now_);
+  change_velocity(b, -along_b * d_x, -along_b * d_y, now_);
   growth_.last_hit[i] = now_;
   growth_.last_hit[j] = now_;
   growth_.hits += 2;

@@ -38,4 +38,13 @@ struct alignas(64) MovingDisk {
 };
 static_assert(sizeof(MovingDisk) == 64);
 
+/// Gives a disk a change of velocity at time `now`: its centre at the zero of time moves so that its path does not jump.
+inline void change_velocity(MovingDisk& disk, double change_x, double change_y, double now) {
+  disk.velocity_x += change_x;
+  disk.velocity_y += change_y;
+  disk.x -= change_x * now;
+  disk.y -= change_y * now;
+  ++disk.collision_count;
+}
+
 }  // namespace gridlock::exact
