@@ -29,9 +29,10 @@ std::uint64_t hash_of(Packing const& packing) {
 
 void row(char const* what, std::size_t disks, std::uint64_t seed, std::uint64_t threads, double seconds,
          Minimizer const& minimizer, double packing_fraction, Packing const& packing) {
-  std::printf("%s,%zu,%llu,%llu,%.4f,%llu,%llu,%.10g,%.12f,%016llx\n", what, disks,
+  std::printf("%s,%zu,%llu,%llu,%.4f,%llu,%llu,%llu,%.10g,%.12f,%016llx\n", what, disks,
               static_cast<unsigned long long>(seed), static_cast<unsigned long long>(threads), seconds,
               static_cast<unsigned long long>(minimizer.fire_iterations()),
+              static_cast<unsigned long long>(minimizer.quasi_newton_iterations()),
               static_cast<unsigned long long>(minimizer.newton_iterations()), minimizer.pressure(), packing_fraction,
               static_cast<unsigned long long>(hash_of(packing)));
   std::fflush(stdout);
@@ -61,7 +62,8 @@ int main(int argument_count, char** arguments) {
   auto const disks = static_cast<std::size_t>(number(1, 1024));
   auto const starts = static_cast<std::uint64_t>(number(3, 3));
   std::printf(
-      "benchmark,n,seed,threads,seconds,fire_iterations,newton_iterations,pressure,packing_fraction,state_hash\n");
+      "benchmark,n,seed,threads,seconds,fire_iterations,quasi_newton_iterations,newton_iterations,pressure,"
+      "packing_fraction,state_hash\n");
   for (std::uint64_t seed = 1; seed <= starts; ++seed) {
     gridlock::benchmark::measure(disks, number(2, 0.86), seed, number(4, 0.0),
                                  static_cast<std::uint64_t>(number(5, 1)));

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -12,6 +14,7 @@
 #include "gridlock/packing/contact_network.hpp"
 #include "packing/eigen.hpp"
 #include "packing/hessian.hpp"
+#include "packing/quasi_newton.hpp"
 #include "packing/soft_forces.hpp"
 
 namespace gridlock {
@@ -28,6 +31,9 @@ constexpr double least_shift = 1e-9;  // ε/D², as the next
 constexpr double most_shift = 1e3;
 constexpr double longest_step = 0.1;  // D
 constexpr int most_halvings = 6;
+
+constexpr double first_quasi_newton_scale = 0.2;  // D²/ε
+constexpr double least_decrease = 1e-4;           // of what the slope promises
 
 constexpr double largest_negative_curvature = 1e-7;  // ε/D², of a minimum
 constexpr double displacement_from_saddle = 1e-4;    // D
@@ -68,12 +74,19 @@ class Minimizer::Search {
         diameter_(smallest_diameter(packing)),
         velocity_(packing.size()),
         force_(packing.size()),
+        step_(packing.size()),
+        quasi_newton_(packing.size(), first_quasi_newton_scale * diameter_ * diameter_),
+        quasi_newton_residual_(settings.quasi_newton_residual),
         newton_residual_(settings.newton_residual),
         time_step_(first_time_step * diameter_) {}
 
   [[nodiscard]] double diameter() const { return diameter_; }
 
-  ForceSums evaluate(Packing const& packing) { return forces_.evaluate(packing, velocity_, force_); }
+  /// The forces at these positions, computed once.
+  ForceSums const& look(Packing const& packing) {
+    if (!sums_) sums_ = evaluate(packing);
+    return *sums_;
+  }
   [[nodiscard]] std::vector<Contact> contacts(Packing const& packing) { return forces_.contacts(packing); }
 
   /// At rest, with disks that may have another size.
@@ -82,6 +95,7 @@ class Minimizer::Search {
     start_fire();
     iterations_ = 0;
     saddles_ = 0;
+    quasi_newton_residual_ = settings_.quasi_newton_residual;
     newton_residual_ = settings_.newton_residual;
     shift_ = least_shift;
   }
@@ -96,6 +110,9 @@ class Minimizer::Search {
   }
   [[nodiscard]] bool is_for_newton(ForceSums const& sums) const {
     return sums.contacts > 0 && sums.residual() <= newton_residual_;
+  }
+  [[nodiscard]] bool is_for_quasi_newton(ForceSums const& sums) const {
+    return sums.contacts > 0 && sums.residual() <= quasi_newton_residual_;
   }
   [[nodiscard]] bool is_given_up() const { return iterations_ >= settings_.iterations; }
 
@@ -116,6 +133,7 @@ class Minimizer::Search {
       packing.y[i] += step.y;
     }
     start_fire();
+    quasi_newton_residual_ *= 0.1;
     newton_residual_ *= 0.1;
   }
 
@@ -141,6 +159,7 @@ class Minimizer::Search {
     }
     // After the half step back the forces are others; with the old ones the next step would go uphill at a steep place.
     ForceSums const here = sums.power > 0.0 ? sums : evaluate(packing);
+    sums_.reset();
     double const dt = time_step_;
     double const squared_speed = here.speed_squares + 2.0 * dt * here.power + dt * dt * here.force_squares;
     double const along = here.force_squares > 0.0 ? mixing_ * std::sqrt(squared_speed / here.force_squares) : 0.0;
@@ -153,38 +172,51 @@ class Minimizer::Search {
     }
   }
 
-  /// Where no step can be found FIRE takes over, down to a tenth of the residual.
+  /// Where the energy does not fall along the step FIRE takes over, down to a tenth of the residual.
+  void quasi_newton_step(Packing& packing, ForceSums const& sums) {
+    ++iterations_;
+    stop();
+    // On the way the residual rises at times.
+    quasi_newton_residual_ = std::numeric_limits<double>::max();
+    auto const [slope, longest] = quasi_newton_.find_direction(force_, step_, forces_.pool());
+    auto const scale = descend(packing, sums, slope, longest);
+    if (scale) {
+      quasi_newton_.remember(step_, *scale, force_before_, force_, forces_.pool());
+      return;
+    }
+    quasi_newton_residual_ = 0.1 * std::min(quasi_newton_residual_, sums.residual());
+    start_fire();
+  }
+
+  /// Where no step halves the residual the cheaper methods take over, down to a tenth of it: contacts still open and close, and the
+  /// Hessian of a moment says little.
   void newton_step(Packing& packing, ForceSums const& sums) {
     ++iterations_;
+    stop();
     SparseMatrix const hessian = analyzed_hessian(packing);
     Eigen::VectorXd right(hessian.rows());
     for (std::size_t i = 0; i < packing.size(); ++i) {
       right[static_cast<Eigen::Index>(2 * i)] = force_.x[i];
       right[static_cast<Eigen::Index>(2 * i + 1)] = force_.y[i];
     }
-    Packing const before = packing;
-    Columns const force_before = force_;
-    std::ranges::fill(velocity_.x, 0.0);
-    std::ranges::fill(velocity_.y, 0.0);
+    double const least_gain = 0.5 * sums.residual();
     for (; shift_ <= most_shift; shift_ *= 10.0) {
       if (!factorize(hessian, shift_)) continue;
-      Eigen::VectorXd const step = factors_.solve(right);
-      double scale = longest_scale(step);
-      // An energy costs a thousandth of a factorization.
-      for (int halvings = 0; halvings <= most_halvings; ++halvings, scale *= 0.5) {
-        move(packing, step, scale);
-        ForceSums const there = evaluate(packing);
-        if (there.energy < sums.energy || there.residual() <= 0.5 * sums.residual()) {
-          if (scale == 1.0) shift_ = std::max(0.2 * shift_, least_shift);
-          return;
-        }
-        packing = before;
+      Eigen::VectorXd const solution = factors_.solve(right);
+      double square = 0.0;
+      for (std::size_t i = 0; i < packing.size(); ++i) {
+        step_.x[i] = solution[static_cast<Eigen::Index>(2 * i)];
+        step_.y[i] = solution[static_cast<Eigen::Index>(2 * i + 1)];
+        square = std::max(square, step_.x[i] * step_.x[i] + step_.y[i] * step_.y[i]);
       }
+      // Any fall of the energy will do: it costs a thousandth of a factorization to know.
+      auto const scale = descend(packing, sums, 0.0, std::sqrt(square));
+      if (!scale) continue;
+      if (*scale == 1.0) shift_ = std::max(0.2 * shift_, least_shift);
+      if (look(packing).residual() > least_gain) leave_newton(look(packing));
+      return;
     }
-    force_ = force_before;
-    shift_ = least_shift;
-    newton_residual_ = 0.1 * std::min(newton_residual_, sums.residual());
-    start_fire();
+    leave_newton(sums);
   }
 
   void serialize(Archive& archive) {
@@ -197,18 +229,58 @@ class Minimizer::Search {
     archive.visit("downhill", downhill_);
     archive.visit("iterations", iterations_);
     archive.visit("saddles", saddles_);
+    archive.visit("quasi_newton_residual", quasi_newton_residual_);
     archive.visit("newton_residual", newton_residual_);
     archive.visit("shift", shift_);
     archive.visit("diameter", diameter_);
+    quasi_newton_.serialize(archive);
+    sums_.reset();
   }
 
  private:
+  ForceSums evaluate(Packing const& packing) { return forces_.evaluate(packing, velocity_, force_); }
+
+  /// The next search begins with the steps of FIRE, or of QuasiNewton that knows nothing yet.
   void start_fire() {
-    std::ranges::fill(velocity_.x, 0.0);
-    std::ranges::fill(velocity_.y, 0.0);
+    sums_.reset();
+    quasi_newton_.forget(first_quasi_newton_scale * diameter_ * diameter_);
+    stop();
     time_step_ = first_time_step * diameter_;
     mixing_ = first_mixing;
     downhill_ = 0;
+  }
+
+  void stop() {
+    std::ranges::fill(velocity_.x, 0.0);
+    std::ranges::fill(velocity_.y, 0.0);
+  }
+
+  void leave_newton(ForceSums const& sums) {
+    shift_ = least_shift;
+    newton_residual_ = 0.1 * std::min(newton_residual_, sums.residual());
+    start_fire();
+  }
+
+  /// Moves along step_, by no more than 0.1 D for any disk and half as far again and again until the energy falls by as much as the
+  /// slope promises or the residual halves. Returns the share of the step; nothing, and the disks where they were, where neither comes.
+  std::optional<double> descend(Packing& packing, ForceSums const& sums, double slope, double longest) {
+    before_ = packing;
+    force_before_ = force_;
+    ForceSums const from = sums;
+    double scale = std::min(1.0, longest_step * diameter_ / longest);
+    for (int halvings = 0; halvings <= most_halvings; ++halvings, scale *= 0.5) {
+      for (std::size_t i = 0; i < packing.size(); ++i) {
+        packing.x[i] = before_.x[i] + scale * step_.x[i];
+        packing.y[i] = before_.y[i] + scale * step_.y[i];
+      }
+      sums_ = evaluate(packing);
+      double const least = least_decrease * scale * slope;
+      if (sums_->energy < from.energy - least || sums_->residual() <= 0.5 * from.residual()) return scale;
+    }
+    std::swap(packing, before_);
+    std::swap(force_, force_before_);
+    sums_ = from;
+    return {};
   }
 
   /// The Hessian of all disks, for factorize().
@@ -235,31 +307,20 @@ class Minimizer::Search {
     factors_.analyzePattern(hessian);
   }
 
-  /// The factor of a step that moves no disk by more than 0.1 D.
-  [[nodiscard]] double longest_scale(Eigen::VectorXd const& step) const {
-    double square = 0.0;
-    for (Eigen::Index k = 0; k < step.size(); k += 2) {
-      square = std::max(square, step[k] * step[k] + step[k + 1] * step[k + 1]);
-    }
-    double const longest = longest_step * diameter_;
-    return square > longest * longest ? longest / std::sqrt(square) : 1.0;
-  }
-
-  static void move(Packing& packing, Eigen::VectorXd const& step, double scale) {
-    for (std::size_t i = 0; i < packing.size(); ++i) {
-      packing.x[i] += scale * step[static_cast<Eigen::Index>(2 * i)];
-      packing.y[i] += scale * step[static_cast<Eigen::Index>(2 * i + 1)];
-    }
-  }
-
   MinimizerSettings settings_;
   SoftForces forces_;
   double diameter_;
   Columns velocity_;
   Columns force_;
+  std::optional<ForceSums> sums_;  ///< of force_, where that is known
+  Columns step_;
+  Packing before_;  ///< of a step, as the next
+  Columns force_before_;
+  QuasiNewton quasi_newton_;
   Eigen::SimplicialLLT<SparseMatrix> factors_;
   std::vector<int> outer_;  ///< the pattern that factors_ knows, with the next
   std::vector<int> inner_;
+  double quasi_newton_residual_;
   double newton_residual_;
   double time_step_;
   double mixing_ = first_mixing;
@@ -280,7 +341,7 @@ Minimizer::~Minimizer() = default;
 bool Minimizer::advance(std::function<bool()> const& should_continue) {
   while (status_ == MinimumStatus::searching) {
     for (std::uint64_t k = 0; k < iterations_per_look && status_ == MinimumStatus::searching; ++k) {
-      ForceSums const sums = search_->evaluate(packing_);
+      ForceSums const sums = search_->look(packing_);
       energy_ = sums.energy;
       residual_ = sums.residual();
       if (energy_ < least_energy_of_a_disk * static_cast<double>(packing_.size())) {
@@ -297,6 +358,9 @@ bool Minimizer::advance(std::function<bool()> const& should_continue) {
       } else if (search_->is_for_newton(sums)) {
         search_->newton_step(packing_, sums);
         ++newton_iterations_;
+      } else if (search_->is_for_quasi_newton(sums)) {
+        search_->quasi_newton_step(packing_, sums);
+        ++quasi_newton_iterations_;
       } else {
         search_->fire_step(packing_, sums);
         ++fire_iterations_;
@@ -335,6 +399,7 @@ void Minimizer::serialize(Archive& archive) {
   archive.visit("energy", energy_);
   archive.visit("residual", residual_);
   archive.visit("fire_iterations", fire_iterations_);
+  archive.visit("quasi_newton_iterations", quasi_newton_iterations_);
   archive.visit("newton_iterations", newton_iterations_);
   search_->serialize(archive);
 }

@@ -157,7 +157,7 @@ void PressureRamp::accept(double packing_fraction, double pressure) {
     return;
   }
   if (is_level) {
-    std::uint64_t const iterations = minimizer_.fire_iterations() + minimizer_.newton_iterations();
+    std::uint64_t const iterations = minimizer_.iterations();
     levels_.push_back(level_of(good_, potential));
     levels_.back().iterations = iterations - iterations_before_;
     iterations_before_ = iterations;

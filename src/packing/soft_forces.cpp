@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include "core/avx512.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/neighbour_lists.hpp"
+#include "packing/block_sums.hpp"
 #include "packing/potential.hpp"
 #include "packing/walls.hpp"
 
@@ -16,16 +19,12 @@ namespace gridlock {
 
 namespace {
 
-/// Disks whose forces and sums are one piece of work; the bits of sums depend on it.
-constexpr std::size_t block_size = 256;
-
 /// An entry of the list: a partner, and which of its images, up to `farthest_image` boxes away in each direction.
 constexpr std::uint32_t partner_bits = 26;
 constexpr std::uint32_t partner_mask = (1U << partner_bits) - 1;
+constexpr std::uint32_t image_bits = 3;  ///< of each direction
+constexpr std::uint32_t image_mask = (1U << image_bits) - 1;
 constexpr int farthest_image = 3;
-constexpr int images_across = 2 * farthest_image + 1;
-
-std::size_t blocks_of(std::size_t disks) { return (disks + block_size - 1) / block_size; }
 
 int image_of(double separation, double nearest, double side) {
   auto const image = static_cast<int>(std::lround((nearest - separation) / side));
@@ -36,7 +35,7 @@ int image_of(double separation, double nearest, double side) {
 
 }  // namespace
 
-void ForceSums::add(ForceSums const& part) {
+ForceSums& ForceSums::operator+=(ForceSums const& part) {
   energy += part.energy;
   contact_forces += part.contact_forces;
   overlaps += part.overlaps;
@@ -45,6 +44,7 @@ void ForceSums::add(ForceSums const& part) {
   force_squares += part.force_squares;
   power += part.power;
   speed_squares += part.speed_squares;
+  return *this;
 }
 
 double ForceSums::residual() const {
@@ -59,40 +59,57 @@ SoftForces::SoftForces(Packing const& packing, Potential potential, std::uint64_
                  .hint = "use fewer disks",
                  .key = "disks.count"});
   }
-  for (int y = -farthest_image; y <= farthest_image; ++y) {
-    for (int x = -farthest_image; x <= farthest_image; ++x) {
-      shifts_.push_back({x * packing.box.width(), y * packing.box.height()});
-    }
+  for (int image = -farthest_image; image <= farthest_image; ++image) {
+    auto const place = static_cast<std::size_t>(image + farthest_image);
+    shifts_x_[place] = image * packing.box.width();
+    shifts_y_[place] = image * packing.box.height();
   }
 }
 
 std::uint32_t SoftForces::entry_of(Packing const& packing, std::uint32_t i, std::uint32_t j) const {
-  if (!packing.box.is_periodic()) return j | (static_cast<std::uint32_t>(shifts_.size() / 2) << partner_bits);
-  Vector const from{packing.x[i], packing.y[i]};
-  Vector const to{packing.x[j], packing.y[j]};
-  Vector const nearest = packing.box.displacement(from, to);
-  Vector const d = to - from;
-  int const image_x = image_of(d.x, nearest.x, packing.box.width());
-  int const image_y = image_of(d.y, nearest.y, packing.box.height());
-  int const code = (image_y + farthest_image) * images_across + image_x + farthest_image;
-  return j | (static_cast<std::uint32_t>(code) << partner_bits);
+  int image_x = 0;
+  int image_y = 0;
+  if (packing.box.is_periodic()) {
+    Vector const from{packing.x[i], packing.y[i]};
+    Vector const to{packing.x[j], packing.y[j]};
+    Vector const nearest = packing.box.displacement(from, to);
+    Vector const d = to - from;
+    image_x = image_of(d.x, nearest.x, packing.box.width());
+    image_y = image_of(d.y, nearest.y, packing.box.height());
+  }
+  auto const code_x = static_cast<std::uint32_t>(image_x + farthest_image);
+  auto const code_y = static_cast<std::uint32_t>(image_y + farthest_image);
+  return j | (code_x << partner_bits) | (code_y << (partner_bits + image_bits));
 }
 
-bool SoftForces::is_outdated(Packing const& packing) const {
-  if (built_radii_.size() != packing.size() || begin_.empty()) return true;
-  double growth = 0.0;
-  double square = 0.0;
-  for (std::size_t i = 0; i < packing.size(); ++i) {
-    growth = std::max(growth, packing.radius[i] - built_radii_[i]);
-    double const dx = packing.x[i] - built_at_.x[i];
-    double const dy = packing.y[i] - built_at_.y[i];
-    square = std::max(square, dx * dx + dy * dy);
-  }
-  return 2.0 * (std::sqrt(square) + growth) >= skin_;
+double SoftForces::update_rows(Packing const& packing) {
+  struct Drift {
+    double growth = 0.0;
+    double square = 0.0;
+    Drift& operator+=(Drift const& other) {
+      growth = std::max(growth, other.growth);
+      square = std::max(square, other.square);
+      return *this;
+    }
+  };
+  bool const is_first = built_radii_.size() != packing.size();
+  rows_.resize(packing.size());
+  auto const [growth, square] = sum_over_blocks<Drift>(packing.size(), pool_, [&](std::size_t first, std::size_t end) {
+    Drift drift;
+    for (std::size_t i = first; i < end; ++i) {
+      rows_[i] = {.x = packing.x[i], .radius = packing.radius[i], .y = packing.y[i]};
+      if (is_first) continue;
+      double const dx = packing.x[i] - built_at_.x[i];
+      double const dy = packing.y[i] - built_at_.y[i];
+      drift += {.growth = packing.radius[i] - built_radii_[i], .square = dx * dx + dy * dy};
+    }
+    return drift;
+  });
+  return is_first ? std::numeric_limits<double>::infinity() : 2.0 * (std::sqrt(square) + growth);
 }
 
 void SoftForces::refresh(Packing const& packing) {
-  if (is_outdated(packing)) build(packing);
+  if (!(update_rows(packing) < skin_)) build(packing);
 }
 
 void SoftForces::build(Packing const& packing) {
@@ -116,6 +133,7 @@ void SoftForces::build(Packing const& packing) {
   built_radii_ = packing.radius;
   begin_.assign(disks + 1, 0);
   entries_.clear();
+  owners_.clear();
   if (disks < 2) return;
   bool const is_half = pool_.size() == 1;
   PointPairs const pairs = find_pairs(packing.box, largest + skin_,
@@ -139,42 +157,98 @@ void SoftForces::build(Packing const& packing) {
     std::sort(entries_.begin() + static_cast<std::ptrdiff_t>(begin_[i]),
               entries_.begin() + static_cast<std::ptrdiff_t>(begin_[i + 1]),
               [](std::uint32_t a, std::uint32_t b) { return (a & partner_mask) < (b & partner_mask); });
+    owners_.insert(owners_.end(), begin_[i + 1] - begin_[i], static_cast<std::uint32_t>(i));
   }
 }
 
 void SoftForces::Touching::make_room_for(std::size_t entries) {
-  if (first.size() > entries) return;
-  std::size_t const size = 2 * entries + 1;  // one place behind the last is written and not kept
+  if (first.size() > entries + 8) return;
+  std::size_t const size = 2 * entries + 9;  // up to eight places behind the last are written and not kept
   for (auto* column : {&dx, &dy, &square, &sigma, &overlap, &force, &scale}) column->resize(size);
   first.resize(size);
   second.resize(size);
 }
 
-std::size_t SoftForces::find_touching(Packing const& packing, std::size_t first, std::size_t end,
-                                      Touching& touching) const {
-  double const* const x = packing.x.data();
-  double const* const y = packing.y.data();
-  double const* const radius = packing.radius.data();
+#ifdef GRIDLOCK_AVX512
+namespace {
+
+/// Distance along x, contact distance, distance along y, and nothing: of the entry in the lower half, of the fourth behind it in the upper.
+GRIDLOCK_AVX512 __m512d pair_of_differences(DiskRow const* rows, std::uint32_t const* entry,
+                                            std::uint32_t const* owner) {
+  __m256d const lower =
+      _mm256_addsub_pd(_mm256_load_pd(&rows[entry[0] & partner_mask].x), _mm256_load_pd(&rows[owner[0]].x));
+  __m256d const upper =
+      _mm256_addsub_pd(_mm256_load_pd(&rows[entry[4] & partner_mask].x), _mm256_load_pd(&rows[owner[4]].x));
+  return _mm512_insertf64x4(_mm512_castpd256_pd512(lower), upper, 1);
+}
+
+}  // namespace
+
+GRIDLOCK_AVX512 std::size_t SoftForces::find_touching_of_eights(std::size_t first, std::size_t end, Touching& touching,
+                                                                std::size_t& count) const {
+  // The first and third pair of numbers of each half of two registers, and the second and fourth.
+  __m512i const first_pairs = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+  __m512i const second_pairs = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+  __m512d const shifts_x = _mm512_loadu_pd(shifts_x_.data());
+  __m512d const shifts_y = _mm512_loadu_pd(shifts_y_.data());
+  __m256i const partner = _mm256_set1_epi32(static_cast<int>(partner_mask));
+  DiskRow const* const rows = rows_.data();
+  std::size_t k = first;
+  for (; k + 8 <= end; k += 8) {
+    std::uint32_t const* const entry = &entries_[k];
+    std::uint32_t const* const owner = &owners_[k];
+    __m512d const a = pair_of_differences(rows, entry, owner);
+    __m512d const b = pair_of_differences(rows, entry + 1, owner + 1);
+    __m512d const c = pair_of_differences(rows, entry + 2, owner + 2);
+    __m512d const d = pair_of_differences(rows, entry + 3, owner + 3);
+    __m512d const distances_ab = _mm512_unpacklo_pd(a, b);
+    __m512d const distances_cd = _mm512_unpacklo_pd(c, d);
+    __m512i const entries = _mm512_cvtepu32_epi64(_mm256_loadu_si256(reinterpret_cast<__m256i const*>(entry)));
+    __m512d const shift_x = _mm512_permutexvar_pd(_mm512_srli_epi64(entries, partner_bits), shifts_x);
+    __m512d const shift_y = _mm512_permutexvar_pd(_mm512_srli_epi64(entries, partner_bits + image_bits), shifts_y);
+    __m512d const dx = _mm512_add_pd(_mm512_permutex2var_pd(distances_ab, first_pairs, distances_cd), shift_x);
+    __m512d const dy = _mm512_add_pd(_mm512_permutex2var_pd(distances_ab, second_pairs, distances_cd), shift_y);
+    __m512d const sigma = _mm512_permutex2var_pd(_mm512_unpackhi_pd(a, b), first_pairs, _mm512_unpackhi_pd(c, d));
+    __m512d const square = _mm512_add_pd(_mm512_mul_pd(dx, dx), _mm512_mul_pd(dy, dy));
+    __mmask8 const is_touching = _mm512_cmp_pd_mask(square, _mm512_mul_pd(sigma, sigma), _CMP_LT_OQ);
+    _mm512_storeu_pd(&touching.dx[count], _mm512_maskz_compress_pd(is_touching, dx));
+    _mm512_storeu_pd(&touching.dy[count], _mm512_maskz_compress_pd(is_touching, dy));
+    _mm512_storeu_pd(&touching.square[count], _mm512_maskz_compress_pd(is_touching, square));
+    _mm512_storeu_pd(&touching.sigma[count], _mm512_maskz_compress_pd(is_touching, sigma));
+    __m256i const owners = _mm256_loadu_si256(reinterpret_cast<__m256i const*>(owner));
+    __m256i const partners = _mm256_and_si256(_mm512_cvtepi64_epi32(entries), partner);
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(&touching.first[count]),
+                        _mm256_maskz_compress_epi32(is_touching, owners));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(&touching.second[count]),
+                        _mm256_maskz_compress_epi32(is_touching, partners));
+    count += static_cast<std::size_t>(std::popcount(static_cast<unsigned>(is_touching)));
+  }
+  return k;
+}
+#endif
+
+std::size_t SoftForces::find_touching(std::size_t first, std::size_t end, Touching& touching) const {
   std::size_t count = 0;
-  for (std::size_t i = first; i < end; ++i) {
-    double const own_x = x[i];
-    double const own_y = y[i];
-    double const own_radius = radius[i];
-    for (std::size_t k = begin_[i]; k < begin_[i + 1]; ++k) {
-      std::uint32_t const j = entries_[k] & partner_mask;
-      Vector const shift = shifts_[entries_[k] >> partner_bits];
-      double const dx = (x[j] - own_x) + shift.x;
-      double const dy = (y[j] - own_y) + shift.y;
-      double const square = dx * dx + dy * dy;
-      double const sigma = own_radius + radius[j];
-      touching.first[count] = static_cast<std::uint32_t>(i);
-      touching.second[count] = j;
-      touching.dx[count] = dx;
-      touching.dy[count] = dy;
-      touching.square[count] = square;
-      touching.sigma[count] = sigma;
-      count += square < sigma * sigma ? 1 : 0;
-    }
+  std::size_t k = first;
+#ifdef GRIDLOCK_AVX512
+  if (has_avx512()) k = find_touching_of_eights(first, end, touching, count);
+#endif
+  for (; k < end; ++k) {
+    std::uint32_t const i = owners_[k];
+    std::uint32_t const j = entries_[k] & partner_mask;
+    DiskRow const& own = rows_[i];
+    DiskRow const& other = rows_[j];
+    double const dx = (other.x - own.x) + shifts_x_[(entries_[k] >> partner_bits) & image_mask];
+    double const dy = (other.y - own.y) + shifts_y_[entries_[k] >> (partner_bits + image_bits)];
+    double const square = dx * dx + dy * dy;
+    double const sigma = own.radius + other.radius;
+    touching.first[count] = i;
+    touching.second[count] = j;
+    touching.dx[count] = dx;
+    touching.dy[count] = dy;
+    touching.square[count] = square;
+    touching.sigma[count] = sigma;
+    count += square < sigma * sigma ? 1 : 0;
   }
   return count;
 }
@@ -241,12 +315,10 @@ void SoftForces::push_from_walls(Packing const& packing, std::size_t first, std:
 /// Which entries are in contact cannot be predicted: they are gathered without a branch, then computed together.
 template <Potential potential, bool is_half>
 ForceSums SoftForces::evaluate_block(Packing const& packing, Columns const& velocities, Columns& forces,
-                                     std::size_t block) const {
-  std::size_t const first = block * block_size;
-  std::size_t const end = std::min(first + block_size, packing.size());
+                                     std::size_t first, std::size_t end) const {
   thread_local Touching touching;
   touching.make_room_for(begin_[end] - begin_[first]);
-  std::size_t const count = find_touching(packing, first, end, touching);
+  std::size_t const count = find_touching(begin_[first], begin_[end], touching);
   compute_pushes<potential>(touching, count);
   ForceSums sums;
   double* const force_x = forces.x.data();
@@ -290,22 +362,16 @@ ForceSums SoftForces::evaluate_block(Packing const& packing, Columns const& velo
 
 template <Potential potential>
 ForceSums SoftForces::evaluate_all(Packing const& packing, Columns const& velocities, Columns& forces) {
-  std::size_t const blocks = blocks_of(packing.size());
-  ForceSums sums;
   if (pool_.size() == 1) {
     std::ranges::fill(forces.x, 0.0);
     std::ranges::fill(forces.y, 0.0);
-    for (std::size_t block = 0; block < blocks; ++block) {
-      sums.add(evaluate_block<potential, true>(packing, velocities, forces, block));
-    }
-    return sums;
+    return sum_over_blocks<ForceSums>(packing.size(), pool_, [&](std::size_t first, std::size_t end) {
+      return evaluate_block<potential, true>(packing, velocities, forces, first, end);
+    });
   }
-  block_sums_.resize(blocks);
-  pool_.for_each(blocks, [&](std::size_t block) {
-    block_sums_[block] = evaluate_block<potential, false>(packing, velocities, forces, block);
+  return sum_over_blocks<ForceSums>(packing.size(), pool_, [&](std::size_t first, std::size_t end) {
+    return evaluate_block<potential, false>(packing, velocities, forces, first, end);
   });
-  for (ForceSums const& part : block_sums_) sums.add(part);
-  return sums;
 }
 
 ForceSums SoftForces::evaluate(Packing const& packing, Columns const& velocities, Columns& forces) {
@@ -322,8 +388,8 @@ std::vector<Contact> SoftForces::contacts(Packing const& packing) {
     for (std::size_t k = begin_[i]; k < begin_[i + 1]; ++k) {
       std::uint32_t const j = entries_[k] & partner_mask;
       if (j < i) continue;
-      Vector const shift = shifts_[entries_[k] >> partner_bits];
-      Vector const d{(packing.x[j] - packing.x[i]) + shift.x, (packing.y[j] - packing.y[i]) + shift.y};
+      Vector const d{(packing.x[j] - packing.x[i]) + shifts_x_[(entries_[k] >> partner_bits) & image_mask],
+                     (packing.y[j] - packing.y[i]) + shifts_y_[entries_[k] >> (partner_bits + image_bits)]};
       double const sigma = packing.radius[i] + packing.radius[j];
       double const distance = std::sqrt(squared_length(d));
       if (!(1.0 - distance / sigma > 0.0)) continue;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -29,7 +30,7 @@ struct ForceSums {
   double power = 0.0;           ///< Σ F·v
   double speed_squares = 0.0;   ///< Σ v²
 
-  void add(ForceSums const& part);
+  ForceSums& operator+=(ForceSums const& part);
   /// Adds one contact.
   void count(double energy_of_contact, double force, double overlap) {
     energy += energy_of_contact;
@@ -39,6 +40,15 @@ struct ForceSums {
   }
   /// Largest net force over the mean contact force; 0 without contacts.
   [[nodiscard]] double residual() const;
+};
+
+/// What the force on a disk needs of it, side by side: where two of these have every other number subtracted and the rest added, their
+/// distances along x and y and their contact distance come out.
+struct alignas(32) DiskRow {
+  double x;
+  double radius;
+  double y;
+  double unused = 0.0;
 };
 
 /// The forces between soft disks, by a Verlet list: pairs nearer than their contact distance and a skin, found anew once disks
@@ -55,6 +65,9 @@ class SoftForces {
 
   /// All pairs that overlap there, sorted.
   std::vector<Contact> contacts(Packing const& packing);
+
+  /// The threads that share the work.
+  ThreadPool& pool() { return pool_; }
 
  private:
   /// Pairs that overlap, column by column.
@@ -74,11 +87,15 @@ class SoftForces {
 
   void refresh(Packing const& packing);
   void build(Packing const& packing);
-  [[nodiscard]] bool is_outdated(Packing const& packing) const;
+  /// Copies the disks to rows_; returns how far two of them can have come nearer since the list was built.
+  double update_rows(Packing const& packing);
   template <Potential potential, bool is_half>
-  ForceSums evaluate_block(Packing const& packing, Columns const& velocities, Columns& forces, std::size_t block) const;
-  /// Those of the entries of these disks that overlap; returns how many.
-  std::size_t find_touching(Packing const& packing, std::size_t first, std::size_t end, Touching& touching) const;
+  ForceSums evaluate_block(Packing const& packing, Columns const& velocities, Columns& forces, std::size_t first,
+                           std::size_t end) const;
+  /// Those of the entries from first to end that overlap; returns how many.
+  std::size_t find_touching(std::size_t first, std::size_t end, Touching& touching) const;
+  /// The same for as many eights as there are; returns the entry it has come to, and counts.
+  std::size_t find_touching_of_eights(std::size_t first, std::size_t end, Touching& touching, std::size_t& count) const;
   template <Potential potential>
   static std::size_t compute_eight_pushes(Touching& touching, std::size_t count);
   template <Potential potential>
@@ -93,15 +110,16 @@ class SoftForces {
   Potential potential_;
   double skin_of_smallest_ = 0.25;  ///< in smallest diameters
   double skin_ = 0.0;               ///< at the last build
-  double largest_contact_ = 0.0;    ///< at the last build
   Columns built_at_;
   std::vector<double> built_radii_;
   std::vector<std::size_t> begin_;
   /// A partner in the lower bits, and above them which of its images is near: half of the pairs for one thread, both ways for more.
   std::vector<std::uint32_t> entries_;
-  std::vector<Vector> shifts_;  ///< by the upper bits of an entry
+  std::vector<std::uint32_t> owners_;  ///< the disk in whose list an entry is
+  std::vector<DiskRow> rows_;
+  std::array<double, 8> shifts_x_{};  ///< of images, by the middle bits of an entry
+  std::array<double, 8> shifts_y_{};  ///< the same by the upper bits
   ThreadPool pool_;
-  std::vector<ForceSums> block_sums_;
 };
 
 }  // namespace gridlock

@@ -50,9 +50,7 @@ class QuenchStage final : public Stage {
     return true;
   }
   void serialize(Archive& archive, State const& /*state*/) override { minimizer_.serialize(archive); }
-  [[nodiscard]] std::uint64_t work() const override {
-    return minimizer_.fire_iterations() + minimizer_.newton_iterations();
-  }
+  [[nodiscard]] std::uint64_t work() const override { return minimizer_.iterations(); }
   [[nodiscard]] StageResult result(State const& state) const override {
     PressureLevel level = level_of(minimizer_.packing(), potential_);
     level.iterations = work();
@@ -84,9 +82,7 @@ class RampStage final : public Stage {
     return true;
   }
   void serialize(Archive& archive, State const& /*state*/) override { ramp_.serialize(archive); }
-  [[nodiscard]] std::uint64_t work() const override {
-    return ramp_.minimizer().fire_iterations() + ramp_.minimizer().newton_iterations();
-  }
+  [[nodiscard]] std::uint64_t work() const override { return ramp_.minimizer().iterations(); }
   [[nodiscard]] StageResult result(State const& state) const override {
     StageResult result{.packing_fraction = packing_fraction_of(state),
                        .is_converged = ramp_.status() == RampStatus::reached,

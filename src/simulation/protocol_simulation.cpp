@@ -119,7 +119,7 @@ std::vector<LevelColumn> level_columns() {
       {{"shear_modulus", "", "Mean over all directions, in ε/D²."}, &PressureLevel::shear_modulus},
       {{"least_shear_modulus", "", "Of the softest direction, in ε/D²."}, &PressureLevel::least_shear_modulus},
       {{"residual", "", "Largest net force over the mean contact force."}, &PressureLevel::residual},
-      {{"iterations", "", "Of FIRE and Newton since the level before."}, count(&PressureLevel::iterations)},
+      {{"iterations", "", "Of the minimizer since the level before."}, count(&PressureLevel::iterations)},
       {{"jamming_packing_fraction", "", "Where the pressure vanishes, from the last two minima."},
        &PressureLevel::jamming_packing_fraction}};
 }

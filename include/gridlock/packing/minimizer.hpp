@@ -1,7 +1,7 @@
 #pragma once
 
 /// \file
-/// The minimum of the energy of soft disks: FIRE, then Newton's method.
+/// The minimum of the energy of soft disks: FIRE, then the quasi-Newton method L-BFGS, then Newton's method.
 ///
 /// ```cpp
 /// Packing const start{.box = Box(1.0, 1.0, Edge::periodic), .x = {0.3, 0.45}, .y = {0.5, 0.5}, .radius = {0.1, 0.1}};
@@ -23,8 +23,9 @@ namespace gridlock {
 struct MinimizerSettings {
   Potential potential = Potential::harmonic;
   double residual = 1e-8;              ///< largest net force of a disk over the mean contact force at which it is found
+  double quasi_newton_residual = 1.0;  ///< the same, at which L-BFGS takes over from FIRE; 0: never
   double newton_residual = 1e-3;       ///< the same, at which Newton's method takes over; 0: never
-  std::uint64_t iterations = 500'000;  ///< of FIRE and Newton together; then it is given up
+  std::uint64_t iterations = 500'000;  ///< of all methods together; then it is given up
   std::uint64_t threads = 1;           ///< 0: all cores
 };
 
@@ -40,18 +41,23 @@ char const* to_text(MinimumStatus status);
 /// Moves soft disks downhill to the next minimum of their energy.
 ///
 /// FIRE 2.0 with unit masses: v ← v + F dt, v ← (1 − α) v + α |v| F/|F|, x ← x + v dt; where F·v ≤ 0, half a step back and
-/// v ← 0. Delay 20, growth 1.1, shrinking 0.5, α₀ = 0.25, × 0.99; dt from 0.1 to 0.45 √(m D²/ε), D the smallest diameter. Below
-/// `newton_residual` Newton's method with H + s 1, factorized by Cholesky: s/(ε/D²) starts at 1e-9, grows tenfold until the matrix is
-/// positive definite, and shrinks to a fifth after a full step. A step moves no disk by more than 0.1 D, and is halved up to six times until it lowers
-/// the energy or halves the residual.
+/// v ← 0. Delay 20, growth 1.1, shrinking 0.5, α₀ = 0.25, × 0.99; dt from 0.1 to 0.45 √(m D²/ε), D the smallest diameter.
+///
+/// Below `quasi_newton_residual` steps by the inverse Hessian that the last five steps tell (L-BFGS). A step is halved up to six times
+/// until it lowers the energy by 10⁻⁴ of what the slope promises or halves the residual; where none does, FIRE takes over, down to a tenth of the residual.
+///
+/// Below `newton_residual` Newton's method with H + s 1, factorized by Cholesky: s/(ε/D²) starts at 1e-9, grows tenfold until the matrix is
+/// positive definite, and shrinks to a fifth after a full step. Where a step does not halve the residual, L-BFGS takes over, down to a tenth of it.
+/// No step of either moves a disk by more than 0.1 D.
+///
 /// Where the forces balance at a saddle, with a curvature below −1e-7 ε/D², all disks are displaced by 1e-4 D and the search goes downhill
 /// from there; not where `newton_residual` is 0.
 /// Overlaps near the rounding of the positions set a limit to the residual: it counts as reached at
 /// 2⁻⁵⁰ L/(D δ̄), L the longer side of the box, δ̄ the mean overlap.
 /// Same bits for any number of threads, interrupted or not: each disk adds up its forces in the order of their numbers.
 /// Errors: Error for a packing that find_contacts() refuses, and settings out of range.
-/// Cost: about 30 ns a disk and iteration of FIRE; a Newton step of 10⁴ disks 0.2 s.
-/// Source: J. Guénolé et al. (2020), doi:10.1016/j.commatsci.2020.109584.
+/// Cost: 15 to 30 ns a disk and iteration of FIRE or L-BFGS; a Newton step of 10⁴ disks 0.2 s.
+/// Sources: J. Guénolé et al. (2020), doi:10.1016/j.commatsci.2020.109584; D. C. Liu and J. Nocedal (1989), doi:10.1007/BF01589116.
 class Minimizer {
  public:
   Minimizer(MinimizerSettings const& settings, Packing packing);
@@ -71,8 +77,12 @@ class Minimizer {
   [[nodiscard]] double residual() const { return residual_; }
   /// P D²/ε.
   [[nodiscard]] double pressure() const;
-  /// Of all searches so far.
+  /// Of all searches so far, by any method and by each.
+  [[nodiscard]] std::uint64_t iterations() const {
+    return fire_iterations_ + quasi_newton_iterations_ + newton_iterations_;
+  }
   [[nodiscard]] std::uint64_t fire_iterations() const { return fire_iterations_; }
+  [[nodiscard]] std::uint64_t quasi_newton_iterations() const { return quasi_newton_iterations_; }
   [[nodiscard]] std::uint64_t newton_iterations() const { return newton_iterations_; }
   [[nodiscard]] std::vector<Contact> contacts() const;
 
@@ -88,6 +98,7 @@ class Minimizer {
   double energy_ = 0.0;
   double residual_ = 0.0;
   std::uint64_t fire_iterations_ = 0;
+  std::uint64_t quasi_newton_iterations_ = 0;
   std::uint64_t newton_iterations_ = 0;
 };
 

@@ -42,7 +42,7 @@ struct PressureLevel {
   double pressure = 0.0;  ///< P D²/ε, D the smallest diameter
   double energy = 0.0;    ///< of all disks, in ε
   double residual = 0.0;
-  std::uint64_t iterations = 0;                                      ///< of FIRE and Newton since the level before
+  std::uint64_t iterations = 0;                                      ///< of the minimizer since the level before
   std::uint64_t backbone_disks = 0;                                  ///< N₀
   std::uint64_t backbone_contacts = 0;                               ///< N_c
   double contact_number = std::numeric_limits<double>::quiet_NaN();  ///< 2 N_c/N₀; no number without a backbone

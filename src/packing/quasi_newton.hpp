@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "gridlock/core/archive.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
+#include "packing/soft_forces.hpp"
+
+namespace gridlock {
+
+/// The limited-memory method of Broyden, Fletcher, Goldfarb and Shanno: the inverse of the Hessian as the last few steps and what
+/// they changed in the forces tell it.
+/// Source: D. C. Liu and J. Nocedal (1989), doi:10.1007/BF01589116.
+class QuasiNewton {
+ public:
+  /// first_scale: the step for a unit force while nothing is known.
+  QuasiNewton(std::size_t disks, double first_scale) : disks_(disks), first_scale_(first_scale) {}
+
+  struct Direction {
+    double slope = 0.0;    ///< step · force
+    double longest = 0.0;  ///< displacement of a disk
+  };
+  /// Writes the step that leads to where forces vanish if the energy is the quadratic form that is known.
+  Direction find_direction(Columns const& force, Columns& step, ThreadPool& pool);
+  /// Learns from a step that was `scale` times this one. One along which the energy curves down is not learnt from.
+  void remember(Columns const& step, double scale, Columns const& force_before, Columns const& force_after,
+                ThreadPool& pool);
+  void forget(double first_scale);
+
+  void serialize(Archive& archive);
+
+ private:
+  struct Pair {
+    Columns step;
+    Columns change;          ///< force before − force after
+    double curvature = 0.0;  ///< step · change
+    double scale = 0.0;      ///< curvature / change²
+  };
+
+  std::size_t disks_;
+  double first_scale_;
+  std::vector<Pair> pairs_;  ///< the oldest first
+};
+
+}  // namespace gridlock
