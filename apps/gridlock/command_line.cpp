@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/core/target.hpp"
 #include "gridlock/workspace/run_directory.hpp"
 #include "other_program.hpp"
 #include "usage_error.hpp"
@@ -81,7 +82,8 @@ void add_other_programs(CLI::App& app) {
 ExitCode run_command_line(int argc, char** argv) {
   if (argc > 0) cli::set_program_name(std::filesystem::path(argv[0]).filename().string());
   CLI::App app{"gridlock: simulates many agents that interact only with nearby neighbours", cli::program_name()};
-  app.set_version_flag("--version", std::string("gridlock ") + gridlock::version());
+  // Looked up for every command, so that a wrong name of instructions is refused before anything runs.
+  app.set_version_flag("--version", fmt::format("gridlock {}, instructions: {}", version(), to_text(target())));
   app.get_formatter()->label("SUBCOMMAND", "COMMAND");
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::help);

@@ -167,13 +167,21 @@ GRIDLOCK_AVX512 void add_scattering_avx512(Displacements const& moved, double sq
   }
   add_scattering_from(k, moved, squared_q, table, sums);
 }
-
-auto* const add_displacements = has_avx512() ? &add_avx512 : &add_scalar;
-auto* const add_scattering = has_avx512() ? &add_scattering_avx512 : &add_scattering_scalar;
-#else
-auto* const add_displacements = &add_scalar;
-auto* const add_scattering = &add_scattering_scalar;
 #endif
+
+auto* fastest_add() {
+#ifdef GRIDLOCK_AVX512
+  if (uses_avx512()) return &add_avx512;
+#endif
+  return &add_scalar;
+}
+
+auto* fastest_add_scattering() {
+#ifdef GRIDLOCK_AVX512
+  if (uses_avx512()) return &add_scattering_avx512;
+#endif
+  return &add_scattering_scalar;
+}
 
 /// Which pairs of a lag have intervals that do not overlap, one after the other from the first.
 std::vector<bool> independent_pairs(FramesOfLag const& frames, std::span<double const> times) {
@@ -289,11 +297,11 @@ class Walk {
       double const scattering = bessel_ ? scattering_of(moved) : 0.0;
       sums.sums.scattering += scattering;
       if (!independent_[lag][k]) {
-        add_displacements(moved, squared_overlap, sums.lanes);
+        add_(moved, squared_overlap, sums.lanes);
         continue;
       }
       Lanes lanes;
-      add_displacements(moved, squared_overlap, lanes);
+      add_(moved, squared_overlap, lanes);
       sums.sums.add(lanes);
       origin->add(lanes);
       origin->scattering += scattering;
@@ -303,7 +311,7 @@ class Walk {
 
   [[nodiscard]] double scattering_of(Displacements const& moved) const {
     Eight sums{};
-    add_scattering(moved, settings_.wave_number * settings_.wave_number, *bessel_, sums);
+    add_scattering_(moved, settings_.wave_number * settings_.wave_number, *bessel_, sums);
     double sum = 0.0;
     for (std::size_t l = 0; l < lane_count; ++l) sum += sums[l];
     return sum;
@@ -349,6 +357,8 @@ class Walk {
   std::vector<std::vector<bool>> independent_;
   std::optional<BesselTable> bessel_;
   std::vector<Vector> drift_;
+  decltype(fastest_add()) add_ = fastest_add();
+  decltype(fastest_add_scattering()) add_scattering_ = fastest_add_scattering();
 };
 
 void require_finite_positions(TrajectoryInMemory const& trajectory) {

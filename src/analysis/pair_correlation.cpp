@@ -53,11 +53,14 @@ GRIDLOCK_AVX512 void find_bins_avx512(Binning const& binning, Vector p, double c
   __m256i const found = _mm512_cvttpd_epi32(_mm512_min_pd(scaled, _mm512_set1_pd(binning.bins)));
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(bins), found);
 }
-
-auto* const find_bins = has_avx512() ? &find_bins_avx512 : &find_bins_scalar;
-#else
-auto* const find_bins = &find_bins_scalar;
 #endif
+
+auto* fastest_find_bins() {
+#ifdef GRIDLOCK_AVX512
+  if (uses_avx512()) return &find_bins_avx512;
+#endif
+  return &find_bins_scalar;
+}
 
 /// Pairs of every two kinds by bins, with one bin more for those that are not in the range.
 class Histogram {
@@ -108,7 +111,7 @@ class Histogram {
     std::array<std::int32_t, batch> bins;
     for (std::size_t k = range.first; k < range.end; k += batch) {
       std::size_t const count = std::min(batch, range.end - k);
-      find_bins(binning, p, points_.x() + k, points_.y() + k, count, bins.data());
+      find_bins_(binning, p, points_.x() + k, points_.y() + k, count, bins.data());
       for (std::size_t l = 0; l < count; ++l) {
         ++counts[kind_of_row_[k + l] * stride_ + static_cast<std::size_t>(bins[l])];
       }
@@ -121,6 +124,7 @@ class Histogram {
   std::size_t kinds_;
   std::size_t stride_;
   double bins_per_length_;
+  decltype(fastest_find_bins()) find_bins_ = fastest_find_bins();
 };
 
 void require(Box const& box, PointsInMemory const& points, double range, std::size_t bins,

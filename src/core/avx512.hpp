@@ -1,11 +1,13 @@
 #pragma once
 
 // What the files share whose functions are compiled for wide registers. Only functions marked GRIDLOCK_AVX512 use them, and
-// has_avx512() decides at run time whether they are ever called. Empty where the compiler has no such functions.
+// uses_avx512() decides at run time whether they are ever called. Empty where the compiler has no such functions.
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
 #include <immintrin.h>
+
+#include "gridlock/core/target.hpp"
 
 #if !defined(__clang__)
 // GCC 12 takes the deliberately undefined registers inside its own intrinsics for a mistake of the caller.
@@ -17,11 +19,8 @@
 
 namespace gridlock {
 
-/// Whether this processor has the instructions of GRIDLOCK_AVX512.
-inline bool has_avx512() {
-  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-         __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
-}
+/// Whether kernels are to use the instructions of GRIDLOCK_AVX512.
+inline bool uses_avx512() { return target() == Target::avx512; }
 
 /// One component of Box::displacement_inside() in a periodic box, eight at a time.
 GRIDLOCK_AVX512 inline __m512d nearest_image(__m512d d, double side) {

@@ -469,7 +469,7 @@ class BatchedMoves {
   Meetings meetings_;
 };
 
-bool can_take_batch_with_avx512() { return has_avx512(); }
+bool can_take_batch_with_avx512() { return uses_avx512(); }
 
 GRIDLOCK_AVX512 void take_batch_avx512(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
                                        std::vector<std::uint32_t>& not_local) {

@@ -110,7 +110,7 @@ GRIDLOCK_AVX512 void add_pairs_of_cell(PackedGrid const& grid, std::span<SeenBlo
 
 }  // namespace
 
-bool can_add_pairs_with_avx512() { return has_avx512(); }
+bool can_add_pairs_with_avx512() { return uses_avx512(); }
 
 GRIDLOCK_AVX512 void add_pairs_of_row_with_avx512(HalfBlock& half, int row, PairBuffer& buffer) {
   PackedGrid const& grid = half.grid;

@@ -46,7 +46,7 @@ GRIDLOCK_AVX512 inline std::size_t find(RowSearch const& search, std::span<RowRa
 
 }  // namespace
 
-bool can_find_neighbours_with_avx512() { return has_avx512(); }
+bool can_find_neighbours_with_avx512() { return uses_avx512(); }
 
 GRIDLOCK_AVX512 std::size_t find_neighbours_avx512(RowSearch const& search, std::span<RowRange const> ranges,
                                                    std::uint32_t* found) {

@@ -87,7 +87,7 @@ struct Kernels {
 
 Kernels kernels() {
 #ifdef GRIDLOCK_AVX512
-  if (has_avx512()) return {.multiply = multiply_wide, .add = add_wide};
+  if (uses_avx512()) return {.multiply = multiply_wide, .add = add_wide};
 #endif
   return {};
 }

@@ -231,7 +231,7 @@ std::size_t SoftForces::find_touching(std::size_t first, std::size_t end, Touchi
   std::size_t count = 0;
   std::size_t k = first;
 #ifdef GRIDLOCK_AVX512
-  if (has_avx512()) k = find_touching_of_eights(first, end, touching, count);
+  if (uses_avx512()) k = find_touching_of_eights(first, end, touching, count);
 #endif
   for (; k < end; ++k) {
     std::uint32_t const i = owners_[k];
@@ -278,7 +278,7 @@ template <Potential potential>
 void SoftForces::compute_pushes(Touching& touching, std::size_t count) {
   std::size_t k = 0;
 #ifdef GRIDLOCK_AVX512
-  if (has_avx512()) k = compute_eight_pushes<potential>(touching, count);
+  if (uses_avx512()) k = compute_eight_pushes<potential>(touching, count);
 #endif
   for (; k < count; ++k) {
     double const sigma = touching.sigma[k];

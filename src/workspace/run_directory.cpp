@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/core/target.hpp"
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "io/checkpoint.hpp"
@@ -86,7 +87,9 @@ std::string summary_json(Configuration const& configuration, std::uint64_t start
   json["step"] = record.clock.step;
   json["time"] = record.clock.time;
   json["time_step"] = record.time_step;
-  json["timing"] = {{"seconds", record.seconds}, {"agent_steps_per_second", record.agent_steps_per_second()}};
+  json["timing"] = {{"seconds", record.seconds},
+                    {"agent_steps_per_second", record.agent_steps_per_second()},
+                    {"target", to_text(target())}};
   json["counters"] = to_json(record.counts);
   for (auto const& [name, estimate, unit] : record.results) {
     // A model may call what it observes "time" or "seed".

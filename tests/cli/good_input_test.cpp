@@ -196,6 +196,20 @@ TEST(Explain, KnowsEverySettingOfAResolvedConfiguration) {
   }
 }
 
+TEST(Target, IsWhatTheEnvironmentNames) {
+  Workplace const workplace;
+  auto const version_with = [&](std::string const& variable) {
+    return Process("/usr/bin/env", {variable, GRIDLOCK_PROGRAM, "--version"}, workplace.path()).wait();
+  };
+  Outcome const scalar = version_with("GRIDLOCK_TARGET=scalar");
+  expect_good(scalar);
+  EXPECT_NE(scalar.out.find("instructions: scalar"), std::string::npos) << scalar.out;
+  Outcome const unknown = version_with("GRIDLOCK_TARGET=axv2");
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_NE(unknown.err.find("GRIDLOCK_TARGET is \"axv2\"; this processor has: scalar"), std::string::npos)
+      << unknown.err;
+}
+
 TEST(Help, IsThereForEveryVerb) {
   Workplace const workplace;
   expect_good(gridlock::test::gridlock({"--help"}, workplace.path()));

@@ -7,7 +7,7 @@ namespace gridlock::exact {
 bool can_use_avx512(PredictionInput const& s) {
   // In fewer cells a side the nearest image of a disk may not be the one in the neighbouring cell.
   bool const has_room = !s.is_periodic || (s.columns >= 5 && s.rows >= 5);
-  return has_avx512() && has_room && (s.capacity == slots_per_cell || s.neighbours != nullptr);
+  return uses_avx512() && has_room && (s.capacity == slots_per_cell || s.neighbours != nullptr);
 }
 
 namespace {
