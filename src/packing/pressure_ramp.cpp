@@ -158,7 +158,7 @@ void PressureRamp::accept(double packing_fraction, double pressure) {
   }
   if (is_level) {
     std::uint64_t const iterations = minimizer_.fire_iterations() + minimizer_.newton_iterations();
-    levels_.push_back(level_of(good_, potential));
+    levels_.push_back(level_of(good_, find_contact_network(good_, potential)));
     levels_.back().iterations = iterations - iterations_before_;
     iterations_before_ = iterations;
     if (has_slope)
@@ -244,8 +244,7 @@ void PressureRamp::serialize(Archive& archive) {
   gridlock::serialize(archive, levels_);
 }
 
-PressureLevel level_of(Packing const& packing, Potential potential) {
-  ContactNetwork const network = find_contact_network(packing, potential);
+PressureLevel level_of(Packing const& packing, ContactNetwork const& network) {
   PressureLevel level{.packing_fraction = packing_fraction(packing),
                       .pressure = network.pressure + 0.0,  // no −0 where nothing presses
                       .energy = network.energy,

@@ -45,10 +45,10 @@ TEST(Protocol, OfTheSceneJamsAndSaysSo) {
   EXPECT_EQ(outcome.out.find("agent-steps"), std::string::npos) << outcome.out;
   EXPECT_EQ(gridlock::read_csv(workplace / "out/stages.csv").row_count(), 2U);
   EXPECT_GT(gridlock::read_csv(workplace / "out/levels.csv").row_count(), 8U);
-  bool const is_stable = summary["is_shear_stable"]["value"] == 1.0;
-  std::string const words = "is unstable against shear";
-  EXPECT_EQ(outcome.err.find(words) == std::string::npos, is_stable) << outcome.err;
-  EXPECT_EQ(text_of(workplace / "out/run.log").find(words) == std::string::npos, is_stable);
+  // With one state of self-stress some shear always costs nothing, which need not be said.
+  EXPECT_EQ(summary["is_shear_stable"]["value"], 0.0);
+  EXPECT_LT(summary["least_shear_modulus"]["value"].get<double>(), 0.0);
+  EXPECT_EQ(outcome.err.find("note: "), std::string::npos) << outcome.err;
 }
 
 TEST(Protocol, SaysWhereAStageFallsShort) {
@@ -69,6 +69,8 @@ TEST(Protocol, SaysWhereAStageFallsShort) {
       "[[protocol]]\nstage = \"quench\"\npacking_fraction = 1.0\n"
       "[[protocol]]\nstage = \"decompress\"\nuntil_pressure = 1e-11\n",
       "stage 2 of the protocol, \"decompress\", ends short of its goal, at pressure ");
+  expect_note("[[protocol]]\nstage = \"quench\"\npacking_fraction = 0.78\n",
+              "the packing of stage 1 of the protocol, \"quench\", is not jammed: ");
   expect_note("[[protocol]]\nstage = \"swap\"\nsweeps = 3\n", "stage 1 of the protocol, \"swap\", is no equilibrium");
 }
 

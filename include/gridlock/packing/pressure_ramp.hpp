@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "gridlock/core/archive.hpp"
+#include "gridlock/packing/contact_network.hpp"
 #include "gridlock/packing/minimizer.hpp"
 
 namespace gridlock {
@@ -58,7 +59,8 @@ struct PressureLevel {
 void serialize(Archive& archive, std::vector<PressureLevel>& levels);
 
 /// A minimum with all that the network of its contacts says; without iterations and jamming packing fraction.
-PressureLevel level_of(Packing const& packing, Potential potential);
+/// Contract: `network` is that of the packing.
+PressureLevel level_of(Packing const& packing, ContactNetwork const& network);
 
 /// How a ramp ended.
 enum class RampStatus {
