@@ -27,7 +27,6 @@ constexpr std::uint64_t most_minima_near_end = 20;
 /// du/dφ where nothing better is known: that of random packings of two sizes.
 constexpr double usual_slope_harmonic = 0.27;
 constexpr double usual_slope_hertzian = 0.36;
-constexpr double most_packing_fraction = 4.0;
 
 /// The root x of xⁿ = value for value > 0, by Newton's method: every processor and library gives the same bits.
 double nth_root(double value, std::uint64_t n) {
@@ -54,20 +53,20 @@ PressureRampSettings const& checked(PressureRampSettings const& settings) {
                  .hint = "use a number above 0 and below 1, in units of ε/D²",
                  .key = "protocol.until_pressure"});
   }
-  if (settings.levels_per_decade < 1 || settings.levels_per_decade > 100) {
+  if (settings.levels_per_decade < 1 || settings.levels_per_decade > PressureRampSettings::most_levels_per_decade) {
     throw Error({.what = fmt::format("{} levels of pressure in a decade", settings.levels_per_decade),
-                 .hint = "use 1 to 100",
+                 .hint = fmt::format("use 1 to {}", PressureRampSettings::most_levels_per_decade),
                  .key = "protocol.levels_per_decade"});
   }
   if (settings.packing_fraction &&
-      !(*settings.packing_fraction > 0.0 && *settings.packing_fraction <= most_packing_fraction)) {
+      !(*settings.packing_fraction >= least_packing_fraction && *settings.packing_fraction <= most_packing_fraction)) {
     throw Error({.what = fmt::format("a packing fraction of {} cannot be reached", *settings.packing_fraction),
-                 .hint = fmt::format("use a number above 0, at most {}", most_packing_fraction),
+                 .hint = fmt::format("use a number from {} to {}", least_packing_fraction, most_packing_fraction),
                  .key = "protocol.until_packing_fraction"});
   }
-  if (!(settings.step > 0.0 && settings.step <= 0.1)) {
+  if (!(settings.step > 0.0 && settings.step <= PressureRampSettings::most_step)) {
     throw Error({.what = fmt::format("steps of {} in packing fraction", settings.step),
-                 .hint = "use a number above 0, at most 0.1",
+                 .hint = fmt::format("use a number above 0, at most {}", PressureRampSettings::most_step),
                  .key = "protocol.step"});
   }
   return settings;

@@ -102,7 +102,7 @@ Error located(Error const& error, std::size_t number, StageKind kind) {
 }  // namespace
 
 Protocol::Protocol(ProtocolSettings settings, State const& start) : settings_(std::move(settings)) {
-  require_valid(settings_.stages);
+  require_valid(settings_.stages, packing_fraction_of(start));
   // To refuse what cannot begin; the stage itself begins with the disks as they are then.
   if (settings_.stages.empty()) return;
   try {

@@ -107,7 +107,8 @@ class RampStage final : public Stage {
   void require_direction(double now) const {
     if (!settings_.until_packing_fraction) return;
     double const end = *settings_.until_packing_fraction;
-    if (compresses() ? end >= now : end <= now) return;
+    constexpr double rounding = 1e-9;
+    if (compresses() ? end >= now * (1.0 - rounding) : end <= now * (1.0 + rounding)) return;
     throw Error({.what = fmt::format("the packing fraction is {:.6g}, and the stage ends at {:.6g}", now, end),
                  .hint = fmt::format("use a stage \"{}\"", compresses() ? "decompress" : "compress"),
                  .key = "protocol.until_packing_fraction"});

@@ -102,6 +102,13 @@ TEST(Protocol, IsRefusedWithTheStageAndTheSettingThatIsWrong) {
       {"stage = \"decompress\"\nuntil_pressure = nan", "must be a finite number", "until_pressure = nan"},
       {"stage = \"decompress\"\nuntil_packing_fraction = 0.7", "the packing fraction is 0.5, and the stage ends at 0.7",
        "until_packing_fraction = 0.7"},
+      {"stage = \"quench\"\npacking_fraction = 0.9\n[[protocol]]\nstage = \"decompress\"\nuntil_packing_fraction = "
+       "0.95",
+       "a stage \"decompress\" leads down, but the packing fraction is 0.9, and the stage ends at 0.95",
+       "until_packing_fraction = 0.95"},
+      {"stage = \"grow\"\nrate = 1e-300\nuntil_pressure = 10", "must be at least 1e-09 and at most 1", "rate = 1e-300"},
+      {"stage = \"quench\"\npacking_fraction = 1e-300", "must be at least 1e-06 and at most 4",
+       "packing_fraction = 1e-300"},
       {"stage = \"run\"\ncollisions_per_disk = 1e300", "no stage reaches 1e+300 collisions per disk",
        "collisions_per_disk = 1e300"},
       {"stage = \"run\"\nuntil_time = 1e300", "no clock counts up to time 1e+300", "until_time = 1e300"},
@@ -118,17 +125,22 @@ TEST(Protocol, IsRefusedWithTheStageAndTheSettingThatIsWrong) {
 
 TEST(Protocol, ThatFailsLaterNamesTheStageAndKeepsWhatItHas) {
   Workplace const workplace;
+  // Where a pressure is reached is not known before.
   Outcome const outcome = run(fluid_with("[[protocol]]\nstage = \"quench\"\npacking_fraction = 0.9\n"
-                                         "[[protocol]]\nstage = \"decompress\"\nuntil_packing_fraction = 0.95\n"),
+                                         "[[protocol]]\nstage = \"compress\"\nuntil_pressure = 1e-2\n"
+                                         "[[protocol]]\nstage = \"decompress\"\nuntil_packing_fraction = 1.2\n"),
                               workplace.path());
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(
-      outcome.err.find("error: stage 2 of the protocol, \"decompress\", cannot begin: the packing fraction is 0.9"),
+      outcome.err.find("error: stage 3 of the protocol, \"decompress\", cannot begin: the packing fraction is 0.9"),
       std::string::npos)
       << outcome.err;
-  EXPECT_NE(outcome.err.find("failed after 1 of 2 stages; partial results are in out"), std::string::npos)
+  EXPECT_NE(outcome.err.find("failed after 2 of 3 stages; partial results are in out\n  hint: change the settings of "
+                             "stage 3, \"decompress\""),
+            std::string::npos)
       << outcome.err;
-  EXPECT_EQ(gridlock::read_csv(workplace / "out/stages.csv").row_count(), 1U);
+  EXPECT_EQ(outcome.err.find("continue with"), std::string::npos) << "resumed, it fails again";
+  EXPECT_EQ(gridlock::read_csv(workplace / "out/stages.csv").row_count(), 2U);
 }
 
 TEST(Protocol, GrowthToADensityThatIsOutOfReachEndsWithTheReason) {

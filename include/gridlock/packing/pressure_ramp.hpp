@@ -28,8 +28,15 @@
 
 namespace gridlock {
 
+/// Packing fractions of soft disks: below, disks are so far apart that they never meet; above, each overlaps all around it.
+inline constexpr double least_packing_fraction = 1e-6;
+inline constexpr double most_packing_fraction = 4.0;
+
 /// How a packing is brought to a pressure.
 struct PressureRampSettings {
+  static constexpr std::uint64_t most_levels_per_decade = 100;
+  static constexpr double most_step = 0.1;
+
   MinimizerSettings minimizer = {};
   double pressure = 1e-8;                       ///< P D²/ε to reach
   std::optional<double> packing_fraction = {};  ///< to reach in place of a pressure
