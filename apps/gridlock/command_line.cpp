@@ -5,12 +5,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <new>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -120,23 +123,39 @@ ExitCode run_command_line(int argc, char** argv) {
   return exit_code;
 }
 
-}  // namespace
+/// The code to end with: of what was printed, some may not have arrived, as on a full disk.
+ExitCode after_printing(ExitCode exit_code) {
+  bool const is_flushed = std::fflush(stdout) == 0;
+  int const why = errno;
+  if (is_flushed && std::ferror(stdout) == 0) return exit_code;
+  fmt::print(stderr, "error: cannot write to standard output: {}\n  hint: what was printed is not complete\n",
+             is_flushed ? "an earlier write failed" : std::strerror(why));
+  return exit_code == ExitCode::good ? ExitCode::run_failed : exit_code;
+}
 
-int command_line(int argc, char** argv) {
+ExitCode guarded_command_line(int argc, char** argv) {
   try {
-    return static_cast<int>(run_command_line(argc, argv));
+    return run_command_line(argc, argv);
   } catch (gridlock::Error const& error) {
     for (gridlock::Problem const& problem : error.problems()) {
       fmt::print(stderr, "error: {}\n", gridlock::to_text(problem));
     }
-    return static_cast<int>(ExitCode::bad_input);
+    return ExitCode::bad_input;
   } catch (std::bad_alloc const&) {
     fmt::print(stderr, "error: not enough memory\n  hint: use fewer disks; a run needs about 200 bytes for each\n");
-    return static_cast<int>(ExitCode::run_failed);
+    return ExitCode::run_failed;
+  } catch (std::system_error const& error) {
+    // Of printing; after_printing() says so.
+    if (std::ferror(stdout) == 0) fmt::print(stderr, "error: {}\n", error.what());
+    return ExitCode::run_failed;
   } catch (std::exception const& error) {
     fmt::print(stderr, "error: {}\n", error.what());
-    return static_cast<int>(ExitCode::run_failed);
+    return ExitCode::run_failed;
   }
 }
+
+}  // namespace
+
+int command_line(int argc, char** argv) { return static_cast<int>(after_printing(guarded_command_line(argc, argv))); }
 
 }  // namespace gridlock

@@ -124,20 +124,33 @@ void write_results(fs::path const& directory, bool overwrites, State const& stat
   write_file(directory / summary_name, summary.dump(2) + "\n");
 }
 
+/// With a tolerance contacts are a matter of distance alone.
+std::string note_on_tolerance(ContactNetwork const& network) {
+  auto const gaps = std::ranges::count(network.forces, 0.0);
+  std::string const first =
+      fmt::format("{} of {} contacts are gaps below the tolerance and carry no force", gaps, network.contacts.size());
+  if (network.energy == 0.0) return first + ": whether hard disks are jammed is not known from them";
+  return first +
+         ": contact_number, rattler_share and excess_contacts count them, and is_jammed says nothing; soft disks, "
+         "which overlap, need no --tolerance";
+}
+
 /// What a user should know before using the numbers.
 void print_notes(PackingAnalysis const& analysis) {
   ContactNetwork const& network = analysis.network;
   auto const note = [](std::string const& text) { fmt::print(stderr, "note: {}\n", text); };
-  if (network.energy == 0.0 && network.tolerance == 0.0) {
+  if (network.tolerance > 0.0) {
+    note(note_on_tolerance(network));
+  } else if (network.energy == 0.0) {
     note("no disks overlap; contacts of hard disks are those within a gap, such as --tolerance 1e-6");
   } else if (!network.is_converged(analysis.questions.largest_residual)) {
     note(
         fmt::format("not a minimum: a net force is {:.3g} of the mean contact force, above {:.3g}; moduli are of no "
                     "meaning and left out",
                     network.residual_force, analysis.questions.largest_residual));
-  } else if (analysis.softest_mode && analysis.softest_mode->eigenvalue < 0.0) {
-    note("unstable: the forces balance, but the energy falls along the softest mode");
-  } else if (network.backbone_disks > 0 && network.tolerance == 0.0 && !analysis.moduli) {
+  } else if (analysis.softest_mode && analysis.softest_mode->eigenvalue < least_eigenvalue_of_a_minimum) {
+    note("a saddle and not jammed: the forces balance, but the energy falls along the softest mode");
+  } else if (network.backbone_disks > 0 && !analysis.moduli) {
     note("the backbone has loose parts, so that it has no moduli");
   }
 }

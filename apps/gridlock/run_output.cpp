@@ -135,11 +135,17 @@ std::string rate_text(gridlock::RunRecord const& record) {
   return fmt::format(" ({}agent-steps/s)", count_text(record.agent_steps_per_second()));
 }
 
-/// How to continue, unless another process has taken the run over meanwhile.
-std::string resume_text(std::filesystem::path const& directory) {
+/// How to continue, unless another process has taken the run over meanwhile. A stage that failed fails again.
+std::string resume_text(gridlock::RunRecord const& record, std::filesystem::path const& directory) {
   std::error_code ignored;
   if (!std::filesystem::exists(directory / "config.resolved.toml", ignored)) {
     return ", but the run itself is gone: somebody has removed its files";
+  }
+  bool const has_failed_stage = record.status == gridlock::RunStatus::failed && !record.preparation.what.empty();
+  if (has_failed_stage) {
+    return fmt::format(
+        "\n  hint: change the settings of stage {}, \"{}\", in the run file and run it anew; resumed, it fails again",
+        record.preparation.finished + 1, record.preparation.what);
   }
   return fmt::format("; continue with: {} resume {}", program_name(), directory.string());
 }
@@ -224,7 +230,7 @@ ExitCode RunOutput::finish(gridlock::RunRecord const& record, std::filesystem::p
   if (record.status == gridlock::RunStatus::finished) return ExitCode::good;
   if (record.status == gridlock::RunStatus::failed) fmt::print(stderr, "error: {}\n", record.failure);
   fmt::print(stderr, "{} after {}; partial results are in {}{}\n", gridlock::to_text(record.status), work_text(record),
-             directory.string(), resume_text(directory));
+             directory.string(), resume_text(record, directory));
   return ExitCode::run_failed;
 }
 

@@ -71,7 +71,8 @@ void add_stiffness(NamedValues& result, std::optional<ElasticModuli> const& modu
   }
 }
 
-void add_network(NamedValues& result, ContactNetwork network, double largest_residual) {
+void add_network(NamedValues& result, ContactNetwork network, double largest_residual,
+                 std::optional<VibrationMode> const& mode) {
   add_contacts(result, network.contacts, "");
   std::vector<double> relative;
   std::vector<bool> is_of_buckler;
@@ -94,7 +95,7 @@ void add_network(NamedValues& result, ContactNetwork network, double largest_res
   result["residual_force"] = network.residual_force;
   result["smallest_diameter"] = network.smallest_diameter;
   result["is_converged"] = network.is_converged(largest_residual);
-  result["is_jammed"] = network.is_jammed(largest_residual);
+  result["is_jammed"] = network.is_jammed(largest_residual, mode ? std::optional(mode->eigenvalue) : std::nullopt);
   result["forces"] = owned_array(std::move(network.forces));
   result["coordination"] = owned_array(std::move(network.coordination));
 }
@@ -121,7 +122,7 @@ NamedValues contacts(Points const& points, Numbers const& radii, BoxValues const
   add_contacts(result, gaps, "gap_");
   add_stiffness(result, moduli, mode);
   result["packing_fraction"] = fraction;
-  add_network(result, std::move(network), largest_residual);
+  add_network(result, std::move(network), largest_residual, mode);
   return result;
 }
 

@@ -21,7 +21,6 @@ namespace gridlock {
 namespace {
 
 /// So fast that the disks of a fluid are pushed, not squeezed.
-constexpr double largest_rate = 1.0;
 
 /// Hits of each disk, on the average, after which the events are sorted anew.
 constexpr std::uint64_t hits_per_renewal = 32;
@@ -71,8 +70,8 @@ void check_settings(GrowthSettings const& settings, std::vector<Problem>& proble
   auto const refuse = [&](std::string what, std::string hint, char const* key) {
     problems.push_back({.what = std::move(what), .hint = std::move(hint), .key = key});
   };
-  if (!(settings.rate > 0.0 && settings.rate <= largest_rate)) {
-    refuse(fmt::format("a rate of growth of {} is not above 0 and at most {}", settings.rate, largest_rate),
+  if (!(settings.rate >= slowest_growth && settings.rate <= fastest_growth)) {
+    refuse(fmt::format("a rate of growth of {} is not from {} to {}", settings.rate, slowest_growth, fastest_growth),
            "use 1e-3 or less for dense states, 1e-2 for a quick look", "growth.rate");
   }
   if (!settings.packing_fraction && !settings.pressure) {

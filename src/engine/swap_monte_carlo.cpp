@@ -19,7 +19,6 @@ constexpr double first_step = 0.1;                              // in mean diame
 constexpr double least_step = 1e-12;                            // in mean diameters
 constexpr double wanted_acceptance = 0.4;                       // of displacements
 constexpr std::uint64_t displacements_of_an_adjustment = 1000;  // their share accepted is known to 0.015
-constexpr std::uint64_t most_sweeps = (std::uint64_t{1} << 40) - 1;
 constexpr std::uint64_t most_stages = std::uint64_t{1} << 24;
 constexpr double enough_relaxation_times = 10.0;
 

@@ -83,14 +83,16 @@ void find_backbone(ContactNetwork& network) {
 void add_up_forces(ContactNetwork& network, Box const& box) {
   std::size_t overlaps = 0;
   double sum = 0.0;
-  double stiffness = 0.0;
+  double sum_of_overlaps = 0.0;
   double const unit = network.smallest_diameter * network.smallest_diameter / box.area();
   for (std::size_t k = 0; k < network.contacts.size(); ++k) {
     Contact const& contact = network.contacts[k];
     double const force = network.forces[k];
-    if (force > 0.0) ++overlaps;
+    if (force > 0.0) {
+      ++overlaps;
+      sum_of_overlaps += contact.overlap();
+    }
     sum += force;
-    stiffness += stiffness_of(contact, network.potential);
     double const virial = unit * force * contact.distance;
     network.stress.xx -= virial * contact.normal.x * contact.normal.x;
     network.stress.yy -= virial * contact.normal.y * contact.normal.y;
@@ -104,9 +106,10 @@ void add_up_forces(ContactNetwork& network, Box const& box) {
     largest = std::max(largest, std::sqrt(squared_length(net)));
   }
   network.residual_force = largest / network.mean_force;
-  // A few last bits of a coordinate, times the stiffness.
-  double const rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::max(box.width(), box.height());
-  network.rounding_residual = std::min(largest_rounding_residual, rounding * stiffness / sum);
+  // A few last bits of a coordinate over the mean overlap: twice what Minimizer takes for converged, for files round once more.
+  double const rounding = 0x1p-49 * std::max(box.width(), box.height());
+  double const mean_overlap = network.smallest_diameter * sum_of_overlaps / static_cast<double>(overlaps);
+  network.rounding_residual = std::min(largest_rounding_residual, rounding / mean_overlap);
 }
 
 }  // namespace
@@ -142,9 +145,9 @@ bool ContactNetwork::is_converged(double largest_residual) const {
   return residual_force <= std::max(largest_residual, rounding_residual);
 }
 
-bool ContactNetwork::is_jammed(double largest_residual) const {
-  bool const overlaps = energy >= least_energy_of_a_disk * static_cast<double>(size());
-  return overlaps && backbone_disks > 0 && excess_contacts() >= 0 && is_converged(largest_residual);
+bool ContactNetwork::is_jammed(double largest_residual, std::optional<double> softest_mode) const {
+  if (tolerance > 0.0 || !(softest_mode.value_or(0.0) >= least_eigenvalue_of_a_minimum)) return false;
+  return pressure > 0.0 && backbone_disks > 0 && excess_contacts() >= 0 && is_converged(largest_residual);
 }
 
 ContactNetwork find_contact_network(Packing const& packing, Potential potential, double tolerance) {

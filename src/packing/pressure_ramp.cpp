@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "gridlock/core/error.hpp"
@@ -20,11 +21,12 @@ constexpr std::uint64_t most_halvings = 60;  // of a step up
 constexpr std::uint64_t most_halvings_down = 12;
 /// Minima between two levels; usually there are five. A pressure that nothing tells from none is approached for ever.
 constexpr std::uint64_t most_minima_between_levels = 300;
+/// Minima near the pressure asked for before it is given up; usually there are one to three.
+constexpr std::uint64_t most_minima_near_end = 20;
 
 /// du/dφ where nothing better is known: that of random packings of two sizes.
 constexpr double usual_slope_harmonic = 0.27;
 constexpr double usual_slope_hertzian = 0.36;
-constexpr double most_packing_fraction = 4.0;
 
 /// The root x of xⁿ = value for value > 0, by Newton's method: every processor and library gives the same bits.
 double nth_root(double value, std::uint64_t n) {
@@ -51,20 +53,20 @@ PressureRampSettings const& checked(PressureRampSettings const& settings) {
                  .hint = "use a number above 0 and below 1, in units of ε/D²",
                  .key = "protocol.until_pressure"});
   }
-  if (settings.levels_per_decade < 1 || settings.levels_per_decade > 100) {
+  if (settings.levels_per_decade < 1 || settings.levels_per_decade > PressureRampSettings::most_levels_per_decade) {
     throw Error({.what = fmt::format("{} levels of pressure in a decade", settings.levels_per_decade),
-                 .hint = "use 1 to 100",
+                 .hint = fmt::format("use 1 to {}", PressureRampSettings::most_levels_per_decade),
                  .key = "protocol.levels_per_decade"});
   }
   if (settings.packing_fraction &&
-      !(*settings.packing_fraction > 0.0 && *settings.packing_fraction <= most_packing_fraction)) {
+      !(*settings.packing_fraction >= least_packing_fraction && *settings.packing_fraction <= most_packing_fraction)) {
     throw Error({.what = fmt::format("a packing fraction of {} cannot be reached", *settings.packing_fraction),
-                 .hint = fmt::format("use a number above 0, at most {}", most_packing_fraction),
+                 .hint = fmt::format("use a number from {} to {}", least_packing_fraction, most_packing_fraction),
                  .key = "protocol.until_packing_fraction"});
   }
-  if (!(settings.step > 0.0 && settings.step <= 0.1)) {
+  if (!(settings.step > 0.0 && settings.step <= PressureRampSettings::most_step)) {
     throw Error({.what = fmt::format("steps of {} in packing fraction", settings.step),
-                 .hint = "use a number above 0, at most 0.1",
+                 .hint = fmt::format("use a number above 0, at most {}", PressureRampSettings::most_step),
                  .key = "protocol.step"});
   }
   return settings;
@@ -81,9 +83,11 @@ char const* to_text(RampStatus status) {
     case RampStatus::unjammed:
       return "unjammed";
     case RampStatus::unconverged:
+      return "unconverged";
+    case RampStatus::missed:
       break;
   }
-  return "unconverged";
+  return "missed";
 }
 
 PressureRamp::PressureRamp(PressureRampSettings const& settings, Packing packing)
@@ -107,10 +111,7 @@ void PressureRamp::try_packing_fraction(double packing_fraction) {
 }
 
 void PressureRamp::take_minimum() {
-  if (minimizer_.status() == MinimumStatus::unconverged) {
-    status_ = RampStatus::unconverged;
-    return;
-  }
+  if (minimizer_.status() == MinimumStatus::unconverged) return end(RampStatus::unconverged);
   bool const is_jammed = minimizer_.status() == MinimumStatus::converged;
   double const pressure = is_jammed ? minimizer_.pressure() : 0.0;
   double const found = gridlock::packing_fraction(minimizer_.packing());
@@ -119,95 +120,90 @@ void PressureRamp::take_minimum() {
     first_pressure_ = pressure;
     bool const is_harmonic = settings_.minimizer.potential == Potential::harmonic;
     slope_ = is_harmonic ? usual_slope_harmonic : usual_slope_hertzian;
-    accept(found, pressure);
-    return;
-  }
-  if (settings_.packing_fraction) {
-    accept(found, pressure);
-    return;
+    return accept(found, pressure);
   }
   bool const is_too_low = leads_down() && pressure < least_share_of_goal * goal_;
   bool const is_too_high = !leads_down() && pressure > most_share_of_goal * goal_;
-  if (!is_too_low && !is_too_high) {
-    accept(found, pressure);
-    return;
-  }
-  if (++halvings_ > (leads_down() ? most_halvings_down : most_halvings)) {
-    status_ = RampStatus::unjammed;
-    return;
-  }
+  if (settings_.packing_fraction || (!is_too_low && !is_too_high)) return accept(found, pressure);
+  if (++halvings_ > (leads_down() ? most_halvings_down : most_halvings)) return end(RampStatus::unjammed);
   try_packing_fraction(packing_fraction_ + 0.5 * (tried_ - packing_fraction_));
 }
 
 void PressureRamp::accept(double packing_fraction, double pressure) {
   Potential const potential = settings_.minimizer.potential;
-  double const rise = linear_pressure(pressure, potential) - linear_pressure(pressure_, potential);
+  double const linear = linear_pressure(pressure, potential);
+  double const rise = linear - linear_pressure(pressure_, potential);
   bool const has_slope = pressure_ > 0.0 && pressure > 0.0 && rise / (packing_fraction - packing_fraction_) > 0.0;
   if (has_slope) slope_ = rise / (packing_fraction - packing_fraction_);
+  jamming_packing_fraction_ = has_slope ? packing_fraction - linear / slope_ : std::numeric_limits<double>::quiet_NaN();
   good_ = minimizer_.packing();
   packing_fraction_ = packing_fraction;
   pressure_ = pressure;
   halvings_ = 0;
-  bool const is_first = levels_.empty();
-  bool const is_level = is_first || settings_.packing_fraction ||
-                        (leads_down() ? pressure <= most_share_of_goal * goal_ : pressure > 0.0);
-  minima_since_level_ = is_level || pressure == 0.0 ? 0 : minima_since_level_ + 1;
-  if (minima_since_level_ > most_minima_between_levels) {
-    status_ = RampStatus::unjammed;
-    return;
-  }
-  if (is_level) {
-    std::uint64_t const iterations = minimizer_.iterations();
-    levels_.push_back(level_of(good_, potential));
-    levels_.back().iterations = iterations - iterations_before_;
-    iterations_before_ = iterations;
-    if (has_slope)
-      levels_.back().jamming_packing_fraction = packing_fraction - linear_pressure(pressure, potential) / slope_;
-  }
+  minima_since_level_ = is_level() || pressure == 0.0 ? 0 : minima_since_level_ + 1;
+  if (minima_since_level_ > most_minima_between_levels) return end(RampStatus::unjammed);
+  if (is_level()) add_level();
   settings_.packing_fraction ? next_packing_fraction() : next_goal();
+}
+
+/// Whether the pressure is the one asked for.
+bool PressureRamp::is_at_end() const {
+  return std::abs(pressure_ - settings_.pressure) <= precision * settings_.pressure;
+}
+
+/// Whether the last minimum is kept: on the way up each that presses, on the way down one for each goal.
+bool PressureRamp::is_level() const {
+  if (levels_.empty() || settings_.packing_fraction) return true;
+  if (!leads_down()) return pressure_ > 0.0;
+  return goal_ > settings_.pressure ? pressure_ <= most_share_of_goal * goal_ : is_at_end();
+}
+
+void PressureRamp::add_level() {
+  std::uint64_t const iterations = minimizer_.iterations();
+  levels_.push_back(level_of(good_, find_contact_network(good_, settings_.minimizer.potential)));
+  levels_.back().iterations = iterations - iterations_before_;
+  levels_.back().jamming_packing_fraction = jamming_packing_fraction_;
+  iterations_before_ = iterations;
+}
+
+void PressureRamp::end(RampStatus status) {
+  status_ = status;
+  bool const is_kept = !levels_.empty() && levels_.back().packing_fraction == packing_fraction_;
+  if (has_minimum_ && !is_kept) add_level();
 }
 
 void PressureRamp::next_packing_fraction() {
   double const goal = *settings_.packing_fraction;
   double const left = goal - packing_fraction_;
   // The radii come as near as their rounding allows.
-  if (left == 0.0 || tried_ == goal) {
-    status_ = RampStatus::reached;
-    return;
-  }
+  if (left == 0.0 || tried_ == goal) return end(RampStatus::reached);
   try_packing_fraction(
       std::abs(left) <= (1.0 + 1e-9) * settings_.step ? goal : packing_fraction_ + std::copysign(settings_.step, left));
 }
 
 void PressureRamp::next_goal() {
-  if (!leads_down()) {
-    goal_ = settings_.pressure;
-    if (pressure_ >= goal_ / most_share_of_goal) {
-      status_ = RampStatus::reached;
-      return;
-    }
-    if (packing_fraction_ > most_packing_fraction) {
-      status_ = RampStatus::unjammed;
-      return;
-    }
-    double const linear = linear_pressure(goal_, settings_.minimizer.potential);
-    double const step = pressure_ > 0.0 ? (linear - linear_pressure(pressure_, settings_.minimizer.potential)) / slope_
-                                        : settings_.step;
-    try_packing_fraction(packing_fraction_ + std::min(step, settings_.step));
-    return;
-  }
-  if (pressure_ <= most_share_of_goal * settings_.pressure) {
-    status_ = RampStatus::reached;
-    return;
-  }
+  if (is_at_end()) return end(RampStatus::reached);
+  bool const is_near =
+      pressure_ >= least_share_of_goal * settings_.pressure && pressure_ <= most_share_of_goal * settings_.pressure;
+  if (is_near || minima_near_end_ > 0) ++minima_near_end_;
+  if (minima_near_end_ > most_minima_near_end) return end(RampStatus::missed);
+  if (!leads_down() && packing_fraction_ > most_packing_fraction) return end(RampStatus::unjammed);
+  if (!leads_down()) return approach(settings_.pressure);
   // The levels are powers of the same factor, whatever the pressure of the start.
   double const factor = 1.0 / nth_root(10.0, settings_.levels_per_decade);
   double level = 1.0;
-  while (pressure_ <= most_share_of_goal * level) level *= factor;
-  goal_ = std::max(level, settings_.pressure);
+  double const last = most_share_of_goal * settings_.pressure;
+  while (level > last && pressure_ <= most_share_of_goal * level) level *= factor;
+  approach(level > last ? level : settings_.pressure);
+}
+
+/// Tries the packing fraction at which a straight line reaches the goal; while nothing presses, the next step up.
+void PressureRamp::approach(double goal) {
+  goal_ = goal;
   Potential const potential = settings_.minimizer.potential;
-  double const step = (linear_pressure(goal_, potential) - linear_pressure(pressure_, potential)) / slope_;
-  try_packing_fraction(packing_fraction_ + step);
+  double const rise = linear_pressure(goal_, potential) - linear_pressure(pressure_, potential);
+  double const step = pressure_ > 0.0 ? rise / slope_ : settings_.step;
+  try_packing_fraction(packing_fraction_ + std::min(step, settings_.step));
 }
 
 std::optional<double> PressureRamp::error_of_jamming_packing_fraction() const {
@@ -221,8 +217,7 @@ std::optional<double> PressureRamp::error_of_jamming_packing_fraction() const {
 void PressureRamp::serialize(Archive& archive) {
   auto place = static_cast<std::uint64_t>(status_);
   archive.visit("status", place);
-  archive.require(place <= static_cast<std::uint64_t>(RampStatus::unconverged),
-                  "a ramp of pressure has no such status");
+  archive.require(place <= static_cast<std::uint64_t>(RampStatus::missed), "a ramp of pressure has no such status");
   status_ = static_cast<RampStatus>(place);
   serialize_inside(archive, "minimizer", [&] { minimizer_.serialize(archive); });
   std::size_t const disks = good_.size();
@@ -240,12 +235,13 @@ void PressureRamp::serialize(Archive& archive) {
   archive.visit("tried", tried_);
   archive.visit("halvings", halvings_);
   archive.visit("minima_since_level", minima_since_level_);
+  archive.visit("minima_near_end", minima_near_end_);
+  archive.visit("jamming_packing_fraction", jamming_packing_fraction_);
   archive.visit("iterations_before", iterations_before_);
   gridlock::serialize(archive, levels_);
 }
 
-PressureLevel level_of(Packing const& packing, Potential potential) {
-  ContactNetwork const network = find_contact_network(packing, potential);
+PressureLevel level_of(Packing const& packing, ContactNetwork const& network) {
   PressureLevel level{.packing_fraction = packing_fraction(packing),
                       .pressure = network.pressure + 0.0,  // no −0 where nothing presses
                       .energy = network.energy,

@@ -19,6 +19,14 @@ void serialize_optional(Archive& archive, std::string_view name, std::optional<d
   value = number == number ? std::optional(number) : std::nullopt;
 }
 
+void serialize_optional(Archive& archive, std::string const& name, std::optional<bool>& value) {
+  bool is_known = value.has_value();
+  bool flag = value.value_or(false);
+  archive.visit(name + "_is_known", is_known);
+  archive.visit(name, flag);
+  value = is_known ? std::optional(flag) : std::nullopt;
+}
+
 void serialize_swap(Archive& archive, SwapResult& swap) {
   serialize_optional(archive, "displacement_acceptance", swap.displacement_acceptance);
   serialize_optional(archive, "swap_acceptance", swap.swap_acceptance);
@@ -37,11 +45,8 @@ void serialize_result(Archive& archive, StageResult& result) {
   archive.visit("packing_fraction", result.packing_fraction);
   serialize_optional(archive, "pressure", result.pressure);
   serialize_optional(archive, "softest_mode", result.softest_mode);
-  bool has_minimum = result.is_converged.has_value();
-  bool is_converged = result.is_converged.value_or(false);
-  archive.visit("has_minimum", has_minimum);
-  archive.visit("is_converged", is_converged);
-  result.is_converged = has_minimum ? std::optional(is_converged) : std::nullopt;
+  serialize_optional(archive, "is_converged", result.is_converged);
+  serialize_optional(archive, "is_jammed", result.is_jammed);
   archive.visit("disks", result.disks);
   archive.visit("work", result.work);
   serialize_optional(archive, "jamming_packing_fraction", result.jamming_packing_fraction);
@@ -97,7 +102,7 @@ Error located(Error const& error, std::size_t number, StageKind kind) {
 }  // namespace
 
 Protocol::Protocol(ProtocolSettings settings, State const& start) : settings_(std::move(settings)) {
-  require_valid(settings_.stages);
+  require_valid(settings_.stages, packing_fraction_of(start));
   // To refuse what cannot begin; the stage itself begins with the disks as they are then.
   if (settings_.stages.empty()) return;
   try {

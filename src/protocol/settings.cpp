@@ -9,6 +9,9 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/engine/growth.hpp"
+#include "gridlock/engine/swap_monte_carlo.hpp"
+#include "gridlock/packing/pressure_ramp.hpp"
 
 namespace gridlock {
 
@@ -83,6 +86,42 @@ void check_pressure(StageSettings const& stage, std::string const& place, std::v
        .key = fmt::format("{}.until_pressure", place)});
 }
 
+/// The packing fraction that a stage leaves; none where the disks decide.
+std::optional<double> packing_fraction_after(StageSettings const& stage, std::optional<double> before) {
+  switch (stage.kind) {
+    case StageKind::run:
+    case StageKind::swap:
+      return before;
+    case StageKind::quench:
+      return stage.packing_fraction ? stage.packing_fraction : before;
+    case StageKind::separate:
+      return std::nullopt;
+    case StageKind::grow:
+    case StageKind::compress:
+    case StageKind::decompress:
+      break;
+  }
+  return stage.until_pressure ? std::nullopt : stage.until_packing_fraction;
+}
+
+/// A stage that changes the packing fraction only one way.
+void check_direction(StageSettings const& stage, double before, std::string const& place,
+                     std::vector<Problem>& problems) {
+  bool const leads_up = stage.kind == StageKind::compress || stage.kind == StageKind::grow;
+  if (!stage.until_packing_fraction || !(leads_up || stage.kind == StageKind::decompress)) return;
+  double const end = *stage.until_packing_fraction;
+  constexpr double rounding = 1e-9;
+  if (leads_up ? end >= before * (1.0 - rounding) : end <= before * (1.0 + rounding)) return;
+  problems.push_back(
+      {.what = fmt::format("a stage \"{}\" leads {}, but the packing fraction is {:.6g}, and the stage ends at {:.6g}",
+                           name_of(stage.kind), leads_up ? "up" : "down", before, end),
+       .hint = stage.kind == StageKind::grow
+                   ? fmt::format("use a value above {:.6g}", before)
+                   : fmt::format("use a value {} {:.6g}, or a stage \"{}\"", leads_up ? "above" : "below", before,
+                                 leads_up ? "decompress" : "compress"),
+       .key = fmt::format("{}.until_packing_fraction", place)});
+}
+
 void check_settings(StageSettings const& stage, std::string const& place, std::vector<Problem>& problems) {
   std::string_view const name = name_of(stage.kind);
   StageRules const rules = rules_of(stage.kind);
@@ -131,29 +170,30 @@ void describe(StageSettings& settings, SettingVisitor& visitor) {
                   "decompressed; separate shrinks them until none overlap.",
               .default_note = "none: has to be given"},
              kind_names, settings.kind);
-  visitor.visit({.key = "rate",
-                 .documentation = "grow: the rate of growth (dD/dt)/√(kT/m), D and m of the smallest disk.",
-                 .least = 0.0,
-                 .least_is_allowed = false,
-                 .default_note = "0.001"},
-                settings.rate);
+  visitor.visit(
+      {.key = "rate",
+       .documentation = "grow: the rate of growth (dD/dt)/√(kT/m), D and m of the smallest disk; at the slowest a "
+                        "disk collides 10¹⁰ times on the way.",
+       .least = slowest_growth,
+       .most = fastest_growth,
+       .default_note = "0.001"},
+      settings.rate);
   visitor.visit({.key = "packing_fraction",
                  .documentation = "quench: the packing fraction to which all radii are scaled first.",
-                 .least = 0.0,
-                 .most = 4.0,
-                 .least_is_allowed = false,
+                 .least = least_packing_fraction,
+                 .most = most_packing_fraction,
                  .default_note = "as it is"},
                 settings.packing_fraction);
   visitor.visit({.key = "until_packing_fraction",
                  .documentation = "grow, compress, decompress: where the stage ends.",
-                 .least = 0.0,
-                 .most = 4.0,
-                 .least_is_allowed = false,
+                 .least = least_packing_fraction,
+                 .most = most_packing_fraction,
                  .default_note = "no end by packing fraction"},
                 settings.until_packing_fraction);
   visitor.visit(
       {.key = "until_pressure",
-       .documentation = "Where the stage ends: grow at a reduced pressure βP/ρ, compress and decompress at P D²/ε.",
+       .documentation = "Where the stage ends: grow at a reduced pressure βP/ρ above 1, compress and decompress at "
+                        "P D²/ε below 1.",
        .least = 0.0,
        .least_is_allowed = false,
        .default_note = "no end by pressure"},
@@ -174,7 +214,7 @@ void describe(StageSettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "levels_per_decade",
                  .documentation = "decompress: pressures in a factor of ten at which a minimum is found and kept.",
                  .least = 1,
-                 .most = 100,
+                 .most = static_cast<double>(PressureRampSettings::most_levels_per_decade),
                  .default_note = "2"},
                 settings.levels_per_decade);
   visitor.visit(
@@ -182,17 +222,21 @@ void describe(StageSettings& settings, SettingVisitor& visitor) {
        .documentation = "compress, decompress: steps in packing fraction, while nothing presses or where the stage "
                         "ends at one.",
        .least = 0.0,
-       .most = 0.1,
+       .most = PressureRampSettings::most_step,
        .least_is_allowed = false,
        .default_note = "0.001"},
       settings.step);
-  visitor.visit(
-      {.key = "sweeps", .documentation = "swap: trial moves for each disk.", .least = 1, .default_note = "none"},
-      settings.sweeps);
+  visitor.visit({.key = "sweeps",
+                 .documentation = "swap: trial moves for each disk.",
+                 .least = 1,
+                 .most = static_cast<double>(most_sweeps),
+                 .default_note = "none"},
+                settings.sweeps);
   visitor.visit({.key = "swap_fraction",
                  .documentation = "swap: share of the trial moves that exchange two radii.",
                  .least = 0.0,
                  .most = 1.0,
+                 .most_is_allowed = false,
                  .default_note = "0.2"},
                 settings.swap_fraction);
 }
@@ -213,11 +257,13 @@ void describe(SoftSettings& settings, SettingVisitor& visitor) {
       settings.residual);
 }
 
-void require_valid(std::vector<StageSettings> const& stages) {
+void require_valid(std::vector<StageSettings> const& stages, std::optional<double> packing_fraction) {
   std::vector<Problem> problems;
   for (std::size_t k = 0; k < stages.size(); ++k) {
     std::string const place = fmt::format("protocol[{}]", k);
     check_settings(stages[k], place, problems);
+    if (packing_fraction) check_direction(stages[k], *packing_fraction, place, problems);
+    packing_fraction = packing_fraction_after(stages[k], packing_fraction);
     if (k > 0 && leaves_overlaps(stages[k - 1].kind) && is_hard(stages[k].kind)) {
       problems.push_back({.what = fmt::format("a stage \"{}\" of hard disks cannot begin where \"{}\" leaves overlaps",
                                               name_of(stages[k].kind), name_of(stages[k - 1].kind)),

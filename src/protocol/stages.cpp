@@ -33,15 +33,18 @@ Packing quenched_packing(State const& state, std::optional<double> target) {
   return packing;
 }
 
-std::optional<double> softest_mode_of(Packing const& packing, Potential potential) {
-  std::optional<VibrationMode> const mode = find_softest_mode(find_contact_network(packing, potential));
-  return mode ? std::optional(mode->eigenvalue) : std::nullopt;
+/// What the contacts at the end of a stage say.
+void add_end(ContactNetwork const& network, SoftSettings const& soft, StageResult& result) {
+  result.pressure = network.pressure + 0.0;  // no −0 where nothing presses
+  std::optional<VibrationMode> const mode = find_softest_mode(network);
+  if (mode) result.softest_mode = mode->eigenvalue;
+  result.is_jammed = network.is_jammed(soft.residual, result.softest_mode);
 }
 
 class QuenchStage final : public Stage {
  public:
   QuenchStage(StageSettings const& settings, ProtocolSettings const& protocol, State const& state)
-      : potential_(protocol.soft.potential),
+      : soft_(protocol.soft),
         minimizer_(minimizer_settings(protocol), quenched_packing(state, settings.packing_fraction)) {}
 
   bool advance(State& state, ShouldContinue const& should_continue) override {
@@ -52,26 +55,25 @@ class QuenchStage final : public Stage {
   void serialize(Archive& archive, State const& /*state*/) override { minimizer_.serialize(archive); }
   [[nodiscard]] std::uint64_t work() const override { return minimizer_.iterations(); }
   [[nodiscard]] StageResult result(State const& state) const override {
-    PressureLevel level = level_of(minimizer_.packing(), potential_);
+    ContactNetwork const network = find_contact_network(minimizer_.packing(), soft_.potential);
+    PressureLevel level = level_of(minimizer_.packing(), network);
     level.iterations = work();
-    return {.packing_fraction = packing_fraction_of(state),
-            .pressure = level.pressure,
-            .is_converged = minimizer_.status() != MinimumStatus::unconverged,
-            .levels = {level},
-            .softest_mode = softest_mode_of(minimizer_.packing(), potential_)};
+    StageResult result{.packing_fraction = packing_fraction_of(state),
+                       .is_converged = minimizer_.status() != MinimumStatus::unconverged,
+                       .levels = {level}};
+    add_end(network, soft_, result);
+    return result;
   }
 
  private:
-  Potential potential_;
+  SoftSettings soft_;
   Minimizer minimizer_;
 };
 
 class RampStage final : public Stage {
  public:
   RampStage(StageSettings const& settings, ProtocolSettings const& protocol, State const& state)
-      : settings_(settings),
-        potential_(protocol.soft.potential),
-        ramp_(ramp_settings(settings, protocol), packing_of(state)) {
+      : settings_(settings), soft_(protocol.soft), ramp_(ramp_settings(settings, protocol), packing_of(state)) {
     require_direction(packing_fraction_of(state));
   }
 
@@ -88,10 +90,9 @@ class RampStage final : public Stage {
                        .is_converged = ramp_.status() == RampStatus::reached,
                        .levels = ramp_.levels()};
     if (result.levels.empty()) return result;
-    PressureLevel const& last = result.levels.back();
-    result.pressure = last.pressure;
-    result.softest_mode = softest_mode_of(ramp_.packing(), potential_);
-    if (std::isfinite(last.jamming_packing_fraction)) result.jamming_packing_fraction = last.jamming_packing_fraction;
+    add_end(find_contact_network(ramp_.packing(), soft_.potential), soft_, result);
+    double const jamming = result.levels.back().jamming_packing_fraction;
+    if (std::isfinite(jamming)) result.jamming_packing_fraction = jamming;
     result.error_of_jamming_packing_fraction = ramp_.error_of_jamming_packing_fraction();
     return result;
   }
@@ -102,7 +103,8 @@ class RampStage final : public Stage {
   void require_direction(double now) const {
     if (!settings_.until_packing_fraction) return;
     double const end = *settings_.until_packing_fraction;
-    if (compresses() ? end >= now : end <= now) return;
+    constexpr double rounding = 1e-9;
+    if (compresses() ? end >= now * (1.0 - rounding) : end <= now * (1.0 + rounding)) return;
     throw Error({.what = fmt::format("the packing fraction is {:.6g}, and the stage ends at {:.6g}", now, end),
                  .hint = fmt::format("use a stage \"{}\"", compresses() ? "decompress" : "compress"),
                  .key = "protocol.until_packing_fraction"});
@@ -126,7 +128,7 @@ class RampStage final : public Stage {
   }
 
   StageSettings settings_;
-  Potential potential_;
+  SoftSettings soft_;
   PressureRamp ramp_;
 };
 

@@ -9,12 +9,13 @@
 #include <set>
 
 #include "gridlock/core/detail/time_step_rule.hpp"
+#include "gridlock/packing/contact_network.hpp"
 
 namespace gridlock {
 
 namespace {
 
-constexpr std::array<std::string_view, 21> kind_texts{"unused_setting",
+constexpr std::array<std::string_view, 22> kind_texts{"unused_setting",
                                                       "misleading_rule",
                                                       "note_of_model",
                                                       "frames_beyond_end",
@@ -32,6 +33,7 @@ constexpr std::array<std::string_view, 21> kind_texts{"unused_setting",
                                                       "stage_not_equilibrated",
                                                       "stage_without_pressure",
                                                       "stage_fell_short",
+                                                      "packing_not_jammed",
                                                       "packing_unstable",
                                                       "audited",
                                                       "ended"};
@@ -103,6 +105,21 @@ std::string text_of_checkpoint(Event const& event) {
   return fmt::format("{}; going back to the previous one", of.word("why"));
 }
 
+/// Why a packing that presses is not jammed.
+std::string reason_of(Event const& event) {
+  Values const of{event};
+  if (find(event, "missing_contacts") != nullptr) {
+    return of.count("backbone_disks") == 0
+               ? std::string("no disk is held by three contacts")
+               : fmt::format("its backbone of {} disks has {} contact{} fewer than it needs",
+                             of.count("backbone_disks"), of.count("missing_contacts"),
+                             of.count("missing_contacts") == 1 ? "" : "s");
+  }
+  if (of.number("softest_mode") < least_eigenvalue_of_a_minimum)
+    return fmt::format("the energy falls along its softest mode, of eigenvalue {:.3g}", of.number("softest_mode"));
+  return fmt::format("a net force is {:.3g} of the mean contact force", of.number("residual"));
+}
+
 std::string text_of_stage(Event const& event) {
   Values const of{event};
   std::string const stage = fmt::format("stage {} of the protocol, \"{}\"", of.count("stage"), of.word("name"));
@@ -121,6 +138,11 @@ std::string text_of_stage(Event const& event) {
           "side, or no "
           "minimum was found closer to it",
           stage, of.number("pressure"), of.number("packing_fraction"));
+    case EventKind::packing_not_jammed:
+      return fmt::format("the packing of {}, is not jammed: {}{}", stage, reason_of(event),
+                         find(event, "jamming_packing_fraction") == nullptr
+                             ? ""
+                             : "; jamming_packing_fraction is only where its pressure vanishes");
     default:
       return fmt::format(
           "the packing of {}, is unstable against shear: its least shear modulus is {:.3g}, since the box keeps its "
@@ -178,6 +200,7 @@ std::string to_text(Event const& event) {
     case EventKind::stage_not_equilibrated:
     case EventKind::stage_without_pressure:
     case EventKind::stage_fell_short:
+    case EventKind::packing_not_jammed:
     case EventKind::packing_unstable:
       return text_of_stage(event);
     case EventKind::audited:

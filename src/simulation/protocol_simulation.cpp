@@ -72,11 +72,11 @@ std::vector<NamedEstimate> estimates_of(std::vector<StageResult> const& stages) 
   add("excess_contacts", level.excess_contacts);
   add("bulk_modulus", level.bulk_modulus);
   add("shear_modulus", level.shear_modulus);
+  add("least_shear_modulus", level.least_shear_modulus);
   add("softest_mode", last_soft->softest_mode);
   add("residual_force", level.residual);
   add("is_converged", is_converged ? 1.0 : 0.0);
-  add("is_jammed",
-      is_converged && level.backbone_disks > 0 && level.pressure > 0.0 && level.excess_contacts >= 0.0 ? 1.0 : 0.0);
+  add("is_jammed", last_soft->is_jammed.value_or(false) ? 1.0 : 0.0);
   add("is_shear_stable", level.least_shear_modulus > 0.0 ? 1.0 : 0.0);
   return results;
 }
@@ -166,7 +166,34 @@ std::optional<Event> note_on_end(StageResult const& stage, std::size_t number) {
   return note;
 }
 
-std::vector<Event> notes_on(std::vector<StageResult> const& stages) {
+/// Disks that press and are not jammed: their jamming packing fraction is not that of a packing.
+std::optional<Event> note_on_unjammed(StageResult const& stage, std::size_t number) {
+  PressureLevel const& level = stage.levels.back();
+  if (stage.is_jammed.value_or(true) || !(level.pressure > 0.0)) return std::nullopt;
+  Event note = note_on(EventKind::packing_not_jammed, stage, number);
+  if (level.backbone_disks == 0 || level.excess_contacts < 0.0) {
+    note.values.emplace_back("backbone_disks", level.backbone_disks);
+    note.values.emplace_back("missing_contacts", static_cast<std::uint64_t>(-std::min(level.excess_contacts, 0.0)));
+  } else if (stage.softest_mode) {
+    note.values.emplace_back("softest_mode", *stage.softest_mode);
+  }
+  note.values.emplace_back("residual", level.residual);
+  if (stage.jamming_packing_fraction)
+    note.values.emplace_back("jamming_packing_fraction", *stage.jamming_packing_fraction);
+  return note;
+}
+
+/// A shear that costs nothing. In a periodic packing with one state of self-stress there is always one.
+std::optional<Event> note_on_shear(StageResult const& stage, std::size_t number, bool is_periodic) {
+  PressureLevel const& level = stage.levels.back();
+  // No number where no disks press.
+  if (!(level.least_shear_modulus <= 0.0) || (is_periodic && level.excess_contacts <= 0.0)) return std::nullopt;
+  Event note = note_on(EventKind::packing_unstable, stage, number);
+  note.values.emplace_back("least_shear_modulus", level.least_shear_modulus);
+  return note;
+}
+
+std::vector<Event> notes_on(std::vector<StageResult> const& stages, bool is_periodic) {
   std::vector<Event> notes;
   std::optional<std::size_t> last_soft;
   for (std::size_t k = 0; k < stages.size(); ++k) {
@@ -178,11 +205,8 @@ std::vector<Event> notes_on(std::vector<StageResult> const& stages) {
     if (auto note = note_on_end(stages[k], k)) notes.push_back(*std::move(note));
   }
   if (!last_soft) return notes;
-  double const least = stages[*last_soft].levels.back().least_shear_modulus;
-  // No number where no disks press.
-  if (!(least <= 0.0)) return notes;
-  notes.push_back(note_on(EventKind::packing_unstable, stages[*last_soft], *last_soft));
-  notes.back().values.emplace_back("least_shear_modulus", least);
+  if (auto note = note_on_unjammed(stages[*last_soft], *last_soft)) notes.push_back(*std::move(note));
+  if (auto note = note_on_shear(stages[*last_soft], *last_soft, is_periodic)) notes.push_back(*std::move(note));
   return notes;
 }
 
@@ -220,7 +244,7 @@ Preparation ProtocolSimulation::preparation() const {
           .finished = protocol_.stage()};
 }
 
-std::vector<Event> ProtocolSimulation::notes() const { return notes_on(protocol_.results()); }
+std::vector<Event> ProtocolSimulation::notes() const { return notes_on(protocol_.results(), state_.box.is_periodic()); }
 
 /// Before its first step a run has measured nothing.
 bool ProtocolSimulation::has_run() const { return is_prepared_ && simulation_->clock() != start_clock_; }

@@ -96,6 +96,26 @@ TEST(Contacts, SayWhatTheNumbersAreNot) {
   EXPECT_NEAR(equal["smallest_diameter"].get<double>(), 1.0, 1e-5);
 }
 
+TEST(Contacts, OfASaddleAndWithAToleranceAreNotJammed) {
+  Workplace const workplace;
+  std::string square = "16\nLattice=\"4 0 0 0 4 0 0 0 1\" pbc=\"T T F\" Properties=pos:R:3\n";
+  for (int k = 0; k < 16; ++k) square += std::to_string(k % 4) + ".5 " + std::to_string(k / 4) + ".5 0\n";
+  write(workplace / "square.xyz", square);
+  auto const saddle = numbers_of(workplace, {"square.xyz", "--radius", "0.51"});
+  EXPECT_TRUE(saddle["is_converged"].get<bool>());
+  EXPECT_GE(saddle["excess_contacts"], 0);
+  EXPECT_FALSE(saddle["is_jammed"].get<bool>());
+  Outcome const told = contacts(workplace, {"square.xyz", "--radius", "0.51"});
+  EXPECT_NE(told.err.find("note: a saddle and not jammed"), std::string::npos) << told.err;
+  auto const tolerant = numbers_of(workplace, {packings + "mid.xyz", "--tolerance", "1e-2"});
+  EXPECT_GT(tolerant["backbone_contacts"], 119);
+  EXPECT_TRUE(tolerant["is_jammed"].is_null());
+  Outcome const marked = contacts(workplace, {packings + "mid.xyz", "--tolerance", "1e-2"});
+  EXPECT_NE(marked.err.find(" contacts are gaps below the tolerance and carry no force: contact_number"),
+            std::string::npos)
+      << marked.err;
+}
+
 void expect_refused(Workplace const& workplace, std::vector<std::string> const& words, std::string const& text) {
   Outcome const outcome = contacts(workplace, words);
   EXPECT_EQ(outcome.exit_code, 2) << text;

@@ -210,6 +210,26 @@ TEST(Target, IsWhatTheEnvironmentNames) {
       << unknown.err;
 }
 
+TEST(Output, ThatDoesNotArriveIsAFailure) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full on this system";
+  Workplace const workplace;
+  write(workplace / "good.toml", "[disks]\ncount = 9\n[run]\nsteps = 10\n");
+  std::string const packing = GRIDLOCK_SOURCE_DIR "/tests/reference/packings/harmonic64_mid.xyz";
+  // The last of them prints more than a buffer holds.
+  for (std::string const& words : {std::string("run good.toml -o out --no-pictures"), std::string("info out"),
+                                   "contacts " + packing + " --json", std::string("explain --markdown")}) {
+    auto const print_to = [&](std::string const& place) {
+      std::string const command = GRIDLOCK_PROGRAM " " + words + " > " + place;
+      return Process("/bin/sh", {"-c", command}, workplace.path()).wait();
+    };
+    Outcome const outcome = print_to("/dev/full");
+    EXPECT_EQ(outcome.exit_code, 1) << words;
+    EXPECT_NE(outcome.err.find("error: cannot write to standard output: "), std::string::npos) << outcome.err;
+    EXPECT_TRUE(words.starts_with("run") || print_to("printed").exit_code == 0) << words;
+  }
+  EXPECT_TRUE(fs::exists(workplace / "out/summary.json")) << "the results themselves are whole";
+}
+
 TEST(Help, IsThereForEveryVerb) {
   Workplace const workplace;
   expect_good(gridlock::test::gridlock({"--help"}, workplace.path()));

@@ -45,10 +45,10 @@ TEST(Protocol, OfTheSceneJamsAndSaysSo) {
   EXPECT_EQ(outcome.out.find("agent-steps"), std::string::npos) << outcome.out;
   EXPECT_EQ(gridlock::read_csv(workplace / "out/stages.csv").row_count(), 2U);
   EXPECT_GT(gridlock::read_csv(workplace / "out/levels.csv").row_count(), 8U);
-  bool const is_stable = summary["is_shear_stable"]["value"] == 1.0;
-  std::string const words = "is unstable against shear";
-  EXPECT_EQ(outcome.err.find(words) == std::string::npos, is_stable) << outcome.err;
-  EXPECT_EQ(text_of(workplace / "out/run.log").find(words) == std::string::npos, is_stable);
+  // With one state of self-stress some shear always costs nothing, which need not be said.
+  EXPECT_EQ(summary["is_shear_stable"]["value"], 0.0);
+  EXPECT_LT(summary["least_shear_modulus"]["value"].get<double>(), 0.0);
+  EXPECT_EQ(outcome.err.find("note: "), std::string::npos) << outcome.err;
 }
 
 TEST(Protocol, SaysWhereAStageFallsShort) {
@@ -69,6 +69,8 @@ TEST(Protocol, SaysWhereAStageFallsShort) {
       "[[protocol]]\nstage = \"quench\"\npacking_fraction = 1.0\n"
       "[[protocol]]\nstage = \"decompress\"\nuntil_pressure = 1e-11\n",
       "stage 2 of the protocol, \"decompress\", ends short of its goal, at pressure ");
+  expect_note("[[protocol]]\nstage = \"quench\"\npacking_fraction = 0.78\n",
+              "the packing of stage 1 of the protocol, \"quench\", is not jammed: ");
   expect_note("[[protocol]]\nstage = \"swap\"\nsweeps = 3\n", "stage 1 of the protocol, \"swap\", is no equilibrium");
 }
 
@@ -100,6 +102,13 @@ TEST(Protocol, IsRefusedWithTheStageAndTheSettingThatIsWrong) {
       {"stage = \"decompress\"\nuntil_pressure = nan", "must be a finite number", "until_pressure = nan"},
       {"stage = \"decompress\"\nuntil_packing_fraction = 0.7", "the packing fraction is 0.5, and the stage ends at 0.7",
        "until_packing_fraction = 0.7"},
+      {"stage = \"quench\"\npacking_fraction = 0.9\n[[protocol]]\nstage = \"decompress\"\nuntil_packing_fraction = "
+       "0.95",
+       "a stage \"decompress\" leads down, but the packing fraction is 0.9, and the stage ends at 0.95",
+       "until_packing_fraction = 0.95"},
+      {"stage = \"grow\"\nrate = 1e-300\nuntil_pressure = 10", "must be at least 1e-09 and at most 1", "rate = 1e-300"},
+      {"stage = \"quench\"\npacking_fraction = 1e-300", "must be at least 1e-06 and at most 4",
+       "packing_fraction = 1e-300"},
       {"stage = \"run\"\ncollisions_per_disk = 1e300", "no stage reaches 1e+300 collisions per disk",
        "collisions_per_disk = 1e300"},
       {"stage = \"run\"\nuntil_time = 1e300", "no clock counts up to time 1e+300", "until_time = 1e300"},
@@ -116,17 +125,22 @@ TEST(Protocol, IsRefusedWithTheStageAndTheSettingThatIsWrong) {
 
 TEST(Protocol, ThatFailsLaterNamesTheStageAndKeepsWhatItHas) {
   Workplace const workplace;
+  // Where a pressure is reached is not known before.
   Outcome const outcome = run(fluid_with("[[protocol]]\nstage = \"quench\"\npacking_fraction = 0.9\n"
-                                         "[[protocol]]\nstage = \"decompress\"\nuntil_packing_fraction = 0.95\n"),
+                                         "[[protocol]]\nstage = \"compress\"\nuntil_pressure = 1e-2\n"
+                                         "[[protocol]]\nstage = \"decompress\"\nuntil_packing_fraction = 1.2\n"),
                               workplace.path());
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(
-      outcome.err.find("error: stage 2 of the protocol, \"decompress\", cannot begin: the packing fraction is 0.9"),
+      outcome.err.find("error: stage 3 of the protocol, \"decompress\", cannot begin: the packing fraction is 0.9"),
       std::string::npos)
       << outcome.err;
-  EXPECT_NE(outcome.err.find("failed after 1 of 2 stages; partial results are in out"), std::string::npos)
+  EXPECT_NE(outcome.err.find("failed after 2 of 3 stages; partial results are in out\n  hint: change the settings of "
+                             "stage 3, \"decompress\""),
+            std::string::npos)
       << outcome.err;
-  EXPECT_EQ(gridlock::read_csv(workplace / "out/stages.csv").row_count(), 1U);
+  EXPECT_EQ(outcome.err.find("continue with"), std::string::npos) << "resumed, it fails again";
+  EXPECT_EQ(gridlock::read_csv(workplace / "out/stages.csv").row_count(), 2U);
 }
 
 TEST(Protocol, GrowthToADensityThatIsOutOfReachEndsWithTheReason) {

@@ -29,6 +29,11 @@ class Dynamics;
 class LeftState;
 }  // namespace exact
 
+/// Rates of growth γ. A disk collides about 9/γ times until it is jammed: at the slowest rate, days for a hundred disks. Above the fastest
+/// one disks grow faster than they fly.
+inline constexpr double slowest_growth = 1e-9;
+inline constexpr double fastest_growth = 1.0;
+
 /// How disks grow and when they stop: at whichever of the two ends comes first, of which at least one is given.
 struct GrowthSettings {
   /// γ = (dD/dt) / √(kT/m): D the diameter of the smallest disk, m the mass of the lightest of that size, kT that of the start.

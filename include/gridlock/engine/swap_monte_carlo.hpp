@@ -26,6 +26,9 @@
 
 namespace gridlock {
 
+/// More sweeps than any machine makes.
+inline constexpr std::uint64_t most_sweeps = (std::uint64_t{1} << 40) - 1;
+
 /// The settings of swap Monte Carlo.
 struct SwapSettings {
   std::uint64_t sweeps = 100'000;  ///< of N trial moves each

@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
@@ -28,8 +29,10 @@ struct StressTensor {
 
 /// A minimum has no net force above this share of the mean contact force.
 inline constexpr double usual_largest_residual = 1e-8;
-/// What is softer than this energy of a disk, in ε, does not overlap.
+/// What is softer than this energy of a disk, in ε, does not overlap; where Minimizer ends its search.
 inline constexpr double least_energy_of_a_disk = 1e-16;
+/// A minimum has no mode with an eigenvalue below this, in ε/D²; rounding and the pressure of marginal packings explain what is above.
+inline constexpr double least_eigenvalue_of_a_minimum = -1e-7;
 
 /// The contacts of a packing.
 ///
@@ -53,9 +56,10 @@ struct ContactNetwork {
   double energy = 0.0;    ///< of all contacts
   double pressure = 0.0;  ///< p = P D²/ε, P = Σ f r / (2 A)
   StressTensor stress;
-  double mean_force = 0.0;         ///< over the contacts that overlap
-  double residual_force = 0.0;     ///< the largest net force on a disk over the mean force; 0 without forces
-  double rounding_residual = 0.0;  ///< what the rounding of positions alone makes of it, at most 10⁻³
+  double mean_force = 0.0;      ///< over the contacts that overlap
+  double residual_force = 0.0;  ///< the largest net force on a disk over the mean force; 0 without forces
+  double rounding_residual =
+      0.0;  ///< what the rounding of positions alone makes of it: 2⁻⁴⁹ L/(D δ̄), L the longer side, δ̄ the mean overlap; at most 10⁻³
   double smallest_diameter = 0.0;  ///< D
 
   [[nodiscard]] std::size_t size() const { return is_rattler.size(); }
@@ -70,14 +74,18 @@ struct ContactNetwork {
 
   /// Whether all forces balance as far as rounding allows: a minimum of the energy, or a saddle.
   [[nodiscard]] bool is_converged(double largest_residual = usual_largest_residual) const;
-  /// Forces that balance on a backbone that has as many contacts as it needs.
-  [[nodiscard]] bool is_jammed(double largest_residual = usual_largest_residual) const;
+  /// Pressure above 0 and forces that balance, on a backbone that has as many contacts as it needs, and no way down.
+  ///
+  /// The softest mode is the eigenvalue of find_softest_mode(): below least_eigenvalue_of_a_minimum the packing is a saddle. Without it
+  /// the contacts alone decide. With a tolerance above 0 contacts need carry no force, so that nothing follows from their number: false.
+  [[nodiscard]] bool is_jammed(double largest_residual = usual_largest_residual,
+                               std::optional<double> softest_mode = {}) const;
 };
 
 /// The contacts of a packing, its backbone, and what they add up to.
 ///
-/// With a tolerance above 0 pairs with r < σ (1 + tolerance) are contacts too, as for hard disks, which have no overlaps: they count
-/// for the backbone and carry no force.
+/// With a tolerance above 0 all pairs with r < σ (1 + tolerance) are contacts, as for hard disks, which have no overlaps: all count for
+/// the backbone, and only those that overlap carry a force. Energy, pressure and residual are of these, numbers of contacts of all.
 /// The result is the same for disks in another order, but for the rounding of sums.
 /// Errors: those of find_contacts(), and Error for a tolerance that is not from 0 to 1 and for overlaps δ above ½. Cost: that of find_contacts().
 /// Source: C. S. O'Hern, L. E. Silbert, A. J. Liu, S. R. Nagel (2003), doi:10.1103/PhysRevE.68.011306; the excess:

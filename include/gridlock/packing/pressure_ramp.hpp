@@ -23,12 +23,20 @@
 #include <vector>
 
 #include "gridlock/core/archive.hpp"
+#include "gridlock/packing/contact_network.hpp"
 #include "gridlock/packing/minimizer.hpp"
 
 namespace gridlock {
 
+/// Packing fractions of soft disks: below, disks are so far apart that they never meet; above, each overlaps all around it.
+inline constexpr double least_packing_fraction = 1e-6;
+inline constexpr double most_packing_fraction = 4.0;
+
 /// How a packing is brought to a pressure.
 struct PressureRampSettings {
+  static constexpr std::uint64_t most_levels_per_decade = 100;
+  static constexpr double most_step = 0.1;
+
   MinimizerSettings minimizer = {};
   double pressure = 1e-8;                       ///< P D²/ε to reach
   std::optional<double> packing_fraction = {};  ///< to reach in place of a pressure
@@ -58,7 +66,8 @@ struct PressureLevel {
 void serialize(Archive& archive, std::vector<PressureLevel>& levels);
 
 /// A minimum with all that the network of its contacts says; without iterations and jamming packing fraction.
-PressureLevel level_of(Packing const& packing, Potential potential);
+/// Contract: `network` is that of the packing.
+PressureLevel level_of(Packing const& packing, ContactNetwork const& network);
 
 /// How a ramp ended.
 enum class RampStatus {
@@ -66,6 +75,7 @@ enum class RampStatus {
   reached,      ///< the pressure or the packing fraction
   unjammed,     ///< the start does not press, and the ramp leads down; or no packing fraction was found that does
   unconverged,  ///< a minimization gave up
+  missed,       ///< disks that rearrange at once take the pressure past the one asked for
 };
 char const* to_text(RampStatus status);
 
@@ -73,15 +83,18 @@ char const* to_text(RampStatus status);
 ///
 /// The steps are secants in u = p^(1/(α−1)), which vanishes linearly at the jamming packing fraction. Where a step leads to disks
 /// that do not press, or below 0.3 of the pressure it was made for, the state before it is taken up again and half the step is tried;
-/// a pressure up to 1.1 of the one asked for counts as reached. On the way up, steps of `step` lead to the first contacts. A packing
-/// fraction is reached in steps of `step`, each a level.
+/// a pressure up to 1.1 of it counts as that level. The last pressure is reached within 1 %, by further secants from either side; where
+/// disks rearrange at once, 20 of them may not be enough, and the ramp has missed it. On the way up, steps of `step` lead to the first
+/// contacts. A packing fraction is reached in steps of `step`, each a level. The last level is the packing at the end, however it ended.
 /// Errors: Error for settings out of range and a packing that Minimizer refuses.
 /// Cost: some five minimizations a level, most of them by Newton's method, and find_elastic_moduli().
 /// Source: C. S. O'Hern et al. (2003), doi:10.1103/PhysRevE.68.011306.
 class PressureRamp {
  public:
-  /// Up to this multiple of the pressure asked for counts as reached.
+  /// Up to this multiple of a pressure counts as that level, and as the same side of the pressure asked for.
   static constexpr double most_share_of_goal = 1.1;
+  /// The pressure asked for is reached up to this share of it.
+  static constexpr double precision = 0.01;
 
   PressureRamp(PressureRampSettings const& settings, Packing packing);
 
@@ -102,6 +115,11 @@ class PressureRamp {
   void take_minimum();
   void accept(double packing_fraction, double pressure);
   void next_goal();
+  void approach(double goal);
+  [[nodiscard]] bool is_at_end() const;
+  [[nodiscard]] bool is_level() const;
+  void add_level();
+  void end(RampStatus status);
   void next_packing_fraction();
   void try_packing_fraction(double packing_fraction);
   [[nodiscard]] bool leads_down() const { return settings_.pressure < first_pressure_; }
@@ -119,7 +137,9 @@ class PressureRamp {
   double tried_ = 0.0;  ///< the packing fraction of the minimization under way
   std::uint64_t halvings_ = 0;
   std::uint64_t minima_since_level_ = 0;
-  std::uint64_t iterations_before_ = 0;  ///< of the minimizer at the last level
+  std::uint64_t minima_near_end_ = 0;
+  double jamming_packing_fraction_ = std::numeric_limits<double>::quiet_NaN();  ///< of good_
+  std::uint64_t iterations_before_ = 0;                                         ///< of the minimizer at the last level
   std::vector<PressureLevel> levels_;
 };
 

@@ -58,6 +58,8 @@ struct StageResult {
   std::optional<double> pressure = {};
   /// Soft disks: whether forces balance, or no disks press on each other.
   std::optional<bool> is_converged = {};
+  /// Soft disks: what ContactNetwork::is_jammed() says of the packing at the end.
+  std::optional<bool> is_jammed = {};
   double disks = 0.0;
   std::uint64_t work = 0;                   ///< iterations, events or trial moves
   std::vector<PressureLevel> levels = {};   ///< of soft disks, the last one the end of the stage

@@ -30,7 +30,7 @@ TEST(PressureRamp, FindsWhereATriangularLatticeJams) {
     PressureRamp ramp({.minimizer = {.potential = potential}, .pressure = 1e-7}, packing);
     ASSERT_TRUE(ramp.advance());
     ASSERT_EQ(ramp.status(), RampStatus::reached);
-    EXPECT_NEAR(ramp.levels().back().pressure, 1e-7, 0.7e-7);
+    EXPECT_NEAR(ramp.levels().back().pressure, 1e-7, 1e-9);
     EXPECT_NEAR(ramp.levels().back().jamming_packing_fraction, std::numbers::pi / std::sqrt(12.0), 1e-8);
   }
 }
@@ -55,7 +55,25 @@ TEST(PressureRamp, ReachesAPressureFromBelow) {
   ASSERT_TRUE(ramp.advance());
   ASSERT_EQ(ramp.status(), RampStatus::reached);
   EXPECT_EQ(ramp.levels().front().pressure, 0.0);
-  EXPECT_NEAR(ramp.levels().back().pressure, 1e-4, 0.1e-4);
+  EXPECT_NEAR(ramp.levels().back().pressure, 1e-4, 1e-6);
+}
+
+TEST(PressureRamp, EndsWithinOnePercentOfItsPressure) {
+  int missed = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    for (double const pressure : {3e-3, 1e-4, 2e-6}) {
+      PressureRamp ramp({.pressure = pressure}, random_packing(32, 0.9, seed));
+      ASSERT_TRUE(ramp.advance());
+      PressureLevel const& last = ramp.levels().back();
+      EXPECT_EQ(last.packing_fraction, packing_fraction(ramp.packing())) << "the last level is the packing at the end";
+      bool const is_near = std::abs(last.pressure - pressure) <= 0.01 * pressure;
+      EXPECT_EQ(ramp.status() == RampStatus::reached, is_near) << to_text(ramp.status()) << last.pressure;
+      if (!is_near) ++missed;
+      for (std::size_t k = 1; k < ramp.levels().size(); ++k)
+        EXPECT_LT(ramp.levels()[k].pressure, ramp.levels()[k - 1].pressure);
+    }
+  }
+  EXPECT_LE(missed, 2) << "disks that rearrange at once";
 }
 
 TEST(PressureRamp, ReachesAPackingFractionFromBothSides) {

@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <map>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
@@ -117,9 +121,9 @@ TEST(Protocol, CountsTheEdgesThatDisksCrossWhileTheyAreQuenched) {
 }
 
 /// The key and the text of every problem that the stages have.
-std::vector<Problem> problems_of(std::vector<StageSettings> const& stages) {
+std::vector<Problem> problems_of(std::vector<StageSettings> const& stages, std::optional<double> start = {}) {
   try {
-    require_valid(stages);
+    require_valid(stages, start);
   } catch (Error const& error) {
     return error.problems();
   }
@@ -151,6 +155,77 @@ TEST(Protocol, RefusesStagesThatContradictThemselves) {
     EXPECT_FALSE(problems.front().hint.empty());
   }
   EXPECT_TRUE(problems_of(all_stages().stages).empty());
+}
+
+TEST(Protocol, RefusesAnEndOnTheOtherSideWhereTheStartOfTheStageIsKnown) {
+  StageSettings const quench{.kind = StageKind::quench, .packing_fraction = 0.9};
+  StageSettings const down{.kind = StageKind::decompress, .until_packing_fraction = 0.95};
+  StageSettings const up{.kind = StageKind::compress, .until_packing_fraction = 0.85};
+  StageSettings const grow{.kind = StageKind::grow, .until_packing_fraction = 0.4};
+  StageSettings const to_pressure{.kind = StageKind::compress, .until_pressure = 1e-3};
+  for (StageSettings const& wrong : {down, up}) {
+    std::vector<Problem> const problems = problems_of({quench, wrong});
+    ASSERT_EQ(problems.size(), 1U);
+    EXPECT_EQ(problems.front().key, "protocol[1].until_packing_fraction");
+  }
+  EXPECT_EQ(problems_of({{.kind = StageKind::run, .until_time = 1.0}, grow}, 0.5).size(), 1U);
+  EXPECT_TRUE(problems_of({{.kind = StageKind::run, .until_time = 1.0}, grow}).empty()) << "the start is not known";
+  EXPECT_TRUE(problems_of({quench, to_pressure, down}).empty()) << "the disks decide where a pressure is reached";
+  StageSettings const same{.kind = StageKind::decompress, .until_packing_fraction = 0.9};
+  EXPECT_TRUE(problems_of({quench, same}).empty());
+}
+
+TEST(Protocol, DescribesTheBoundsThatItsStagesCheck) {
+  class Bounds final : public SettingVisitor {
+   public:
+    std::map<std::string, SettingInfo, std::less<>> infos;
+    void enter(std::string_view, std::string_view) override {}
+    void leave() override {}
+    void visit(SettingInfo const& info, double&) override { note(info); }
+    void visit(SettingInfo const& info, std::optional<double>&) override { note(info); }
+    void visit(SettingInfo const& info, std::uint64_t&) override { note(info); }
+    void visit(SettingInfo const& info, std::optional<std::uint64_t>&) override { note(info); }
+    void visit(SettingInfo const& info, bool&) override { note(info); }
+    void visit(SettingInfo const& info, std::string&) override { note(info); }
+    void visit(SettingInfo const& info, std::vector<double>&) override { note(info); }
+    void visit_choice(SettingInfo const& info, std::span<std::string_view const>, std::size_t&) override { note(info); }
+    void visit_tables(SettingInfo const& info, std::size_t, std::function<void(std::size_t)> const&,
+                      std::function<void(std::size_t, SettingVisitor&)> const&) override {
+      note(info);
+    }
+
+   private:
+    void note(SettingInfo const& info) { infos.emplace(info.key, info); }
+  } bounds;
+  StageSettings settings;
+  describe(settings, bounds);
+  State const state = fluid();
+  auto const accepts = [&](StageSettings const& stage) {
+    try {
+      Protocol const protocol({.stages = {stage}}, state);
+      return true;
+    } catch (Error const&) {
+      return false;
+    }
+  };
+  SettingInfo const& rate = bounds.infos.at("rate");
+  auto const grows = [&](double value) {
+    return accepts({.kind = StageKind::grow, .rate = value, .until_packing_fraction = 0.7});
+  };
+  EXPECT_TRUE(grows(rate.least) && grows(rate.most));
+  EXPECT_FALSE(grows(0.99 * rate.least) || grows(1.01 * rate.most));
+  SettingInfo const& share = bounds.infos.at("swap_fraction");
+  auto const swaps = [&](double value) {
+    return accepts({.kind = StageKind::swap, .sweeps = 10, .swap_fraction = value});
+  };
+  EXPECT_TRUE(swaps(share.least));
+  EXPECT_EQ(swaps(share.most), share.most_is_allowed);
+  SettingInfo const& step = bounds.infos.at("step");
+  auto const steps = [&](double value) {
+    return accepts({.kind = StageKind::compress, .until_packing_fraction = 0.9, .step = value});
+  };
+  EXPECT_TRUE(steps(step.most));
+  EXPECT_FALSE(steps(1.01 * step.most) || steps(step.least));
 }
 
 TEST(Protocol, FailsWithTheReasonWhereAStageCannotBegin) {
