@@ -14,8 +14,6 @@ namespace {
 
 using namespace gridlock;
 
-double packing_fraction_of(State const& state) { return covered_area(state.agents) / state.box.area(); }
-
 TEST(Start, OnEveryLatticeHasThePackingFractionAskedForAndNoOverlap) {
   for (StartKind const start : {StartKind::square, StartKind::triangular, StartKind::random}) {
     for (Edge const edge : {Edge::wall, Edge::periodic}) {
