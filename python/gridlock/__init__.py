@@ -26,7 +26,7 @@ from .box import Box
 from .combine import Combined, combine
 from .dynamics import Dynamics, diffusion_coefficient, dynamics
 from .errors import Error, Problem, RunFailure
-from .files import Frame, RunDirectory, Trajectory, read_xyz
+from .files import Frame, FrameContacts, RunDirectory, Trajectory, read_xyz
 from .files import open as open
 from .models import Model, Setting, Start, World, register_model
 from .neighbors import Neighbors, neighbors, pairs
@@ -36,7 +36,7 @@ from .sweeps import SweepDirectory, sweep
 
 __version__: str = _core.version
 __all__ = [
-    "Agents", "Box", "Clock", "Column", "Combined", "Contacts", "Dynamics", "Error", "Frame", "Model", "Neighbors",
+    "Agents", "Box", "Clock", "Column", "Combined", "Contacts", "Dynamics", "Error", "Frame", "FrameContacts", "Model", "Neighbors",
     "PairCorrelation", "Problem", "Result", "Results", "RunDirectory", "RunFailure", "Setting", "Simulation",
     "SpectralDensity", "Start", "StructureFactor", "SweepDirectory", "Trajectory", "Voronoi", "World",
     "bond_orientation", "combine", "contacts", "diffusion_coefficient", "dynamics", "explain",

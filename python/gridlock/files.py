@@ -10,7 +10,7 @@ import os
 import pathlib
 import sys
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, SupportsIndex, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, SupportsIndex, overload
 
 import numpy as np
 
@@ -126,6 +126,14 @@ class Frame:
         converters.to_gsd([self], path)
 
 
+class FrameContacts(NamedTuple):
+    """The contacts between agents at one time, with their forces: C contacts."""
+
+    clock: Clock
+    ids: NDArray[np.uint64]  #: of the two agents of each contact, the smaller Id first; shape (C, 2)
+    forces: NDArray[np.float64]  #: in ε per length, shape (C,)
+
+
 def _frame(values: Any) -> Frame:
     ids, columns, box, step, time = values
     return Frame(Box(*box), Clock(step, time), ids, columns)
@@ -190,6 +198,15 @@ class Trajectory:
         """Of each frame, shape (frames,)."""
         times: NDArray[np.float64] = self._core.times()[self._frames.start : self._frames.stop : self._frames.step]
         return times
+
+    @property
+    def contacts(self) -> FrameContacts | None:
+        """The contacts of the packing that the run began with; ``None`` where no protocol had ended in a minimum of the energy.
+
+        Those with walls are left out; ``gridlock.contacts(frame.positions, frame.radius, frame.box)`` has them too.
+        """
+        found: Any = self._core.contacts()
+        return None if found is None else FrameContacts(Clock(*found[:2]), *found[2:])
 
     def positions(self, *, unwrapped: bool = True) -> NDArray[np.float64]:
         """Of all frames, shape (frames, N, 2), for a run without births and deaths: what :func:`dynamics` takes.

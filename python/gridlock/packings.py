@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import numbers
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -27,7 +28,7 @@ class Contacts:
     diameter. In ``pairs`` a wall is a disk of its own: N the left one, N + 1 right, N + 2 bottom, N + 3 top.
     """
 
-    points: NDArray[np.float64] = field(repr=False)  #: as given, shape (N, 2)
+    points: NDArray[np.float64] = field(repr=False)  #: as given, in float64; shape (N, 2)
     radii: NDArray[np.float64] = field(repr=False)  #: shape (N,)
     box: Box
     potential: str  #: ``"harmonic"`` or ``"hertzian"``
@@ -101,8 +102,9 @@ def contacts(
     contacts with the backbone or with walls. The elastic constants are those of a minimum, with the motions of the disks in a strained
     box: its energy per area grows by σ_ab e_ab + ½ C_abcd e_ab e_cd. So φ dp/dφ = K + p/2 as the radii scale.
 
-    :param points: shape (N, 2). Coordinates outside a periodic box are those of the image inside.
-    :param radii: shape (N,), or one number for all.
+    :param points: shape (N, 2); float64 in one piece is read where it is, anything else is copied. Coordinates outside a periodic box
+        are those of the image inside. In single precision, disks that touch overlap or miss each other by some 10⁻⁷ of their distance.
+    :param radii: shape (N,), or one number for all; copied as the points are.
     :param box: periodic, or ``Box(width, height, periodic=False)``.
     :param potential: ``"harmonic"``, α = 2, or ``"hertzian"``, α = 5/2.
     :param tolerance: pairs with a gap r/σ − 1 below it are contacts too. Hard disks, which do not overlap, have contacts only so; they
@@ -165,10 +167,9 @@ def _as_share(value: Any, what: str) -> float:
 
 def _as_radii(radii: Any, count: int) -> NDArray[np.float64]:
     hint = f"give one number above 0 for each of the {count} disks, or one for all"
-    array = np.asarray(radii) if isinstance(radii, (int, float, np.floating, np.integer)) and not isinstance(radii, bool) else radii
-    if isinstance(array, np.ndarray) and array.ndim == 0:
-        return np.full(count, as_number(array, "the radius", hint))
-    sizes = as_numbers(array, "the radii", (count,), hint)
+    if isinstance(radii, numbers.Real) or (isinstance(radii, np.ndarray) and radii.ndim == 0):
+        return np.full(count, as_number(radii, "the radius", hint))
+    sizes = as_numbers(radii, "the radii", (count,), hint)
     if (sizes <= 0.0).any():
         disk = int(np.flatnonzero(sizes <= 0.0)[0])
         raise Error(f"the radius of disk {disk} is {sizes[disk]}\n  hint: {hint}")

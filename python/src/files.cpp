@@ -201,6 +201,20 @@ class PythonTrajectory {
     }
     return values_of(std::move(frame->frame));
   }
+  /// Step, time, ids of shape (contacts, 2) and forces of the contacts, where the file has them.
+  [[nodiscard]] auto contacts() const {
+    std::optional<FrameContacts> found;
+    {
+      nb::gil_scoped_release const released;
+      found = reader_.contacts();
+    }
+    std::optional<std::tuple<std::uint64_t, double, nb::object, nb::object>> values;
+    if (!found) return values;
+    std::size_t const count = found->size();
+    values.emplace(found->clock.step, found->clock.time, nb::cast(owned_array(std::move(found->ids), {count, 2})),
+                   nb::cast(owned_array(std::move(found->forces))));
+    return values;
+  }
 
  private:
   H5mdReader reader_;
@@ -247,7 +261,8 @@ void bind_files(nb::module_& module) {
       .def("size", &PythonTrajectory::size)
       .def("steps", &PythonTrajectory::steps)
       .def("times", &PythonTrajectory::times)
-      .def("frame", &PythonTrajectory::frame, nb::arg("k"));
+      .def("frame", &PythonTrajectory::frame, nb::arg("k"))
+      .def("contacts", &PythonTrajectory::contacts);
   nb::class_<PythonDirectory>(module, "Directory")
       .def(nb::init<std::string const&, bool>(), nb::arg("directory"), nb::arg("overwrites"))
       .def("write", &PythonDirectory::write, nb::arg("name"), nb::arg("content"))

@@ -3,6 +3,7 @@
 #include <nanobind/nanobind.h>
 
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 namespace gridlock::python {
@@ -19,20 +20,21 @@ class Listener {
   bool operator()(std::uint64_t done, double fraction) {
     nb::gil_scoped_acquire const acquired;
     if (PyErr_CheckSignals() != 0) {
-      is_interrupted_ = true;
+      // Takes the exception away from the interpreter: a last sample may still call functions of Python.
+      interruption_.emplace();
       return false;
     }
     if (is_shown_) on_progress_(done, fraction);
     return true;
   }
   void raise() const {
-    if (is_interrupted_) throw nb::python_error();
+    if (interruption_) throw nb::python_error(*interruption_);
   }
 
  private:
   nb::object on_progress_;
   bool is_shown_;
-  bool is_interrupted_ = false;
+  std::optional<nb::python_error> interruption_;
 };
 
 }  // namespace gridlock::python

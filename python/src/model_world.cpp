@@ -101,24 +101,32 @@ nb::object ModelWorld::numbers_of_step(std::size_t count) const {
   return nb::cast(owned_array(std::move(numbers)));
 }
 
-nb::object ModelWorld::neighbor_lists(double cutoff) const {
+template <class Search>
+auto ModelWorld::find(Search search) const {
+  struct Counted {
+    std::atomic<int>& count;
+    explicit Counted(std::atomic<int>& searches) : count(searches) { ++count; }
+    ~Counted() {
+      --count;
+      count.notify_all();
+    }
+    Counted(Counted const&) = delete;
+    Counted& operator=(Counted const&) = delete;
+  };
   require_open();
-  NeighbourLists found;
-  {
-    nb::gil_scoped_release const released;
-    found = find_neighbour_lists(world_.box, cutoff, points_of(world_.agents), threads_);
-  }
-  return nb::cast(arrays_of_lists(std::move(found)));
+  Counted const counted(searches_);
+  nb::gil_scoped_release const released;
+  return search(points_of(world_.agents));
+}
+
+nb::object ModelWorld::neighbor_lists(double cutoff) const {
+  return nb::cast(arrays_of_lists(
+      find([&](PointsInMemory const& points) { return find_neighbour_lists(world_.box, cutoff, points, threads_); })));
 }
 
 nb::object ModelWorld::pairs(double cutoff) const {
-  require_open();
-  PointPairs found;
-  {
-    nb::gil_scoped_release const released;
-    found = find_pairs(world_.box, cutoff, points_of(world_.agents), threads_);
-  }
-  return nb::cast(array_of_pairs(std::move(found)));
+  return nb::cast(array_of_pairs(
+      find([&](PointsInMemory const& points) { return find_pairs(world_.box, cutoff, points, threads_); })));
 }
 
 nb::object ModelWorld::move(nb::ndarray<double const, nb::shape<-1, 2>, nb::device::cpu> const& displacements) {
@@ -187,6 +195,10 @@ void ModelWorld::count(std::size_t event, std::uint64_t times) {
 void ModelWorld::close() {
   if (is_closed_) return;
   is_closed_ = true;
+  if (searches_ != 0) {
+    nb::gil_scoped_release const released;
+    for (int searches = searches_; searches != 0; searches = searches_) searches_.wait(searches);
+  }
   lender_.take_back([&] { return world_.agents.release(); });
 }
 

@@ -2,6 +2,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -58,7 +59,8 @@ class ModelWorld {
   void remove(nb::ndarray<std::uint64_t const, nb::ndim<1>, nb::c_contig, nb::device::cpu> const& rows);
   void count(std::size_t event, std::uint64_t times);
 
-  /// The step is over: arrays that are still held get memory of their own, and nothing can be asked for any more.
+  /// The step is over: arrays that are still held get memory of their own, and nothing can be asked for any more. Waits for searches that
+  /// other threads have begun.
   void close();
 
   /// What was asked for; of the rows of deaths each once, in the order of their Ids.
@@ -68,12 +70,16 @@ class ModelWorld {
 
  private:
   void require_open() const;
+  /// What `search` finds among the agents, without the lock of the interpreter.
+  template <class Search>
+  auto find(Search search) const;
 
   World<TableModel>& world_;
   ModelDefinition const& definition_;
   std::uint64_t threads_;
   Phase phase_;
   bool is_closed_ = false;
+  mutable std::atomic<int> searches_ = 0;  ///< that have begun and not ended
   ColumnLender lender_;
   std::vector<std::uint64_t> dead_rows_;
   std::vector<NewAgents> births_;

@@ -196,10 +196,14 @@ class PythonSimulation {
     return {simulation().clock().step, simulation().clock().time};
   }
   [[nodiscard]] std::tuple<double, double, bool> box() {
+    Use const use(*this);
     Box const& box = simulation().box();
     return {box.width(), box.height(), box.is_periodic()};
   }
-  [[nodiscard]] double time_step() { return simulation().time_step(); }
+  [[nodiscard]] double time_step() {
+    Use const use(*this);
+    return simulation().time_step();
+  }
   [[nodiscard]] std::size_t agents() {
     Use const use(*this);
     return simulation().agents();
@@ -230,6 +234,7 @@ class PythonSimulation {
     return columns;
   }
   std::vector<std::tuple<std::string, std::string, std::string>> series_columns() {
+    Use const use(*this);
     std::vector<ColumnInfo> all = clock_columns();
     std::ranges::move(simulation().columns(), std::back_inserter(all));
     std::vector<std::tuple<std::string, std::string, std::string>> columns;

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+import threading
 import warnings
 
 import numpy as np
@@ -747,3 +748,27 @@ def test_neighbor_sums_are_those_of_numpy():
     for ends in (found.indptr * 10**9, found.indptr[::-1].copy(), found.indptr + 1):
         with pytest.raises(gridlock.Error, match="begin"):
             gridlock.Neighbors(ends, found.indices).sum(np.ones(500))
+
+
+def test_a_search_that_outlives_its_step_sees_the_agents_of_that_step():
+    searches, threads = [], []
+
+    @gridlock.register_model
+    class Growing(gridlock.Model):
+        name = "test_growing"
+
+        def start(self, start):
+            start.add(positions=start.anywhere(400_000))
+
+        def step(self, world):
+            begun, points = threading.Event(), world.positions.copy()
+            world.add(positions=points[:1000])  # after the step, into other memory
+            threads.append(threading.Thread(target=lambda: (begun.set(), searches.append((points, world.pairs(0.001))))))
+            threads[-1].start()
+            begun.wait()
+
+    gridlock.Simulation(model="test_growing", box={"edge": "periodic"}).run(steps=5)
+    for thread in threads:
+        thread.join()
+    assert len(searches) == 5
+    assert all(np.array_equal(pairs, gridlock.pairs(points, 0.001, 1.0)) for points, pairs in searches)

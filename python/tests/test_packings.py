@@ -1,6 +1,7 @@
 """Contacts and moduli of packings against other programs, brute force and what they are defined by."""
 
 import dataclasses
+import fractions
 import pathlib
 import subprocess
 
@@ -92,6 +93,23 @@ def test_what_is_no_minimum_has_no_moduli():
     assert np.isnan(found.elastic_constants).all() and np.isnan(found.softest_displacements).all()
     assert gridlock.contacts(shaken, radii, box, residual=100.0).bulk_modulus > 0
     assert np.isnan(gridlock.contacts(points, radii, box, stiffness=False).bulk_modulus)
+
+
+@pytest.mark.parametrize("kind", [list, np.float32, np.int32, np.longdouble])
+def test_any_numbers_are_read_as_float64(kind):
+    points, radii = [[1, 2], [4, 2], [7, 2]], [2, 2, 2]
+    expected = gridlock.contacts(np.array(points, dtype=np.float64), 2.0, 16.0)
+    for sizes in (radii, 2, fractions.Fraction(2), np.float32(2), np.array(2)):
+        arrays = (points, sizes) if kind is list else (np.array(points, dtype=kind), np.asarray(radii, dtype=kind))
+        found = gridlock.contacts(*arrays, 16)
+        assert found.points.dtype == found.radii.dtype == np.float64 and len(found.pairs) == 2
+        assert found.pairs.tolist() == expected.pairs.tolist() and found.forces.tolist() == expected.forces.tolist()
+
+
+@pytest.mark.parametrize(("points", "tolerance"), [([], 0.0), ([[0.3, 0.3], [0.8, 0.8]], 0.0), ([[0.3, 0.3], [0.4999, 0.3]], 1e-3)])
+def test_where_nothing_presses_the_pressure_has_no_sign(points, tolerance):
+    found = gridlock.contacts(points, 0.0999, 1.0, tolerance=tolerance)
+    assert str(found.pressure) == "0.0" and not np.signbit(found.stress).any()
 
 
 def test_walls_are_disks_of_their_own():

@@ -75,3 +75,28 @@ def test_steps_and_observables_need_a_run():
         simulation.run(steps=10)
     with pytest.raises(gridlock.Error, match="before the protocol has ended"):
         simulation.observe(lambda simulation: 1.0, "one")
+
+
+@pytest.mark.parametrize("edge", ["periodic", "wall"])
+def test_the_trajectory_has_the_contacts_of_the_minimum(tmp_path, edge):
+    gridlock.run(SETTINGS, tmp_path / "run", box={"edge": edge}, protocol=PROTOCOL, trajectory={"every": 1})
+    trajectory = gridlock.open(tmp_path / "run").trajectory
+    frame, contacts = trajectory[0], trajectory.contacts
+    found = gridlock.contacts(frame.positions, frame.radius, frame.box)
+    is_of_disks = found.pairs[:, 1] < 64
+    assert is_of_disks.all() == (edge == "periodic") and is_of_disks.sum() > 60
+    assert contacts.clock == frame.clock
+    assert contacts.ids.tolist() == frame.ids[found.pairs[is_of_disks]].tolist()
+    assert contacts.forces.tolist() == found.forces[is_of_disks].tolist()
+
+
+def test_disks_that_do_not_touch_have_no_contacts_and_of_others_none_are_known(tmp_path):
+    gridlock.run(SETTINGS, tmp_path / "loose", protocol=[{"stage": "quench", "packing_fraction": 0.4}], trajectory={"every": 1})
+    contacts = gridlock.Trajectory(tmp_path / "loose/trajectory.h5").contacts
+    assert contacts.ids.shape == (0, 2) and contacts.forces.shape == (0,)
+    for name, protocol in (("separated", [*PROTOCOL, {"stage": "separate"}]), ("fluid", [])):
+        disks = {**SETTINGS["disks"], "start": "uniform" if protocol else "random"}
+        gridlock.run(SETTINGS, tmp_path / name, disks=disks, protocol=protocol, trajectory={"every": 10},
+                     run={"seed": 3, "steps": 20}, engine={"kind": "exact"})
+        trajectory = gridlock.Trajectory(tmp_path / name / "trajectory.h5")
+        assert len(trajectory) == 3 and trajectory.contacts is None

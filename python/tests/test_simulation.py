@@ -7,6 +7,7 @@ import os
 import pickle
 import signal
 import subprocess
+import sys
 import threading
 import warnings
 
@@ -255,6 +256,55 @@ def test_the_interpreter_goes_on_while_a_simulation_runs_and_no_other_thread_may
     simulation.run(steps=300)
     thread.join()
     assert failures == ["this simulation is running in another thread"]
+
+
+def test_nothing_that_a_protocol_changes_is_shown_to_other_threads_meanwhile():
+    simulation = gridlock.Simulation(disks={"count": 2000, "packing_fraction": 0.5, "start": "uniform"}, box={"edge": "periodic"},
+                                     protocol=[{"stage": "quench", "packing_fraction": 0.86}])
+    failures = []
+
+    def touch():
+        for name in ("box", "time_step", "columns"):
+            try:
+                getattr(simulation, name)
+            except RuntimeError as error:
+                failures.append(str(error))
+
+    def touch_elsewhere(work, fraction):
+        if not failures:
+            thread = threading.Thread(target=touch)
+            thread.start()
+            thread.join()
+
+    simulation.run(progress=touch_elsewhere)
+    assert failures == ["this simulation is running in another thread"] * 3
+
+
+def test_ctrl_c_in_the_last_step_is_heard_after_the_last_sample():
+    # Functions of Python that are called in between handle exceptions of their own.
+    text = """if True:
+        import signal, gridlock
+        signal.signal(signal.SIGALRM, signal.default_int_handler)
+        simulation = gridlock.Simulation(disks={"count": 200_000, "packing_fraction": 0.5}, run={"steps": 1}, observe={"every": 1})
+        seen = []
+
+        def look(s):
+            try:
+                raise LookupError
+            except LookupError:
+                seen.append(s.clock.step)
+            if s.clock.step == 0:
+                signal.setitimer(signal.ITIMER_REAL, 0.01)
+            return 1.0
+
+        simulation.observe(look)
+        try:
+            simulation.run()
+        except KeyboardInterrupt:
+            print(seen, simulation.series["look"].tolist())
+        """
+    process = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True)
+    assert (process.returncode, process.stdout) == (0, "[0, 1] [1.0, 1.0]\n"), process.stderr
 
 
 def test_two_simulations_run_side_by_side():

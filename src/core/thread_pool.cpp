@@ -27,6 +27,12 @@ std::size_t number_of(std::uint64_t threads) {
   return static_cast<std::size_t>(std::min(threads, most_threads));
 }
 
+/// Asked once: reading what says so takes longer than starting the threads of a short piece of work.
+std::size_t cores_at_first() {
+  static std::size_t const cores = usable_cores();
+  return cores;
+}
+
 void pause() {
 #if defined(__x86_64__)
   __builtin_ia32_pause();
@@ -44,7 +50,7 @@ void pause() {
 /// A member enters before it asks and the caller closes before it asks, so one of them always sees the other.
 class ThreadPool::Crew {
  public:
-  explicit Crew(std::size_t members) : ranges_(members + 1), stays_awake_(members < usable_cores()) {
+  explicit Crew(std::size_t members) : ranges_(members + 1), stays_awake_(members < cores_at_first()) {
     for (std::size_t k = 0; k < members; ++k) members_.emplace_back([this, k] { wait_for_work(k + 1); });
   }
   ~Crew() {

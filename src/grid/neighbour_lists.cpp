@@ -200,7 +200,8 @@ class Search {
 };
 
 SearchFrame frame_of(Box const& box, double cutoff, PointsInMemory const& points) {
-  require_search(points, cutoff);
+  require_bounded_cutoff(cutoff);
+  require_point_count(points.count);  // whether all are finite is seen when they are sorted
   require_box_for(box, cutoff);
   return {box, {}};
 }

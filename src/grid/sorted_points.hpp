@@ -1,10 +1,12 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
+#include "grid/require.hpp"
 #include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/grid/cell_layout.hpp"
@@ -15,7 +17,7 @@ namespace gridlock {
 /// The points in the order of their cells, in a cell in their own order.
 class SortedPoints {
  public:
-  /// The cells begin to count at `origin`.
+  /// The cells begin to count at `origin`. Errors: Error for points that are not finite.
   SortedPoints(CellLayout const& layout, Vector origin, PointsInMemory const& points, ThreadPool& pool)
       : layout_(layout),
         first_(static_cast<std::size_t>(layout_.count()) + 1),
@@ -39,16 +41,22 @@ class SortedPoints {
     auto const first_point = [&](std::size_t part) { return part * points.count / parts; };
     UninitializedArray<std::uint32_t> cell_of(points.count);
     std::vector<std::vector<std::uint32_t>> places(parts);
+    std::atomic<bool> are_finite = true;
     pool.for_each(parts, [&](std::size_t part) {
       std::vector<std::uint32_t>& counts = places[part];
       counts.assign(cells, 0);
       for (std::size_t i = first_point(part); i < first_point(part + 1); ++i) {
         Vector const p = Vector{points.x[i * points.stride], points.y[i * points.stride]} - origin;
+        if (!(p.x - p.x == 0.0) | !(p.y - p.y == 0.0)) {
+          are_finite = false;
+          return;
+        }
         auto const cell = static_cast<std::uint32_t>(layout_.cell_of(p));
         cell_of[i] = cell;
         ++counts[cell];
       }
     });
+    if (!are_finite) require_points_in_memory(points);
     std::uint32_t next = 0;
     for (std::size_t cell = 0; cell < cells; ++cell) {
       first_[cell] = next;

@@ -25,6 +25,16 @@ std::string unit_of(std::string_view element) {
   return element == "mass" ? "mass" : "";
 }
 
+class Checksum {
+ public:
+  Checksum() { XXH3_64bits_reset(state_.get()); }
+  void add(auto numbers) { XXH3_64bits_update(state_.get(), numbers.data(), numbers.size_bytes()); }
+  [[nodiscard]] std::uint64_t digest() const { return XXH3_64bits_digest(state_.get()); }
+
+ private:
+  std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state_{XXH3_createState(), &XXH3_freeState};
+};
+
 }  // namespace
 
 std::vector<Element> elements_of(Frame const& frame) {
@@ -57,21 +67,28 @@ std::size_t width_of(FrameValues const& values) {
 }
 
 std::uint64_t checksum(Frame const& frame, std::span<double const> observables, std::uint64_t state_hash) {
-  std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> const state(XXH3_createState(), &XXH3_freeState);
-  XXH3_64bits_reset(state.get());
-  auto const add = [&](auto bytes) { XXH3_64bits_update(state.get(), bytes.data(), bytes.size_bytes()); };
+  Checksum sum;
   double const reals[] = {frame.box.width(), frame.box.height(), frame.clock.time};
   std::uint64_t const wholes[] = {frame.box.is_periodic() ? 1U : 0U, frame.clock.step, frame.seed, frame.size(),
                                   state_hash};
-  add(std::span(reals));
-  add(std::span(wholes));
-  add(std::span(frame.ids));
+  sum.add(std::span(reals));
+  sum.add(std::span(wholes));
+  sum.add(std::span(frame.ids));
   for (FrameColumn const& column : frame.columns) {
-    add(std::span(column.name));
-    add(bytes_of(column.values));
+    sum.add(std::span(column.name));
+    sum.add(bytes_of(column.values));
   }
-  add(observables);
-  return XXH3_64bits_digest(state.get());
+  sum.add(observables);
+  return sum.digest();
+}
+
+std::uint64_t checksum(FrameContacts const& contacts) {
+  Checksum sum;
+  sum.add(std::span(&contacts.clock.step, 1));
+  sum.add(std::span(&contacts.clock.time, 1));
+  sum.add(std::span(contacts.ids));
+  sum.add(std::span(contacts.forces));
+  return sum.digest();
 }
 
 }  // namespace gridlock::h5md

@@ -41,4 +41,7 @@ std::size_t width_of(FrameValues const& values);
 /// A hash over all of a frame, by which the reader knows that nothing was damaged.
 std::uint64_t checksum(Frame const& frame, std::span<double const> observables, std::uint64_t state_hash);
 
+/// The same over contacts.
+std::uint64_t checksum(FrameContacts const& contacts);
+
 }  // namespace gridlock::h5md

@@ -58,6 +58,9 @@ class H5mdReader::Trajectory {
   [[nodiscard]] H5mdFrame frame(std::size_t k) const {
     return guarded(path_, [&] { return read_frame(k); });
   }
+  [[nodiscard]] std::optional<FrameContacts> contacts() const {
+    return guarded(path_, [&] { return read_contacts(); });
+  }
 
  private:
   struct Element {
@@ -69,6 +72,7 @@ class H5mdReader::Trajectory {
   void find_elements();
   void read_clocks();
   [[nodiscard]] H5mdFrame read_frame(std::size_t k) const;
+  [[nodiscard]] std::optional<FrameContacts> read_contacts() const;
   [[nodiscard]] std::vector<Id> read_ids(std::size_t k) const;
   [[nodiscard]] Box read_box(std::size_t k) const;
   void read_columns(Element const& element, std::size_t k, Frame& frame) const;
@@ -179,6 +183,27 @@ void H5mdReader::Trajectory::read_columns(Element const& element, std::size_t k,
   }
 }
 
+std::optional<FrameContacts> H5mdReader::Trajectory::read_contacts() const {
+  if (!hdf5::has(file_, "/connectivity")) return std::nullopt;
+  std::string const path = "/connectivity/contacts/";
+  Handle const ids = dataset(path + "value", 3);
+  std::vector<hsize_t> const extent = hdf5::extent_of(ids);
+  hsize_t const count = extent[1];
+  if (extent[0] != 1 || extent[2] != 2) throw hdf5::Failure(path + "value is not stored as it should be");
+  if (count / most_deflation > bytes_) throw hdf5::Failure("the number of contacts is damaged");
+  FrameContacts contacts{.clock = {read_one<std::uint64_t>(path + "step", 0), read_one<double>(path + "time", 0)},
+                         .ids = {},
+                         .forces = {}};
+  if (count > 0) {
+    contacts.ids = hdf5::read<std::uint64_t>(ids, {{0, 0, 0}, {1, count, 2}});
+    contacts.forces = hdf5::read<double>(dataset(path + "force", 2), {{0, 0}, {1, count}});
+  }
+  if (h5md::checksum(contacts) != read_one<std::uint64_t>("/parameters/checksum_of_contacts", 0)) {
+    throw hdf5::Failure("the contacts are damaged: their checksum differs");
+  }
+  return contacts;
+}
+
 H5mdFrame H5mdReader::Trajectory::read_frame(std::size_t k) const {
   H5mdFrame result;
   Frame& frame = result.frame;
@@ -207,5 +232,6 @@ std::size_t H5mdReader::frame_count() const { return trajectory_->clocks().size(
 H5mdSettings const& H5mdReader::settings() const { return trajectory_->settings(); }
 std::span<Clock const> H5mdReader::clocks() const { return trajectory_->clocks(); }
 H5mdFrame H5mdReader::frame(std::size_t k) const { return trajectory_->frame(k); }
+std::optional<FrameContacts> H5mdReader::contacts() const { return trajectory_->contacts(); }
 
 }  // namespace gridlock

@@ -82,6 +82,7 @@ class Beginning {
     write_box();
     write_observables();
     write_parameters();
+    if (settings_.contacts) write_contacts(*settings_.contacts);
   }
 
  private:
@@ -147,15 +148,45 @@ class Beginning {
     hdf5::create_group(file_, "/parameters");
     hdf5::write_text(file_, "/parameters/configuration", settings_.configuration);
     hdf5::write_text(file_, "/parameters/version", settings_.version);
-    create_dataset(file_, "/parameters/seed", hdf5::native<std::uint64_t>(), {{1}, {1}, {1}});
-    hdf5::write(hdf5::open_dataset(file_, "/parameters/seed"), {{0}, {1}},
-                std::span<std::uint64_t const>(&frame_.seed, 1));
+    write_one("/parameters/seed", frame_.seed);
     hdf5::create_group(file_, "/parameters/frames");
     for (char const* name : {"state_hash", "checksum"}) {
       create_dataset(file_, std::string("/parameters/frames/") + name, hdf5::native<std::uint64_t>(),
                      one_for_each_frame());
     }
     link_clock("/parameters/frames");
+  }
+
+  /// In the form of H5MD that depends on time: disks that move afterwards have other contacts.
+  void write_contacts(FrameContacts const& contacts) {
+    hsize_t const count = contacts.size();
+    hsize_t const chunk = std::clamp<hsize_t>(count, 1, h5md::most_rows_per_chunk);
+    int const compression = static_cast<int>(settings_.compression);
+    hdf5::create_group(file_, "/connectivity");
+    Handle const group = hdf5::create_group(file_, "/connectivity/contacts");
+    hdf5::set_reference(group, "particles_group", file_, group_);
+    std::string const path = "/connectivity/contacts/";
+    create_dataset(file_, path + "value", hdf5::native<std::uint64_t>(),
+                   {{1, count, 2}, {H5S_UNLIMITED, H5S_UNLIMITED, 2}, {1, chunk, 2}}, {.compression = compression});
+    create_dataset(file_, path + "force", hdf5::native<double>(),
+                   {{1, count}, {H5S_UNLIMITED, H5S_UNLIMITED}, {1, chunk}}, {.compression = compression});
+    set_unit(file_, path + "force", "energy/length");
+    if (count > 0) {
+      hdf5::write(hdf5::open_dataset(file_, path + "value"), {{0, 0, 0}, {1, count, 2}},
+                  std::span<std::uint64_t const>(contacts.ids));
+      hdf5::write(hdf5::open_dataset(file_, path + "force"), {{0, 0}, {1, count}},
+                  std::span<double const>(contacts.forces));
+    }
+    write_one(path + "step", contacts.clock.step);
+    write_one(path + "time", contacts.clock.time);
+    set_unit(file_, path + "time", "time");
+    write_one("/parameters/checksum_of_contacts", h5md::checksum(contacts));
+  }
+
+  template <class Number>
+  void write_one(std::string const& path, Number number) {
+    create_dataset(file_, path, hdf5::native<Number>(), {{1}, {1}, {1}});
+    hdf5::write(hdf5::open_dataset(file_, path), {{0}, {1}}, std::span<Number const>(&number, 1));
   }
 
   void link_clock(std::string const& path) {

@@ -248,7 +248,7 @@ std::vector<std::string> names_in(Handle const& group) {
 }
 
 bool has(Handle const& parent, std::string const& path) {
-  return H5Lexists(parent.id(), path.c_str(), H5P_DEFAULT) > 0;
+  return require(H5Lexists(parent.id(), path.c_str(), H5P_DEFAULT), "look for " + path) > 0;
 }
 
 void link(Handle const& file, std::string const& from, std::string const& to) {
@@ -309,6 +309,15 @@ void set_attribute(Handle const& object, std::string const& name, std::span<int 
   Handle const attribute(H5Acreate2(object.id(), name.c_str(), H5T_NATIVE_INT32, space.id(), H5P_DEFAULT, H5P_DEFAULT),
                          H5Aclose, "create the attribute " + name);
   require(H5Awrite(attribute.id(), H5T_NATIVE_INT, numbers.data()), "write the attribute " + name);
+}
+
+void set_reference(Handle const& object, std::string const& name, Handle const& file, std::string const& path) {
+  hobj_ref_t reference{};
+  require(H5Rcreate(&reference, file.id(), path.c_str(), H5R_OBJECT, -1), "refer to " + path);
+  Handle const space = scalar();
+  Handle const attribute(H5Acreate2(object.id(), name.c_str(), H5T_STD_REF_OBJ, space.id(), H5P_DEFAULT, H5P_DEFAULT),
+                         H5Aclose, "create the attribute " + name);
+  require(H5Awrite(attribute.id(), H5T_STD_REF_OBJ, &reference), "write the attribute " + name);
 }
 
 std::vector<std::string> read_texts(Handle const& object, std::string const& name) {

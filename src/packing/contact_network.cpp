@@ -98,7 +98,7 @@ void add_up_forces(ContactNetwork& network, Box const& box) {
     network.stress.yy -= virial * contact.normal.y * contact.normal.y;
     network.stress.xy -= virial * contact.normal.x * contact.normal.y;
   }
-  network.pressure = -0.5 * (network.stress.xx + network.stress.yy);
+  network.pressure = 0.5 * (0.0 - network.stress.xx - network.stress.yy);  // no −0 where nothing touches
   if (overlaps == 0) return;
   network.mean_force = sum / static_cast<double>(overlaps);
   double largest = 0.0;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/packing/contact_network.hpp"
 
 namespace gridlock {
 
@@ -214,6 +215,7 @@ std::vector<Event> notes_on(std::vector<StageResult> const& stages, bool is_peri
 
 ProtocolSimulation::ProtocolSimulation(ProtocolSettings const& settings, State start, MakeSimulation make)
     : make_(std::move(make)),
+      soft_(settings.soft),
       start_clock_(start.clock),
       state_(std::move(start)),
       protocol_(settings, state_),
@@ -293,6 +295,25 @@ std::vector<Distribution> ProtocolSimulation::distributions() const {
 }
 
 Frame ProtocolSimulation::frame() const { return is_prepared_ ? simulation_->frame() : frame_of(state_); }
+
+std::optional<FrameContacts> ProtocolSimulation::contacts() const {
+  if (!is_prepared_ || has_run() || protocol_.results().empty() || protocol_.results().back().levels.empty()) {
+    return std::nullopt;
+  }
+  ContactNetwork const network = find_contact_network(packing_of(state_), soft_.potential);
+  if (!network.is_converged(soft_.residual)) return std::nullopt;
+  std::vector<Id> ids(state_.agents.ids().begin(), state_.agents.ids().end());
+  std::ranges::sort(ids);
+  FrameContacts contacts{.clock = start_clock_, .ids = {}, .forces = {}};
+  for (std::size_t k = 0; k < network.contacts.size(); ++k) {
+    Contact const& contact = network.contacts[k];
+    bool const is_at_wall = contact.second >= ids.size();
+    if (is_at_wall) continue;
+    contacts.ids.insert(contacts.ids.end(), {ids[contact.first], ids[contact.second]});
+    contacts.forces.push_back(network.forces[k]);
+  }
+  return contacts;
+}
 
 void ProtocolSimulation::serialize(Archive& archive) {
   archive.visit("is_prepared", is_prepared_);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -45,6 +46,7 @@ class ProtocolSimulation final : public Simulation {
   [[nodiscard]] std::vector<NamedEstimate> results() const override;
   [[nodiscard]] std::vector<Distribution> distributions() const override;
   [[nodiscard]] Frame frame() const override;
+  [[nodiscard]] std::optional<FrameContacts> contacts() const override;
   void serialize(Archive& archive) override;
 
  private:
@@ -52,6 +54,7 @@ class ProtocolSimulation final : public Simulation {
   [[nodiscard]] bool has_run() const;
 
   MakeSimulation make_;
+  SoftSettings soft_;
   Clock start_clock_;
   State state_;  ///< of the protocol; once prepared the simulation has it
   Protocol protocol_;

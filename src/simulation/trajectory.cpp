@@ -150,7 +150,8 @@ void TrajectoryWriter::open(Simulation const& simulation, Frame const& frame) {
   H5mdSettings header{.configuration = origin_.configuration,
                       .version = origin_.version,
                       .author = settings_.author,
-                      .compression = settings_.compression};
+                      .compression = settings_.compression,
+                      .contacts = simulation.contacts()};
   for (ColumnInfo const& column : simulation.columns()) header.observables.push_back({column.name, column.unit});
   writer_ = H5mdWriter::create(origin_.file, header, frame);
 }

@@ -43,6 +43,23 @@ TEST(Trajectories, AndTheirExportsSayTheSameInMdanalysisAseAndVtk) {
   EXPECT_EQ(check.exit_code, 0) << check.err;
 }
 
+TEST(Trajectories, HaveTheContactsOfAPackingAsH5pyReadsThem) {
+  if (!have_readers()) GTEST_SKIP() << "the readers are not installed: ./dev install";
+  Workplace const workplace;
+  for (std::vector<std::string> const& arguments : std::vector<std::vector<std::string>>{
+           {"run", source + "/scenes/jamming.toml", "--set", "trajectory.every=1", "--no-pictures", "-o", "run"},
+           {"contacts", "run/final.xyz", "-o", "contacts", "--no-pictures"}}) {
+    Outcome const outcome = gridlock_in(workplace, arguments);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+  Outcome const check =
+      Process("/usr/bin/python3",
+              {source + "/tests/reference/read_contacts.py", "run/trajectory.h5", "contacts/contacts.csv"},
+              workplace.path())
+          .wait();
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+}
+
 TEST(Trajectories, SayWhatTheyHold) {
   Workplace const workplace;
   run_with_frames(workplace);

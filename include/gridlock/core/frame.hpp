@@ -58,6 +58,17 @@ struct Frame {
   friend bool operator==(Frame const&, Frame const&) = default;
 };
 
+/// The contacts between agents at one time, with their forces.
+struct FrameContacts {
+  Clock clock;
+  std::vector<Id> ids;         ///< two for each contact
+  std::vector<double> forces;  ///< of each contact
+
+  [[nodiscard]] std::size_t size() const { return forces.size(); }
+
+  friend bool operator==(FrameContacts const&, FrameContacts const&) = default;
+};
+
 /// A population as a frame, every column of it. Cost: a sort of the Ids unless they are in order, and a copy.
 template <class... Columns>
 Frame frame_of(Box const& box, Clock const& clock, std::uint64_t seed, Population<Columns...> const& population) {

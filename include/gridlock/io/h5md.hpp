@@ -38,6 +38,8 @@ struct H5mdSettings {
   std::string author;            ///< empty: "N/A"
   std::vector<H5mdObservable> observables;
   std::uint64_t compression = 1;  ///< 0: none, 1: fastest … 9: smallest
+  /// Of the start, where it is a packing; not read back, see H5mdReader::contacts().
+  std::optional<FrameContacts> contacts = {};
 };
 
 /// The agents at one time of a trajectory.
@@ -57,6 +59,7 @@ struct H5mdFrame {
 ///     /particles/<agents>/id/value         agents in the order of the ids; absent ones have the fill value
 ///     …/step, …/time                       one pair of arrays, hard links everywhere
 ///     /observables/<name>/value            [frame]
+///     /connectivity/contacts/value         [1][contact][two ids], at one step and time; force, [1][contact], beside it
 ///     /parameters                          configuration, version, seed, and for each frame state_hash and checksum
 ///
 /// The number of agents may change from frame to frame, the columns may not. Values are chunked by frame and component,
@@ -115,6 +118,8 @@ class H5mdReader {
   [[nodiscard]] std::span<Clock const> clocks() const;
   /// Requires k < frame_count().
   [[nodiscard]] H5mdFrame frame(std::size_t k) const;
+  /// Those of the start, where the trajectory has them.
+  [[nodiscard]] std::optional<FrameContacts> contacts() const;
 
  private:
   class Trajectory;

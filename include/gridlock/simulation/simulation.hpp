@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -97,6 +98,9 @@ class Simulation {
 
   /// All agents and all columns as they are now.
   [[nodiscard]] virtual Frame frame() const = 0;
+
+  /// The contacts of the agents, where a protocol has just ended in a minimum of their energy.
+  [[nodiscard]] virtual std::optional<FrameContacts> contacts() const { return std::nullopt; }
 
   /// Everything that the rest of the run depends on: state, counts, and what the observables have gathered. Restored
   /// into a simulation made from the same configuration, the run continues with the same bits.

@@ -3,17 +3,8 @@
 from __future__ import annotations
 
 import sys
-from typing import Any
 
 from ..study.command import StudyCommand, run
-
-
-def _make(*arguments: Any, **options: Any) -> Any:
-    # Packages that the help does not need are imported only here.
-    from ..jam import make
-
-    return make(*arguments, **options)
-
 
 COMMAND = StudyCommand(
     name="gridlock jam",
@@ -22,7 +13,7 @@ COMMAND = StudyCommand(
     quick="few starts of 64 and 256 disks, at most three minutes on two cores",
     full="more starts and larger systems",
     directory="results/jam",
-    make=_make,
+    module="gridlock.jam",
 )
 
 

@@ -3,17 +3,8 @@
 from __future__ import annotations
 
 import sys
-from typing import Any
 
 from ..study.command import StudyCommand, run
-
-
-def _make(*arguments: Any, **options: Any) -> Any:
-    # Packages that the help does not need are imported only here.
-    from ..paper import make
-
-    return make(*arguments, **options)
-
 
 COMMAND = StudyCommand(
     name="gridlock paper",
@@ -22,7 +13,7 @@ COMMAND = StudyCommand(
     quick="Figure 7 with the paper's 100,000 steps and one seed, all else with 10,000; about three minutes on two cores",
     full="the paper's 100,000 steps, about half an hour on two cores",
     directory="results/paper",
-    make=_make,
+    module="gridlock.paper",
 )
 
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import json
 import os
 
-from ..errors import Error
 from ..study.making import Made as Jamming
-from ..study.making import Part, Progress, Stopped, Study, carry_out
+from ..study.making import Part, Progress, Stopped, Study, as_extent, carry_out
 from ..study.report import Texts
 from . import extent as extents
 from . import figure_1, figure_2, figure_3, figure_4, figure_5, figure_6, figure_7
@@ -71,8 +70,4 @@ def make(
 
     Needs the packages NumPy, SciPy, matplotlib and Jinja2: ``pip install ".[paper]"`` in the sources of Gridlock.
     """
-    if isinstance(extent, str):
-        if extent not in ("quick", "full"):
-            raise Error(f"there is no extent {extent!r}\n  hint: use 'quick', 'full' or an Extent")
-        extent = extents.quick() if extent == "quick" else extents.full()
-    return carry_out(STUDY, directory, extent, figure, seed, threads, overwrite, progress)
+    return carry_out(STUDY, directory, as_extent(extent, extents.quick, extents.full), figure, seed, threads, overwrite, progress)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import os
 
-from ..errors import Error
 from ..study.making import Made as Paper
-from ..study.making import Part, Progress, Stopped, Study, carry_out
+from ..study.making import Part, Progress, Stopped, Study, as_extent, carry_out
 from ..study.report import Texts
 from . import extent as extents
 from . import figure_4, figure_5, figure_6, figure_7, open_choices, physics_or_step, turn_order
@@ -78,10 +77,7 @@ def make(
     Needs the packages NumPy, SciPy, matplotlib and Jinja2: ``pip install ".[paper]"`` in the sources of Gridlock. Source: J.-X. Shen, Agent based
     simulations and optimization with uniform grid applied to colloidal jamming transitions.
     """
-    if isinstance(extent, str):
-        if extent not in ("quick", "full"):
-            raise Error(f"there is no extent {extent!r}\n  hint: use 'quick', 'full' or an Extent")
-        extent = extents.quick() if extent == "quick" else extents.full()
+    extent = as_extent(extent, extents.quick, extents.full)
     extents.require_possible(extent)
     figure_5.require_possible(extent)
     return carry_out(STUDY, directory, extent, figure, seed, threads, overwrite, progress)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+import importlib
 import os
 import pathlib
 import re
@@ -11,7 +12,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from ..errors import Error, RunFailure
 
@@ -60,7 +61,7 @@ class StudyCommand:
     quick: str
     full: str
     directory: str  #: for the results
-    make: Callable[..., Any]  #: as gridlock.paper.make
+    module: str  #: whose make() carries the study out
 
 
 def _parser(command: StudyCommand) -> argparse.ArgumentParser:
@@ -146,8 +147,10 @@ class _StopSignals:
 
 
 def _make(command: StudyCommand, options: argparse.Namespace) -> int:
+    # Packages that the help does not need are imported only here.
     from .making import Stopped
 
+    make = importlib.import_module(command.module).make
     signals, line = _StopSignals(), _ProgressLine()
 
     def on_progress(share: float, what: str) -> None:
@@ -157,8 +160,8 @@ def _make(command: StudyCommand, options: argparse.Namespace) -> int:
             raise KeyboardInterrupt
 
     try:
-        made = command.make(options.output, "full" if options.full else "quick", options.figure, seed=options.seed,
-                            threads=options.threads, overwrite=options.overwrite, progress=on_progress)
+        made = make(options.output, "full" if options.full else "quick", options.figure, seed=options.seed,
+                    threads=options.threads, overwrite=options.overwrite, progress=on_progress)
     except Stopped as stopped:
         same = "the same command without --overwrite" if options.overwrite else "the same command"
         print(f"interrupted: {stopped}; {same} does the rest", file=sys.stderr)

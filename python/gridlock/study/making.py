@@ -9,7 +9,7 @@ import pathlib
 import time
 import warnings
 from collections.abc import Callable, Sequence
-from typing import Any, Union
+from typing import Any, TypeVar, Union
 
 from .. import _core
 from ..errors import Error
@@ -65,6 +65,21 @@ class Made:
     files: list[pathlib.Path]  #: everything written, the report last
     notes: list[str]  #: runs that failed
     seconds: float  #: of real time
+
+
+ExtentOf = TypeVar("ExtentOf")
+
+
+def as_extent(extent: str | ExtentOf, quick: Callable[[], ExtentOf], full: Callable[[], ExtentOf]) -> ExtentOf:
+    """An extent by its name, or as it is.
+
+    :raises Error: for another name.
+    """
+    if not isinstance(extent, str):
+        return extent
+    if extent not in ("quick", "full"):
+        raise Error(f"there is no extent {extent!r}\n  hint: use 'quick', 'full' or an Extent")
+    return quick() if extent == "quick" else full()
 
 
 class Stopped(KeyboardInterrupt):

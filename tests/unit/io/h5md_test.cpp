@@ -8,6 +8,7 @@
 #include <fstream>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -71,6 +72,24 @@ TEST(H5md, GivesBackEveryBitOfEveryFrame) {
     H5mdReader const reader(directory / "t.h5");
     ASSERT_EQ(reader.frame_count(), frames.size());
     for (std::size_t k = 0; k < frames.size(); ++k) expect_same(reader.frame(k), frames[k]);
+  }
+}
+
+TEST(H5md, KeepsTheContactsOfTheStart) {
+  TemporaryDirectory const directory;
+  H5mdFrame const frame = random_frame(3, 5);
+  FrameContacts const contacts{
+      .clock = frame.frame.clock, .ids = {0, 2, 2, 8, std::uint64_t{1} << 33, 4}, .forces = {0.5, 1e-300, 0.0}};
+  for (std::optional<FrameContacts> const& written :
+       {std::optional<FrameContacts>(), std::optional(contacts), std::optional(FrameContacts{.clock = {7, 0.25}})}) {
+    H5mdSettings head = settings();
+    head.contacts = written;
+    H5mdWriter writer = H5mdWriter::create(directory / "t.h5", head, frame.frame);
+    EXPECT_EQ(H5mdReader(directory / "t.h5").contacts(), written);
+    writer.write(frame);
+    writer = H5mdWriter::append(directory / "t.h5", frame.frame);
+    writer.write(random_frame(4, 6));
+    EXPECT_EQ(H5mdReader(directory / "t.h5").contacts(), written);
   }
 }
 
@@ -167,10 +186,12 @@ TEST(H5md, SaysWhatCannotBeReadOrWritten) {
   EXPECT_THROW(H5mdWriter::create(directory / "no" / "t.h5", settings(), random_frame(0, 5).frame), RunFailure);
 }
 
-/// Reads all there is; the frames that come out must be right.
-bool is_read_rightly_or_refused(std::filesystem::path const& file, std::vector<H5mdFrame> const& frames) {
+/// Reads all there is; the frames and contacts that come out must be right.
+bool is_read_rightly_or_refused(std::filesystem::path const& file, std::vector<H5mdFrame> const& frames,
+                                FrameContacts const& contacts) {
   try {
     H5mdReader const reader(file);
+    if (reader.contacts() != contacts) return false;
     for (std::size_t k = 0; k < std::min(reader.frame_count(), frames.size()); ++k) {
       H5mdFrame const frame = reader.frame(k);
       if (frame.frame != frames[k].frame || frame.observables != frames[k].observables) return false;
@@ -185,7 +206,9 @@ TEST(H5md, DamageIsRefusedAndNeverReadAsSomethingElse) {
   TemporaryDirectory const directory;
   std::vector<H5mdFrame> frames;
   for (std::uint64_t step = 0; step < 3; ++step) frames.push_back(random_frame(step, 40));
-  H5mdWriter writer = H5mdWriter::create(directory / "t.h5", settings(), frames[0].frame);
+  H5mdSettings head = settings();
+  head.contacts = {.clock = frames[0].frame.clock, .ids = std::vector<Id>(80, 2), .forces = std::vector(40, 0.25)};
+  H5mdWriter writer = H5mdWriter::create(directory / "t.h5", head, frames[0].frame);
   for (H5mdFrame const& frame : frames) writer.write(frame);
   std::string const whole = read_file(directory / "t.h5");
   RandomStream random(20, 0, 0, Purpose::start_position);
@@ -198,7 +221,7 @@ TEST(H5md, DamageIsRefusedAndNeverReadAsSomethingElse) {
         damaged[random.below(whole.size())] ^= static_cast<char>(1U << random.below(8));
     }
     std::ofstream(directory / "damaged.h5", std::ios::binary) << damaged;
-    EXPECT_TRUE(is_read_rightly_or_refused(directory / "damaged.h5", frames)) << "round " << round;
+    EXPECT_TRUE(is_read_rightly_or_refused(directory / "damaged.h5", frames, *head.contacts)) << "round " << round;
   }
 }
 
