@@ -20,8 +20,6 @@ namespace gridlock {
 
 namespace {
 
-/// So fast that the disks of a fluid are pushed, not squeezed.
-
 /// Hits of each disk, on the average, after which the events are sorted anew.
 constexpr std::uint64_t hits_per_renewal = 32;
 
