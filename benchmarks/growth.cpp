@@ -11,41 +11,16 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <numbers>
-#include <utility>
-#include <vector>
 
-#include "gridlock/core/random.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "measure.hpp"
+#include "tests/reference/fluid_of_two_sizes.hpp"
 
 namespace gridlock::benchmark {
 namespace {
 
-/// A fluid of both sizes, after a hundred collisions a disk from a lattice.
-State fluid(std::uint64_t n, std::uint64_t seed) {
-  State state{.box = Box(1.0, 1.0, Edge::periodic), .seed = seed};
-  auto const columns = static_cast<std::uint64_t>(std::ceil(std::sqrt(static_cast<double>(n))));
-  double const step = 1.0 / static_cast<double>(columns);
-  double const radius = std::sqrt(0.4 / (static_cast<double>(n) * std::numbers::pi * (1.0 + 1.96) / 2.0));
-  std::vector<double> ratios;
-  for (std::uint64_t i = 0; i < n; ++i) ratios.push_back(i % 2 == 0 ? 1.0 : 1.4);
-  RandomStream random(seed, 0, 0, Purpose::start_position);
-  for (std::uint64_t i = n; i > 1; --i) std::swap(ratios[i - 1], ratios[random.below(i)]);
-  for (std::uint64_t i = 0; i < n; ++i) {
-    RandomStream velocity(seed, 0, i, Purpose::start_velocity);
-    double const velocity_x = velocity.normal();
-    double const velocity_y = velocity.normal();
-    state.agents.add((static_cast<double>(i % columns) + 0.5) * step, (static_cast<double>(i / columns) + 0.5) * step,
-                     velocity_x, velocity_y, radius * ratios[i], 1.0, 0, 0);
-  }
-  Counters counters;
-  make_engine({.kind = "exact"}, state)->advance(state, counters, {.pair_collisions = 100 * n});
-  return state;
-}
-
 void measure(double rate, std::uint64_t n, double last_pressure, std::uint64_t seed) {
-  State state = fluid(n, seed);
+  State state = reference::fluid_of_two_sizes(n, 1.4, seed);
   Counters counters;
   double seconds = 0.0;
   for (double pressure = 10.0; pressure < 1.5 * last_pressure; pressure *= 10.0) {

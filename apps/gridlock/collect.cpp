@@ -25,6 +25,7 @@ ExitCode collect(CollectOptions const& options) {
       options.output.empty() ? directories.front() : std::filesystem::path(options.output);
   gridlock::SweepResult const result = gridlock::collect_sweep(directories, into);
   draw_pictures(into);
+  for (std::string const& note : result.notes) fmt::print(stderr, "note: {}\n", note);
   for (std::string const& message : result.messages) fmt::print(stderr, "error: {}\n", message);
   std::size_t const all = result.rows.row_count();
   std::size_t const good = all - result.failures - result.interruptions;

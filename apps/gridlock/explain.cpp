@@ -18,6 +18,7 @@
 #include "gridlock/simulation/run.hpp"
 #include "gridlock/simulation/simulate.hpp"
 #include "io/nearest_name.hpp"
+#include "simulation/protocol_simulation.hpp"
 #include "verbs.hpp"
 
 namespace gridlock::cli {
@@ -31,9 +32,9 @@ std::vector<ColumnInfo> measured_columns() {
   return columns;
 }
 
-std::string explained(ColumnInfo const& column, std::string_view where = "series.csv") {
+std::string explained(ColumnInfo const& column, std::string_view where = "column of series.csv") {
   std::string const documentation = column.documentation.empty() ? "" : fmt::format("    {}\n", column.documentation);
-  return fmt::format("{}\n{}    column of {}, {}\n", column.name, documentation, where,
+  return fmt::format("{}\n{}    {}, {}\n", column.name, documentation, where,
                      column.unit.empty() ? "a pure number" : "in " + column.unit);
 }
 
@@ -83,7 +84,7 @@ std::optional<std::string> name_of_abbreviation(std::string key) {
 /// A column of a table that some runs write.
 struct ColumnElsewhere {
   ColumnInfo column;
-  std::string file;
+  std::string where;                     ///< "column of series.csv"
   std::vector<std::string> models = {};  ///< whose runs write it; empty: any
 };
 
@@ -96,7 +97,8 @@ std::vector<ColumnElsewhere> columns_of_curves() {
   configuration.observe.structure_every = 1;
   std::vector<ColumnElsewhere> columns;
   for (Distribution const& distribution : simulate(set_up(configuration)).distributions) {
-    for (ColumnInfo const& column : distribution.columns) columns.push_back({column, distribution.name + ".csv"});
+    for (ColumnInfo const& column : distribution.columns)
+      columns.push_back({column, fmt::format("column of {}.csv", distribution.name)});
   }
   return columns;
 }
@@ -111,11 +113,23 @@ std::vector<ColumnElsewhere> columns_of_models() {
     configuration.model.kind = kind->name();
     try {
       for (ColumnInfo const& column : set_up(configuration).simulation->columns()) {
-        columns.push_back({column, "series.csv", {std::string(kind->name())}});
+        columns.push_back({column, "column of series.csv", {std::string(kind->name())}});
       }
     } catch (Error const&) {
       continue;
     }
+  }
+  return columns;
+}
+
+/// What a protocol adds.
+std::vector<ColumnElsewhere> columns_of_protocols() {
+  std::vector<ColumnElsewhere> columns;
+  for (ColumnInfo const& entry : protocol_results())
+    columns.push_back({entry, "entry of summary.json after a protocol"});
+  for (Distribution const& table : protocol_tables()) {
+    for (ColumnInfo const& column : table.columns)
+      columns.push_back({column, fmt::format("column of {}.csv", table.name)});
   }
   return columns;
 }
@@ -125,6 +139,7 @@ std::vector<ColumnElsewhere> columns_elsewhere() {
   std::vector<ColumnInfo> const everywhere = measured_columns();
   std::vector<ColumnElsewhere> columns = columns_of_models();
   std::ranges::move(columns_of_curves(), std::back_inserter(columns));
+  std::ranges::move(columns_of_protocols(), std::back_inserter(columns));
   std::erase_if(columns, [&](ColumnElsewhere const& elsewhere) {
     return std::ranges::find(everywhere, elsewhere.column.name, &ColumnInfo::name) != everywhere.end();
   });
@@ -137,7 +152,8 @@ std::string explained_elsewhere(std::string_view key) {
     if (column.column.name != key && key != "observables") continue;
     // Several models say the same of what they have in common.
     auto const same = std::ranges::find_if(told, [&](ColumnElsewhere const& other) {
-      return other.column.name == column.column.name && other.column.documentation == column.column.documentation;
+      return other.column.name == column.column.name && other.where == column.where &&
+             other.column.documentation == column.column.documentation;
     });
     if (same == told.end()) {
       told.push_back(std::move(column));
@@ -146,9 +162,9 @@ std::string explained_elsewhere(std::string_view key) {
     }
   }
   std::string text;
-  for (auto const& [column, file, models] : told) {
+  for (auto const& [column, where, models] : told) {
     std::string const of_models = models.empty() ? "" : fmt::format(" of the model {}", fmt::join(models, ", "));
-    text += fmt::format("{}{}", text.empty() ? "" : "\n", explained(column, file + of_models));
+    text += fmt::format("{}{}", text.empty() ? "" : "\n", explained(column, where + of_models));
   }
   for (EngineRecord const& engine : engine_records()) {
     if (engine.name == key) text += fmt::format("{}\n    {}\n    a value of engine.kind\n", key, engine.documentation);

@@ -59,6 +59,16 @@ double mass_of_smallest(Disks const& disks) {
   return mass;
 }
 
+/// packing_fraction_of(), added up in the order of the Ids: the same digits for any order of rows.
+double packing_fraction_by_id(State const& state) {
+  double sum = 0.0;
+  for (std::uint32_t const row : rows_in_order(state.agents.ids())) {
+    double const radius = state.agents.column<Radius>()[row];
+    sum += radius * radius;
+  }
+  return std::numbers::pi * sum / state.box.area();
+}
+
 void scale_velocities(Disks& disks, double factor) {
   for (double& v : disks.column<VelocityX>()) v *= factor;
   for (double& v : disks.column<VelocityY>()) v *= factor;
@@ -165,7 +175,7 @@ void Growth::start_from(State const& state) {
   dynamics_ = nullptr;  // first the old memory goes, then the new comes
   dynamics_ = std::make_unique<exact::Dynamics>(state, exact::GrowthOfRadii{.rate = diameter_rate_ / diameter});
   start_time_ = state.clock.time;
-  last_scale_ = settings_.packing_fraction ? std::sqrt(*settings_.packing_fraction / packing_fraction_of(state))
+  last_scale_ = settings_.packing_fraction ? std::sqrt(*settings_.packing_fraction / packing_fraction_by_id(state))
                                            : std::numeric_limits<double>::infinity();
   measured_from_temperature_ = temperature;
   hits_at_rescaling_ = hits_per_rescaling_;

@@ -151,7 +151,7 @@ bool PressureRamp::is_at_end() const {
   return std::abs(pressure_ - settings_.pressure) <= precision * settings_.pressure;
 }
 
-/// Whether the last minimum is kept: on the way up each that presses, on the way down one for each goal.
+/// Whether the last minimum is kept: going up each that presses, going down one for each goal.
 bool PressureRamp::is_level() const {
   if (levels_.empty() || settings_.packing_fraction) return true;
   if (!leads_down()) return pressure_ > 0.0;

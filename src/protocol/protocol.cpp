@@ -49,6 +49,7 @@ void serialize_result(Archive& archive, StageResult& result) {
   serialize_optional(archive, "is_jammed", result.is_jammed);
   archive.visit("disks", result.disks);
   archive.visit("work", result.work);
+  archive.visit("pair_collisions", result.pair_collisions);
   serialize_optional(archive, "jamming_packing_fraction", result.jamming_packing_fraction);
   serialize_optional(archive, "error_of_jamming_packing_fraction", result.error_of_jamming_packing_fraction);
   bool has_swap = result.swap.has_value();

@@ -173,7 +173,7 @@ void describe(StageSettings& settings, SettingVisitor& visitor) {
   visitor.visit(
       {.key = "rate",
        .documentation = "grow: the rate of growth (dD/dt)/√(kT/m), D and m of the smallest disk; at the slowest a "
-                        "disk collides 10¹⁰ times on the way.",
+                        "disk collides 10¹⁰ times before it is jammed.",
        .least = slowest_growth,
        .most = fastest_growth,
        .default_note = "0.001"},

@@ -146,7 +146,9 @@ class GrowStage final : public Stage {
   }
   [[nodiscard]] std::uint64_t work() const override { return counters_.moves; }
   [[nodiscard]] StageResult result(State const& state) const override {
-    return {.packing_fraction = packing_fraction_of(state), .pressure = growth_.reduced_pressure()};
+    return {.packing_fraction = packing_fraction_of(state),
+            .pressure = growth_.reduced_pressure(),
+            .pair_collisions = counters_.pair_collisions};
   }
 
  private:
@@ -250,7 +252,7 @@ class RunStage final : public Stage {
   }
   [[nodiscard]] std::uint64_t work() const override { return counters_.moves; }
   [[nodiscard]] StageResult result(State const& state) const override {
-    StageResult result{.packing_fraction = packing_fraction_of(state)};
+    StageResult result{.packing_fraction = packing_fraction_of(state), .pair_collisions = counters_.pair_collisions};
     double const time = state.clock.time - start_time_;
     double const energy = kinetic_energy(state.agents);
     // βP/ρ = 1 + Σ r·Δp / (2 t E_kin): two dimensions, N kT = E_kin.

@@ -15,7 +15,7 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::array<std::string_view, 22> kind_texts{"unused_setting",
+constexpr std::array<std::string_view, 23> kind_texts{"unused_setting",
                                                       "misleading_rule",
                                                       "note_of_model",
                                                       "frames_beyond_end",
@@ -33,6 +33,7 @@ constexpr std::array<std::string_view, 22> kind_texts{"unused_setting",
                                                       "stage_not_equilibrated",
                                                       "stage_without_pressure",
                                                       "stage_fell_short",
+                                                      "jamming_not_known",
                                                       "packing_not_jammed",
                                                       "packing_unstable",
                                                       "audited",
@@ -138,6 +139,11 @@ std::string text_of_stage(Event const& event) {
           "side, or no "
           "minimum was found closer to it",
           stage, of.number("pressure"), of.number("packing_fraction"));
+    case EventKind::jamming_not_known:
+      return fmt::format(
+          "{}, ends at a reduced pressure of {:.4g}, which does not tell whether the disks are jammed: a stage "
+          "\"compress\" of soft disks after it does",
+          stage, of.number("pressure"));
     case EventKind::packing_not_jammed:
       return fmt::format("the packing of {}, is not jammed: {}{}", stage, reason_of(event),
                          find(event, "jamming_packing_fraction") == nullptr
@@ -200,6 +206,7 @@ std::string to_text(Event const& event) {
     case EventKind::stage_not_equilibrated:
     case EventKind::stage_without_pressure:
     case EventKind::stage_fell_short:
+    case EventKind::jamming_not_known:
     case EventKind::packing_not_jammed:
     case EventKind::packing_unstable:
       return text_of_stage(event);

@@ -93,12 +93,17 @@ bool is_jammed(PackingAnalysis const& analysis) {
   return analysis.network.is_jammed(analysis.questions.largest_residual, mode);
 }
 
-PackingAnalysis analyse_packing(State const& state, PackingQuestions const& questions) {
+PackingAnalysis find_contacts_of(State const& state, PackingQuestions const& questions) {
   auto const ids = state.agents.ids();
   PackingAnalysis analysis{.packing = packing_of(state), .ids = {ids.begin(), ids.end()}, .questions = questions};
   std::ranges::sort(analysis.ids);
   put_inside(analysis.packing);
   analysis.network = find_contact_network(analysis.packing, questions.potential, questions.tolerance);
+  return analysis;
+}
+
+PackingAnalysis analyse_packing(State const& state, PackingQuestions const& questions) {
+  PackingAnalysis analysis = find_contacts_of(state, questions);
   analysis.gaps = find_gaps(analysis.packing, analysis.network, questions.largest_gap);
   if (analysis.network.is_converged(questions.largest_residual)) {
     analysis.moduli = find_elastic_moduli(analysis.packing, analysis.network);

@@ -32,6 +32,9 @@ struct PackingAnalysis {
   std::optional<VibrationMode> softest_mode;
 };
 
+/// The contacts alone: no gaps, moduli and modes. Errors: those of find_contact_network().
+PackingAnalysis find_contacts_of(State const& state, PackingQuestions const& questions);
+
 /// Errors: those of find_contact_network() and find_gaps().
 PackingAnalysis analyse_packing(State const& state, PackingQuestions const& questions);
 

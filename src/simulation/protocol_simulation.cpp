@@ -3,44 +3,32 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <functional>
 #include <iterator>
+#include <map>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/io/table.hpp"
 #include "gridlock/packing/contact_network.hpp"
+#include "simulation/packing_analysis.hpp"
 
 namespace gridlock {
 
 namespace {
 
-void add_if_known(std::vector<NamedEstimate>& results, char const* name, std::optional<double> value,
-                  std::optional<double> error = {}) {
-  if (value && std::isfinite(*value)) results.push_back({name, {.value = *value, .error = error}, ""});
-}
-
-/// Of the last stage of swap Monte Carlo.
-void add_swap(std::vector<StageResult> const& stages, std::vector<NamedEstimate>& results) {
-  auto const last = std::ranges::find_if(stages.rbegin(), stages.rend(),
-                                         [](StageResult const& stage) { return stage.swap.has_value(); });
-  if (last == stages.rend()) return;
-  SwapResult const& swap = *last->swap;
-  add_if_known(results, "displacement_acceptance", swap.displacement_acceptance);
-  add_if_known(results, "swap_acceptance", swap.swap_acceptance);
-  add_if_known(results, "overlap_relaxation_time", swap.overlap_relaxation_time);
-  add_if_known(results, "bond_relaxation_time", swap.bond_relaxation_time);
-  add_if_known(results, "relaxation_times", swap.relaxation_times);
-  add_if_known(results, "is_equilibrated", swap.is_equilibrated ? 1.0 : 0.0);
-}
-
 /// The decay of the correlations in all stages of swap Monte Carlo.
 Distribution swap_table(std::vector<StageResult> const& stages) {
-  Distribution table{.name = "swap_correlations",
-                     .columns = {{"stage", "", "The number of the stage, from 1."},
-                                 {"lag", "sweeps", "Between two times."},
-                                 {"self_overlap", "", "Share of disks in the cage they were in."},
-                                 {"bond_orientation", "", "Correlation of the local hexatic order."}},
-                     .columns_of_values = std::vector<std::vector<double>>(4)};
+  Distribution table{
+      .name = "swap_correlations",
+      .columns = {{.name = "stage", .documentation = "The number of the stage, from 1.", .is_count = true},
+                  {"lag", "sweeps", "Between two times."},
+                  {"self_overlap", "", "Share of disks in the cage they were in."},
+                  {"bond_orientation", "", "Correlation of the local hexatic order."}},
+      .columns_of_values = std::vector<std::vector<double>>(4)};
   for (std::size_t k = 0; k < stages.size(); ++k) {
     if (!stages[k].swap) continue;
     SwapResult const& swap = *stages[k].swap;
@@ -52,48 +40,117 @@ Distribution swap_table(std::vector<StageResult> const& stages) {
   return table;
 }
 
+/// An entry of summary.json, of the stage that says it.
+struct ResultEntry {
+  ColumnInfo info;
+  std::function<std::optional<double>(StageResult const&)> value_of;
+  std::function<std::optional<double>(StageResult const&)> error_of = {};
+};
+
+double number(bool flag) { return flag ? 1.0 : 0.0; }
+
+/// Of the last stage, where its disks are hard.
+std::vector<ResultEntry> hard_entries() {
+  return {
+      {{"reduced_pressure", "", "βP/ρ of the hard disks in the last stage of the protocol."}, &StageResult::pressure}};
+}
+
+/// Of the last stage of swap Monte Carlo.
+std::vector<ResultEntry> swap_entries() {
+  auto const of = [](auto member) {
+    return [member](StageResult const& stage) { return std::invoke(member, *stage.swap); };
+  };
+  return {{{"displacement_acceptance", "", "Share of the trial displacements that were accepted."},
+           of(&SwapResult::displacement_acceptance)},
+          {{"swap_acceptance", "", "Share of the trial swaps that were accepted."}, of(&SwapResult::swap_acceptance)},
+          {{"overlap_relaxation_time", "sweeps", "Where the share of disks in their old cages has fallen to 1/e."},
+           of(&SwapResult::overlap_relaxation_time)},
+          {{"bond_relaxation_time", "sweeps", "Where the correlation of the local hexatic order has fallen to 1/e."},
+           of(&SwapResult::bond_relaxation_time)},
+          {{"relaxation_times", "", "How many of the longer relaxation time the stage swap has lasted."},
+           of(&SwapResult::relaxation_times)},
+          {{"is_equilibrated", "", "1 where these are ten or more, else 0."},
+           [](StageResult const& stage) { return number(stage.swap->is_equilibrated); }}};
+}
+
+/// Of the last stage of soft disks.
+std::vector<ResultEntry> soft_entries() {
+  auto const end = [](auto member) {
+    return [member](StageResult const& stage) { return std::invoke(member, stage.levels.back()); };
+  };
+  auto const share = [](double part, double disks) { return disks > 0.0 ? part / disks : 0.0; };
+  return {
+      {{"jamming_packing_fraction", "", "Where the pressure of the last two minima vanishes."},
+       &StageResult::jamming_packing_fraction,
+       &StageResult::error_of_jamming_packing_fraction},
+      {{"pressure", "", "P D²/ε of the packing, D the diameter of the smallest disk."}, end(&PressureLevel::pressure)},
+      {{"energy_per_disk", "", "In ε."},
+       [=](StageResult const& stage) { return share(stage.levels.back().energy, stage.disks); }},
+      {{"contact_number", "", "Z = 2 N_c/N₀ of the backbone."}, end(&PressureLevel::contact_number)},
+      {{"backbone_disks", "", "N₀, disks that are no rattlers."}, end(&PressureLevel::backbone_disks)},
+      {{"rattler_share", "", "Disks with fewer than three contacts of the backbone, over all disks."},
+       [=](StageResult const& stage) {
+         return share(stage.disks - static_cast<double>(stage.levels.back().backbone_disks), stage.disks);
+       }},
+      {{"excess_contacts", "", "Contacts of the backbone beyond those that a marginal packing has."},
+       end(&PressureLevel::excess_contacts)},
+      {{"bulk_modulus", "", "K in ε/D²."}, end(&PressureLevel::bulk_modulus)},
+      {{"shear_modulus", "", "⟨G⟩, the mean over all directions, in ε/D²."}, end(&PressureLevel::shear_modulus)},
+      {{"least_shear_modulus", "", "G of the softest direction, in ε/D²."}, end(&PressureLevel::least_shear_modulus)},
+      {{"softest_mode", "", "The smallest eigenvalue of the Hessian of the backbone, in ε/D²."},
+       &StageResult::softest_mode},
+      {{"residual_force", "", "The largest net force over the mean contact force."}, end(&PressureLevel::residual)},
+      {{"is_converged", "", "1 where the stage reached its end at a minimum, else 0."},
+       [](StageResult const& stage) { return number(stage.is_converged.value_or(false)); }},
+      {{"is_jammed", "", "1 where forces balance, with pressure and enough contacts and no way down, else 0."},
+       [](StageResult const& stage) { return number(stage.is_jammed.value_or(false)); }},
+      {{"is_shear_stable", "", "1 where every shear costs energy, else 0."},
+       [](StageResult const& stage) { return number(stage.levels.back().least_shear_modulus > 0.0); }}};
+}
+
+void add_results(std::vector<ResultEntry> const& entries, StageResult const& stage,
+                 std::vector<NamedEstimate>& results) {
+  for (ResultEntry const& entry : entries) {
+    std::optional<double> const value = entry.value_of(stage);
+    if (!value || !std::isfinite(*value)) continue;
+    std::optional<double> const error = entry.error_of ? entry.error_of(stage) : std::nullopt;
+    results.push_back({entry.info.name, {.value = *value, .error = error}, ""});
+  }
+}
+
+bool is_soft(StageResult const& stage) { return !stage.levels.empty(); }
+
 std::vector<NamedEstimate> estimates_of(std::vector<StageResult> const& stages) {
   std::vector<NamedEstimate> results;
-  add_swap(stages, results);
-  auto const last_soft = std::ranges::find_if(stages.rbegin(), stages.rend(),
-                                              [](StageResult const& stage) { return !stage.levels.empty(); });
-  if (last_soft == stages.rend()) return results;
-  PressureLevel const& level = last_soft->levels.back();
-  auto const add = [&](char const* name, std::optional<double> value, std::optional<double> error = {}) {
-    add_if_known(results, name, value, error);
-  };
-  double const rattlers = last_soft->disks - static_cast<double>(level.backbone_disks);
-  bool const is_converged = last_soft->is_converged.value_or(false);
-  add("jamming_packing_fraction", last_soft->jamming_packing_fraction, last_soft->error_of_jamming_packing_fraction);
-  add("pressure", level.pressure);
-  add("energy_per_disk", last_soft->disks > 0.0 ? level.energy / last_soft->disks : 0.0);
-  add("contact_number", level.contact_number);
-  add("backbone_disks", static_cast<double>(level.backbone_disks));
-  add("rattler_share", last_soft->disks > 0.0 ? rattlers / last_soft->disks : 0.0);
-  add("excess_contacts", level.excess_contacts);
-  add("bulk_modulus", level.bulk_modulus);
-  add("shear_modulus", level.shear_modulus);
-  add("least_shear_modulus", level.least_shear_modulus);
-  add("softest_mode", last_soft->softest_mode);
-  add("residual_force", level.residual);
-  add("is_converged", is_converged ? 1.0 : 0.0);
-  add("is_jammed", last_soft->is_jammed.value_or(false) ? 1.0 : 0.0);
-  add("is_shear_stable", level.least_shear_modulus > 0.0 ? 1.0 : 0.0);
+  if (stages.empty()) return results;
+  if (!is_soft(stages.back())) add_results(hard_entries(), stages.back(), results);
+  auto const swap =
+      std::find_if(stages.rbegin(), stages.rend(), [](auto const& stage) { return stage.swap.has_value(); });
+  if (swap != stages.rend()) add_results(swap_entries(), *swap, results);
+  auto const soft = std::find_if(stages.rbegin(), stages.rend(), is_soft);
+  if (soft != stages.rend()) add_results(soft_entries(), *soft, results);
   return results;
 }
 
 Distribution stages_table(std::vector<StageResult> const& stages) {
-  Distribution table{.name = "stages",
-                     .columns = {{"stage", "", "The number of the stage, from 1."},
-                                 {"packing_fraction", "", "At its end."},
-                                 {"pressure", "", "βP/ρ of hard disks, P D²/ε of soft ones."},
-                                 {"jamming_packing_fraction", "", "Where the pressure vanishes."},
-                                 {"work", "", "Iterations, events or trial moves."}},
-                     .columns_of_values = std::vector<std::vector<double>>(5)};
+  Distribution table{
+      .name = "stages",
+      .columns = {{.name = "stage", .documentation = "The number of the stage, from 1.", .is_count = true},
+                  {"packing_fraction", "", "At its end."},
+                  {"pressure", "", "βP/ρ of hard disks, P D²/ε of soft ones."},
+                  {"jamming_packing_fraction", "", "Where the pressure vanishes."},
+                  {.name = "pair_collisions", .documentation = "Of hard disks that fly.", .is_count = true},
+                  {.name = "work", .documentation = "Iterations, events or trial moves.", .is_count = true}},
+      .columns_of_values = std::vector<std::vector<double>>(6)};
   for (std::size_t k = 0; k < stages.size(); ++k) {
     StageResult const& stage = stages[k];
-    double const row[] = {static_cast<double>(k + 1), stage.packing_fraction, stage.pressure.value_or(no_value),
-                          stage.jamming_packing_fraction.value_or(no_value), static_cast<double>(stage.work)};
+    table.names.emplace_back(name_of(stage.kind));
+    double const row[] = {static_cast<double>(k + 1),
+                          stage.packing_fraction,
+                          stage.pressure.value_or(no_value),
+                          stage.jamming_packing_fraction.value_or(no_value),
+                          static_cast<double>(stage.pair_collisions),
+                          static_cast<double>(stage.work)};
     for (std::size_t c = 0; c < std::size(row); ++c) table.columns_of_values[c].push_back(row[c]);
   }
   return table;
@@ -114,13 +171,15 @@ std::vector<LevelColumn> level_columns() {
       {{"pressure", "", "P D²/ε."}, &PressureLevel::pressure},
       {{"energy", "", "Of all disks, in ε."}, &PressureLevel::energy},
       {{"contact_number", "", "Contacts of a disk of the backbone."}, &PressureLevel::contact_number},
-      {{"backbone_disks", "", "Disks that are no rattlers."}, count(&PressureLevel::backbone_disks)},
+      {{.name = "backbone_disks", .documentation = "Disks that are no rattlers.", .is_count = true},
+       count(&PressureLevel::backbone_disks)},
       {{"excess_contacts", "", "Contacts beyond those that a marginal packing has."}, &PressureLevel::excess_contacts},
       {{"bulk_modulus", "", "In ε/D²."}, &PressureLevel::bulk_modulus},
       {{"shear_modulus", "", "Mean over all directions, in ε/D²."}, &PressureLevel::shear_modulus},
       {{"least_shear_modulus", "", "Of the softest direction, in ε/D²."}, &PressureLevel::least_shear_modulus},
       {{"residual", "", "Largest net force over the mean contact force."}, &PressureLevel::residual},
-      {{"iterations", "", "Of the minimizer since the level before."}, count(&PressureLevel::iterations)},
+      {{.name = "iterations", .documentation = "Of the minimizer since the level before.", .is_count = true},
+       count(&PressureLevel::iterations)},
       {{"jamming_packing_fraction", "", "Where the pressure vanishes, from the last two minima."},
        &PressureLevel::jamming_packing_fraction}};
 }
@@ -128,7 +187,9 @@ std::vector<LevelColumn> level_columns() {
 Distribution levels_table(std::vector<StageResult> const& stages) {
   std::vector<LevelColumn> const columns = level_columns();
   Distribution table{
-      .name = "levels", .columns = {{"stage", "", "The number of the stage, from 1."}}, .columns_of_values = {}};
+      .name = "levels",
+      .columns = {{.name = "stage", .documentation = "The number of the stage, from 1.", .is_count = true}},
+      .columns_of_values = {}};
   for (LevelColumn const& column : columns) table.columns.push_back(column.info);
   table.columns_of_values.resize(table.columns.size());
   for (std::size_t k = 0; k < stages.size(); ++k) {
@@ -139,6 +200,30 @@ Distribution levels_table(std::vector<StageResult> const& stages) {
     }
   }
   return table;
+}
+
+/// The table of contacts as `gridlock contacts` writes it; that of nothing without rows.
+Distribution contacts_curve(PackingAnalysis const& analysis) {
+  static std::map<std::string, std::string, std::less<>> const documentation{
+      {"i", "Id of a disk."},
+      {"j", "Id of the disk that it touches; at a wall its own."},
+      {"wall", "0 none, 1 left, 2 right, 3 bottom, 4 top."},
+      {"distance", "r, between the centres, or to the wall."},
+      {"normal_x", "Of the unit vector from i to j."},
+      {"normal_y", "Of the unit vector from i to j."},
+      {"overlap", "δ = 1 − r/σ."},
+      {"force", "In ε per length."},
+      {"image_x", "Sides of the box to the image of j that i touches."},
+      {"image_y", "Sides of the box to the image of j that i touches."},
+      {"backbone", "1 where both disks are of the backbone."}};
+  Table const table = contacts_table(analysis);
+  Distribution curve{.name = "contacts", .columns = {}, .columns_of_values = {}};
+  for (std::string const& name : table.names()) {
+    bool const is_count = std::holds_alternative<std::vector<std::uint64_t>>(table.column(name));
+    curve.columns.push_back({.name = name, .documentation = documentation.at(name), .is_count = is_count});
+    curve.columns_of_values.push_back(table.numbers(name));
+  }
+  return curve;
 }
 
 /// A note on the stage of that number, from 0.
@@ -164,6 +249,15 @@ std::optional<Event> note_on_end(StageResult const& stage, std::size_t number) {
   if (stage.is_converged.value_or(true)) return std::nullopt;
   Event note = note_on(EventKind::stage_fell_short, stage, number);
   note.values.emplace_back("pressure", pressure);
+  return note;
+}
+
+/// Hard disks that nearly stand still where the protocol ends.
+std::optional<Event> note_on_growth(StageResult const& stage, std::size_t number) {
+  constexpr double high_pressure = 1e3;
+  if (stage.kind != StageKind::grow || !(stage.pressure.value_or(0.0) >= high_pressure)) return std::nullopt;
+  Event note = note_on(EventKind::jamming_not_known, stage, number);
+  note.values.emplace_back("pressure", *stage.pressure);
   return note;
 }
 
@@ -205,6 +299,9 @@ std::vector<Event> notes_on(std::vector<StageResult> const& stages, bool is_peri
     if (stages[k].kind == StageKind::quench && k != last_soft) continue;
     if (auto note = note_on_end(stages[k], k)) notes.push_back(*std::move(note));
   }
+  if (!stages.empty()) {
+    if (auto note = note_on_growth(stages.back(), stages.size() - 1)) notes.push_back(*std::move(note));
+  }
   if (!last_soft) return notes;
   if (auto note = note_on_unjammed(stages[*last_soft], *last_soft)) notes.push_back(*std::move(note));
   if (auto note = note_on_shear(stages[*last_soft], *last_soft, is_periodic)) notes.push_back(*std::move(note));
@@ -212,6 +309,18 @@ std::vector<Event> notes_on(std::vector<StageResult> const& stages, bool is_peri
 }
 
 }  // namespace
+
+std::vector<ColumnInfo> protocol_results() {
+  std::vector<ColumnInfo> results;
+  for (auto const& entries : {hard_entries(), swap_entries(), soft_entries()}) {
+    for (ResultEntry const& entry : entries) results.push_back(entry.info);
+  }
+  return results;
+}
+
+std::vector<Distribution> protocol_tables() {
+  return {stages_table({}), levels_table({}), swap_table({}), contacts_curve({})};
+}
 
 ProtocolSimulation::ProtocolSimulation(ProtocolSettings const& settings, State start, MakeSimulation make)
     : make_(std::move(make)),
@@ -247,6 +356,14 @@ Preparation ProtocolSimulation::preparation() const {
 }
 
 std::vector<Event> ProtocolSimulation::notes() const { return notes_on(protocol_.results(), state_.box.is_periodic()); }
+
+/// Whether the packing of the last stage is at hand, with forces that balance.
+bool ProtocolSimulation::ends_at_minimum() const {
+  if (!is_prepared_ || has_run() || protocol_.results().empty()) return false;
+  StageResult const& last = protocol_.results().back();
+  return is_soft(last) && last.levels.back().pressure > 0.0 &&
+         (last.is_converged.value_or(false) || last.is_jammed.value_or(false));
+}
 
 /// Before its first step a run has measured nothing.
 bool ProtocolSimulation::has_run() const { return is_prepared_ && simulation_->clock() != start_clock_; }
@@ -291,6 +408,8 @@ std::vector<Distribution> ProtocolSimulation::distributions() const {
   for (Distribution& table : tables) {
     if (!table.columns_of_values.front().empty()) distributions.push_back(std::move(table));
   }
+  if (ends_at_minimum())
+    distributions.push_back(contacts_curve(find_contacts_of(state_, {.potential = soft_.potential})));
   return distributions;
 }
 

@@ -12,6 +12,10 @@
 
 namespace gridlock {
 
+/// What a protocol adds to summary.json, and its tables without rows: what gridlock explain knows of them.
+std::vector<ColumnInfo> protocol_results();
+std::vector<Distribution> protocol_tables();
+
 /// Disks that a protocol prepares, and the simulation that begins where it ends.
 ///
 /// Until then the simulation is one of the start that nothing advances or samples; it knows the columns of the series.
@@ -33,7 +37,10 @@ class ProtocolSimulation final : public Simulation {
   [[nodiscard]] Box const& box() const override { return state_.box; }
   [[nodiscard]] AgentsView view() const override;
   [[nodiscard]] std::uint64_t state_hash() const override;
-  [[nodiscard]] std::vector<Count> counts() const override { return simulation_->counts(); }
+  /// Of the run after the protocol; none where nothing was run.
+  [[nodiscard]] std::vector<Count> counts() const override {
+    return has_run() ? simulation_->counts() : std::vector<Count>();
+  }
   [[nodiscard]] std::vector<Count> audits() const override { return simulation_->audits(); }
   [[nodiscard]] std::uint64_t pair_collisions() const override { return simulation_->pair_collisions(); }
   [[nodiscard]] std::vector<NamedColumn> columns_of_agents() override;
@@ -52,6 +59,7 @@ class ProtocolSimulation final : public Simulation {
  private:
   void begin_simulation();
   [[nodiscard]] bool has_run() const;
+  [[nodiscard]] bool ends_at_minimum() const;
 
   MakeSimulation make_;
   SoftSettings soft_;

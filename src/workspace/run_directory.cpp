@@ -55,7 +55,13 @@ std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash);
 Table to_table(Distribution const& distribution) {
   Table table;
   for (std::size_t k = 0; k < distribution.columns.size(); ++k) {
-    table.add_column(distribution.columns[k].name, distribution.columns_of_values[k]);
+    std::vector<double> const& values = distribution.columns_of_values[k];
+    if (distribution.columns[k].is_count) {
+      table.add_column(distribution.columns[k].name, std::vector<std::uint64_t>(values.begin(), values.end()));
+    } else {
+      table.add_column(distribution.columns[k].name, values);
+    }
+    if (k == 0 && !distribution.names.empty()) table.add_column("name", distribution.names);
   }
   return table;
 }

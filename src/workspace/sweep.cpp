@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <optional>
+#include <utility>
 
 #include "gridlock/workspace/run_directory.hpp"
 #include "simulation/memory.hpp"
@@ -114,7 +117,10 @@ SweepResult run_sweep(SweepPlan const& plan, SweepSettings const& settings) {
   SweepInProgress sweep(plan, settings);
   sweep.run();
   SweepResult result = result_of(plan, sweep.outcomes());
-  result.notes = sweep.notes();
+  // Of a part of the sweep nothing is averaged.
+  std::vector<std::string> notes = sweep.notes();
+  if (!settings.shard) std::ranges::move(result.notes, std::back_inserter(notes));
+  result.notes = std::move(notes);
   // The tables of a part would be taken for the whole: collect_sweep() makes them when all parts are there.
   if (!settings.shard) write_tables(result, settings.directory);
   return result;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -114,8 +115,10 @@ Table rows_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes) 
   return table;
 }
 
-Table means_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes) {
-  // Runs that agree in everything but the seed, in the order of the plan.
+namespace {
+
+/// Runs that agree in everything but the seed, in the order of the plan.
+std::vector<std::vector<std::size_t>> groups_of(SweepPlan const& plan) {
   std::vector<std::vector<std::size_t>> groups;
   std::map<std::vector<std::string>, std::size_t> group_of;
   for (std::size_t run = 0; run < plan.runs.size(); ++run) {
@@ -127,6 +130,75 @@ Table means_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes)
     if (is_new) groups.emplace_back();
     groups[place->second].push_back(run);
   }
+  return groups;
+}
+
+/// What the runs of a group know of an observable.
+std::vector<Estimate> estimates_of(std::string const& name, std::vector<std::size_t> const& group,
+                                   std::vector<SweepOutcome> const& outcomes) {
+  std::vector<Estimate> estimates;
+  for (std::size_t const run : group) {
+    if (auto const estimate = outcomes[run].find(name)) estimates.push_back(*estimate);
+  }
+  return estimates;
+}
+
+/// Mean and error of an observable, and over how many runs where some of them have no value.
+void add_means(std::string const& name, std::vector<std::vector<std::size_t>> const& groups,
+               std::vector<SweepOutcome> const& outcomes, Table& table) {
+  std::vector<double> values;
+  std::vector<double> errors;
+  std::vector<std::uint64_t> runs;
+  bool has_gaps = false;
+  for (auto const& group : groups) {
+    std::vector<Estimate> const estimates = estimates_of(name, group, outcomes);
+    Estimate const mean = estimates.empty() ? Estimate{.value = not_measured} : combine(estimates).mean;
+    values.push_back(mean.value);
+    errors.push_back(mean.error.value_or(not_measured));
+    runs.push_back(estimates.size());
+    has_gaps = has_gaps || (!estimates.empty() && estimates.size() < group.size());
+  }
+  table.add_column(name, values);
+  table.add_column(name + "_error", errors);
+  if (has_gaps) table.add_column(name + "_runs", runs);
+}
+
+/// What the means leave out, and what they have that is not as asked for.
+std::vector<std::string> notes_on_means(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes) {
+  std::vector<std::string> notes;
+  for (std::string const& name : observable_names(outcomes)) {
+    std::size_t left_out = 0;
+    std::size_t all = 0;
+    for (auto group : groups_of(plan)) {
+      std::erase_if(group, [&](std::size_t run) { return outcomes[run].status != RunStatus::finished; });
+      std::size_t const known = estimates_of(name, group, outcomes).size();
+      // What no run of a group measures, as other engines do, is not left out of anything.
+      if (known == 0) continue;
+      left_out += group.size() - known;
+      all += group.size();
+    }
+    if (left_out == 0) continue;
+    notes.push_back(
+        fmt::format("{0} has no value in {1} of {2} runs, which its means leave out; {0}_runs in means.csv "
+                    "says how many have one",
+                    name, left_out, all));
+  }
+  auto const short_of_goal = std::ranges::count_if(outcomes, [](SweepOutcome const& outcome) {
+    auto const flag = outcome.find("is_converged");
+    return flag && flag->value == 0.0;
+  });
+  if (short_of_goal > 0) {
+    notes.push_back(fmt::format(
+        "{} of {} runs ended short of the goal of their protocol and count in the means; their is_converged is 0",
+        short_of_goal, outcomes.size()));
+  }
+  return notes;
+}
+
+}  // namespace
+
+Table means_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes) {
+  std::vector<std::vector<std::size_t>> groups = groups_of(plan);
   std::vector<std::size_t> first_runs;
   std::vector<std::uint64_t> sizes;
   for (auto& group : groups) {
@@ -137,26 +209,15 @@ Table means_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes)
   Table table;
   add_key_columns(table, plan, first_runs, false);
   table.add_column("runs", sizes);
-  for (std::string const& name : observable_names(outcomes)) {
-    std::vector<double> values;
-    std::vector<double> errors;
-    for (auto const& group : groups) {
-      std::vector<Estimate> estimates;
-      for (std::size_t const run : group) {
-        if (auto const estimate = outcomes[run].find(name)) estimates.push_back(*estimate);
-      }
-      Estimate const mean = estimates.empty() ? Estimate{.value = not_measured} : combine(estimates).mean;
-      values.push_back(mean.value);
-      errors.push_back(mean.error.value_or(not_measured));
-    }
-    table.add_column(name, values);
-    table.add_column(name + "_error", errors);
-  }
+  for (std::string const& name : observable_names(outcomes)) add_means(name, groups, outcomes, table);
   return table;
 }
 
 SweepResult result_of(SweepPlan const& plan, std::vector<SweepOutcome> const& outcomes) {
-  SweepResult result{.rows = rows_of(plan, outcomes), .means = means_of(plan, outcomes), .messages = {}, .notes = {}};
+  SweepResult result{.rows = rows_of(plan, outcomes),
+                     .means = means_of(plan, outcomes),
+                     .messages = {},
+                     .notes = notes_on_means(plan, outcomes)};
   for (std::size_t run = 0; run < plan.runs.size(); ++run) {
     SweepOutcome const& outcome = outcomes[run];
     if (outcome.status == RunStatus::failed) {

@@ -43,12 +43,62 @@ TEST(Protocol, OfTheSceneJamsAndSaysSo) {
   // Nothing was run, so nothing was displaced.
   EXPECT_FALSE(summary.contains("mean_displacement"));
   EXPECT_EQ(outcome.out.find("agent-steps"), std::string::npos) << outcome.out;
-  EXPECT_EQ(gridlock::read_csv(workplace / "out/stages.csv").row_count(), 2U);
+  EXPECT_NE(text_of(workplace / "out/stages.csv").find("\n2,\"decompress\","), std::string::npos);
   EXPECT_GT(gridlock::read_csv(workplace / "out/levels.csv").row_count(), 8U);
   // With one state of self-stress some shear always costs nothing, which need not be said.
   EXPECT_EQ(summary["is_shear_stable"]["value"], 0.0);
   EXPECT_LT(summary["least_shear_modulus"]["value"].get<double>(), 0.0);
   EXPECT_EQ(outcome.err.find("note: "), std::string::npos) << outcome.err;
+}
+
+TEST(Protocol, ThatEndsAtAMinimumWritesItsContacts) {
+  Workplace const workplace;
+  std::string const scene = (scenes / "jamming.toml").string();
+  expect_good(gridlock::test::gridlock({"run", scene, "-o", "out", "-q", "--no-pictures"}, workplace.path()));
+  expect_good(gridlock::test::gridlock({"contacts", "out", "-o", "found", "--no-pictures"}, workplace.path()));
+  EXPECT_EQ(text_of(workplace / "out/contacts.csv"), text_of(workplace / "found/contacts.csv"));
+  expect_good(gridlock::test::gridlock(
+      {"run", scene, "--set", "protocol[0].packing_fraction=0.6", "--set",
+       "protocol=[{stage=\"quench\",packing_fraction=0.5}]", "-o", "apart", "-q", "--no-pictures"},
+      workplace.path()));
+  EXPECT_FALSE(fs::exists(workplace / "apart/contacts.csv")) << "no disks press";
+}
+
+TEST(Protocol, OfHardDisksAloneEndsWithTheirPressure) {
+  Workplace const workplace;
+  Outcome const outcome =
+      run(fluid_with("[[protocol]]\nstage = \"grow\"\nrate = 0.05\nuntil_pressure = 2e3\n"), workplace.path());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  auto const summary = summary_of(workplace / "out");
+  EXPECT_GE(summary["reduced_pressure"]["value"].get<double>(), 2e3);
+  EXPECT_NE(outcome.out.find("  reduced_pressure "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.err.find("note: stage 1 of the protocol, \"grow\", ends at a reduced pressure of "),
+            std::string::npos)
+      << outcome.err;
+  EXPECT_TRUE(summary["counters"].empty()) << "nothing was run after the protocol";
+  EXPECT_GT(gridlock::read_csv(workplace / "out/stages.csv").numbers("pair_collisions").front(), 1000.0);
+}
+
+TEST(Protocol, IsExplainedEntryByEntryAndColumnByColumn) {
+  Workplace const workplace;
+  std::string const scene = (scenes / "jamming.toml").string();
+  expect_good(gridlock::test::gridlock({"run", scene, "-o", "out", "-q", "--no-pictures"}, workplace.path()));
+  std::vector<std::string> names;
+  auto const summary = summary_of(workplace / "out");
+  for (auto const& [name, value] : summary.items()) {
+    if (value.is_object() && value.contains("value")) names.push_back(name);
+  }
+  EXPECT_GT(names.size(), 10U);
+  for (char const* table : {"stages.csv", "levels.csv", "contacts.csv"}) {
+    gridlock::Table const written = gridlock::read_csv(workplace / "out" / table);
+    for (std::string const& name : written.names()) {
+      if (name != "name") names.push_back(name);
+    }
+  }
+  Outcome const all = gridlock::test::gridlock({"explain", "observables"}, workplace.path());
+  for (std::string const& name : names) EXPECT_NE(("\n" + all.out).find("\n" + name + "\n"), std::string::npos) << name;
+  Outcome const one = gridlock::test::gridlock({"explain", "is_jammed"}, workplace.path());
+  EXPECT_NE(one.out.find("entry of summary.json"), std::string::npos) << one.out << one.err;
 }
 
 TEST(Protocol, SaysWhereAStageFallsShort) {

@@ -14,6 +14,7 @@
 #include "gridlock/grid/validate.hpp"
 #include "reference/all_pairs_events.hpp"
 #include "reference/random_scene.hpp"
+#include "reference/shuffled_rows.hpp"
 
 namespace gridlock {
 namespace {
@@ -21,6 +22,7 @@ namespace {
 using reference::difference;
 using reference::random_scene;
 using reference::SceneSettings;
+using reference::with_rows_shuffled;
 
 struct ExactCase {
   std::string name;
@@ -185,15 +187,8 @@ TEST_P(ExactProperty, PredictsTheSameBitsWithAndWithoutWideRegisters) {
 
 TEST_P(ExactProperty, DependsOnlyOnIdsNotOnRows) {
   State const ordered = start(5);
-  State shuffled{.box = ordered.box, .seed = ordered.seed};
-  for (std::size_t n = 0; n < ordered.agents.size(); ++n) {
-    std::size_t const i = (n * 11 + 3) % ordered.agents.size();  // 11 divides none of the numbers of disks
-    Disks const& d = ordered.agents;
-    ASSERT_TRUE(shuffled.agents.add_as(d.ids()[i], d.column<X>()[i], d.column<Y>()[i], d.column<VelocityX>()[i],
-                                       d.column<VelocityY>()[i], d.column<Radius>()[i], d.column<Mass>()[i], 0, 0));
-  }
   State a = ordered;
-  State b = shuffled;
+  State b = with_rows_shuffled(ordered, 1);
   Counters counters_a;
   Counters counters_b;
   make_engine(exact_settings(), a)->advance(a, counters_a, {.step = 200});

@@ -57,6 +57,7 @@ struct ColumnInfo {
   std::string unit;  ///< in the units of the box, the masses and the velocities; empty for pure numbers
   std::string documentation;
   std::string former_name = {};  ///< its name in earlier versions
+  bool is_count = false;         ///< whole numbers, written without a point
 };
 
 struct NamedEstimate {
@@ -70,6 +71,7 @@ struct Distribution {
   std::string name;
   std::vector<ColumnInfo> columns;
   std::vector<std::vector<double>> columns_of_values;  ///< one vector per column, all of the same length
+  std::vector<std::string> names = {};                 ///< of the rows: the column "name" behind the first; or none
 };
 
 /// A cell of a row without a value: not defined at this time, or not measured in this sample. Tables leave it empty.

@@ -62,6 +62,7 @@ struct StageResult {
   std::optional<bool> is_jammed = {};
   double disks = 0.0;
   std::uint64_t work = 0;                   ///< iterations, events or trial moves
+  std::uint64_t pair_collisions = 0;        ///< of hard disks that fly
   std::vector<PressureLevel> levels = {};   ///< of soft disks, the last one the end of the stage
   std::optional<double> softest_mode = {};  ///< ω² in ε/D² of unit masses, at the end
   std::optional<SwapResult> swap = {};

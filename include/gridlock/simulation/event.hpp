@@ -42,6 +42,7 @@ enum class EventKind {
   stage_not_equilibrated,  ///< swap Monte Carlo was too short
   stage_without_pressure,  ///< soft disks do not press on each other where the stage ends
   stage_fell_short,        ///< soft disks press, but a minimum or the end of the stage was not found
+  jamming_not_known,       ///< hard disks grew to a high pressure, which is no sign of jamming
   packing_not_jammed,      ///< soft disks press where the stage ends, and are not jammed
   packing_unstable,        ///< the packing gives way to a shear
   audited,

@@ -77,7 +77,7 @@ struct SweepResult {
   std::size_t failures = 0;           ///< runs that failed or could not be set up
   std::size_t interruptions = 0;      ///< runs stopped early or never begun
   std::vector<std::string> messages;  ///< why, one for each failure
-  std::vector<std::string> notes;     ///< on settings that have no effect in any run
+  std::vector<std::string> notes;     ///< on settings that have no effect in any run, and on runs that means leave out
 };
 
 /// Runs a plan on all cores, the longest runs first, and writes sweep.csv and means.csv; draw_results() draws them.

@@ -8,6 +8,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/validate.hpp"
 #include "gridlock/lattice/start.hpp"
+#include "unit/lattice/refusal.hpp"
 
 namespace gridlock {
 namespace {
@@ -16,16 +17,6 @@ DisksSettings mixture(std::uint64_t count, double packing_fraction) {
   DisksSettings disks{.count = count, .packing_fraction = packing_fraction, .start = StartKind::random};
   disks.species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = 1.4}};
   return disks;
-}
-
-Problem refusal_of(DisksSettings const& disks, Edge edge = Edge::periodic) {
-  try {
-    static_cast<void>(make_start(Box(1.0, 1.0, edge), disks, 1));
-  } catch (Error const& error) {
-    return error.problems().front();
-  }
-  ADD_FAILURE() << "the start was found";
-  return {};
 }
 
 /// The number behind some words of a hint.

@@ -10,6 +10,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/validate.hpp"
 #include "gridlock/lattice/start.hpp"
+#include "unit/lattice/refusal.hpp"
 
 namespace gridlock {
 namespace {
@@ -37,16 +38,6 @@ SizeMoments size_moments_of(std::vector<double> const& values) {
   for (double const v : values) squares += (v - moments.mean) * (v - moments.mean) / static_cast<double>(values.size());
   moments.spread = std::sqrt(squares) / moments.mean;
   return moments;
-}
-
-Problem refusal_of_sizes(DisksSettings const& disks, Edge edge = Edge::periodic) {
-  try {
-    static_cast<void>(make_start(Box(1.0, 1.0, edge), disks, 1));
-  } catch (Error const& error) {
-    return error.problems().front();
-  }
-  ADD_FAILURE() << "the start was found";
-  return {};
 }
 
 TEST(Sizes, HaveTheSpreadThePackingFractionAndTheMassesAskedFor) {
@@ -121,15 +112,15 @@ TEST(Sizes, TakeTheRadiusAsTheirMean) {
 TEST(Sizes, ThatContradictEachOtherAreRefusedWithAHint) {
   DisksSettings both = sizes_of(SizeDistribution::uniform, 100, 0.2);
   both.species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = 1.4}};
-  EXPECT_EQ(refusal_of_sizes(both).key, "disks.sizes");
-  Problem const spread_of_equal = refusal_of_sizes(sizes_of(SizeDistribution::equal, 100, 0.2));
+  EXPECT_EQ(refusal_of(both).key, "disks.sizes");
+  Problem const spread_of_equal = refusal_of(sizes_of(SizeDistribution::equal, 100, 0.2));
   EXPECT_EQ(spread_of_equal.key, "disks.size_spread");
   EXPECT_NE(spread_of_equal.hint.find("inverse_cube"), std::string::npos);
 }
 
 TEST(Sizes, WiderThanADistributionCanBeAreRefusedWithAnUpperBoundThatWorks) {
   for (auto const sizes : {SizeDistribution::uniform, SizeDistribution::normal}) {
-    Problem const problem = refusal_of_sizes(sizes_of(sizes, 100, 0.6));
+    Problem const problem = refusal_of(sizes_of(sizes, 100, 0.6));
     EXPECT_EQ(problem.key, "disks.size_spread");
     std::string const words = "below ";
     double const most = std::stod(problem.hint.substr(problem.hint.find(words) + words.size()));
@@ -185,14 +176,14 @@ TEST(UniformStart, IsRefusedByHardDisksWithWhatToDo) {
 TEST(UniformStart, OfDisksWiderThanTheBoxIsRefused) {
   for (Edge const edge : {Edge::wall, Edge::periodic}) {
     DisksSettings const disks{.count = 1, .packing_fraction = 1.5, .start = StartKind::uniform};
-    EXPECT_NE(refusal_of_sizes(disks, edge).what.find("does not fit into the box"), std::string::npos);
+    EXPECT_NE(refusal_of(disks, edge).what.find("does not fit into the box"), std::string::npos);
   }
 }
 
 TEST(OtherStarts, RefusePackingFractionsThatOnlyDisksThatOverlapHave) {
   DisksSettings disks = sizes_of(SizeDistribution::inverse_cube, 100, 0.23);
   disks.packing_fraction = 1.1;
-  EXPECT_NE(refusal_of_sizes(disks).hint.find("\"uniform\""), std::string::npos);
+  EXPECT_NE(refusal_of(disks).hint.find("\"uniform\""), std::string::npos);
 }
 
 }  // namespace

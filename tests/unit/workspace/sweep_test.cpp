@@ -318,6 +318,26 @@ TEST(SweepMeans, HaveTheScatterOfTheRunsWhereTheirErrorsMissIt) {
   EXPECT_NEAR(*mean_of({{1.0, 0.03}, {1.2, std::nullopt}}).error, 0.1, 1e-12) << "one run has no error";
 }
 
+TEST(SweepMeans, SayHowManyRunsTheyLeaveOut) {
+  SweepPlan const plan =
+      plan_sweep(SettingsFile::from_text("[disks]\ncount = 4\n[sweep]\nrun.seed = [1, 2, 3]\n", "sweep.toml"));
+  std::vector<SweepOutcome> outcomes(3, {.has_begun = true, .status = RunStatus::finished});
+  for (SweepOutcome& outcome : outcomes) outcome.results.push_back({"everywhere", {.value = 1.0}, ""});
+  for (std::size_t run : {0U, 2U})
+    outcomes[run].results.push_back({"jamming_packing_fraction", {.value = 0.8 + 0.01 * static_cast<double>(run)}, ""});
+  for (std::size_t run = 0; run < 3; ++run)
+    outcomes[run].results.push_back({"is_converged", {.value = run == 1 ? 0.0 : 1.0}, ""});
+  SweepResult const result = result_of(plan, outcomes);
+  EXPECT_NEAR(result.means.numbers("jamming_packing_fraction").front(), 0.81, 1e-12);
+  EXPECT_EQ(result.means.numbers("jamming_packing_fraction_runs"), std::vector<double>{2.0});
+  EXPECT_FALSE(result.means.contains("everywhere_runs"));
+  ASSERT_EQ(result.notes.size(), 2U);
+  EXPECT_EQ(result.notes[0],
+            "jamming_packing_fraction has no value in 1 of 3 runs, which its means leave out; "
+            "jamming_packing_fraction_runs in means.csv says how many have one");
+  EXPECT_EQ(result.notes[1].rfind("1 of 3 runs ended short of the goal of their protocol", 0), 0U) << result.notes[1];
+}
+
 TEST(MemoryBudget, RunsThatDoNotFitTogetherWaitForOneAnother) {
   MemoryBudget budget(100.0);
   std::atomic<int> large = 0;
