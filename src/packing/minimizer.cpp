@@ -65,7 +65,7 @@ char const* to_text(MinimumStatus status) {
   return "unconverged";
 }
 
-/// Where FIRE and Newton's method are between two iterations.
+/// Where the methods are between two iterations.
 class Minimizer::Search {
  public:
   Search(MinimizerSettings const& settings, Packing const& packing)

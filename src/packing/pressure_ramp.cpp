@@ -16,6 +16,9 @@ namespace gridlock {
 namespace {
 
 constexpr double least_share_of_goal = 0.3;
+/// On the way up a minimum up to this multiple of the pressure asked for is taken, and the end approached from there; steps back aim lower.
+constexpr double most_overshoot = 2.0;
+constexpr double aim_of_overshoot = 1.3;
 constexpr std::uint64_t most_halvings = 60;  // of a step up
 /// Of a step down: disks that no thousandth of it leaves pressing have nothing to lean on at lower pressures. They rearrange at once.
 constexpr std::uint64_t most_halvings_down = 12;
@@ -123,10 +126,34 @@ void PressureRamp::take_minimum() {
     return accept(found, pressure);
   }
   bool const is_too_low = leads_down() && pressure < least_share_of_goal * goal_;
-  bool const is_too_high = !leads_down() && pressure > most_share_of_goal * goal_;
+  bool const is_too_high = !leads_down() && pressure > most_overshoot * goal_;
   if (settings_.packing_fraction || (!is_too_low && !is_too_high)) return accept(found, pressure);
   if (++halvings_ > (leads_down() ? most_halvings_down : most_halvings)) return end(RampStatus::unjammed);
+  if (is_too_high) return step_back(pressure);
   try_packing_fraction(packing_fraction_ + 0.5 * (tried_ - packing_fraction_));
+}
+
+/// From the last minimum to where a straight line reaches the goal between it and the one just found, whose pressure is too high.
+void PressureRamp::step_back(double pressure) {
+  Potential const potential = settings_.minimizer.potential;
+  double const linear = linear_pressure(pressure, potential);
+  if (tried_ < least_too_high_) {
+    double const slope = (linear_too_high_ - linear) / (least_too_high_ - tried_);
+    if (slope > 0.0 && std::isfinite(slope)) slope_ = slope;
+    least_too_high_ = tried_;
+    linear_too_high_ = linear;
+  }
+  try_packing_fraction(below_too_high());
+}
+
+/// A packing fraction between the last minimum and the lowest one with too high a pressure: where the line through that one reaches the
+/// goal, or half the way where it leaves this range.
+double PressureRamp::below_too_high() const {
+  double const goal = linear_pressure(aim_of_overshoot * goal_, settings_.minimizer.potential);
+  double const crossing = least_too_high_ - (linear_too_high_ - goal) / slope_;
+  // Every fourth step halves what is left, whatever the line says.
+  bool const is_inside = crossing > packing_fraction_ && crossing < least_too_high_ && halvings_ % 4 != 3;
+  return is_inside ? crossing : packing_fraction_ + 0.5 * (least_too_high_ - packing_fraction_);
 }
 
 void PressureRamp::accept(double packing_fraction, double pressure) {
@@ -202,8 +229,9 @@ void PressureRamp::approach(double goal) {
   goal_ = goal;
   Potential const potential = settings_.minimizer.potential;
   double const rise = linear_pressure(goal_, potential) - linear_pressure(pressure_, potential);
-  double const step = pressure_ > 0.0 ? rise / slope_ : settings_.step;
-  try_packing_fraction(packing_fraction_ + std::min(step, settings_.step));
+  double const step = std::min(pressure_ > 0.0 ? rise / slope_ : settings_.step, settings_.step);
+  bool const is_known = pressure_ == 0.0 && packing_fraction_ + step >= least_too_high_;
+  try_packing_fraction(is_known ? below_too_high() : packing_fraction_ + step);
 }
 
 std::optional<double> PressureRamp::error_of_jamming_packing_fraction() const {
@@ -234,6 +262,8 @@ void PressureRamp::serialize(Archive& archive) {
   archive.visit("goal", goal_);
   archive.visit("tried", tried_);
   archive.visit("halvings", halvings_);
+  archive.visit("least_too_high", least_too_high_);
+  archive.visit("linear_too_high", linear_too_high_);
   archive.visit("minima_since_level", minima_since_level_);
   archive.visit("minima_near_end", minima_near_end_);
   archive.visit("jamming_packing_fraction", jamming_packing_fraction_);

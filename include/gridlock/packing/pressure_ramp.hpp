@@ -85,7 +85,7 @@ char const* to_text(RampStatus status);
 /// that do not press, or below 0.3 of the pressure it was made for, the state before it is taken up again and half the step is tried;
 /// a pressure up to 1.1 of it counts as that level. The last pressure is reached within 1 %, by further secants from either side; where
 /// disks rearrange at once, 20 of them may not be enough, and the ramp has missed it. On the way up, steps of `step` lead to the first
-/// contacts. A packing fraction is reached in steps of `step`, each a level. The last level is the packing at the end, however it ended.
+/// contacts; from there secants lead back to a pressure at most twice that asked for, each from the disks that do not press. A packing fraction is reached in steps of `step`, each a level. The last level is the packing at the end, however it ended.
 /// Errors: Error for settings out of range and a packing that Minimizer refuses.
 /// Cost: some five minimizations a level, most of them by Newton's method, and find_elastic_moduli().
 /// Source: C. S. O'Hern et al. (2003), doi:10.1103/PhysRevE.68.011306.
@@ -122,6 +122,8 @@ class PressureRamp {
   void end(RampStatus status);
   void next_packing_fraction();
   void try_packing_fraction(double packing_fraction);
+  void step_back(double pressure);
+  [[nodiscard]] double below_too_high() const;
   [[nodiscard]] bool leads_down() const { return settings_.pressure < first_pressure_; }
 
   PressureRampSettings settings_;
@@ -132,10 +134,12 @@ class PressureRamp {
   double first_pressure_ = 0.0;
   double packing_fraction_ = 0.0;  ///< of good_, as the next
   double pressure_ = 0.0;
-  double slope_ = 0.0;  ///< du/dφ
-  double goal_ = 0.0;   ///< the pressure of the next level
-  double tried_ = 0.0;  ///< the packing fraction of the minimization under way
-  std::uint64_t halvings_ = 0;
+  double slope_ = 0.0;          ///< du/dφ
+  double goal_ = 0.0;           ///< the pressure of the next level
+  double tried_ = 0.0;          ///< the packing fraction of the minimization under way
+  std::uint64_t halvings_ = 0;  ///< steps back since the last minimum that was taken
+  double least_too_high_ = std::numeric_limits<double>::infinity();  ///< packing fraction of a minimum on the way up
+  double linear_too_high_ = 0.0;                                     ///< its u
   std::uint64_t minima_since_level_ = 0;
   std::uint64_t minima_near_end_ = 0;
   double jamming_packing_fraction_ = std::numeric_limits<double>::quiet_NaN();  ///< of good_
