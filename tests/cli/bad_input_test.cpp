@@ -252,7 +252,10 @@ std::vector<Mistake> const mistakes_on_the_command_line{
     {"ExplainFormerColumn", "", {"blocked_share was renamed to halted_fraction"}, {"explain", "blocked_share"}},
     {"ExplainNearColumn", "", {"no column \"mean_sped\"", "did you mean mean_speed?"}, {"explain", "mean_sped"}},
     {"ExplainNeither", "", {"no setting and no column \"colour\"", "explain observables"}, {"explain", "colour"}},
-    {"ExplainPartOfNames", "", {"no column \"pressure\"", "virial_pressure, wall_pressure"}, {"explain", "pressure"}},
+    {"ExplainPartOfNames",
+     "",
+     {"no column \"correlation\"", "velocity_autocorrelation, pair_correlation"},
+     {"explain", "correlation"}},
     {"InfoOnNothing", "", {"nowhere"}, {"info", "nowhere"}},
     {"InfoOnOtherFile", "", {"bad.toml"}, {"info", "bad.toml"}},
 };
