@@ -93,7 +93,7 @@ class Agents:
         return self._simulation._core.column_names()
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        return self._simulation._array(self._simulation._core.column(name))
+        return self._simulation._array(name)
 
     def __setitem__(self, name: str, values: Any) -> None:
         self[name][...] = values
@@ -116,12 +116,12 @@ class Agents:
     @property
     def ids(self) -> NDArray[np.uint64]:
         """The Id of each row, shape (N,); cannot be written."""
-        return self._simulation._array(self._simulation._core.ids())
+        return self._simulation._array()
 
     @property
     def positions(self) -> NDArray[np.float64]:
         """x and y, shape (N, 2)."""
-        return self._simulation._array(self._simulation._core.columns("x", "y"))
+        return self._simulation._array("x", "y")
 
     @positions.setter
     def positions(self, values: Any) -> None:
@@ -130,7 +130,7 @@ class Agents:
     @property
     def velocities(self) -> NDArray[np.float64]:
         """Velocities, shape (N, 2); models without velocities have none."""
-        return self._simulation._array(self._simulation._core.columns("velocity_x", "velocity_y"))
+        return self._simulation._array("velocity_x", "velocity_y")
 
     @velocities.setter
     def velocities(self, values: Any) -> None:
@@ -357,12 +357,17 @@ class Simulation:
 
         return call
 
-    def _array(self, view: Any) -> NDArray[Any]:
-        array: NDArray[Any] = view
+    def _array(self, *names: str) -> NDArray[Any]:
+        """One column, or two as the columns of one array; without names the Ids."""
+        core: Any = self._core
+        array: NDArray[Any]
         if self._hands_out_copies:
-            array = array.copy()
+            columns = [core.column(name) for name in names] or [core.ids()]
+            array = columns[0].copy() if len(columns) == 1 else np.stack(columns, axis=1)
             array.flags.writeable = False
             return array
+        core.prepare_arrays()
+        array = core.columns(*names) if len(names) == 2 else core.column(*names) if names else core.ids()
         if len(self._arrays) > 1000:
             self._arrays = [reference for reference in self._arrays if reference() is not None]
         self._arrays.append(weakref.ref(array))

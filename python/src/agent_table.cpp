@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "column_lender.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
 
 namespace gridlock::python {
@@ -137,7 +138,17 @@ void AgentTable::serialize(Archive& archive) {
   });
 }
 
+void AgentTable::put_vectors_side_by_side() {
+  if (!has_vectors_side_by_side(columns())) static_cast<void>(release());
+}
+
 std::shared_ptr<void> AgentTable::release() {
+  std::size_t room = 0;
+  for (TableColumn const& column : others_) {
+    room += std::visit([](auto const& values) { return SideBySide::room_for(values.size() * sizeof(values[0])); },
+                       column.values);
+  }
+  SideBySide const scope(room);
   auto old = std::make_shared<std::pair<std::shared_ptr<void>, std::vector<TableColumn>>>(places_.release(), others_);
   std::swap(old->second, others_);
   return old;

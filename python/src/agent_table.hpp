@@ -60,6 +60,8 @@ class AgentTable {
   [[nodiscard]] std::uint64_t hash(Box const& box, Clock const& clock, std::uint64_t seed) const;
   void serialize(Archive& archive);
   [[nodiscard]] std::shared_ptr<void> release();
+  /// See has_vectors_side_by_side(). What has pointers into the columns must not be left.
+  void put_vectors_side_by_side();
 
   operator AgentsView() const { return view(); }  // NOLINT(google-explicit-constructor): as a Population is
 

@@ -3,6 +3,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -15,23 +16,46 @@
 #include <vector>
 
 #include "gridlock/core/agents_view.hpp"
+#include "gridlock/core/detail/large_array.hpp"
+#include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
 
 namespace gridlock::python {
 
 namespace nb = nanobind;
 
+/// Whether an array of both components of a position or velocity spans nothing else but columns.
+///
+/// NumPy takes such an array for shared with whatever lies in between. Where the copy of it that is to be made gets memory there, NumPy
+/// makes another copy first, and another, until the stack ends.
+inline bool has_vectors_side_by_side(std::vector<NamedColumn> const& columns) {
+  auto const memory_of = [&](std::string_view name) -> void const* {
+    auto const found = std::ranges::find(columns, name, &NamedColumn::name);
+    if (found == columns.end()) return nullptr;
+    return std::visit([](auto values) -> void const* { return values.empty() ? nullptr : values.data(); },
+                      found->values);
+  };
+  auto const are_together = [&](std::string_view first, std::string_view second) {
+    void const* const one = memory_of(first);
+    void const* const other = memory_of(second);
+    return one == nullptr || other == nullptr || are_side_by_side(one, other);
+  };
+  return are_together(X::name, Y::name) && are_together(VelocityX::name, VelocityY::name);
+}
+
 /// Hands columns out as arrays without a copy, and knows whether somebody still holds one.
 class ColumnLender {
  public:
   /// Whether arrays have been handed out since the last release.
   [[nodiscard]] bool has_lent() const { return memory_ != nullptr; }
+  /// Whether somebody holds one of them.
+  [[nodiscard]] bool is_held() const { return memory_.use_count() > 1; }
 
   /// Arrays that are still held keep the values of this moment: `release` puts a copy in the place of the columns and returns
   /// their memory.
   template <class Release>
   void take_back(Release release) {
-    if (memory_ && memory_.use_count() > 1) memory_->released = release();
+    if (is_held()) memory_->released = release();
     memory_.reset();
   }
 
@@ -40,7 +64,7 @@ class ColumnLender {
     return std::visit([&](auto values) { return array_of(values.data(), {values.size()}, {1}); },
                       find(named, name).values);
   }
-  /// Two columns of one type as the columns of an array: the second lies some way behind the first.
+  /// Two columns of one type as the columns of an array: the second lies some way behind the first. See has_vectors_side_by_side().
   nb::object columns(std::vector<NamedColumn> const& named, std::string const& first, std::string const& second) {
     NamedColumn const& a = find(named, first);
     NamedColumn const& b = find(named, second);

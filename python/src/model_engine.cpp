@@ -69,6 +69,7 @@ void PythonModelEngine::serialize(Archive& archive, World<TableModel> const& /*w
 
 void PythonModelEngine::step(World<TableModel>& world) {
   if (world.clock.step % steps_between_sorts == 0) sort_rows(world);
+  world.agents.put_vectors_side_by_side();
   before_ = world.agents;
   if (try_step(world)) return;
   // A model that raises it again does so by itself.

@@ -70,7 +70,15 @@ nb::object ModelWorld::column(std::string const& name) {
 }
 nb::object ModelWorld::positions() {
   require_open();
-  return lender_.columns(world_.agents.columns(), X::name, Y::name);
+  if (phase_ != Phase::observation) return lender_.columns(world_.agents.columns(), X::name, Y::name);
+  // A sample is being taken: the columns stay where they are, wherever that is.
+  AgentTable const& agents = world_.agents;
+  UninitializedArray<double> positions(2 * agents.size());
+  for (std::size_t row = 0; row < agents.size(); ++row) {
+    positions[2 * row] = agents.x()[row];
+    positions[2 * row + 1] = agents.y()[row];
+  }
+  return nb::cast(owned_array(std::move(positions), {agents.size(), 2}));
 }
 nb::object ModelWorld::ids() {
   require_open();

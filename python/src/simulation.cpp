@@ -171,6 +171,12 @@ class PythonSimulation {
     simulation().observe(std::make_unique<PythonObservable>(std::move(function), std::move(columns)));
   }
 
+  /// Before arrays are handed out that are no copies; not while a step or a sample is taken.
+  void prepare_arrays() {
+    Use const use(*this);
+    if (lender_.is_held() || has_vectors_side_by_side(simulation().columns_of_agents())) return;
+    static_cast<void>(simulation().release_columns());
+  }
   /// See ColumnLender for the three.
   nb::object column(std::string const& name) {
     Use const use(*this);
@@ -357,6 +363,7 @@ void bind_simulation(nb::module_& module) {
       .def("leave_out_until", &PythonSimulation::leave_out_until)
       .def("add_callback", &PythonSimulation::add_callback)
       .def("add_observable", &PythonSimulation::add_observable)
+      .def("prepare_arrays", &PythonSimulation::prepare_arrays)
       .def("column", &PythonSimulation::column)
       .def("columns", &PythonSimulation::columns)
       .def("ids", &PythonSimulation::ids)

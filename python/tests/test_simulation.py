@@ -421,6 +421,75 @@ def test_arrays_of_callbacks_hold_what_they_held():
     assert all(np.array_equal(held, copy) and not held.flags.writeable for held, copy in kept)
 
 
+SCATTERED = """if True:
+    import bisect
+    import numpy as np, gridlock
+    blocks, addresses = [], []
+
+    def scatter():
+        # Memory whose only holes lie far apart.
+        blocks.extend(np.zeros((100, 2)) for _ in range(60_000))
+        blocks.sort(key=lambda block: block.ctypes.data)
+        addresses.extend(block.ctypes.data for block in blocks)
+        for k in range(58_000, 0, -6_000):
+            blocks[k] = None
+
+    def check(vectors, x, y):
+        # All between the two columns becomes one hole, in which every copy finds room.
+        first, last = sorted(bisect.bisect(addresses, column.ctypes.data) for column in (x, y))
+        more = [np.zeros((100, 2)) for _ in range(2000)]
+        blocks[first:last] = [None] * (last - first)
+        assert np.array_equal(vectors.copy(), np.stack([x, y], axis=1)) and vectors.base is not None
+        print(abs(vectors.strides[1]) < 10_000)
+    """
+
+
+@pytest.mark.parametrize("text", [
+    """
+    simulation = gridlock.Simulation(disks={"count": 100, "packing_fraction": 0.3}, observe={"every": 1000})
+    kept = simulation.agents.positions
+    scatter()
+    simulation.run(steps=1)
+    check(simulation.agents.positions, simulation.agents.x, simulation.agents.y)
+    check(simulation.agents.velocities, simulation.agents.velocity_x, simulation.agents.velocity_y)
+    """, """
+    scatter()
+    simulation = gridlock.Simulation(disks={"count": 100, "packing_fraction": 0.3}, observe={"every": 1000})
+    simulation.observe(lambda s: s.agents.x[0], "first")
+    simulation.on_step(1, lambda s: check(s.agents.positions, s.agents.x, s.agents.y))
+    simulation.run(steps=1)
+    """, """
+    kept = []
+    class Still(gridlock.Model):
+        name = "still"
+        def start(self, start):
+            start.add(positions=start.anywhere(100))
+        def step(self, world):
+            if world.clock.step == 0:
+                kept.append(world.positions)
+                scatter()
+            else:
+                check(world.positions, world.x, world.y)
+    gridlock.Simulation(model=Still, box={"edge": "periodic"}).run(steps=3)
+    """])
+def test_vectors_can_be_copied_wherever_their_columns_lie(text):
+    # NumPy takes a copy that lies between the two for shared with them, and copies again, without end.
+    resource = pytest.importorskip("resource")
+    process = subprocess.run([sys.executable, "-X", "faulthandler", "-c", SCATTERED + text], capture_output=True, text=True,
+                             preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_STACK, (2**20, 2**20)))
+    assert (process.returncode, process.stdout) == (0, "True\nTrue\n"), process.stderr
+
+
+def test_observables_see_vectors_as_copies():
+    simulation = gridlock.Simulation(SMALL)
+    seen = []
+    simulation.observe(lambda s: seen.append((s.agents.positions, s.agents.ids, s.agents.x)) or 0.0, "seen")
+    simulation.run(steps=1)
+    positions, ids, x = seen[0]
+    assert positions.flags.c_contiguous and np.array_equal(positions[:, 0], x) and len(ids) == 100
+    assert not any(array.flags.writeable for array in seen[0])
+
+
 def test_what_a_callback_writes_is_checked():
     simulation = gridlock.Simulation(SMALL)
 

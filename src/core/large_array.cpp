@@ -1,9 +1,12 @@
 #include "gridlock/core/detail/large_array.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <new>
+#include <utility>
 
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -28,9 +31,7 @@ std::size_t next_shift() {
   return arrays.fetch_add(1, std::memory_order_relaxed) % places * lines_apart * cache_line;
 }
 
-}  // namespace
-
-void* allocate_large(std::size_t bytes) {
+void* allocate_alone(std::size_t bytes) {
   if (bytes < huge_page) return ::operator new (bytes, std::align_val_t{cache_line});
   std::size_t const shift = next_shift();
   auto* const memory = static_cast<std::byte*>(::operator new (shift + bytes, std::align_val_t{huge_page}));
@@ -41,10 +42,76 @@ void* allocate_large(std::size_t bytes) {
   return memory + shift;
 }
 
-void free_large(void* memory, std::size_t bytes) noexcept {
+void free_alone(void* memory, std::size_t bytes) noexcept {
   if (bytes < huge_page) return ::operator delete (memory, std::align_val_t{cache_line});
   std::size_t const shift = reinterpret_cast<std::uintptr_t>(memory) % huge_page;
   ::operator delete (static_cast<std::byte*>(memory) - shift, std::align_val_t{huge_page});
+}
+
+/// The line before each array.
+struct alignas(cache_line) Head {
+  MemoryBlock* block;  ///< that it lies in, or nothing
+};
+
+Head* head_of(void const* memory) {
+  return reinterpret_cast<Head*>(const_cast<std::byte*>(static_cast<std::byte const*>(memory)) - sizeof(Head));
+}
+
+}  // namespace
+
+struct MemoryBlock {
+  std::byte* memory;
+  std::size_t room;
+  std::size_t used = 0;                ///< by the thread that made it
+  std::atomic<std::size_t> users = 1;  ///< arrays in it, and its SideBySide
+};
+
+namespace {
+
+thread_local MemoryBlock* open_block = nullptr;
+
+void leave(MemoryBlock* block) noexcept {
+  if (block->users.fetch_sub(1) != 1) return;
+  free_alone(block->memory, block->room);
+  delete block;
+}
+
+}  // namespace
+
+SideBySide::SideBySide(std::size_t room) : before_(open_block) {
+  auto block = std::make_unique<MemoryBlock>(nullptr, std::max(room, cache_line));
+  block->memory = static_cast<std::byte*>(allocate_alone(block->room));
+  open_block = block.release();
+}
+
+SideBySide::~SideBySide() { leave(std::exchange(open_block, before_)); }
+
+std::size_t SideBySide::room_for(std::size_t bytes) {
+  return sizeof(Head) + (bytes + cache_line - 1) / cache_line * cache_line;
+}
+
+bool are_side_by_side(void const* one, void const* other) {
+  return head_of(one)->block != nullptr && head_of(one)->block == head_of(other)->block;
+}
+
+void* allocate_large(std::size_t bytes) {
+  std::size_t const room = SideBySide::room_for(bytes);
+  MemoryBlock* const block =
+      open_block != nullptr && open_block->room - open_block->used >= room ? open_block : nullptr;
+  void* memory = nullptr;
+  if (block != nullptr) {
+    memory = block->memory + std::exchange(block->used, block->used + room);
+    ++block->users;
+  } else {
+    memory = allocate_alone(room);
+  }
+  return static_cast<std::byte*>(static_cast<void*>(::new (memory) Head{block})) + sizeof(Head);
+}
+
+void free_large(void* memory, std::size_t bytes) noexcept {
+  Head* const head = head_of(memory);
+  if (head->block != nullptr) return leave(head->block);
+  free_alone(head, SideBySide::room_for(bytes));
 }
 
 }  // namespace gridlock

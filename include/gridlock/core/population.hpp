@@ -178,9 +178,11 @@ class Population {
     if (archive.is_restoring()) restore_slots(archive, generations);
   }
 
-  /// Goes on with a copy of all rows and Ids, and returns their old memory: whoever has pointers into it keeps what it held.
-  /// Cost: a copy.
+  /// Goes on with a copy of all rows and Ids, the columns side by side in memory, and returns the old memory: whoever has pointers into
+  /// it keeps what it held. Cost: a copy.
   [[nodiscard]] std::shared_ptr<void> release() {
+    auto const room_for = [&](std::size_t width) { return SideBySide::room_for(size() * width); };
+    SideBySide const scope((room_for(sizeof(Id)) + ... + room_for(sizeof(typename Columns::type))));
     auto old = std::make_shared<std::pair<LargeArray<Id>, AllValues>>(ids_, rows_);
     reorder(old->first, old->second);
     return old;

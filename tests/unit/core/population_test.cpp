@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <set>
+#include <span>
 
 namespace gridlock {
 namespace {
@@ -142,6 +144,19 @@ TEST(Population, ReadsAHundredThousandAgentsInFallingOrderOfNamesInAMoment) {
   for (Id n = count; n-- > 0;) ASSERT_TRUE(marbles.add_as(n, 0.0, 0));
   EXPECT_EQ(marbles.size(), count);
   EXPECT_EQ(marbles.add(0.0, 0), count);
+}
+
+TEST(Population, GoesOnWithColumnsSideBySideAndLeavesTheOldMemoryAsItWas) {
+  Marbles marbles;
+  for (int n = 0; n < 50; ++n) marbles.add(n, 2 * n);
+  std::span<Weight::type> const before = marbles.column<Weight>();
+  std::shared_ptr<void> const kept = marbles.release();
+  marbles.column<Weight>()[7] = -1.0;
+  EXPECT_EQ(before[7], 7.0);
+  EXPECT_NE(before.data(), marbles.column<Weight>().data());
+  EXPECT_TRUE(are_side_by_side(marbles.column<Weight>().data(), marbles.column<Dye>().data()));
+  EXPECT_EQ(marbles.column<Dye>()[49], 98);
+  EXPECT_EQ(marbles.index_of(49), 49U);
 }
 
 TEST(Population, ACopyLivesItsOwnLife) {

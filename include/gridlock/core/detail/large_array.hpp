@@ -11,6 +11,25 @@ namespace gridlock {
 void* allocate_large(std::size_t bytes);
 void free_large(void* memory, std::size_t bytes) noexcept;
 
+/// While it lives, what this thread asks allocate_large() for lies in one block of memory, one array behind the other and nothing
+/// else between, as long as it has room. The block goes with the last of them.
+class SideBySide {
+ public:
+  explicit SideBySide(std::size_t room);
+  ~SideBySide();
+  SideBySide(SideBySide const&) = delete;
+  SideBySide& operator=(SideBySide const&) = delete;
+
+  /// The room that an array of so many bytes takes.
+  static std::size_t room_for(std::size_t bytes);
+
+ private:
+  struct MemoryBlock* before_;
+};
+
+/// Whether two arrays of allocate_large() lie in one such block.
+bool are_side_by_side(void const* one, void const* other);
+
 template <class Value>
 struct LargePageAllocator {
   using value_type = Value;
