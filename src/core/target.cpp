@@ -12,7 +12,6 @@ namespace gridlock {
 namespace {
 
 constexpr std::array all_targets{Target::scalar, Target::avx512};
-constexpr char const* variable = "GRIDLOCK_TARGET";
 
 bool is_here(Target target) {
   if (target == Target::scalar) return true;
@@ -25,7 +24,7 @@ bool is_here(Target target) {
 }
 
 Target choose() {
-  char const* const wish = std::getenv(variable);
+  char const* const wish = std::getenv("GRIDLOCK_TARGET");
   std::string_view const name = wish == nullptr ? "" : wish;
   Target fastest = Target::scalar;
   std::string names;
@@ -36,7 +35,7 @@ Target choose() {
     names += std::string(names.empty() ? "" : ", ") + to_text(target);
   }
   if (name.empty()) return fastest;
-  throw Error({.what = std::string(variable) + " is \"" + std::string(name) + "\"; this processor has: " + names,
+  throw Error({.what = "GRIDLOCK_TARGET is \"" + std::string(name) + "\"; this processor has: " + names,
                .hint = "use one of these, or unset the variable to get the fastest"});
 }
 

@@ -35,8 +35,7 @@ constexpr int most_halvings = 6;
 constexpr double first_quasi_newton_scale = 0.2;  // D²/ε
 constexpr double least_decrease = 1e-4;           // of what the slope promises
 
-constexpr double largest_negative_curvature = 1e-7;  // ε/D², of a minimum
-constexpr double displacement_from_saddle = 1e-4;    // D
+constexpr double displacement_from_saddle = 1e-4;  // D
 
 constexpr std::uint64_t iterations_per_look = 8;
 
@@ -119,7 +118,7 @@ class Minimizer::Search {
   /// Whether the forces balance at a saddle: some displacement lowers the energy by more than the pressure of a marginal packing does.
   bool is_at_saddle(Packing const& packing) {
     if (settings_.newton_residual == 0.0) return false;
-    return !factorize(analyzed_hessian(packing), largest_negative_curvature);
+    return !factorize(analyzed_hessian(packing), -least_eigenvalue_of_a_minimum);
   }
 
   /// Displaces every disk a little, each in a direction of its own, and leaves the next search to FIRE for longer.

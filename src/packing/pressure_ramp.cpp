@@ -273,7 +273,7 @@ void PressureRamp::serialize(Archive& archive) {
 
 PressureLevel level_of(Packing const& packing, ContactNetwork const& network) {
   PressureLevel level{.packing_fraction = packing_fraction(packing),
-                      .pressure = network.pressure + 0.0,  // no −0 where nothing presses
+                      .pressure = network.pressure,
                       .energy = network.energy,
                       .residual = network.residual_force,
                       .backbone_disks = network.backbone_disks,

@@ -35,7 +35,7 @@ Packing quenched_packing(State const& state, std::optional<double> target) {
 
 /// What the contacts at the end of a stage say.
 void add_end(ContactNetwork const& network, SoftSettings const& soft, StageResult& result) {
-  result.pressure = network.pressure + 0.0;  // no −0 where nothing presses
+  result.pressure = network.pressure;
   std::optional<VibrationMode> const mode = find_softest_mode(network);
   if (mode) result.softest_mode = mode->eigenvalue;
   result.is_jammed = network.is_jammed(soft.residual, result.softest_mode);

@@ -138,7 +138,7 @@ class PressureRamp {
   double goal_ = 0.0;           ///< the pressure of the next level
   double tried_ = 0.0;          ///< the packing fraction of the minimization under way
   std::uint64_t halvings_ = 0;  ///< steps back since the last minimum that was taken
-  double least_too_high_ = std::numeric_limits<double>::infinity();  ///< packing fraction of a minimum on the way up
+  double least_too_high_ = std::numeric_limits<double>::infinity();  ///< lowest packing fraction that was too high
   double linear_too_high_ = 0.0;                                     ///< its u
   std::uint64_t minima_since_level_ = 0;
   std::uint64_t minima_near_end_ = 0;
