@@ -235,6 +235,13 @@ Event note_on(EventKind kind, StageResult const& stage, std::size_t number) {
                      {"packing_fraction", stage.packing_fraction}}};
 }
 
+/// Whether disks press on each other. Where the minimizer ends because they have moved apart, a few still overlap by the last digits.
+bool presses(StageResult const& stage) {
+  PressureLevel const& level = stage.levels.back();
+  bool const is_apart = level.backbone_disks == 0 && level.energy < least_energy_of_a_disk * stage.disks;
+  return level.pressure > 0.0 && !is_apart;
+}
+
 /// Of swap Monte Carlo, and of the end of a ramp or quench.
 std::optional<Event> note_on_end(StageResult const& stage, std::size_t number) {
   if (stage.swap && !stage.swap->is_equilibrated) {
@@ -244,11 +251,10 @@ std::optional<Event> note_on_end(StageResult const& stage, std::size_t number) {
     return note;
   }
   if (stage.levels.empty()) return std::nullopt;
-  double const pressure = stage.levels.back().pressure;
-  if (!(pressure > 0.0)) return note_on(EventKind::stage_without_pressure, stage, number);
+  if (!presses(stage)) return note_on(EventKind::stage_without_pressure, stage, number);
   if (stage.is_converged.value_or(true)) return std::nullopt;
   Event note = note_on(EventKind::stage_fell_short, stage, number);
-  note.values.emplace_back("pressure", pressure);
+  note.values.emplace_back("pressure", stage.levels.back().pressure);
   return note;
 }
 
@@ -264,7 +270,7 @@ std::optional<Event> note_on_growth(StageResult const& stage, std::size_t number
 /// Disks that press and are not jammed: their jamming packing fraction is not that of a packing.
 std::optional<Event> note_on_unjammed(StageResult const& stage, std::size_t number) {
   PressureLevel const& level = stage.levels.back();
-  if (stage.is_jammed.value_or(true) || !(level.pressure > 0.0)) return std::nullopt;
+  if (stage.is_jammed.value_or(true) || !presses(stage)) return std::nullopt;
   Event note = note_on(EventKind::packing_not_jammed, stage, number);
   if (level.backbone_disks == 0 || level.excess_contacts < 0.0) {
     note.values.emplace_back("backbone_disks", level.backbone_disks);
@@ -361,8 +367,7 @@ std::vector<Event> ProtocolSimulation::notes() const { return notes_on(protocol_
 bool ProtocolSimulation::ends_at_minimum() const {
   if (!is_prepared_ || has_run() || protocol_.results().empty()) return false;
   StageResult const& last = protocol_.results().back();
-  return is_soft(last) && last.levels.back().pressure > 0.0 &&
-         (last.is_converged.value_or(false) || last.is_jammed.value_or(false));
+  return is_soft(last) && presses(last) && (last.is_converged.value_or(false) || last.is_jammed.value_or(false));
 }
 
 /// Before its first step a run has measured nothing.
