@@ -120,7 +120,14 @@ TEST(Protocol, SaysWhereAStageFallsShort) {
       "[[protocol]]\nstage = \"decompress\"\nuntil_pressure = 1e-11\n",
       "stage 2 of the protocol, \"decompress\", ends short of its goal, at pressure ");
   expect_note("[[protocol]]\nstage = \"quench\"\npacking_fraction = 0.78\n",
-              "the packing of stage 1 of the protocol, \"quench\", is not jammed: ");
+              "stage 1 of the protocol, \"quench\", ends with disks that do not press on each other");
+  // Pressed between two walls, free along them.
+  Outcome const pressed =
+      run("[box]\nwidth = 2.0\n[disks]\ncount = 1\npacking_fraction = 0.1\nstart = \"uniform\"\n"
+          "[[protocol]]\nstage = \"quench\"\npacking_fraction = 0.42\n",
+          workplace.path());
+  EXPECT_NE(pressed.err.find("\"quench\", is not jammed: no disk is held by three contacts"), std::string::npos)
+      << pressed.err;
   expect_note("[[protocol]]\nstage = \"swap\"\nsweeps = 3\n", "stage 1 of the protocol, \"swap\", is no equilibrium");
 }
 
