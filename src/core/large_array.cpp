@@ -79,7 +79,7 @@ void leave(MemoryBlock* block) noexcept {
 }  // namespace
 
 SideBySide::SideBySide(std::size_t room) : before_(open_block) {
-  auto block = std::make_unique<MemoryBlock>(nullptr, std::max(room, cache_line));
+  std::unique_ptr<MemoryBlock> block(new MemoryBlock{.memory = nullptr, .room = std::max(room, cache_line)});
   block->memory = static_cast<std::byte*>(allocate_alone(block->room));
   open_block = block.release();
 }
