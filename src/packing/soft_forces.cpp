@@ -59,8 +59,8 @@ SoftForces::SoftForces(Packing const& packing, Potential potential, std::uint64_
                  .hint = "use fewer disks",
                  .key = "disks.count"});
   }
-  for (std::size_t place = 0; place <= 2 * farthest_image; ++place) {
-    int const image = static_cast<int>(place) - farthest_image;
+  std::size_t place = 0;
+  for (int image = -farthest_image; image <= farthest_image; ++image, ++place) {
     shifts_x_[place] = image * packing.box.width();
     shifts_y_[place] = image * packing.box.height();
   }
