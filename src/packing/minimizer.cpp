@@ -177,8 +177,8 @@ class Minimizer::Search {
     stop();
     // On the way the residual rises at times.
     quasi_newton_residual_ = std::numeric_limits<double>::max();
-    auto const [slope, longest] = quasi_newton_.find_direction(force_, step_, forces_.pool());
-    auto const scale = descend(packing, sums, slope, longest);
+    double const slope = quasi_newton_.find_direction(force_, step_, forces_.pool());
+    auto const scale = descend(packing, sums, slope);
     if (scale) {
       quasi_newton_.remember(step_, *scale, force_before_, force_, forces_.pool());
       return;
@@ -202,14 +202,12 @@ class Minimizer::Search {
     for (; shift_ <= most_shift; shift_ *= 10.0) {
       if (!factorize(hessian, shift_)) continue;
       Eigen::VectorXd const solution = factors_.solve(right);
-      double square = 0.0;
       for (std::size_t i = 0; i < packing.size(); ++i) {
         step_.x[i] = solution[static_cast<Eigen::Index>(2 * i)];
         step_.y[i] = solution[static_cast<Eigen::Index>(2 * i + 1)];
-        square = std::max(square, step_.x[i] * step_.x[i] + step_.y[i] * step_.y[i]);
       }
       // Any fall of the energy will do: it costs a thousandth of a factorization to know.
-      auto const scale = descend(packing, sums, 0.0, std::sqrt(square));
+      auto const scale = descend(packing, sums, 0.0);
       if (!scale) continue;
       if (*scale == 1.0) shift_ = std::max(0.2 * shift_, least_shift);
       if (look(packing).residual() > least_gain) leave_newton(look(packing));
@@ -262,11 +260,16 @@ class Minimizer::Search {
 
   /// Moves along step_, by no more than 0.1 D for any disk and half as far again and again until the energy falls by as much as the
   /// slope promises or the residual halves. Returns the share of the step; nothing, and the disks where they were, where neither comes.
-  std::optional<double> descend(Packing& packing, ForceSums const& sums, double slope, double longest) {
-    before_ = packing;
+  std::optional<double> descend(Packing& packing, ForceSums const& sums, double slope) {
+    before_.x = packing.x;
+    before_.y = packing.y;
     force_before_ = force_;
     ForceSums const from = sums;
-    double scale = std::min(1.0, longest_step * diameter_ / longest);
+    double square = 0.0;
+    for (std::size_t i = 0; i < packing.size(); ++i) {
+      square = std::max(square, step_.x[i] * step_.x[i] + step_.y[i] * step_.y[i]);
+    }
+    double scale = std::min(1.0, longest_step * diameter_ / std::sqrt(square));
     for (int halvings = 0; halvings <= most_halvings; ++halvings, scale *= 0.5) {
       for (std::size_t i = 0; i < packing.size(); ++i) {
         packing.x[i] = before_.x[i] + scale * step_.x[i];
@@ -276,7 +279,8 @@ class Minimizer::Search {
       double const least = least_decrease * scale * slope;
       if (sums_->energy < from.energy - least || sums_->residual() <= 0.5 * from.residual()) return scale;
     }
-    std::swap(packing, before_);
+    std::swap(packing.x, before_.x);
+    std::swap(packing.y, before_.y);
     std::swap(force_, force_before_);
     sums_ = from;
     return {};
@@ -313,7 +317,7 @@ class Minimizer::Search {
   Columns force_;
   std::optional<ForceSums> sums_;  ///< of force_, where that is known
   Columns step_;
-  Packing before_;  ///< of a step, as the next
+  Columns before_;  ///< positions before a step, as the next
   Columns force_before_;
   QuasiNewton quasi_newton_;
   Eigen::SimplicialLLT<SparseMatrix> factors_;

@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 
 #include "core/avx512.hpp"
@@ -113,7 +111,7 @@ double add_and_dot(Columns& step, double factor, Columns const& added, Columns c
 
 }  // namespace
 
-QuasiNewton::Direction QuasiNewton::find_direction(Columns const& force, Columns& step, ThreadPool& pool) {
+double QuasiNewton::find_direction(Columns const& force, Columns& step, ThreadPool& pool) {
   step = force;
   std::array<double, most_pairs> shares{};
   // Each pass adds one term and has the product for the next.
@@ -133,11 +131,7 @@ QuasiNewton::Direction QuasiNewton::find_direction(Columns const& force, Columns
     double const share = shares[k] - product / pairs_[k].curvature;
     product = add_and_dot(step, share, pairs_[k].step, k + 1 < count ? pairs_[k + 1].change : force, pool);
   }
-  double square = 0.0;
-  for (std::size_t i = 0; i < disks_; ++i) {
-    square = std::max(square, step.x[i] * step.x[i] + step.y[i] * step.y[i]);
-  }
-  return {.slope = product, .longest = std::sqrt(square)};
+  return product;
 }
 
 void QuasiNewton::remember(Columns const& step, double scale, Columns const& force_before, Columns const& force_after,
