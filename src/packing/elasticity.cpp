@@ -82,6 +82,24 @@ double ElasticModuli::least_shear() const {
   return shear() - std::sqrt(half_difference * half_difference + between * between);
 }
 
+std::optional<std::vector<Vector>> find_growth_response(ContactNetwork const& network) {
+  if (network.backbone_disks == 0 || network.tolerance > 0.0) return std::nullopt;
+  Unknowns const unknowns = held(network);
+  std::vector<Contact> const contacts = network.backbone();
+  Cholesky const cholesky(hessian_of(contacts, network.potential, unknowns));
+  if (cholesky.info() != Eigen::Success || is_loose(cholesky)) return std::nullopt;
+  // To the disks it is all the same whether they grow or the box shrinks around them.
+  Eigen::MatrixXd const force = strain(network, contacts, unknowns).force;
+  Eigen::VectorXd const motion = cholesky.solve(force.col(0) + force.col(1));
+  std::vector<Vector> response(network.size());
+  for (std::size_t i = 0; i < network.size(); ++i) {
+    if (unknowns.place[i] == Unknowns::none) continue;
+    auto const row = 2 * static_cast<Eigen::Index>(unknowns.place[i]);
+    response[i] = {motion[row], motion[row + 1]};
+  }
+  return response;
+}
+
 std::optional<ElasticModuli> find_elastic_moduli(Packing const& packing, ContactNetwork const& network) {
   if (network.backbone_disks == 0 || network.tolerance > 0.0) return std::nullopt;
   Unknowns const unknowns = held(network);

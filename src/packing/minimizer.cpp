@@ -31,6 +31,10 @@ constexpr double least_shift = 1e-9;  // ε/D², as the next
 constexpr double most_shift = 1e3;
 constexpr double longest_step = 0.1;  // D
 constexpr int most_halvings = 6;
+constexpr std::uint64_t most_slow_newton_steps = 20;
+/// Near a minimum Newton's method is tried again after so many iterations of the others, which take about as long as those steps.
+constexpr std::uint64_t iterations_before_newton_again = 2000;
+constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
 
 constexpr double first_quasi_newton_scale = 0.2;  // D²/ε
 constexpr double least_decrease = 1e-4;           // of what the slope promises
@@ -96,7 +100,19 @@ class Minimizer::Search {
     saddles_ = 0;
     quasi_newton_residual_ = settings_.quasi_newton_residual;
     newton_residual_ = settings_.newton_residual;
+    is_near_minimum_ = false;
+    newton_again_at_ = never;
+    slow_newton_steps_left_ = 0;
     shift_ = least_shift;
+  }
+
+  /// Begins with Newton's method: a few contacts that open or close do not lead it astray.
+  void begin_near_minimum() {
+    if (settings_.newton_residual == 0.0) return;
+    is_near_minimum_ = true;
+    newton_residual_ = std::numeric_limits<double>::max();
+    newton_again_at_ = never;
+    slow_newton_steps_left_ = most_slow_newton_steps;
   }
 
   /// Whether the residual is as small as asked for, or as the digits of positions allow.
@@ -137,7 +153,7 @@ class Minimizer::Search {
   }
 
   void fire_step(Packing& packing, ForceSums const& sums) {
-    ++iterations_;
+    count_iteration();
     if (sums.power > 0.0) {
       if (++downhill_ > delay) {
         time_step_ = std::min(time_step_ * 1.1, longest_time_step * diameter_);
@@ -173,7 +189,7 @@ class Minimizer::Search {
 
   /// Where the energy does not fall along the step FIRE takes over, down to a tenth of the residual.
   void quasi_newton_step(Packing& packing, ForceSums const& sums) {
-    ++iterations_;
+    count_iteration();
     stop();
     // On the way the residual rises at times.
     quasi_newton_residual_ = std::numeric_limits<double>::max();
@@ -210,7 +226,9 @@ class Minimizer::Search {
       auto const scale = descend(packing, sums, 0.0);
       if (!scale) continue;
       if (*scale == 1.0) shift_ = std::max(0.2 * shift_, least_shift);
-      if (look(packing).residual() > least_gain) leave_newton(look(packing));
+      bool const gains_little = look(packing).residual() > least_gain;
+      if (gains_little && slow_newton_steps_left_ == 0) leave_newton(look(packing));
+      if (gains_little && slow_newton_steps_left_ > 0) --slow_newton_steps_left_;
       return;
     }
     leave_newton(sums);
@@ -228,6 +246,9 @@ class Minimizer::Search {
     archive.visit("saddles", saddles_);
     archive.visit("quasi_newton_residual", quasi_newton_residual_);
     archive.visit("newton_residual", newton_residual_);
+    archive.visit("is_near_minimum", is_near_minimum_);
+    archive.visit("newton_again_at", newton_again_at_);
+    archive.visit("slow_newton_steps_left", slow_newton_steps_left_);
     archive.visit("shift", shift_);
     archive.visit("diameter", diameter_);
     quasi_newton_.serialize(archive);
@@ -247,6 +268,11 @@ class Minimizer::Search {
     downhill_ = 0;
   }
 
+  /// Of the methods that take over from Newton's.
+  void count_iteration() {
+    if (++iterations_ == newton_again_at_) begin_near_minimum();
+  }
+
   void stop() {
     std::ranges::fill(velocity_.x, 0.0);
     std::ranges::fill(velocity_.y, 0.0);
@@ -254,7 +280,9 @@ class Minimizer::Search {
 
   void leave_newton(ForceSums const& sums) {
     shift_ = least_shift;
-    newton_residual_ = 0.1 * std::min(newton_residual_, sums.residual());
+    newton_residual_ = std::min(settings_.newton_residual, 0.1 * std::min(newton_residual_, sums.residual()));
+    if (is_near_minimum_) newton_again_at_ = iterations_ + iterations_before_newton_again;
+    slow_newton_steps_left_ = 0;
     start_fire();
   }
 
@@ -328,6 +356,9 @@ class Minimizer::Search {
   double time_step_;
   double mixing_ = first_mixing;
   double shift_ = least_shift;
+  bool is_near_minimum_ = false;              ///< by what it was begun with
+  std::uint64_t newton_again_at_ = never;     ///< iterations_ after which Newton's method begins anew
+  std::uint64_t slow_newton_steps_left_ = 0;  ///< that may gain little, before Newton's method is left
   std::uint64_t downhill_ = 0;
   std::uint64_t iterations_ = 0;  ///< of this search, as the next
   std::uint64_t saddles_ = 0;
@@ -361,6 +392,7 @@ bool Minimizer::advance(std::function<bool()> const& should_continue) {
       } else if (search_->is_for_newton(sums)) {
         search_->newton_step(packing_, sums);
         ++newton_iterations_;
+        k = iterations_per_look;  // it takes as long as a hundred of the others
       } else if (search_->is_for_quasi_newton(sums)) {
         search_->quasi_newton_step(packing_, sums);
         ++quasi_newton_iterations_;
@@ -378,6 +410,11 @@ void Minimizer::restart(Packing packing) {
   packing_ = std::move(packing);
   status_ = MinimumStatus::searching;
   search_->restart(packing_);
+}
+
+void Minimizer::restart_near_minimum(Packing packing) {
+  restart(std::move(packing));
+  search_->begin_near_minimum();
 }
 
 double Minimizer::pressure() const {

@@ -16,16 +16,20 @@ namespace gridlock {
 namespace {
 
 constexpr double least_share_of_goal = 0.3;
-/// On the way up a minimum up to this multiple of the pressure asked for is taken, and the end approached from there; steps back aim lower.
-constexpr double most_overshoot = 2.0;
-constexpr double aim_of_overshoot = 1.3;
-constexpr std::uint64_t most_halvings = 60;  // of a step up
-/// Of a step down: disks that no thousandth of it leaves pressing have nothing to lean on at lower pressures. They rearrange at once.
-constexpr std::uint64_t most_halvings_down = 12;
+/// From a pressure that is too high a ramp up comes back in steps down to this share of it.
+constexpr double share_of_step_back = 0.32;
+/// Of a step down. Disks that no thousandth of it leaves pressing have nothing to lean on at lower pressures. They rearrange at once.
+constexpr std::uint64_t most_halvings = 12;
 /// Minima between two levels; usually there are five. A pressure that nothing tells from none is approached for ever.
 constexpr std::uint64_t most_minima_between_levels = 300;
 /// Minima near the pressure asked for before it is given up; usually there are one to three.
 constexpr std::uint64_t most_minima_near_end = 20;
+
+/// The first step up from disks that do not press makes so many pairs of each disk touch, of about two in a jammed packing.
+constexpr double pairs_of_a_disk = 1.5;
+
+/// Of a disk, in smallest diameters, by the response to growth.
+constexpr double longest_step = 0.1;
 
 /// du/dφ where nothing better is known: that of random packings of two sizes.
 constexpr double usual_slope_harmonic = 0.27;
@@ -110,7 +114,25 @@ void PressureRamp::try_packing_fraction(double packing_fraction) {
   Packing next = good_;
   double const factor = std::sqrt(packing_fraction / packing_fraction_);
   for (double& radius : next.radius) radius *= factor;
-  minimizer_.restart(std::move(next));
+  bool const is_near_minimum = move_with_growth(next, factor - 1.0);
+  is_near_minimum ? minimizer_.restart_near_minimum(std::move(next)) : minimizer_.restart(std::move(next));
+}
+
+/// Moves the disks as the contacts of the last minimum let them, so that all forces grow or shrink alike. Where disks stay, the weak
+/// contacts of a packing near jamming open at once, and the minimizer has to find the network anew. Returns whether it has moved them.
+bool PressureRamp::move_with_growth(Packing& packing, double growth) {
+  if (pressure_ == 0.0) return false;
+  if (!response_) response_ = find_growth_response(find_contact_network(good_, settings_.minimizer.potential));
+  if (!response_) return false;
+  double square = 0.0;
+  for (Vector const step : *response_) square = std::max(square, squared_length(step));
+  double const longest = longest_step * smallest_diameter(packing);
+  if (!(growth * growth * square <= longest * longest)) return false;
+  for (std::size_t i = 0; i < packing.size(); ++i) {
+    packing.x[i] += growth * (*response_)[i].x;
+    packing.y[i] += growth * (*response_)[i].y;
+  }
+  return true;
 }
 
 void PressureRamp::take_minimum() {
@@ -125,35 +147,10 @@ void PressureRamp::take_minimum() {
     slope_ = is_harmonic ? usual_slope_harmonic : usual_slope_hertzian;
     return accept(found, pressure);
   }
-  bool const is_too_low = leads_down() && pressure < least_share_of_goal * goal_;
-  bool const is_too_high = !leads_down() && pressure > most_overshoot * goal_;
-  if (settings_.packing_fraction || (!is_too_low && !is_too_high)) return accept(found, pressure);
-  if (++halvings_ > (leads_down() ? most_halvings_down : most_halvings)) return end(RampStatus::unjammed);
-  if (is_too_high) return step_back(pressure);
+  bool const is_too_low = tried_ < packing_fraction_ && pressure < least_share_of_goal * goal_;
+  if (settings_.packing_fraction || !is_too_low) return accept(found, pressure);
+  if (++halvings_ > most_halvings) return end(RampStatus::unjammed);
   try_packing_fraction(packing_fraction_ + 0.5 * (tried_ - packing_fraction_));
-}
-
-/// From the last minimum to where a straight line reaches the goal between it and the one just found, whose pressure is too high.
-void PressureRamp::step_back(double pressure) {
-  Potential const potential = settings_.minimizer.potential;
-  double const linear = linear_pressure(pressure, potential);
-  if (tried_ < least_too_high_) {
-    double const slope = (linear_too_high_ - linear) / (least_too_high_ - tried_);
-    if (slope > 0.0 && std::isfinite(slope)) slope_ = slope;
-    least_too_high_ = tried_;
-    linear_too_high_ = linear;
-  }
-  try_packing_fraction(below_too_high());
-}
-
-/// A packing fraction between the last minimum and the lowest one with too high a pressure: where the line through that one reaches the
-/// goal, or half the way where it leaves this range.
-double PressureRamp::below_too_high() const {
-  double const goal = linear_pressure(aim_of_overshoot * goal_, settings_.minimizer.potential);
-  double const crossing = least_too_high_ - (linear_too_high_ - goal) / slope_;
-  // Every fourth step halves what is left, whatever the line says.
-  bool const is_inside = crossing > packing_fraction_ && crossing < least_too_high_ && halvings_ % 4 != 3;
-  return is_inside ? crossing : packing_fraction_ + 0.5 * (least_too_high_ - packing_fraction_);
 }
 
 void PressureRamp::accept(double packing_fraction, double pressure) {
@@ -164,6 +161,7 @@ void PressureRamp::accept(double packing_fraction, double pressure) {
   if (has_slope) slope_ = rise / (packing_fraction - packing_fraction_);
   jamming_packing_fraction_ = has_slope ? packing_fraction - linear / slope_ : std::numeric_limits<double>::quiet_NaN();
   good_ = minimizer_.packing();
+  response_.reset();
   packing_fraction_ = packing_fraction;
   pressure_ = pressure;
   halvings_ = 0;
@@ -226,12 +224,32 @@ void PressureRamp::next_goal() {
 
 /// Tries the packing fraction at which a straight line reaches the goal; while nothing presses, the next step up.
 void PressureRamp::approach(double goal) {
-  goal_ = goal;
+  if (pressure_ == 0.0) {
+    goal_ = goal;
+    // Beyond the first contacts the pressure has to rise to the goal; minima that hardly press are found slowly.
+    if (step_up_ == 0.0)
+      step_up_ = step_to_first_contacts() + linear_pressure(goal, settings_.minimizer.potential) / slope_;
+    step_up_ = std::min(settings_.step, step_up_);
+    try_packing_fraction(packing_fraction_ + step_up_);
+    step_up_ *= 2.0;
+    return;
+  }
+  goal_ = leads_down() ? goal : std::max(goal, share_of_step_back * pressure_);
   Potential const potential = settings_.minimizer.potential;
   double const rise = linear_pressure(goal_, potential) - linear_pressure(pressure_, potential);
-  double const step = std::min(pressure_ > 0.0 ? rise / slope_ : settings_.step, settings_.step);
-  bool const is_known = pressure_ == 0.0 && packing_fraction_ + step >= least_too_high_;
-  try_packing_fraction(is_known ? below_too_high() : packing_fraction_ + step);
+  try_packing_fraction(packing_fraction_ + std::min(rise / slope_, settings_.step));
+}
+
+/// The growth after which `pairs_of_a_disk` pairs for each disk overlap: disks that nearly touch are pressed no more than they must.
+double PressureRamp::step_to_first_contacts() const {
+  double const largest_gap = settings_.step / packing_fraction_;
+  std::vector<Contact> pairs = find_contacts(good_, largest_gap);
+  auto const count = static_cast<std::size_t>(pairs_of_a_disk * static_cast<double>(good_.size()));
+  if (pairs.size() <= count) return settings_.step;
+  auto const middle = pairs.begin() + static_cast<std::ptrdiff_t>(count);
+  std::ranges::nth_element(pairs, middle, std::ranges::greater(), &Contact::overlap);
+  // φ grows as the square of the radii.
+  return std::max(-2.0 * packing_fraction_ * middle->overlap(), 0.0);
 }
 
 std::optional<double> PressureRamp::error_of_jamming_packing_fraction() const {
@@ -262,8 +280,7 @@ void PressureRamp::serialize(Archive& archive) {
   archive.visit("goal", goal_);
   archive.visit("tried", tried_);
   archive.visit("halvings", halvings_);
-  archive.visit("least_too_high", least_too_high_);
-  archive.visit("linear_too_high", linear_too_high_);
+  archive.visit("step_up", step_up_);
   archive.visit("minima_since_level", minima_since_level_);
   archive.visit("minima_near_end", minima_near_end_);
   archive.visit("jamming_packing_fraction", jamming_packing_fraction_);

@@ -53,6 +53,12 @@ struct ElasticModuli {
 /// Cost: one sparse Cholesky factorization, about 5 ms for 1,000 disks. Source: A. Lemaître, C. Maloney (2006), doi:10.1007/s10955-005-9015-5.
 std::optional<ElasticModuli> find_elastic_moduli(Packing const& packing, ContactNetwork const& network);
 
+/// How the disks of a minimum move as all radii grow: du/d ln R, a displacement for each disk; 0 for rattlers.
+///
+/// H u = ∂F/∂ln R, with the Hessian H of the backbone, of which one disk is held in a periodic box, and the force F on the disks.
+/// None where find_elastic_moduli() has none. Cost: that of find_elastic_moduli().
+std::optional<std::vector<Vector>> find_growth_response(ContactNetwork const& network);
+
 /// A vibration of the backbone.
 struct VibrationMode {
   double eigenvalue = 0.0;  ///< of the Hessian, ω² of unit masses, in ε/D²; below 0 where the packing is unstable

@@ -81,11 +81,13 @@ char const* to_text(RampStatus status);
 
 /// Changes all radii alike, step by step, each followed by a minimization, until the pressure is the one asked for.
 ///
-/// The steps are secants in u = p^(1/(α−1)), which vanishes linearly at the jamming packing fraction. Where a step leads to disks
+/// The steps are secants in u = p^(1/(α−1)), which vanishes linearly at the jamming packing fraction. With every step the disks of a minimum
+/// move as find_growth_response() says, so that all its forces change alike and few contacts open or close. Where a step leads to disks
 /// that do not press, or below 0.3 of the pressure it was made for, the state before it is taken up again and half the step is tried;
 /// a pressure up to 1.1 of it counts as that level. The last pressure is reached within 1 %, by further secants from either side; where
-/// disks rearrange at once, 20 of them may not be enough, and the ramp has missed it. On the way up, steps of `step` lead to the first
-/// contacts; from there secants lead back to a pressure at most twice that asked for, each from the disks that do not press. A packing fraction is reached in steps of `step`, each a level. The last level is the packing at the end, however it ended.
+/// disks rearrange at once, 20 of them may not be enough, and the ramp has missed it. On the way up from disks that do not press, the
+/// first step makes three of four contacts touch that a jammed packing has, each further one is twice as long, and none is longer than
+/// `step`; where they lead to too high a pressure, the ramp comes down again to a third of it and a third of that. A packing fraction is reached in steps of `step`, each a level. The last level is the packing at the end, however it ended.
 /// Errors: Error for settings out of range and a packing that Minimizer refuses.
 /// Cost: some five minimizations a level, most of them by Newton's method, and find_elastic_moduli().
 /// Source: C. S. O'Hern et al. (2003), doi:10.1103/PhysRevE.68.011306.
@@ -122,12 +124,13 @@ class PressureRamp {
   void end(RampStatus status);
   void next_packing_fraction();
   void try_packing_fraction(double packing_fraction);
-  void step_back(double pressure);
-  [[nodiscard]] double below_too_high() const;
+  bool move_with_growth(Packing& packing, double growth);
+  [[nodiscard]] double step_to_first_contacts() const;
   [[nodiscard]] bool leads_down() const { return settings_.pressure < first_pressure_; }
 
   PressureRampSettings settings_;
-  Packing good_;  ///< the last minimum that was taken
+  Packing good_;                                 ///< the last minimum that was taken
+  std::optional<std::vector<Vector>> response_;  ///< of good_ to growth, once it was asked for
   Minimizer minimizer_;
   RampStatus status_ = RampStatus::running;
   bool has_minimum_ = false;
@@ -138,8 +141,7 @@ class PressureRamp {
   double goal_ = 0.0;           ///< the pressure of the next level
   double tried_ = 0.0;          ///< the packing fraction of the minimization under way
   std::uint64_t halvings_ = 0;  ///< steps back since the last minimum that was taken
-  double least_too_high_ = std::numeric_limits<double>::infinity();  ///< lowest packing fraction that was too high
-  double linear_too_high_ = 0.0;                                     ///< its u
+  double step_up_ = 0.0;        ///< the last one from disks that do not press
   std::uint64_t minima_since_level_ = 0;
   std::uint64_t minima_near_end_ = 0;
   double jamming_packing_fraction_ = std::numeric_limits<double>::quiet_NaN();  ///< of good_

@@ -81,6 +81,39 @@ TEST(ElasticModuli, GiveTheChangeOfThePressureAsRadiiScale) {
   }
 }
 
+TEST(GrowthResponse, IsTheMotionOfTheDisksAsRadiiScale) {
+  double const step = 1e-7;
+  for (Potential const potential : {Potential::harmonic, Potential::hertzian}) {
+    for (Edge const edge : {Edge::periodic, Edge::wall}) {
+      Packing const packing =
+          reference::minimum_near(reference::random_packing(24, 0.98, Box(1.0, 1.2, edge), 5), potential);
+      ContactNetwork const network = find_contact_network(packing, potential);
+      std::optional<std::vector<Vector>> const response = find_growth_response(network);
+      ASSERT_TRUE(response.has_value());
+      Packing grown = packing;
+      reference::scale_radii(grown, 1.0 + step);
+      grown = reference::minimum_near(grown, potential);
+      // A periodic packing may be shifted as a whole.
+      std::optional<Vector> shift;
+      for (std::size_t i = 0; i < packing.size(); ++i) {
+        if (network.is_rattler[i]) {
+          EXPECT_EQ(squared_length((*response)[i]), 0.0);
+          continue;
+        }
+        Vector const moved{(grown.x[i] - packing.x[i]) / step, (grown.y[i] - packing.y[i]) / step};
+        if (!shift) shift = edge == Edge::periodic ? moved - (*response)[i] : Vector{};
+        EXPECT_NEAR((*response)[i].x + shift->x, moved.x, 1e-4) << i;
+        EXPECT_NEAR((*response)[i].y + shift->y, moved.y, 1e-4) << i;
+      }
+    }
+  }
+}
+
+TEST(GrowthResponse, NothingThatCarriesHasNone) {
+  Packing const apart{.box = Box(1.0, 1.0, Edge::periodic), .x = {0.2, 0.7}, .y = {0.5, 0.5}, .radius = {0.1, 0.1}};
+  EXPECT_FALSE(find_growth_response(find_contact_network(apart, Potential::harmonic)).has_value());
+}
+
 /// The contacts of a packing in a strained box, from whose affine places the disks move by `displacement`.
 std::vector<Contact> strained(std::vector<Contact> contacts, double xx, double yy, double xy,
                               Eigen::VectorXd const& displacement) {

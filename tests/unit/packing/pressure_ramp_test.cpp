@@ -58,6 +58,31 @@ TEST(PressureRamp, ReachesAPressureFromBelow) {
   EXPECT_NEAR(ramp.levels().back().pressure, 1e-4, 1e-6);
 }
 
+TEST(PressureRamp, ComesBackFromBelowToThePackingThatItLeft) {
+  PressureRamp down({.pressure = 1e-8}, random_packing(64, 0.9, 1));
+  ASSERT_TRUE(down.advance());
+  Packing apart = down.packing();
+  for (double& radius : apart.radius) radius *= 1.0 - 1e-5;
+  PressureRamp up({.pressure = 1e-6}, apart);
+  ASSERT_TRUE(up.advance());
+  ASSERT_EQ(up.status(), RampStatus::reached);
+  EXPECT_EQ(up.levels().front().pressure, 0.0);
+  EXPECT_NEAR(up.levels().back().jamming_packing_fraction, down.levels().back().jamming_packing_fraction, 1e-7);
+  for (PressureLevel const& level : up.levels()) EXPECT_LT(level.pressure, 1e-4) << "steps are as short as the gaps";
+}
+
+TEST(PressureRamp, ReachesAPressureFromJustBelowJammingForMostStarts) {
+  int reached = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    PressureRamp ramp({.pressure = 1e-6}, random_packing(64, 0.82, seed));
+    ASSERT_TRUE(ramp.advance());
+    if (ramp.status() != RampStatus::reached) continue;
+    ++reached;
+    EXPECT_NEAR(ramp.levels().back().pressure, 1e-6, 1e-8);
+  }
+  EXPECT_GE(reached, 18) << "disks that rearrange at once";
+}
+
 TEST(PressureRamp, EndsWithinOnePercentOfItsPressure) {
   int missed = 0;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
@@ -87,7 +112,7 @@ TEST(PressureRamp, ReachesAPackingFractionFromBothSides) {
 }
 
 TEST(PressureRamp, HasTheSameBitsWhenItIsInterruptedAndRestored) {
-  Packing const start = random_packing(36, 0.9, 4);
+  Packing const start = random_packing(64, 0.9, 4);
   PressureRampSettings const settings{.pressure = 1e-5};
   PressureRamp whole(settings, start);
   whole.advance();
@@ -96,7 +121,7 @@ TEST(PressureRamp, HasTheSameBitsWhenItIsInterruptedAndRestored) {
   for (bool is_done = false; !is_done; ++pieces) {
     is_done = current.advance([] { return false; });
     if (pieces % 29 != 3) continue;
-    PressureRamp restored(settings, random_packing(36, 0.5, 77));
+    PressureRamp restored(settings, random_packing(64, 0.5, 77));
     from_checkpoint(to_checkpoint([&](Archive& archive) { current.serialize(archive); }), "saved",
                     [&](Archive& archive) { restored.serialize(archive); });
     restored.advance();
