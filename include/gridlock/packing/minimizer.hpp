@@ -69,8 +69,8 @@ class Minimizer {
   /// Searches anew from these positions and radii, at rest. Contract: as many disks as before.
   void restart(Packing packing);
 
-  /// The same where a minimum is expected so near that few contacts open or close on the way: Newton's method begins, and is left only
-  /// when more than 20 of its steps have not halved the residual, for 2,000 iterations of the other methods. Contract: as many disks as before.
+  /// The same from near a minimum, from which few contacts are missing: Newton's method begins. It is left when more than 20 of its steps
+  /// have not halved the residual, for 2,000 iterations of the other methods. Contract: as many disks as before.
   void restart_near_minimum(Packing packing);
 
   [[nodiscard]] MinimumStatus status() const { return status_; }
