@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "cli/program.hpp"
+#include "gridlock/core/target.hpp"
 #include "gridlock/io/table.hpp"
 #include "gridlock/io/xyz.hpp"
 
@@ -204,6 +205,9 @@ TEST(Target, IsWhatTheEnvironmentNames) {
   Outcome const scalar = version_with("GRIDLOCK_TARGET=scalar");
   expect_good(scalar);
   EXPECT_NE(scalar.out.find("instructions: scalar"), std::string::npos) << scalar.out;
+  if (gridlock::is_available(gridlock::Target::avx2)) {
+    EXPECT_NE(version_with("GRIDLOCK_TARGET=avx2").out.find("instructions: avx2"), std::string::npos);
+  }
   Outcome const unknown = version_with("GRIDLOCK_TARGET=axv2");
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_NE(unknown.err.find("GRIDLOCK_TARGET is \"axv2\"; this processor has: scalar"), std::string::npos)

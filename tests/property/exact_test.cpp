@@ -158,11 +158,23 @@ TEST_P(ExactProperty, KeepsEnergyAndNeverOverlaps) {
   EXPECT_NEAR(kinetic_energy(state.agents), energy, 1e-11 * energy);
 }
 
+/// All kernels but the scalar one that this processor has.
+std::vector<exact::Predictor> wide_predictors(exact::PredictionInput const& input) {
+  std::vector<exact::Predictor> found;
+  if (exact::can_use_avx512(input)) found.push_back({exact::predict_with_avx512, exact::predict_pair_with_avx512});
+  for (Target const target : {Target::sse4, Target::neon, Target::avx2}) {
+    if (!is_available(target) || !exact::can_use_highway(input)) continue;
+    found.push_back(exact::highway_predictor(target).value());
+  }
+  return found;
+}
+
 TEST_P(ExactProperty, PredictsTheSameBitsWithAndWithoutWideRegisters) {
   State const state = start(2);
   exact::Dynamics dynamics(state);
   exact::PredictionInput const& prediction_input = dynamics.prediction_input();
-  if (!exact::can_use_avx512(prediction_input)) GTEST_SKIP() << "not on this processor, or not in so small a box";
+  std::vector<exact::Predictor> const predictors = wide_predictors(prediction_input);
+  if (predictors.empty()) GTEST_SKIP() << "not on this processor, or not in so small a box";
   Counters counters;
   for (std::uint64_t n = 1; n <= 20; ++n) {
     dynamics.run(1e6, n * disks() / 4, 0, counters);
@@ -172,13 +184,18 @@ TEST_P(ExactProperty, PredictsTheSameBitsWithAndWithoutWideRegisters) {
       exact::Index const partner = dynamics.disks()[i].partner;
       for (exact::Index const apart : {exact::no_disk, partner < exact::vertical_border ? partner : exact::no_disk}) {
         exact::Prediction const plain = exact::predict_scalar(prediction_input, i, now, apart);
-        exact::Prediction const wide = exact::predict_with_avx512(prediction_input, i, now, apart);
-        if (apart == exact::no_disk) {
-          EXPECT_EQ(plain.time, wide.time);
-          EXPECT_EQ(plain.partner, wide.partner);
-        } else {
-          // Without having touched, the plain one may still choose `apart`; the wide one never does.
-          EXPECT_TRUE(plain.partner == apart || (plain.time == wide.time && plain.partner == wide.partner));
+        for (exact::Predictor const& predictor : predictors) {
+          exact::Prediction const wide = predictor.one(prediction_input, i, now, apart);
+          if (apart == exact::no_disk) {
+            EXPECT_EQ(plain.time, wide.time);
+            EXPECT_EQ(plain.partner, wide.partner);
+          } else {
+            // Without having touched, the plain one may still choose `apart`; the wide one never does.
+            EXPECT_TRUE(plain.partner == apart || (plain.time == wide.time && plain.partner == wide.partner));
+            exact::PairPrediction const pair = predictor.pair(prediction_input, i, apart, now);
+            EXPECT_EQ(pair.of_i.time, wide.time);
+            EXPECT_EQ(pair.of_i.partner, wide.partner);
+          }
         }
       }
     }

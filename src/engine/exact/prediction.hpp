@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 
 #include "engine/exact/moving_disk.hpp"
 #include "engine/exact/neighbours.hpp"
 #include "engine/exact/scale.hpp"
+#include "gridlock/core/target.hpp"
 
 namespace gridlock::exact {
 
@@ -86,6 +88,11 @@ struct Predictor {
   Predict one;
   PredictPair pair;
 };
+
+/// Whether disks keep their size, the box has the five cells a side and the cells the four slots that highway_predictor() needs.
+bool can_use_highway(PredictionInput const& prediction_input);
+/// Two or four candidates at a time, by the instructions of this target, which the processor must have; none where no such kernel is built.
+std::optional<Predictor> highway_predictor(Target target);
 
 /// The fastest implementation for this processor and these cells.
 Predictor fastest_predictor(PredictionInput const& prediction_input);

@@ -1,0 +1,198 @@
+#include "engine/exact/prediction.hpp"
+
+// Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers of Highway are
+// used; target() chooses which of the kernels is called. AVX-512 has a kernel by hand (prediction_avx512.cpp), which is 1.5 times as fast.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine/exact/prediction_highway.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+// The plain C++ beside is faster than Highway's one lane.
+#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+HWY_BEFORE_NAMESPACE();
+
+namespace gridlock::exact::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+namespace {
+
+constexpr std::size_t slots_per_cell = 4;
+constexpr std::size_t most_candidates = 9 * slots_per_cell;
+constexpr std::size_t most_lanes = 8;
+
+/// The disks around disk i but for i and `apart`, moved together.
+struct Candidates {
+  alignas(64) Index disks[most_candidates + slots_per_cell];
+  std::size_t count = 0;
+};
+
+HWY_INLINE void collect(PredictionInput const& s, Index i, Index apart, Candidates& candidates) {
+  hn::FixedTag<Index, slots_per_cell> const cell;
+  auto const nobody = hn::Set(cell, no_disk);
+  auto const self = hn::Set(cell, i);
+  auto const other = hn::Set(cell, apart);
+  MovingDisk const& disk = s.disks[i];
+  Index const* run = s.slots + static_cast<std::size_t>(disk.row) * s.row_stride +
+                     static_cast<std::size_t>(disk.column) * slots_per_cell;
+  std::size_t count = 0;
+  for (int row = 0; row < 3; ++row, run += s.row_stride) {
+    for (std::size_t k = 0; k < 3 * slots_per_cell; k += slots_per_cell) {
+      auto const names = hn::LoadU(cell, run + k);
+      auto const is_disk = hn::And(hn::Ne(names, nobody), hn::And(hn::Ne(names, self), hn::Ne(names, other)));
+      count += hn::CompressStore(names, is_disk, cell, candidates.disks + count);
+    }
+  }
+  candidates.count = count;
+}
+
+/// One component of Box::displacement_inside() in a periodic box.
+template <class V>
+HWY_INLINE V nearest_image(V d, double side) {
+  hn::DFromV<V> const tag;
+  V const whole = hn::Set(tag, side);
+  V const moved_down = hn::IfThenElse(hn::Gt(d, hn::Set(tag, 0.5 * side)), hn::Sub(d, whole), d);
+  return hn::IfThenElse(hn::Lt(d, hn::Set(tag, -0.5 * side)), hn::Add(moved_down, whole), moved_down);
+}
+
+/// The columns of the candidates, with zeros behind them up to a full register.
+struct Columns {
+  alignas(64) double x[most_candidates + most_lanes];
+  alignas(64) double y[most_candidates + most_lanes];
+  alignas(64) double velocity_x[most_candidates + most_lanes];
+  alignas(64) double velocity_y[most_candidates + most_lanes];
+  alignas(64) double event_time[most_candidates + most_lanes];
+  alignas(64) double squared_contact[most_candidates + most_lanes];
+  alignas(64) double time[most_candidates + most_lanes];
+};
+
+HWY_INLINE void load_columns(PredictionInput const& s, double radius, Candidates const& candidates, std::size_t lanes,
+                             Columns& columns) {
+  for (std::size_t k = 0; k < candidates.count; ++k) {
+    MovingDisk const& disk = s.disks[candidates.disks[k]];
+    columns.x[k] = disk.x;
+    columns.y[k] = disk.y;
+    columns.velocity_x[k] = disk.velocity_x;
+    columns.velocity_y[k] = disk.velocity_y;
+    columns.event_time[k] = disk.event_time;
+    double const contact = radius + s.radius_of(candidates.disks[k]);
+    columns.squared_contact[k] = contact * contact;
+  }
+  for (std::size_t k = candidates.count; k % lanes != 0; ++k) {
+    columns.x[k] = columns.y[k] = columns.velocity_x[k] = columns.velocity_y[k] = 0.0;
+    columns.event_time[k] = columns.squared_contact[k] = 0.0;
+  }
+}
+
+/// Whether some neighbouring cell lies across the edge of a periodic box.
+HWY_INLINE bool is_at_periodic_edge(PredictionInput const& s, MovingDisk const& disk) {
+  return s.is_periodic && (static_cast<std::uint32_t>(disk.column - 1) >= static_cast<std::uint32_t>(s.columns - 2) ||
+                           static_cast<std::uint32_t>(disk.row - 1) >= static_cast<std::uint32_t>(s.rows - 2));
+}
+
+/// When each of the disks touches; never where it does not before its own event.
+HWY_INLINE void find_times(PredictionInput const& s, Index i, double now, std::size_t count, Columns& columns) {
+  hn::CappedTag<double, most_lanes> const tag;
+  MovingDisk const& self = s.disks[i];
+  bool const needs_images = is_at_periodic_edge(s, self);
+  auto const zero = hn::Zero(tag);
+  auto const never = hn::Set(tag, std::numeric_limits<double>::infinity());
+  auto const time_now = hn::Set(tag, now);
+  auto const self_x = hn::Set(tag, self.x);
+  auto const self_y = hn::Set(tag, self.y);
+  auto const self_velocity_x = hn::Set(tag, self.velocity_x);
+  auto const self_velocity_y = hn::Set(tag, self.velocity_y);
+  for (std::size_t k = 0; k < count; k += hn::Lanes(tag)) {
+    auto const w_x = hn::Sub(hn::Load(tag, columns.velocity_x + k), self_velocity_x);
+    auto const w_y = hn::Sub(hn::Load(tag, columns.velocity_y + k), self_velocity_y);
+    auto d_x = hn::Add(hn::Sub(hn::Load(tag, columns.x + k), self_x), hn::Mul(w_x, time_now));
+    auto d_y = hn::Add(hn::Sub(hn::Load(tag, columns.y + k), self_y), hn::Mul(w_y, time_now));
+    if (needs_images) {
+      d_x = nearest_image(d_x, s.width);
+      d_y = nearest_image(d_y, s.height);
+    }
+    auto const b = hn::Add(hn::Mul(d_x, w_x), hn::Mul(d_y, w_y));
+    auto const c = hn::Sub(hn::Add(hn::Mul(d_x, d_x), hn::Mul(d_y, d_y)), hn::Load(tag, columns.squared_contact + k));
+    auto const squared_speed = hn::Add(hn::Mul(w_x, w_x), hn::Mul(w_y, w_y));
+    auto const discriminant = hn::Sub(hn::Mul(b, b), hn::Mul(squared_speed, c));
+    auto const wait = hn::Div(c, hn::Sub(hn::Sqrt(discriminant), b));
+    auto const time = hn::Add(time_now, hn::IfThenElse(hn::Gt(wait, zero), wait, zero));
+    auto const meets = hn::And(hn::And(hn::Lt(b, zero), hn::Ge(discriminant, zero)),
+                               hn::Lt(time, hn::Load(tag, columns.event_time + k)));
+    hn::Store(hn::IfThenElse(meets, time, never), tag, columns.time + k);
+  }
+}
+
+/// The earlier of `border` and the contacts; ties go to the lower Id.
+HWY_INLINE Prediction earliest_of(PredictionInput const& s, Prediction const& border, Candidates const& candidates,
+                                  double const* time) {
+  // Which one is earlier is a coin toss: no branch may depend on it.
+  Prediction best = border;
+  bool has_tie = false;
+  for (std::size_t k = 0; k < candidates.count; ++k) {
+    bool const is_earlier = time[k] < best.time;
+    has_tie |= time[k] == best.time;
+    best.time = is_earlier ? time[k] : best.time;
+    best.partner = is_earlier ? candidates.disks[k] : best.partner;
+  }
+  if (!has_tie) [[likely]]
+    return best;
+  best = border;
+  for (std::size_t k = 0; k < candidates.count; ++k) {
+    Index const j = candidates.disks[k];
+    bool const is_tie = time[k] == best.time && best.partner < vertical_border;
+    if (time[k] < best.time || (is_tie && s.disks[j].id_index < s.disks[best.partner].id_index)) best = {time[k], j};
+  }
+  return best;
+}
+
+HWY_INLINE Prediction predict_collected(PredictionInput const& s, Index i, double now, Candidates const& candidates) {
+  Columns columns;
+  hn::CappedTag<double, most_lanes> const tag;
+  load_columns(s, s.radius_of(i), candidates, hn::Lanes(tag), columns);
+  find_times(s, i, now, candidates.count, columns);
+  return earliest_of(s, predict_border(s, i, now), candidates, columns.time);
+}
+
+}  // namespace
+
+Prediction predict(PredictionInput const& s, Index i, double now, Index apart) {
+  Candidates candidates;
+  collect(s, i, apart, candidates);
+  return predict_collected(s, i, now, candidates);
+}
+
+PairPrediction predict_pair(PredictionInput const& s, Index i, Index j, double now) {
+  Candidates around_i;
+  Candidates around_j;
+  collect(s, i, j, around_i);
+  collect(s, j, i, around_j);
+  return {predict_collected(s, i, now, around_i), predict_collected(s, j, now, around_j)};
+}
+
+}  // namespace gridlock::exact::HWY_NAMESPACE
+
+HWY_AFTER_NAMESPACE();
+#endif
+
+#if HWY_ONCE
+
+namespace gridlock::exact {
+
+std::optional<Predictor> highway_predictor(Target target) {
+#if HWY_TARGETS & HWY_SSE4
+  if (target == Target::sse4) return Predictor{N_SSE4::predict, N_SSE4::predict_pair};
+#endif
+#if HWY_TARGETS & HWY_AVX2
+  if (target == Target::avx2) return Predictor{N_AVX2::predict, N_AVX2::predict_pair};
+#endif
+#if HWY_TARGETS & HWY_NEON
+  if (target == Target::neon) return Predictor{N_NEON::predict, N_NEON::predict_pair};
+#endif
+  return std::nullopt;
+}
+
+}  // namespace gridlock::exact
+
+#endif
