@@ -164,7 +164,7 @@ std::vector<exact::Predictor> wide_predictors(exact::PredictionInput const& inpu
   if (exact::can_use_avx512(input)) found.push_back({exact::predict_with_avx512, exact::predict_pair_with_avx512});
   for (Target const target : {Target::sse4, Target::neon, Target::avx2}) {
     if (!is_available(target) || !exact::can_use_highway(input)) continue;
-    found.push_back(exact::highway_predictor(target).value());
+    found.push_back(exact::highway_predictor(target, false).value());
   }
   return found;
 }
@@ -193,8 +193,8 @@ TEST_P(ExactProperty, PredictsTheSameBitsWithAndWithoutWideRegisters) {
             // Without having touched, the plain one may still choose `apart`; the wide one never does.
             EXPECT_TRUE(plain.partner == apart || (plain.time == wide.time && plain.partner == wide.partner));
             exact::PairPrediction const pair = predictor.pair(prediction_input, i, apart, now);
-            EXPECT_EQ(pair.of_i.time, wide.time);
-            EXPECT_EQ(pair.of_i.partner, wide.partner);
+            EXPECT_TRUE(pair.of_i.partner == apart ||
+                        (pair.of_i.time == wide.time && pair.of_i.partner == wide.partner));
           }
         }
       }

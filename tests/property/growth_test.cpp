@@ -169,23 +169,34 @@ TEST_P(GrowthProperty, HasTheSameBitsForAnyCells) {
 /// Compares the wide predictions with the plain ones for all disks as they are now; false where there are no wide ones.
 bool compare_predictions(exact::Dynamics& dynamics) {
   exact::PredictionInput const& input = dynamics.prediction_input();
-  if (!exact::can_use_avx512(input)) return false;
+  std::vector<exact::Predictor> predictors;
+  if (exact::can_use_avx512(input)) {
+    predictors.push_back({exact::predict_growing_with_avx512, exact::predict_pair_growing_with_avx512});
+  }
+  for (Target const target : {Target::sse4, Target::neon, Target::avx2}) {
+    if (!is_available(target) || !exact::can_use_highway(input)) continue;
+    predictors.push_back(exact::highway_predictor(target, true).value());
+  }
   double const now = dynamics.now();
   for (exact::Index i = 0; i < dynamics.size(); ++i) {
     exact::Index const partner = dynamics.disks()[i].partner;
     for (exact::Index const apart : {exact::no_disk, partner < exact::vertical_border ? partner : exact::no_disk}) {
       exact::Prediction const plain = exact::predict_growing(input, i, now, apart);
-      exact::Prediction const wide = exact::predict_growing_with_avx512(input, i, now, apart);
-      if (apart == exact::no_disk) {
-        EXPECT_EQ(plain.time, wide.time);
-        EXPECT_EQ(plain.partner, wide.partner);
-      } else {
+      for (exact::Predictor const& predictor : predictors) {
+        exact::Prediction const wide = predictor.one(input, i, now, apart);
+        if (apart == exact::no_disk) {
+          EXPECT_EQ(plain.time, wide.time);
+          EXPECT_EQ(plain.partner, wide.partner);
+          continue;
+        }
         // Without having touched, the plain one may still choose `apart`; the wide one does so only where it is slow.
         EXPECT_TRUE(plain.partner == apart || (plain.time == wide.time && plain.partner == wide.partner));
+        exact::PairPrediction const pair = predictor.pair(input, i, apart, now);
+        EXPECT_TRUE(pair.of_i.partner == apart || (pair.of_i.time == wide.time && pair.of_i.partner == wide.partner));
       }
     }
   }
-  return true;
+  return !predictors.empty();
 }
 
 // From a fluid to gaps of a millionth, through cells that become larger and give way to lists of neighbours.

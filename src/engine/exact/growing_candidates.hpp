@@ -118,4 +118,18 @@ inline Prediction border_growing(PredictionInput const& s, Index i, double now) 
   return {std::max(now, border.time), is_vertical ? vertical_border : horizontal_border};
 }
 
+/// The disk that i has just collided with touches it again before another event only where growth overtakes the two.
+inline Prediction with_disk_apart(PredictionInput const& s, Index i, double now, Index apart, Prediction best) {
+  MovingDisk const& self = s.disks[i];
+  MovingDisk const& other = s.disks[apart];
+  double const w_x = other.velocity_x - self.velocity_x;
+  double const w_y = other.velocity_y - self.velocity_y;
+  double const growth = (s.radius[i] + s.radius[apart]) * s.scale.rate;
+  if (w_x * w_x + w_y * w_y >= growth * growth) [[likely]]
+    return best;
+  EarliestGrowing earliest(s, i, now, apart, best);
+  earliest.consider_nearest_image(apart);
+  return earliest.best();
+}
+
 }  // namespace gridlock::exact

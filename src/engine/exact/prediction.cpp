@@ -69,16 +69,16 @@ PairPrediction predict_pair_scalar(PredictionInput const& s, Index i, Index j, d
 
 bool can_use_highway(PredictionInput const& s) {
   bool const has_room = !s.is_periodic || (s.columns >= 5 && s.rows >= 5);
-  return has_room && s.capacity == 4 && s.last_hit == nullptr && s.neighbours == nullptr;
+  return has_room && (s.capacity == 4 || s.neighbours != nullptr);
 }
 
 Predictor fastest_predictor(PredictionInput const& s) {
   bool const is_growing = s.last_hit != nullptr;
   if (is_growing && can_use_avx512(s)) return {predict_growing_with_avx512, predict_pair_growing_with_avx512};
-  if (is_growing) return {predict_growing, predict_pair_growing};
   if (can_use_avx512(s)) return {predict_with_avx512, predict_pair_with_avx512};
-  if (can_use_highway(s)) return highway_predictor(target()).value_or(Predictor{predict_scalar, predict_pair_scalar});
-  return {predict_scalar, predict_pair_scalar};
+  Predictor const scalar =
+      is_growing ? Predictor{predict_growing, predict_pair_growing} : Predictor{predict_scalar, predict_pair_scalar};
+  return can_use_highway(s) ? highway_predictor(target(), is_growing).value_or(scalar) : scalar;
 }
 
 }  // namespace gridlock::exact

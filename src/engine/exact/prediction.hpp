@@ -89,10 +89,10 @@ struct Predictor {
   PredictPair pair;
 };
 
-/// Whether disks keep their size, the box has the five cells a side and the cells the four slots that highway_predictor() needs.
+/// Whether the box has the five cells a side, and the cells the four slots or disks the neighbours, that highway_predictor() needs.
 bool can_use_highway(PredictionInput const& prediction_input);
 /// Two or four candidates at a time, by the instructions of this target, which the processor must have; none where no such kernel is built.
-std::optional<Predictor> highway_predictor(Target target);
+std::optional<Predictor> highway_predictor(Target target, bool is_growing);
 
 /// The fastest implementation for this processor and these cells.
 Predictor fastest_predictor(PredictionInput const& prediction_input);

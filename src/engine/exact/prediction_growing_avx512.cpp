@@ -115,20 +115,6 @@ GRIDLOCK_AVX512 inline bool collect_growing(PredictionInput const& s, Index i, I
   return s.capacity == slots_per_cell && collect(s, i, apart, candidates);
 }
 
-/// The disk that i has just collided with touches it again before another event only where growth overtakes the two.
-inline Prediction with_disk_apart(PredictionInput const& s, Index i, double now, Index apart, Prediction best) {
-  MovingDisk const& self = s.disks[i];
-  MovingDisk const& other = s.disks[apart];
-  double const w_x = other.velocity_x - self.velocity_x;
-  double const w_y = other.velocity_y - self.velocity_y;
-  double const growth = (s.radius[i] + s.radius[apart]) * s.scale.rate;
-  if (w_x * w_x + w_y * w_y >= growth * growth) [[likely]]
-    return best;
-  EarliestGrowing earliest(s, i, now, apart, best);
-  earliest.consider_nearest_image(apart);
-  return earliest.best();
-}
-
 }  // namespace
 
 GRIDLOCK_AVX512 Prediction predict_growing_with_avx512(PredictionInput const& s, Index i, double now, Index apart) {
