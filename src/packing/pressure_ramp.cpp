@@ -71,9 +71,10 @@ PressureRampSettings const& checked(PressureRampSettings const& settings) {
                  .hint = fmt::format("use a number from {} to {}", least_packing_fraction, most_packing_fraction),
                  .key = "protocol.until_packing_fraction"});
   }
-  if (!(settings.step > 0.0 && settings.step <= PressureRampSettings::most_step)) {
+  if (!(settings.step >= PressureRampSettings::least_step && settings.step <= PressureRampSettings::most_step)) {
     throw Error({.what = fmt::format("steps of {} in packing fraction", settings.step),
-                 .hint = fmt::format("use a number above 0, at most {}", PressureRampSettings::most_step),
+                 .hint = fmt::format("use a number from {} to {}", PressureRampSettings::least_step,
+                                     PressureRampSettings::most_step),
                  .key = "protocol.step"});
   }
   return settings;
@@ -210,7 +211,8 @@ void PressureRamp::next_goal() {
   if (is_at_end()) return end(RampStatus::reached);
   bool const is_near =
       pressure_ >= least_share_of_goal * settings_.pressure && pressure_ <= most_share_of_goal * settings_.pressure;
-  if (is_near || minima_near_end_ > 0) ++minima_near_end_;
+  // Steps as long as `step` only lead there.
+  if (is_near && aims_at_end_) ++minima_near_end_;
   if (minima_near_end_ > most_minima_near_end) return end(RampStatus::missed);
   if (!leads_down() && packing_fraction_ > most_packing_fraction) return end(RampStatus::unjammed);
   if (!leads_down()) return approach(settings_.pressure);
@@ -226,6 +228,7 @@ void PressureRamp::next_goal() {
 void PressureRamp::approach(double goal) {
   if (pressure_ == 0.0) {
     goal_ = goal;
+    aims_at_end_ = false;
     // Beyond the first contacts the pressure has to rise to the goal; minima that hardly press are found slowly.
     if (step_up_ == 0.0)
       step_up_ = step_to_first_contacts() + linear_pressure(goal, settings_.minimizer.potential) / slope_;
@@ -237,7 +240,9 @@ void PressureRamp::approach(double goal) {
   goal_ = leads_down() ? goal : std::max(goal, share_of_step_back * pressure_);
   Potential const potential = settings_.minimizer.potential;
   double const rise = linear_pressure(goal_, potential) - linear_pressure(pressure_, potential);
-  try_packing_fraction(packing_fraction_ + std::min(rise / slope_, settings_.step));
+  double const step = rise / slope_;
+  aims_at_end_ = goal_ == settings_.pressure && step <= settings_.step;
+  try_packing_fraction(packing_fraction_ + std::min(step, settings_.step));
 }
 
 /// The growth after which `pairs_of_a_disk` pairs for each disk overlap: disks that nearly touch are pressed no more than they must.
@@ -282,6 +287,7 @@ void PressureRamp::serialize(Archive& archive) {
   archive.visit("halvings", halvings_);
   archive.visit("step_up", step_up_);
   archive.visit("minima_since_level", minima_since_level_);
+  archive.visit("aims_at_end", aims_at_end_);
   archive.visit("minima_near_end", minima_near_end_);
   archive.visit("jamming_packing_fraction", jamming_packing_fraction_);
   archive.visit("iterations_before", iterations_before_);

@@ -46,6 +46,7 @@ void serialize_result(Archive& archive, StageResult& result) {
   serialize_optional(archive, "pressure", result.pressure);
   serialize_optional(archive, "softest_mode", result.softest_mode);
   serialize_optional(archive, "is_converged", result.is_converged);
+  serialize_optional(archive, "packing_fraction_without_minimum", result.packing_fraction_without_minimum);
   serialize_optional(archive, "is_jammed", result.is_jammed);
   archive.visit("disks", result.disks);
   archive.visit("work", result.work);
@@ -100,6 +101,14 @@ Error located(Error const& error, std::size_t number, StageKind kind) {
   return Error(std::move(problems));
 }
 
+/// A ramp that begins where it is to end has one minimum, and nothing to extrapolate: the stage before knows where these disks jam.
+void take_over_jamming_packing_fraction(StageResult const& before, StageResult& result) {
+  bool const is_same = result.levels.size() == 1 && result.packing_fraction == before.packing_fraction;
+  if (!is_same || before.levels.empty() || result.jamming_packing_fraction) return;
+  result.jamming_packing_fraction = before.jamming_packing_fraction;
+  result.error_of_jamming_packing_fraction = before.error_of_jamming_packing_fraction;
+}
+
 }  // namespace
 
 Protocol::Protocol(ProtocolSettings settings, State const& start) : settings_(std::move(settings)) {
@@ -125,6 +134,7 @@ bool Protocol::advance(State& state, std::function<bool()> const& should_continu
       result.kind = kind;
       result.work = current_->work();
       result.disks = static_cast<double>(state.agents.size());
+      if (!results_.empty()) take_over_jamming_packing_fraction(results_.back(), result);
       results_.push_back(std::move(result));
     } catch (RunFailure const& failure) {
       throw RunFailure(fmt::format("{} failed: {}", stage_text(stage(), kind), failure.what()));

@@ -221,9 +221,8 @@ void describe(StageSettings& settings, SettingVisitor& visitor) {
       {.key = "step",
        .documentation = "compress, decompress: steps in packing fraction, while nothing presses or where the stage "
                         "ends at one.",
-       .least = 0.0,
+       .least = PressureRampSettings::least_step,
        .most = PressureRampSettings::most_step,
-       .least_is_allowed = false,
        .default_note = "0.001"},
       settings.step);
   visitor.visit({.key = "sweeps",

@@ -61,6 +61,7 @@ class QuenchStage final : public Stage {
     StageResult result{.packing_fraction = packing_fraction_of(state),
                        .is_converged = minimizer_.status() != MinimumStatus::unconverged,
                        .levels = {level}};
+    if (!*result.is_converged) result.packing_fraction_without_minimum = result.packing_fraction;
     add_end(network, soft_, result);
     return result;
   }
@@ -88,6 +89,7 @@ class RampStage final : public Stage {
   [[nodiscard]] StageResult result(State const& state) const override {
     StageResult result{.packing_fraction = packing_fraction_of(state),
                        .is_converged = ramp_.status() == RampStatus::reached,
+                       .packing_fraction_without_minimum = ramp_.packing_fraction_without_minimum(),
                        .levels = ramp_.levels()};
     if (result.levels.empty()) return result;
     add_end(find_contact_network(ramp_.packing(), soft_.potential), soft_, result);

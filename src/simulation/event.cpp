@@ -10,12 +10,13 @@
 
 #include "gridlock/core/detail/time_step_rule.hpp"
 #include "gridlock/packing/contact_network.hpp"
+#include "gridlock/packing/minimizer.hpp"
 
 namespace gridlock {
 
 namespace {
 
-constexpr std::array<std::string_view, 23> kind_texts{"unused_setting",
+constexpr std::array<std::string_view, 24> kind_texts{"unused_setting",
                                                       "misleading_rule",
                                                       "note_of_model",
                                                       "frames_beyond_end",
@@ -31,6 +32,7 @@ constexpr std::array<std::string_view, 23> kind_texts{"unused_setting",
                                                       "checkpoint_failed",
                                                       "checkpoint_damaged",
                                                       "stage_not_equilibrated",
+                                                      "stage_without_minimum",
                                                       "stage_without_pressure",
                                                       "stage_fell_short",
                                                       "jamming_not_known",
@@ -130,6 +132,9 @@ std::string text_of_stage(Event const& event) {
                  ? stage + ", is no equilibrium: the disks have not forgotten where they began; use more sweeps"
                  : fmt::format("{}, is no equilibrium: its sweeps are {:.3g} relaxation times, and it takes 10", stage,
                                of.number("relaxation_times"));
+    case EventKind::stage_without_minimum:
+      return fmt::format("{}, ends where no minimum was found in {} iterations, at packing fraction {:.10g}", stage,
+                         MinimizerSettings{}.iterations, of.number("packing_fraction"));
     case EventKind::stage_without_pressure:
       return fmt::format("{}, ends with disks that do not press on each other, at packing fraction {:.6g}", stage,
                          of.number("packing_fraction"));
@@ -204,6 +209,7 @@ std::string to_text(Event const& event) {
     case EventKind::checkpoint_damaged:
       return text_of_checkpoint(event);
     case EventKind::stage_not_equilibrated:
+    case EventKind::stage_without_minimum:
     case EventKind::stage_without_pressure:
     case EventKind::stage_fell_short:
     case EventKind::jamming_not_known:

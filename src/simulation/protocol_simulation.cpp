@@ -251,6 +251,11 @@ std::optional<Event> note_on_end(StageResult const& stage, std::size_t number) {
     return note;
   }
   if (stage.levels.empty()) return std::nullopt;
+  if (stage.packing_fraction_without_minimum) {
+    Event note = note_on(EventKind::stage_without_minimum, stage, number);
+    note.values.back().second = *stage.packing_fraction_without_minimum;
+    return note;
+  }
   if (!presses(stage)) return note_on(EventKind::stage_without_pressure, stage, number);
   if (stage.is_converged.value_or(true)) return std::nullopt;
   Event note = note_on(EventKind::stage_fell_short, stage, number);

@@ -34,7 +34,8 @@ inline constexpr double most_packing_fraction = 4.0;
 
 /// How a packing is brought to a pressure.
 struct PressureRampSettings {
-  static constexpr std::uint64_t most_levels_per_decade = 100;
+  static constexpr std::uint64_t most_levels_per_decade = 20;  ///< nearer ones count as one
+  static constexpr double least_step = 1e-7;
   static constexpr double most_step = 0.1;
 
   MinimizerSettings minimizer = {};
@@ -104,6 +105,11 @@ class PressureRamp {
   bool advance(std::function<bool()> const& should_continue = {});
 
   [[nodiscard]] RampStatus status() const { return status_; }
+  /// The packing fraction at which a minimization gave up; none where none did.
+  [[nodiscard]] std::optional<double> packing_fraction_without_minimum() const {
+    return status_ == RampStatus::unconverged ? std::optional(has_minimum_ ? tried_ : gridlock::packing_fraction(good_))
+                                              : std::nullopt;
+  }
   /// The last minimum.
   [[nodiscard]] Packing const& packing() const { return good_; }
   [[nodiscard]] std::vector<PressureLevel> const& levels() const { return levels_; }
@@ -141,8 +147,9 @@ class PressureRamp {
   double goal_ = 0.0;           ///< the pressure of the next level
   double tried_ = 0.0;          ///< the packing fraction of the minimization under way
   std::uint64_t halvings_ = 0;  ///< steps back since the last minimum that was taken
-  double step_up_ = 0.0;        ///< the last one from disks that do not press
+  double step_up_ = 0.0;        ///< the next one from disks that do not press; 0 before the first
   std::uint64_t minima_since_level_ = 0;
+  bool aims_at_end_ = false;  ///< the minimization under way, by a secant that `step` has not cut
   std::uint64_t minima_near_end_ = 0;
   double jamming_packing_fraction_ = std::numeric_limits<double>::quiet_NaN();  ///< of good_
   std::uint64_t iterations_before_ = 0;                                         ///< of the minimizer at the last level

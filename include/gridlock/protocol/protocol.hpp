@@ -58,6 +58,8 @@ struct StageResult {
   std::optional<double> pressure = {};
   /// Soft disks: whether forces balance, or no disks press on each other.
   std::optional<bool> is_converged = {};
+  /// Soft disks: where a minimization gave up.
+  std::optional<double> packing_fraction_without_minimum = {};
   /// Soft disks: what ContactNetwork::is_jammed() says of the packing at the end.
   std::optional<bool> is_jammed = {};
   double disks = 0.0;

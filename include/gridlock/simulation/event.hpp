@@ -40,6 +40,7 @@ enum class EventKind {
   checkpoint_failed,       ///< it could not be written, and the run continues
   checkpoint_damaged,      ///< the newest one; the one before is used
   stage_not_equilibrated,  ///< swap Monte Carlo was too short
+  stage_without_minimum,   ///< a minimization of soft disks gave up
   stage_without_pressure,  ///< soft disks do not press on each other where the stage ends
   stage_fell_short,        ///< soft disks press, but a minimum or the end of the stage was not found
   jamming_not_known,       ///< hard disks grew to a high pressure, which is no sign of jamming

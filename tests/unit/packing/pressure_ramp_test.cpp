@@ -83,6 +83,18 @@ TEST(PressureRamp, ReachesAPressureFromJustBelowJammingForMostStarts) {
   EXPECT_GE(reached, 18) << "disks that rearrange at once";
 }
 
+TEST(PressureRamp, ReachesHighPressuresAndTakesManySmallStepsToThem) {
+  for (double const pressure : {1e-3, 2e-2, 0.3}) {
+    PressureRamp ramp({.pressure = pressure}, random_packing(64, 0.5, 1));
+    ASSERT_TRUE(ramp.advance());
+    ASSERT_EQ(ramp.status(), RampStatus::reached) << pressure;
+    EXPECT_NEAR(ramp.levels().back().pressure, pressure, 0.01 * pressure);
+  }
+  PressureRamp ramp({.pressure = 1e-3, .step = 1e-4}, random_packing(64, 0.83, 1));
+  ASSERT_TRUE(ramp.advance());
+  EXPECT_EQ(ramp.status(), RampStatus::reached);
+}
+
 TEST(PressureRamp, EndsWithinOnePercentOfItsPressure) {
   int missed = 0;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {

@@ -225,7 +225,7 @@ TEST(Protocol, DescribesTheBoundsThatItsStagesCheck) {
     return accepts({.kind = StageKind::compress, .until_packing_fraction = 0.9, .step = value});
   };
   EXPECT_TRUE(steps(step.most));
-  EXPECT_FALSE(steps(1.01 * step.most) || steps(step.least));
+  EXPECT_FALSE(steps(1.01 * step.most) || steps(0.99 * step.least));
 }
 
 TEST(Protocol, FailsWithTheReasonWhereAStageCannotBegin) {
