@@ -2,24 +2,28 @@
 // collision after equilibration, the state's hash at the end, and the memory of state and engine per disk.
 //
 //     gridlock_bench_exact [N …]        default: 1024 10000 100000 1000000
+//     gridlock_bench_exact --start FILE COLLISIONS BLOCK REPEATS
+//
+// The second form goes on from a file of extended XYZ, for COLLISIONS that do not count and then for REPEATS blocks of BLOCK
+// collisions, and prints the time of each, the compressibility factor βP/ρ and the state's hash: edmd.py reads them.
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>
+#include <string_view>
 #include <vector>
 
 #include "gridlock/core/random.hpp"
 #include "gridlock/engine/engine.hpp"
+#include "gridlock/io/xyz.hpp"
 #include "measure.hpp"
 
 namespace gridlock::benchmark {
 namespace {
 
 constexpr double packing_fraction = 0.70;
-constexpr int repeats = 7;
-
 /// Disks of diameter 1 on a square lattice with Maxwell velocities: it melts within a few collisions a disk.
 State lattice(std::uint64_t n) {
   auto const columns = static_cast<std::uint64_t>(std::ceil(std::sqrt(static_cast<double>(n))));
@@ -37,7 +41,20 @@ State lattice(std::uint64_t n) {
   return state;
 }
 
+/// The nanoseconds of a collision in each of `repeats` blocks of so many collisions, after those counted so far.
+std::vector<double> measure_blocks(Engine& engine, State& state, Counters& counters, std::uint64_t block, int repeats) {
+  std::vector<double> nanoseconds;
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    double const start = processor_seconds();
+    std::uint64_t const before = counters.pair_collisions;
+    engine.advance(state, counters, {.pair_collisions = before + block});
+    nanoseconds.push_back(1e9 * (processor_seconds() - start) / static_cast<double>(block));
+  }
+  return nanoseconds;
+}
+
 void measure(std::uint64_t n) {
+  constexpr int repeats = 7;
   double const memory_before = peak_bytes();
   State state = lattice(n);
   double const memory_of_state = peak_bytes();
@@ -47,13 +64,7 @@ void measure(std::uint64_t n) {
   std::uint64_t const equilibration = n * (n < 50'000 ? 100 : 10);
   engine->advance(state, counters, {.pair_collisions = equilibration});
   std::uint64_t const block = std::clamp<std::uint64_t>(2 * n, 200'000, 2'000'000);
-  std::vector<double> nanoseconds;
-  for (int repeat = 0; repeat < repeats; ++repeat) {
-    double const start = processor_seconds();
-    std::uint64_t const before = counters.pair_collisions;
-    engine->advance(state, counters, {.pair_collisions = before + block});
-    nanoseconds.push_back(1e9 * (processor_seconds() - start) / static_cast<double>(block));
-  }
+  std::vector<double> nanoseconds = measure_blocks(*engine, state, counters, block, repeats);
   std::ranges::sort(nanoseconds);
   double const memory = peak_bytes();
   double const disks = static_cast<double>(n);
@@ -64,10 +75,32 @@ void measure(std::uint64_t n) {
   std::fflush(stdout);
 }
 
+void measure_from(char const* start, std::uint64_t collisions, std::uint64_t block, int repeats) {
+  State state = read_xyz(start).state;
+  auto const engine = make_engine({.kind = "exact"}, state);
+  Counters counters;
+  engine->advance(state, counters, {.pair_collisions = collisions});
+  double const time_before = state.clock.time;
+  double const virial_before = counters.pair_virial;
+  for (double const nanoseconds : measure_blocks(*engine, state, counters, block, repeats)) {
+    std::printf("nanoseconds %.17g\n", nanoseconds);
+  }
+  // βP/ρ = 1 + Σ σ |Δp| / (2 N kT t), and 2 N kT = Σ m v².
+  double const virial = counters.pair_virial - virial_before;
+  double const duration = state.clock.time - time_before;
+  std::printf("compressibility_factor %.17g\n", 1.0 + virial / (2.0 * kinetic_energy(state.agents) * duration));
+  std::printf("state_hash %016llx\n", static_cast<unsigned long long>(hash(state)));
+}
+
 }  // namespace
 }  // namespace gridlock::benchmark
 
 int main(int argument_count, char** arguments) {
+  if (argument_count == 6 && std::string_view(arguments[1]) == "--start") {
+    gridlock::benchmark::measure_from(arguments[2], std::strtoull(arguments[3], nullptr, 10),
+                                      std::strtoull(arguments[4], nullptr, 10), std::atoi(arguments[5]));
+    return 0;
+  }
   std::vector<std::uint64_t> sizes;
   for (int k = 1; k < argument_count; ++k) sizes.push_back(std::strtoull(arguments[k], nullptr, 10));
   if (sizes.empty()) sizes = {1024, 10'000, 100'000, 1'000'000};
