@@ -324,7 +324,7 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build", help="with gridlock and gridlock_bench_exact")
     parser.add_argument("--cases", nargs="+", choices=[case.name for case in CASES], default=[case.name for case in CASES])
     parser.add_argument("--sizes", nargs="+", type=int, default=[1000, 10_000, 100_000, 1_000_000])
-    parser.add_argument("--shells", nargs="+", type=float, default=[1.3, 1.4, 1.5, 1.7, 2.0])
+    parser.add_argument("--shells", nargs="+", type=float, default=[1.3, 1.4, 1.5, 1.7, 2.0, 2.4])
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--repeats", type=int, default=3, help="blocks of collisions a program measures in a round")
     parser.add_argument("--core", type=int, help="the core to run on, by taskset")
