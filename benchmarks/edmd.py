@@ -17,7 +17,6 @@ Writes benchmarks/results/exact_against_edmd.csv, in nanoseconds of processor ti
 EDMD with the same instructions over the least time of the row.
 """
 
-import argparse
 import dataclasses
 import math
 import os
@@ -28,8 +27,10 @@ import statistics
 import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-WORK = ROOT / "build-edmd"
+import result_file
+
+WORK = result_file.ROOT / "build-edmd"
+COMPILER = os.environ.get("CC", "gcc")
 # Which of EDMD's builds a target of Gridlock is compared with.
 ARCHITECTURES = {
     "x86_64": {"avx512": "native", "avx2": "x86-64-v3", "sse4": "x86-64-v2", "scalar": "x86-64-v2"},
@@ -234,7 +235,7 @@ def build_edmd(architecture, shell):
     program = WORK / f"edmd_{architecture}_{shell}"
     # As many neighbours as the shell has room for: a disk that is not needed costs memory.
     most_neighbours = 16 if shell <= 1.6 else 24
-    command = [os.environ.get("CC", "gcc"), "-w", "-Ofast", "-funroll-loops", f"-march={architecture}", f"-DSHELL={shell}",
+    command = [COMPILER, "-w", "-Ofast", "-funroll-loops", f"-march={architecture}", f"-DSHELL={shell}",
                f"-DMAXNEIGH={most_neighbours}", WORK / "mdSingle.c", "-o", program, "-lm"]
     subprocess.run(command, check=True)
     return program
@@ -311,52 +312,43 @@ def race(case, start, n, options, targets):
                f"{contestant.result}")
 
 
-def processor():
-    for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
-        if line.startswith("model name"):
-            return line.split(":")[1].strip()
-    return platform.machine()
+def first_word(command):
+    """The first word that a program prints."""
+    return subprocess.run(command, text=True, capture_output=True).stdout.split()[0]
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = result_file.parser_of("exact_against_edmd", __doc__)
     parser.add_argument("edmd", type=pathlib.Path, help="a clone of EDMD")
-    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build", help="with gridlock and gridlock_bench_exact")
     parser.add_argument("--cases", nargs="+", choices=[case.name for case in CASES], default=[case.name for case in CASES])
     parser.add_argument("--sizes", nargs="+", type=int, default=[1000, 10_000, 100_000, 1_000_000])
-    parser.add_argument("--shells", nargs="+", type=float, default=[1.3, 1.4, 1.5, 1.7, 2.0, 2.4])
+    parser.add_argument("--shells", nargs="+", type=float, default=[1.3, 1.4, 1.5, 1.7, 2.0, 2.4, 2.8])
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--repeats", type=int, default=3, help="blocks of collisions a program measures in a round")
-    parser.add_argument("--core", type=int, help="the core to run on, by taskset")
-    parser.add_argument("--output", type=pathlib.Path, default=ROOT / "benchmarks/results/exact_against_edmd.csv")
     options = parser.parse_args()
     options.bench = options.build / "benchmarks/gridlock_bench_exact"
     options.program = options.build / "apps/gridlock/gridlock"
-    options.pin = [] if options.core is None else ["taskset", "-c", str(options.core)]
+    options.pin = result_file.on_core(options)
     WORK.mkdir(exist_ok=True)
     reduce_to_two_dimensions(options.edmd)
     targets = targets_here(options.program)
-    commit = subprocess.run(["git", "-C", options.edmd, "rev-parse", "--short", "HEAD"], text=True, capture_output=True).stdout.strip()
-    compiler = subprocess.run([os.environ.get("CC", "gcc"), "-dumpfullversion"], text=True, capture_output=True).stdout.strip()
-    with options.output.open("w") as output:
-        def write(line):
-            print(line, flush=True)
-            output.write(line + "\n")
-            output.flush()
-
-        write(f"# {processor()}, one core; EDMD (Smallenburg) {commit}, single-event variant reduced to two dimensions, gcc {compiler} "
-              f"-Ofast -funroll-loops; {options.rounds} rounds of {options.repeats} in turns; benchmarks/edmd.py")
-        write("benchmark,name,disks,n,packing_fraction,nanoseconds_min,nanoseconds_median,speed_up,baseline,"
-              "compressibility_factor,result")
-        for case in CASES:
-            if case.name not in options.cases:
-                continue
-            for n in options.sizes:
-                start = make_start(case, n, options.program)
-                with start.open() as file:
-                    count = int(file.readline())
-                for row in race(case, start, count, options, targets):
-                    write(row)
+    commit = first_word(["git", "-C", options.edmd, "rev-parse", "--short", "HEAD"])
+    results = result_file.ResultFile(
+        options.output,
+        f"EDMD (Smallenburg) {commit}, single-event variant reduced to two dimensions, gcc {first_word([COMPILER, '-dumpfullversion'])} "
+        f"-Ofast -funroll-loops; {options.rounds} rounds of {options.repeats} in turns; benchmarks/edmd.py",
+    )
+    results.write("benchmark,name,disks,n,packing_fraction,nanoseconds_min,nanoseconds_median,speed_up,baseline,"
+                  "compressibility_factor,result")
+    for case in CASES:
+        if case.name not in options.cases:
+            continue
+        for n in options.sizes:
+            start = make_start(case, n, options.program)
+            with start.open() as file:
+                count = int(file.readline())
+            for row in race(case, start, count, options, targets):
+                results.write(row)
     if "fluid_0.30" in options.cases:
         print(f"# the compressibility factor of equal disks at 0.30 is {HENDERSON_AT_30:.3f} (Henderson 1975)")
 

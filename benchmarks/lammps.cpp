@@ -1,9 +1,11 @@
 // The paper's rule beside LAMMPS' granular disks, the same numbers of disks at the same packing fraction. Nanoseconds per
 // disk and step, of processor time; `tiled` takes the paper's step once, and once one in which a disk goes as far as in a
 // step of LAMMPS. The result is the hash of the state; LAMMPS' is not ours to hash. Without LAMMPS (Debian: apt-get
-// install lammps) there is nothing to compare with. To be run from the root of the repository. gridlock_bench_lammps SIDE
-// runs SIDE × SIDE disks.
+// install lammps) there is nothing to compare with. To be run from the root of the repository; lammps.py writes the results.
+//
+//     gridlock_bench_lammps [SIDE …]        SIDE × SIDE disks; default: 32 100 316 1000
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -52,31 +54,33 @@ Contestant lammps(std::size_t side, std::uint64_t steps, std::string const& skin
           .clock = [] { return all_lammps_seconds; }};
 }
 
-void race_at(std::size_t side, std::uint64_t steps, int rounds) {
-  State const start = mixed(side * side, packing_fraction);
+void race_at(std::size_t side) {
+  std::size_t const n = side * side;
+  std::uint64_t const steps = std::clamp<std::uint64_t>(40'000'000 / n, 200, 20'000);
+  int const rounds = n > 20'000 ? 3 : 5;
+  State const start = mixed(n, packing_fraction);
   std::vector<Contestant> contestants;
-  contestants.push_back(contestant("tiled the paper's step", start, {.kind = "tiled", .threads = 1}, steps));
-  contestants.push_back(contestant("tiled LAMMPS' step", start,
-                                   {.kind = "tiled", .time_step = time_step_as_in_lammps, .threads = 1}, steps));
   // A wide skin makes lists that last long, a narrow one makes short lists: which is better depends on the caches.
   contestants.push_back(lammps(side, steps, "0.2"));
   contestants.push_back(lammps(side, steps, "0.3"));
-  race("lammps", side * side, packing_fraction, rounds, std::move(contestants));
+  contestants.push_back(contestant("tiled the paper's step", start, {.kind = "tiled", .threads = 1}, steps));
+  contestants.push_back(contestant("tiled LAMMPS' step", start,
+                                   {.kind = "tiled", .time_step = time_step_as_in_lammps, .threads = 1}, steps));
+  race("lammps", n, packing_fraction, rounds, std::move(contestants));
 }
 
 }  // namespace
 }  // namespace gridlock::benchmark
 
-int main(int argc, char** argv) {
+int main(int argument_count, char** arguments) {
   using namespace gridlock::benchmark;
+  std::vector<std::size_t> sides;
+  for (int k = 1; k < argument_count; ++k) sides.push_back(std::strtoull(arguments[k], nullptr, 10));
+  if (sides.empty()) sides = {32, 100, 316, 1000};
   print_header();
   if (lammps_seconds(10, 10, "0.3") <= 0.0) {
     std::printf("# LAMMPS is not installed: apt-get install lammps\n");
-  } else if (argc > 1) {
-    race_at(std::strtoull(argv[1], nullptr, 10), 200, 3);
-  } else {
-    race_at(100, 2000, 5);
-    race_at(316, 400, 3);
-    race_at(1000, 200, 3);
+    return 0;
   }
+  for (std::size_t const side : sides) race_at(side);
 }

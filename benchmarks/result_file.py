@@ -1,0 +1,40 @@
+"""What the scripts share that measure Gridlock beside other programs: their common options and the file of results."""
+
+import argparse
+import pathlib
+import platform
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+
+def parser_of(script, documentation):
+    """A parser with the options of every such script; the results are those of the same name unless --output says otherwise."""
+    parser = argparse.ArgumentParser(description=documentation, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build", help="where Gridlock is built")
+    parser.add_argument("--core", type=int, help="the core to run on, by taskset")
+    parser.add_argument("--output", type=pathlib.Path, default=ROOT / "benchmarks/results" / f"{script}.csv")
+    return parser
+
+
+def on_core(options):
+    """What comes before a command."""
+    return [] if options.core is None else ["taskset", "-c", str(options.core)]
+
+
+def processor():
+    for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
+        if line.startswith("model name"):
+            return line.split(":")[1].strip()
+    return platform.machine()
+
+
+class ResultFile:
+    """Writes lines to the file of results and to the terminal, each at once; the first says what was measured and how."""
+
+    def __init__(self, path, how):
+        self.file = path.open("w")
+        self.write(f"# {processor()}, one core; {how}")
+
+    def write(self, line):
+        print(line, flush=True)
+        print(line, file=self.file, flush=True)
