@@ -173,7 +173,7 @@ void Growth::start_from(State const& state) {
   require_growth(settings_, state, temperature);
   double const diameter = 2.0 * radius_range(state.agents).smallest;
   dynamics_ = nullptr;  // first the old memory goes, then the new comes
-  dynamics_ = std::make_unique<exact::Dynamics>(state, exact::GrowthOfRadii{.rate = diameter_rate_ / diameter});
+  dynamics_ = std::make_unique<exact::Dynamics>(state, exact::DynamicsOptions{.rate = diameter_rate_ / diameter});
   start_time_ = state.clock.time;
   last_scale_ = settings_.packing_fraction ? std::sqrt(*settings_.packing_fraction / packing_fraction_by_id(state))
                                            : std::numeric_limits<double>::infinity();
@@ -297,7 +297,7 @@ void Growth::serialize(Archive& archive, State const& state) {
   archive.visit("hits_at_renewal", hits_at_renewal_);
   if (archive.is_restoring()) {
     double const diameter = 2.0 * radius_range(state.agents).smallest;
-    dynamics_ = std::make_unique<exact::Dynamics>(state, exact::GrowthOfRadii{.rate = diameter_rate_ / diameter});
+    dynamics_ = std::make_unique<exact::Dynamics>(state, exact::DynamicsOptions{.rate = diameter_rate_ / diameter});
   }
   serialize_inside(archive, "dynamics", [&] { dynamics_->serialize(archive); });
   left_->remember(state);

@@ -26,7 +26,7 @@ using Json = nlohmann::json;
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr std::string_view magic = "GRIDLOCK";
-constexpr std::uint32_t format_version = 3;
+constexpr std::uint32_t format_version = 4;
 constexpr std::size_t checksum_offset = 16;
 constexpr std::size_t header_size = 32;
 /// A million disks need about 80 MB.

@@ -5,14 +5,15 @@
 #include <cmath>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/exact/dynamics.hpp"
-#include "engine/exact/prediction.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/validate.hpp"
 #include "reference/all_pairs_events.hpp"
+#include "reference/compare_kernels.hpp"
 #include "reference/random_scene.hpp"
 #include "reference/shuffled_rows.hpp"
 
@@ -158,46 +159,36 @@ TEST_P(ExactProperty, KeepsEnergyAndNeverOverlaps) {
   EXPECT_NEAR(kinetic_energy(state.agents), energy, 1e-11 * energy);
 }
 
-/// All kernels but the scalar one that this processor has.
-std::vector<exact::Predictor> wide_predictors(exact::PredictionInput const& input) {
-  std::vector<exact::Predictor> found;
-  if (exact::can_use_avx512(input)) found.push_back({exact::predict_with_avx512, exact::predict_pair_with_avx512});
-  for (Target const target : {Target::sse4, Target::neon, Target::avx2}) {
-    if (!is_available(target) || !exact::can_use_highway(input)) continue;
-    found.push_back(exact::highway_predictor(target, false).value());
+TEST_P(ExactProperty, PredictsTheSameBitsWithEveryKernelFromCellsAndFromLists) {
+  for (exact::Lists const lists : {exact::Lists::never, exact::Lists::always}) {
+    State const state = start(2);
+    exact::Dynamics dynamics(state, {.lists = lists});
+    Counters counters;
+    for (std::uint64_t n = 1; n <= 20; ++n) {
+      dynamics.run(1e6, n * disks() / 4, 0, counters);
+      if (!reference::compare_kernels(dynamics)) GTEST_SKIP() << "not in so small a box";
+    }
   }
-  return found;
 }
 
-TEST_P(ExactProperty, PredictsTheSameBitsWithAndWithoutWideRegisters) {
-  State const state = start(2);
-  exact::Dynamics dynamics(state);
-  exact::PredictionInput const& prediction_input = dynamics.prediction_input();
-  std::vector<exact::Predictor> const predictors = wide_predictors(prediction_input);
-  if (predictors.empty()) GTEST_SKIP() << "not on this processor, or not in so small a box";
-  Counters counters;
-  for (std::uint64_t n = 1; n <= 20; ++n) {
-    dynamics.run(1e6, n * disks() / 4, 0, counters);
-    double const now = dynamics.now();
-    for (exact::Index i = 0; i < dynamics.size(); ++i) {
-      // Any neighbour may be the one it just met; the one it waits for is the one whose absence shows.
-      exact::Index const partner = dynamics.disks()[i].partner;
-      for (exact::Index const apart : {exact::no_disk, partner < exact::vertical_border ? partner : exact::no_disk}) {
-        exact::Prediction const plain = exact::predict_scalar(prediction_input, i, now, apart);
-        for (exact::Predictor const& predictor : predictors) {
-          exact::Prediction const wide = predictor.one(prediction_input, i, now, apart);
-          if (apart == exact::no_disk) {
-            EXPECT_EQ(plain.time, wide.time);
-            EXPECT_EQ(plain.partner, wide.partner);
-          } else {
-            // Without having touched, the plain one may still choose `apart`; the wide one never does.
-            EXPECT_TRUE(plain.partner == apart || (plain.time == wide.time && plain.partner == wide.partner));
-            exact::PairPrediction const pair = predictor.pair(prediction_input, i, apart, now);
-            EXPECT_TRUE(pair.of_i.partner == apart ||
-                        (pair.of_i.time == wide.time && pair.of_i.partner == wide.partner));
-          }
-        }
-      }
+TEST_P(ExactProperty, HasTheSameBitsWithAnyCellsAndWithLists) {
+  for (std::uint64_t const seed : seeds) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    State const begin = start(seed);
+    auto const end = [&](exact::DynamicsOptions const& options) {
+      exact::Dynamics dynamics(begin, options);
+      Counters counters;
+      dynamics.run(1e6, 100 * disks(), 50, counters);
+      State state = begin;
+      dynamics.write_at_last_event(state);
+      EXPECT_EQ(counters.pair_collisions, 100 * disks());
+      return std::pair(hash(state), counters.pair_virial);
+    };
+    auto const expected = end({.lists = exact::Lists::never});
+    EXPECT_EQ(end({.lists = exact::Lists::always}), expected);
+    for (double const size_of_cells : {1.3, 2.0, 100.0}) {
+      EXPECT_EQ(end({.size_of_cells = size_of_cells, .lists = exact::Lists::never}), expected) << size_of_cells;
+      EXPECT_EQ(end({.size_of_cells = size_of_cells, .lists = exact::Lists::always}), expected) << size_of_cells;
     }
   }
 }

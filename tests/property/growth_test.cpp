@@ -18,6 +18,7 @@
 #include "gridlock/grid/validate.hpp"
 #include "io/checkpoint.hpp"
 #include "reference/all_pairs_events.hpp"
+#include "reference/compare_kernels.hpp"
 #include "reference/random_scene.hpp"
 #include "reference/shuffled_rows.hpp"
 
@@ -74,8 +75,8 @@ class GrowthProperty : public testing::TestWithParam<GrowthCase> {
     scene.seed = seed;
     return random_scene(scene);
   }
-  static exact::GrowthOfRadii growth(double size_of_cells = 1.0) {
-    return {.rate = GetParam().rate, .size_of_cells = size_of_cells};
+  static exact::DynamicsOptions growth(double size_of_cells = 1.0, exact::Lists lists = exact::Lists::where_they_pay) {
+    return {.rate = GetParam().rate, .size_of_cells = size_of_cells, .lists = lists};
   }
   static std::uint64_t disks() { return GetParam().scene.count; }
 };
@@ -145,7 +146,7 @@ void write(exact::Dynamics const& dynamics, bool is_at_scale, State& state) {
   }
 }
 
-TEST_P(GrowthProperty, HasTheSameBitsForAnyCells) {
+TEST_P(GrowthProperty, HasTheSameBitsWithAnyCellsAndWithLists) {
   for (std::uint64_t const seed : growth_seeds) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     State const begin = start(seed);
@@ -153,50 +154,19 @@ TEST_P(GrowthProperty, HasTheSameBitsForAnyCells) {
     Counters fine_counters;
     exact::Dynamics fine_dynamics(begin, growth());
     write(fine_dynamics, grow(fine_dynamics, last_scale(begin), 100 * disks(), fine_counters), fine);
-    for (double const size_of_cells : {1.3, 2.0, 100.0}) {
-      State coarse = begin;
-      Counters coarse_counters;
-      exact::Dynamics coarse_dynamics(begin, growth(size_of_cells));
-      write(coarse_dynamics, grow(coarse_dynamics, last_scale(begin), 100 * disks(), coarse_counters), coarse);
-      EXPECT_EQ(hash(fine), hash(coarse)) << size_of_cells;
-      EXPECT_EQ(fine_counters.pair_virial, coarse_counters.pair_virial);
-      EXPECT_EQ(fine_counters.wall_impulse, coarse_counters.wall_impulse);
-      EXPECT_EQ(fine_dynamics.measurement().virial, coarse_dynamics.measurement().virial);
-    }
-  }
-}
-
-/// Compares the wide predictions with the plain ones for all disks as they are now; false where there are no wide ones.
-bool compare_predictions(exact::Dynamics& dynamics) {
-  exact::PredictionInput const& input = dynamics.prediction_input();
-  std::vector<exact::Predictor> predictors;
-  if (exact::can_use_avx512(input)) {
-    predictors.push_back({exact::predict_growing_with_avx512, exact::predict_pair_growing_with_avx512});
-  }
-  for (Target const target : {Target::sse4, Target::neon, Target::avx2}) {
-    if (!is_available(target) || !exact::can_use_highway(input)) continue;
-    predictors.push_back(exact::highway_predictor(target, true).value());
-  }
-  double const now = dynamics.now();
-  for (exact::Index i = 0; i < dynamics.size(); ++i) {
-    exact::Index const partner = dynamics.disks()[i].partner;
-    for (exact::Index const apart : {exact::no_disk, partner < exact::vertical_border ? partner : exact::no_disk}) {
-      exact::Prediction const plain = exact::predict_growing(input, i, now, apart);
-      for (exact::Predictor const& predictor : predictors) {
-        exact::Prediction const wide = predictor.one(input, i, now, apart);
-        if (apart == exact::no_disk) {
-          EXPECT_EQ(plain.time, wide.time);
-          EXPECT_EQ(plain.partner, wide.partner);
-          continue;
-        }
-        // Without having touched, the plain one may still choose `apart`; the wide one does so only where it is slow.
-        EXPECT_TRUE(plain.partner == apart || (plain.time == wide.time && plain.partner == wide.partner));
-        exact::PairPrediction const pair = predictor.pair(input, i, apart, now);
-        EXPECT_TRUE(pair.of_i.partner == apart || (pair.of_i.time == wide.time && pair.of_i.partner == wide.partner));
+    for (double const size_of_cells : {1.0, 1.3, 2.0, 100.0}) {
+      for (exact::Lists const lists : {exact::Lists::always, exact::Lists::never}) {
+        State other = begin;
+        Counters other_counters;
+        exact::Dynamics other_dynamics(begin, growth(size_of_cells, lists));
+        write(other_dynamics, grow(other_dynamics, last_scale(begin), 100 * disks(), other_counters), other);
+        EXPECT_EQ(hash(fine), hash(other)) << size_of_cells;
+        EXPECT_EQ(fine_counters.pair_virial, other_counters.pair_virial);
+        EXPECT_EQ(fine_counters.wall_impulse, other_counters.wall_impulse);
+        EXPECT_EQ(fine_dynamics.measurement().virial, other_dynamics.measurement().virial);
       }
     }
   }
-  return !predictors.empty();
 }
 
 // From a fluid to gaps of a millionth, through cells that become larger and give way to lists of neighbours.
@@ -213,7 +183,7 @@ TEST(GrowthOfManyDisks, HasTheSameBitsForAnyCellsUpToJamming) {
       for (std::uint64_t leg = 1; leg <= 150; ++leg) {
         dynamics.grow({.hits = leg * 40 * begin.agents.size()}, 0, counters);
         dynamics.renew(0.9);
-        compare_predictions(dynamics);
+        reference::compare_kernels(dynamics);
       }
       EXPECT_NE(dynamics.prediction_input().neighbours, nullptr);
       dynamics.audit();
@@ -250,13 +220,13 @@ TEST(GrowthOfManyDisks, HasTheSameBitsInterruptedSavedAndRestoredUpToJamming) {
   EXPECT_EQ(whole_counters.pair_virial, cut_counters.pair_virial);
 }
 
-TEST_P(GrowthProperty, PredictsTheSameBitsWithAndWithoutWideRegisters) {
+TEST_P(GrowthProperty, PredictsTheSameBitsWithEveryKernel) {
   State const state = start(2);
   exact::Dynamics dynamics(state, growth());
   Counters counters;
   for (std::uint64_t n = 1; n <= 40; ++n) {
     // A cell may come to hold too many small disks.
-    if (!compare_predictions(dynamics)) GTEST_SKIP() << "not on this processor, or not in so small a box";
+    if (!reference::compare_kernels(dynamics)) GTEST_SKIP() << "not in so small a box";
     grow(dynamics, last_scale(state), n * disks(), counters);
   }
 }

@@ -59,8 +59,8 @@ void Dynamics::audit_overlaps() const {
   };
   for (Index i = 0; i < size_; ++i) {
     MovingDisk const& disk = disks_[i];
-    for (std::int32_t row = disk.row - 1; row <= disk.row + 1; ++row) {
-      Index const* const slots = grid_.slots_of(disk.column - 1, row);
+    for (std::int32_t row = cells_[i].row - 1; row <= cells_[i].row + 1; ++row) {
+      Index const* const slots = grid_.slots_of(cells_[i].column - 1, row);
       for (std::size_t k = 0; k < 3 * grid_.capacity(); ++k) {
         if (slots[k] != no_disk && slots[k] < i) require_gap(slots[k], i);
       }

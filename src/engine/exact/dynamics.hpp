@@ -22,10 +22,18 @@ namespace gridlock::exact {
 
 struct SavedDisks;
 
-/// How the disks of a dynamics grow.
-struct GrowthOfRadii {
+/// Whether disks have lists of neighbours, or look at the cells around them; nothing but the cost depends on it.
+enum class Lists {
+  where_they_pay,  ///< in dense systems and in mixtures
+  always,
+  never,
+};
+
+/// How a dynamics goes.
+struct DynamicsOptions {
   double rate = 0.0;           ///< every radius is R · (1 + rate · t); 0: constant
   double size_of_cells = 1.0;  ///< in sides of the smallest that will do; nothing but the cost depends on it
+  Lists lists = Lists::where_they_pay;
 };
 
 /// Where a growth stops: at whichever comes first.
@@ -39,15 +47,15 @@ struct EndOfGrowth {
 ///
 /// Times are counted from the state it was made of. Inside, they are counted from the start of an epoch, a power of two
 /// long in which a disk crosses a few cells, so that positions and event times keep their digits however long the run is.
-/// At the end of an epoch every disk's centre moves on to the new zero of time. Where disks collide so often that an epoch
-/// would hold too many events, it is cut.
+/// At the end of an epoch every disk's centre moves on to the new zero of time, and every event is predicted anew. Where disks
+/// collide so often that an epoch would hold too many events, it is cut. Epochs depend on nothing but the motion: the trajectory
+/// has the same bits with any cells and with lists of neighbours.
 ///
-/// Disks may grow while they fly, all in proportion: radius · (1 + rate · t). Then every event is predicted anew at the
-/// start of an epoch, and the trajectory does not depend on the cells.
+/// Disks may grow while they fly, all in proportion: radius · (1 + rate · t).
 /// Contract: a valid state; a periodic box wider and higher than two distances at contact, also when the disks have grown.
 class Dynamics {
  public:
-  explicit Dynamics(State const& state, GrowthOfRadii const& growth = {});
+  explicit Dynamics(State const& state, DynamicsOptions const& options = {});
 
   /// Handles every event up to `elapsed`, or until the counters reach `pair_collisions`, or until `should_continue`,
   /// asked every `events_per_look` events and after each audit, says no; says whether it got to `elapsed`.
@@ -60,8 +68,8 @@ class Dynamics {
   /// The same for disks that grow; says whether it got to the scale.
   bool grow(EndOfGrowth const& end, std::uint64_t audit_every, Counters& counters,
             std::function<bool()> const& should_continue = {});
-  /// How often a disk was hit, by a wall or by another, which is a hit for both; while the disks grow.
-  [[nodiscard]] std::uint64_t hits() const { return growth_.hits; }
+  /// How often a disk was hit, by a wall or by another, which is a hit for both.
+  [[nodiscard]] std::uint64_t hits() const { return hits_; }
   /// Begins a new epoch at the last event, and multiplies all velocities: often enough, some tens of collisions a disk
   /// apart, to keep the calendar small. Contract: the disks grow.
   void renew(double factor_of_velocities = 1.0);
@@ -128,9 +136,11 @@ class Dynamics {
   void choose_epoch();
   [[nodiscard]] std::vector<Index> disks_by_id_index() const;
   void start_epoch();
+  void begin_epoch(double zero, double length, double factor_of_velocities = 1.0);
   void move_zero_of_time(double zero);
+  [[nodiscard]] double longest_epoch() const;
   void cut_epoch();
-  void predict_all(std::span<Index const> order);
+  void predict_all();
   void sort_disks_by_cell();
   void refresh_prediction_input();
 
@@ -139,36 +149,34 @@ class Dynamics {
   template <bool grows, class TimeToStop, class HasEnough>
   bool run_until(TimeToStop time_to_stop, HasEnough has_enough, std::uint64_t audit_every, Counters& counters,
                  std::function<bool()> const& should_continue);
-  void look();
   ScheduledEvent const* next_event();
   void end_epoch();
   void fetch_ahead();
   template <bool grows>
   void handle(Index i, Counters& counters);
   void collide(Index i, Index j, Counters& counters);
-  void hit_or_cross_vertical_border(MovingDisk& disk, Index i, Counters& counters);
-  void hit_or_cross_horizontal_border(MovingDisk& disk, Index i, Counters& counters);
-  void cross_vertical_border(MovingDisk& disk, Index i, bool is_rightwards);
-  void cross_horizontal_border(MovingDisk& disk, Index i, bool is_upwards);
+  void reach_border(Index i, BorderEvent const& event, Counters& counters);
+  void hit_wall(Index i, Side wall, Counters& counters);
+  void cross_into_next_cell(Index i, Side side);
+  void cross_edge(Index i, Side side);
   void schedule(Index i, Prediction const& next);
 
   // Of disks that grow: growing.cpp.
   [[nodiscard]] bool is_growing() const { return growth_.scale.rate != 0.0; }
-  void start_growing(GrowthOfRadii const& growth);
-  void begin_growing_epoch(double zero, double length, double factor_of_velocities);
-  [[nodiscard]] double longest_growing_epoch() const;
+  void start_growing(double rate);
+  void serialize_growth(Archive& archive);
+
+  // Of cells and lists: lists.cpp.
   [[nodiscard]] double side_of_cells() const;
   void make_room_in_cells();
-  void renew_neighbours();
+  [[nodiscard]] bool wants_lists() const;
+  [[nodiscard]] double room_for_lists() const;
+  void renew_lists();
   void find_all_neighbours();
   void find_neighbours(Index i, bool tells_them);
   void take_new_place(Index i);
   void lay_cells(CellLayout const& layout);
-  void collide_growing(Index i, Index j, Counters& counters);
-  void hit_or_cross_growing(MovingDisk& disk, Index i, Counters& counters);
-  void hit_wall_growing(MovingDisk& disk, Index i, Side wall, Counters& counters);
-  void serialize_growth(Archive& archive);
-  void serialize_places(Archive& archive, std::vector<Index> const& disks);
+  void serialize_lists(Archive& archive);
   void restore_cells(Archive const& archive, std::vector<std::uint64_t> const& cells);
 
   void write_at(double time, double scale, State& state) const;
@@ -183,6 +191,7 @@ class Dynamics {
   Box box_;
   std::size_t size_ = 0;
   LargeArray<MovingDisk> disks_;  // and one more behind them that no prediction ever chooses
+  LargeArray<Cell> cells_;
   SlotGrid grid_;
   Calendar calendar_;
   PredictionInput prediction_input_{};
@@ -206,29 +215,37 @@ class Dynamics {
   bool fetches_ahead_ = false;  // the disks are too many for the cache
   std::uint32_t seen_bucket_ = 0;
   FetchPipeline pipeline_;
-  double now_ = 0.0;            // time of the last event, in this epoch
-  double epoch_length_ = 0.0;   // 0 when nothing moves
-  double longest_epoch_ = 0.0;  // what epoch_length_ is while it need not be cut
+  double now_ = 0.0;           // time of the last event, in this epoch
+  double epoch_length_ = 0.0;  // 0 when nothing moves
+  double longest_epoch_ = 0.0;
+  double diameters_in_epoch_ = 0.0;  // at most
   double epoch_start_ = 0.0;
   double epoch_start_rest_ = 0.0;  // what is too small to be added to it
   std::uint64_t epoch_ = 0;
-  std::uint64_t looks_in_epoch_ = 0;
+  std::uint64_t hits_ = 0;
+  std::uint64_t hits_before_epoch_ = 0;
   std::uint64_t expected_events_ = 0;
   std::uint64_t audits_ = 0;
 
-  struct Growth {
-    Scale scale;
-    double size_of_cells = 1.0;
-    double largest_radius = 0.0;   // at the start
-    std::vector<double> last_hit;  // see PredictionInput
-    std::uint64_t hits = 0;
-    std::uint64_t hits_before_epoch = 0;
-    // Where collisions are frequent, disks look at lists of neighbours: nothing but the cost depends on them.
+  double size_of_cells_ = 1.0;
+  double smallest_radius_ = 0.0;
+  double mean_radius_ = 0.0;
+  double largest_radius_ = 0.0;
+  double packing_fraction_ = 0.0;
+
+  struct ListsOfNeighbours {
+    Lists wish = Lists::where_they_pay;
     std::vector<Neighbours> neighbours;  // empty while cells are looked at
     std::vector<Place> places;
-    double room = 0.0;            // around the places
-    double scale_of_lists = 1.0;  // up to which they are good
-    double measured_time = 0.0;   // up to the start of the epoch
+    double room = 0.0;                   // around the places
+    std::vector<Index> around, to_tell;  // while neighbours are looked for
+    double most_scale = 1.0;             // of the radii, up to which they are good
+  };
+  ListsOfNeighbours lists_;
+
+  struct Growth {
+    Scale scale;
+    double measured_time = 0.0;  // up to the start of the epoch
     double measured_virial = 0.0;
   };
   Growth growth_;

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "engine/exact/moving_disk.hpp"
+#include "engine/exact/prediction.hpp"
 #include "engine/exact/slot_grid.hpp"
 #include "gridlock/core/detail/look_ahead.hpp"
 
@@ -29,12 +29,16 @@ class FetchPipeline {
   void enter(Index disk, double time) { waiting_[entered_++ % waiting_.size()] = {time, disk}; }
 
   /// Moves every event on by one place.
-  void step(MovingDisk const* disks, SlotGrid const& grid, std::size_t last_disk) {
+  void step(PredictionInput const& s, SlotGrid const& grid, std::size_t last_disk) {
     if (taken_ == entered_) return;
-    prefetch(&disks[at(0).disk]);
-    if (taken_ >= 4) fetch_partner(disks, at(4));
-    if (taken_ >= 8) fetch_cells(disks, grid, at(8));
-    if (taken_ >= 12) fetch_disks(grid, disks, at(12), last_disk);
+    fetch(s, at(0).disk);
+    if (taken_ >= 4) fetch_partner(s, at(4));
+    if (s.neighbours != nullptr) {
+      if (taken_ >= 8) fetch_neighbours(s, at(8));
+    } else {
+      if (taken_ >= 8) fetch_cells(s, grid, at(8));
+      if (taken_ >= 12) fetch_disks(grid, s.disks, at(12), last_disk);
+    }
     ++taken_;
   }
 
@@ -55,18 +59,35 @@ class FetchPipeline {
 
   [[nodiscard]] Entry& at(std::uint64_t places_ago) { return waiting_[(taken_ - places_ago) % waiting_.size()]; }
 
-  static void fetch_partner(MovingDisk const* disks, Entry& entry) {
-    MovingDisk const& disk = disks[entry.disk];
+  /// A disk and what of it lies elsewhere.
+  static void fetch(PredictionInput const& s, Index disk) {
+    prefetch(&s.disks[disk]);
+    if (s.neighbours == nullptr) {
+      prefetch(&s.cells[disk]);
+    } else {
+      prefetch(&s.neighbours[disk]);
+      prefetch(&s.places[disk]);
+    }
+  }
+  static void fetch_partner(PredictionInput const& s, Entry& entry) {
+    MovingDisk const& disk = s.disks[entry.disk];
     entry.rows = 0;
     if (disk.event_time != entry.time) return;
     entry.partner = disk.partner < vertical_border ? disk.partner : entry.disk;
     entry.rows = 3;
-    prefetch(&disks[entry.partner]);
+    fetch(s, entry.partner);
   }
-  static void fetch_cells(MovingDisk const* disks, SlotGrid const& grid, Entry& entry) {
+  static void fetch_neighbours(PredictionInput const& s, Entry const& entry) {
     if (entry.rows == 0) return;
-    MovingDisk const& disk = disks[entry.disk];
-    MovingDisk const& partner = disks[entry.partner];
+    for (Index const i : {entry.disk, entry.partner}) {
+      // Few lists have more; the names behind the last are of disks, too.
+      for (std::uint32_t k = 0; k < 8; ++k) prefetch(&s.disks[s.neighbours[i].disks[k]]);
+    }
+  }
+  static void fetch_cells(PredictionInput const& s, SlotGrid const& grid, Entry& entry) {
+    if (entry.rows == 0) return;
+    Cell const disk = s.cells[entry.disk];
+    Cell const partner = s.cells[entry.partner];
     std::int32_t const columns_apart = partner.column - disk.column;
     std::int32_t const rows_apart = partner.row - disk.row;
     // What lies across the edge of a periodic box comes when it is needed.

@@ -7,20 +7,24 @@
 
 namespace gridlock::exact {
 
-/// The disks that a growing disk can touch as long as all of them stay near their places: close to jamming a handful, where
-/// the block of cells has a dozen.
+/// The disks that a disk can touch as long as all of them stay near their places: in a dense system half as many as the block of
+/// cells has. Kernels read whole registers of names.
 struct alignas(64) Neighbours {
   static constexpr std::uint32_t most = 15;
 
-  Index disks[most];
+  Index disks[most];    ///< and behind them `nobody`
   std::uint32_t count;  ///< more than `most` where there are too many for this list, and cells are to be asked
 
   [[nodiscard]] bool has_all() const { return count <= most; }
   [[nodiscard]] bool has(Index disk) const {
-    for (std::uint32_t k = 0; k < std::min(count, most); ++k) {
-      if (disks[k] == disk) return true;
-    }
-    return false;
+    // All are looked at, many at once.
+    bool is_found = false;
+    for (Index const other : disks) is_found |= other == disk;
+    return is_found;
+  }
+  void clear(Index nobody) {
+    std::fill_n(disks, most, nobody);
+    count = 0;
   }
   void add(Index disk) {
     if (count < most) disks[count] = disk;

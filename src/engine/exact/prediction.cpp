@@ -1,84 +1,155 @@
 #include "engine/exact/prediction.hpp"
 
-#include <cmath>
+#include <limits>
+
+#include "engine/exact/earliest_contact.hpp"
 
 namespace gridlock::exact {
 
 namespace {
 
-/// The candidate with the earliest collision so far.
-class Earliest {
- public:
-  Earliest(PredictionInput const& s, Index i, double now, Index apart)
-      : s_(s), self_(s.disks[i]), now_(now), apart_(apart), radius_(s.radius_of(i)), best_(predict_border(s, i, now)) {}
+constexpr double never = std::numeric_limits<double>::infinity();
 
-  /// Looks at the image of disk j shifted by whole sides of the box.
-  void consider(Index j, double shift_x, double shift_y) {
-    MovingDisk const& other = s_.disks[j];
-    double const w_x = other.velocity_x - self_.velocity_x;
-    double const w_y = other.velocity_y - self_.velocity_y;
-    double const d_x = (other.x - self_.x) + w_x * now_ + shift_x;
-    double const d_y = (other.y - self_.y) + w_y * now_ + shift_y;
-    double const b = d_x * w_x + d_y * w_y;
-    if (!(b < 0.0)) return;
-    double const contact = radius_ + s_.radius_of(j);
-    double const c = d_x * d_x + d_y * d_y - contact * contact;
-    if (j == apart_ && c < 1e-3 * contact * contact) return;
-    double const discriminant = b * b - (w_x * w_x + w_y * w_y) * c;
-    if (!(discriminant >= 0.0)) return;
-    double const wait = c / (std::sqrt(discriminant) - b);
-    double const time = now_ + (wait > 0.0 ? wait : 0.0);
-    if (!(time < other.event_time)) return;
-    bool const is_tie = time == best_.time && best_.partner < vertical_border;
-    if (time < best_.time || (is_tie && other.id_index < s_.disks[best_.partner].id_index)) best_ = {time, j};
+Prediction predict_one_by_one(PredictionInput const& s, Index i, double now, Index apart) {
+  EarliestContact earliest(s, i, now, apart,
+                           s.is_growing() ? predict_border_growing(s, i, now) : predict_border(s, i, now));
+  if (s.has_list(i)) {
+    Neighbours const& list = s.neighbours[i];
+    for (std::uint32_t k = 0; k < list.count; ++k) earliest.consider_nearest_image(list.disks[k]);
+    return earliest.best();
   }
-
-  [[nodiscard]] Prediction best() const { return best_; }
-
- private:
-  PredictionInput const& s_;
-  MovingDisk const& self_;
-  double now_;
-  Index apart_;
-  double radius_;
-  Prediction best_;
-};
-
-}  // namespace
-
-Prediction predict_scalar(PredictionInput const& s, Index i, double now, Index apart) {
-  Earliest earliest(s, i, now, apart);
-  MovingDisk const& disk = s.disks[i];
-  for (std::int32_t row = disk.row - 1; row <= disk.row + 1; ++row) {
+  Cell const cell = s.cells[i];
+  for (std::int32_t row = cell.row - 1; row <= cell.row + 1; ++row) {
     double const shift_y = shift_of_image(row, s.rows, s.height);
     Index const* slot =
-        s.slots + static_cast<std::size_t>(row + 1) * s.row_stride + static_cast<std::size_t>(disk.column) * s.capacity;
-    for (std::int32_t column = disk.column - 1; column <= disk.column + 1; ++column) {
+        s.slots + static_cast<std::size_t>(row + 1) * s.row_stride + static_cast<std::size_t>(cell.column) * s.capacity;
+    for (std::int32_t column = cell.column - 1; column <= cell.column + 1; ++column) {
       double const shift_x = shift_of_image(column, s.columns, s.width);
-      for (std::size_t k = 0; k < s.capacity; ++k, ++slot) {
-        if (*slot != no_disk && *slot != i) earliest.consider(*slot, shift_x, shift_y);
+      // The first slots of a cell are the ones in use.
+      for (std::size_t k = 0; k < s.capacity && slot[k] != no_disk; ++k) {
+        if (slot[k] == i) continue;
+        // A disk with a place may be beyond the edge that its cell lies at.
+        s.places != nullptr ? earliest.consider_nearest_image(slot[k]) : earliest.consider(slot[k], shift_x, shift_y);
       }
+      slot += s.capacity;
     }
   }
   return earliest.best();
 }
 
-PairPrediction predict_pair_scalar(PredictionInput const& s, Index i, Index j, double now) {
-  return {predict_scalar(s, i, now, j), predict_scalar(s, j, now, i)};
+/// One coordinate of a growing disk.
+struct Track {
+  double place;
+  double velocity;
+  double radius;
+  double last_hit;
+};
+
+/// The cell or the room around its place that it is in, in that coordinate.
+struct Range {
+  double lower;
+  double upper;
+  double side;
+  bool ends_at_lower_edge;  ///< of a periodic box
+  bool ends_at_upper_edge;
+  bool has_lower_wall;  ///< which it may touch there
+  bool has_upper_wall;
+};
+
+BorderEvent first_border(Track const& track, Range const& range, Scale const& scale, Border inner, Side lower,
+                         Side upper) {
+  BorderEvent first{never, lower, inner};
+  if (track.velocity > 0.0) {
+    first = {(range.upper - track.place) / track.velocity, upper, range.ends_at_upper_edge ? Border::edge : inner};
+  } else if (track.velocity < 0.0) {
+    first = {(range.lower - track.place) / track.velocity, lower, range.ends_at_lower_edge ? Border::edge : inner};
+  }
+  auto const consider_wall = [&](double gap, double outwards, Side side) {
+    double const approach = outwards + track.radius * scale.rate;
+    if (!(approach > 0.0)) return;
+    double const time = track.last_hit + gap / approach;
+    if (time < first.time) first = {time, side, Border::wall};
+  };
+  double const place = track.place + track.velocity * track.last_hit;
+  double const radius = track.radius * scale.at(track.last_hit);
+  if (range.has_lower_wall) consider_wall(place - radius, -track.velocity, lower);
+  if (range.has_upper_wall) consider_wall((range.side - place) - radius, track.velocity, upper);
+  return first;
 }
 
-bool can_use_highway(PredictionInput const& s) {
+}  // namespace
+
+Predictor reference_predictor() {
+  return {[](PredictionInput const& s, Index i, double now) { return predict_one_by_one(s, i, now, no_disk); },
+          [](PredictionInput const& s, Index i, Index j, double now) {
+            return PairPrediction{predict_one_by_one(s, i, now, j), predict_one_by_one(s, j, now, i)};
+          }};
+}
+
+BorderEvent border_event_growing(PredictionInput const& s, Index i) {
+  MovingDisk const& disk = s.disks[i];
+  bool const has_place = s.places != nullptr;
+  Border const inner = has_place ? Border::of_place : Border::of_cell;
+  double const radius = s.radius_of(i);
+  auto const range = [&](double place, double side, double const* edges, std::int32_t index, std::int32_t count) {
+    if (!has_place) {
+      bool const is_first = index == 0;
+      bool const is_last = index == count - 1;
+      bool const has_lower_wall = is_first && !s.is_periodic;
+      bool const has_upper_wall = is_last && !s.is_periodic;
+      // Behind the wall it never comes.
+      return Range{.lower = has_lower_wall ? -never : edges[index],
+                   .upper = has_upper_wall ? never : edges[index + 1],
+                   .side = side,
+                   .ends_at_lower_edge = is_first,
+                   .ends_at_upper_edge = is_last,
+                   .has_lower_wall = has_lower_wall,
+                   .has_upper_wall = has_upper_wall};
+    }
+    double const lower = place - s.room;
+    double const upper = place + s.room;
+    if (!s.is_periodic) {
+      return Range{.lower = lower,
+                   .upper = upper,
+                   .side = side,
+                   .ends_at_lower_edge = false,
+                   .ends_at_upper_edge = false,
+                   .has_lower_wall = true,
+                   .has_upper_wall = true};
+    }
+    return Range{.lower = std::max(lower, 0.0),
+                 .upper = std::min(upper, side),
+                 .side = side,
+                 .ends_at_lower_edge = lower <= 0.0,
+                 .ends_at_upper_edge = upper >= side,
+                 .has_lower_wall = false,
+                 .has_upper_wall = false};
+  };
+  Place const place = has_place ? s.places[i] : Place{0.0, 0.0};
+  BorderEvent const vertical = first_border({disk.x, disk.velocity_x, radius, disk.last_hit},
+                                            range(place.x, s.width, s.column_edges, s.cells[i].column, s.columns),
+                                            s.scale, inner, Side::left, Side::right);
+  BorderEvent const horizontal = first_border({disk.y, disk.velocity_y, radius, disk.last_hit},
+                                              range(place.y, s.height, s.row_edges, s.cells[i].row, s.rows), s.scale,
+                                              inner, Side::bottom, Side::top);
+  return horizontal.time < vertical.time ? horizontal : vertical;
+}
+
+bool has_room_for_registers(PredictionInput const& s) {
+  // In fewer cells a side the nearest image of a disk may not be the one in the neighbouring cell.
   bool const has_room = !s.is_periodic || (s.columns >= 5 && s.rows >= 5);
   return has_room && (s.capacity == 4 || s.neighbours != nullptr);
 }
 
+std::optional<Predictor> predictor_for(Target target, bool is_growing) {
+  if (target == Target::scalar) return plain_predictor(is_growing);
+  if (target == Target::avx512) return avx512_predictor(is_growing);
+  return highway_predictor(target, is_growing);
+}
+
 Predictor fastest_predictor(PredictionInput const& s) {
-  bool const is_growing = s.last_hit != nullptr;
-  if (is_growing && can_use_avx512(s)) return {predict_growing_with_avx512, predict_pair_growing_with_avx512};
-  if (can_use_avx512(s)) return {predict_with_avx512, predict_pair_with_avx512};
-  Predictor const scalar =
-      is_growing ? Predictor{predict_growing, predict_pair_growing} : Predictor{predict_scalar, predict_pair_scalar};
-  return can_use_highway(s) ? highway_predictor(target(), is_growing).value_or(scalar) : scalar;
+  if (!has_room_for_registers(s)) return reference_predictor();
+  return predictor_for(target(), s.is_growing()).value_or(plain_predictor(s.is_growing()));
 }
 
 }  // namespace gridlock::exact

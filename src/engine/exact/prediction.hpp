@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <optional>
 
 #include "engine/exact/moving_disk.hpp"
@@ -13,7 +14,10 @@ namespace gridlock::exact {
 
 /// Everything a prediction reads; borrowed pointers and the numbers of the box.
 struct PredictionInput {
-  MovingDisk const* disks;
+  MovingDisk const*
+      disks;  ///< and the one at `nobody` behind them, which waits for an event of the past: nobody meets it
+  Index nobody;
+  Cell const* cells;     ///< of each disk; of its place where there are places
   double const* radius;  ///< of each disk; nullptr while all are equal
   double equal_radius;
   Index const* slots;  ///< of SlotGrid
@@ -26,14 +30,23 @@ struct PredictionInput {
   double width;
   double height;
   bool is_periodic;
-  double const* last_hit =
-      nullptr;       ///< when each disk's velocity last changed, in this epoch; nullptr while nothing grows
-  Scale scale = {};  ///< of all radii
+  Scale scale = {};                        ///< of all radii
   Neighbours const* neighbours = nullptr;  ///< of each disk; nullptr while the block of cells is looked at
   Place const* places = nullptr;           ///< of each disk that has neighbours
   double room = 0.0;                       ///< how far a disk may be from its place
 
   [[nodiscard]] double radius_of(Index i) const { return radius != nullptr ? radius[i] : equal_radius; }
+  [[nodiscard]] bool is_growing() const { return scale.rate != 0.0; }
+  /// Whether disk i has a list of all the disks that it can touch.
+  [[nodiscard]] bool has_list(Index i) const { return neighbours != nullptr && neighbours[i].has_all(); }
+  /// Whether the separation from some disk that i may meet goes across the edge of a periodic box. A disk may be a cell away from
+  /// the cell of its place.
+  [[nodiscard]] bool needs_images(Index i) const {
+    std::int32_t const margin = places != nullptr ? 2 : 1;
+    return is_periodic &&
+           (static_cast<std::uint32_t>(cells[i].column - margin) >= static_cast<std::uint32_t>(columns - 2 * margin) ||
+            static_cast<std::uint32_t>(cells[i].row - margin) >= static_cast<std::uint32_t>(rows - 2 * margin));
+  }
 };
 
 /// When a disk's next event is due and what it will meet.
@@ -42,46 +55,32 @@ struct Prediction {
   Index partner;
 };
 
-/// The first event of disk i after `now` that no other disk will look after.
-///
-/// Two disks at distance d with relative velocity w, b = d·w < 0 and c = d² − σ², touch after
-///     Δt = c / (−b + √(b² − w²c)),
-/// the form that does not cancel. A collision with j counts only when it comes before j's own event: at its own event
-/// j looks at all its neighbours again and finds it. Disk `apart` has just collided with i and cannot meet it
-/// there again; no_disk where there is none.
-/// The 3×3 block of cells is enough, for leaving its cell is an event as well.
-/// Every implementation gives the same bits: the same operations on each candidate in the same order, no contraction,
-/// ties to the lower Id.
-using Predict = Prediction (*)(PredictionInput const& prediction_input, Index i, double now, Index apart);
-
-Prediction predict_scalar(PredictionInput const& prediction_input, Index i, double now, Index apart);
-
-/// Whether the processor has the instructions, and the box the five cells a side and the cells the few slots, that
-/// predict_with_avx512() needs.
-bool can_use_avx512(PredictionInput const& prediction_input);
-/// Eight candidates at a time.
-Prediction predict_with_avx512(PredictionInput const& prediction_input, Index i, double now, Index apart);
-
 /// The predictions of two disks that have just collided.
 struct PairPrediction {
   Prediction of_i;
   Prediction of_j;
 };
-using PredictPair = PairPrediction (*)(PredictionInput const& prediction_input, Index i, Index j, double now);
 
-PairPrediction predict_pair_scalar(PredictionInput const& prediction_input, Index i, Index j, double now);
-PairPrediction predict_pair_with_avx512(PredictionInput const& prediction_input, Index i, Index j, double now);
-
-/// The same for disks that grow: σ = (R_i + R_j) · scale(t), a = dσ/dt, A = w² − a², b = d·w − aσ. They touch after
-///     Δt = c / (−b + √(b² − Ac))   if b < 0,
+/// The first event of disk i after `now` that no other disk will look after.
+///
+/// Two disks at distance d with relative velocity w, σ = (R_i + R_j) · scale(t) and a = dσ/dt, A = w² − a², b = d·w − aσ,
+/// c = d² − σ², touch after
+///     Δt = c / (−b + √(b² − Ac))   if b < 0, the form that does not cancel,
 ///     Δt = (b + √(b² − Ac)) / (−A)   if b ≥ 0 and A < 0: the disks grow faster than they part.
+/// For disks that do not grow b² − Ac is computed as w²σ² − (d × w)², which keeps its digits where small disks far away from each other
+/// are to touch with their rims.
 /// d, b and c are those of the moment at which the velocity of one of the two last changed: the time of contact has the
-/// same bits whenever it is predicted, so that neither cells nor void events show in the trajectory.
+/// same bits whenever it is predicted, so that neither cells nor lists nor void events show in the trajectory.
+///
+/// A collision with j counts only when it comes before j's own event: at its own event j looks at all its neighbours again
+/// and finds it. The 3×3 block of cells is enough, for leaving its cell is an event as well; so is the list of neighbours, for so
+/// is leaving the room around its place.
+/// Every implementation gives the same bits: the same operations on each candidate in the same order, no contraction,
+/// ties to the lower Id.
 /// Contract: all event times come from this kernel since the zero of the epoch.
-Prediction predict_growing(PredictionInput const& prediction_input, Index i, double now, Index apart);
-PairPrediction predict_pair_growing(PredictionInput const& prediction_input, Index i, Index j, double now);
-Prediction predict_growing_with_avx512(PredictionInput const& prediction_input, Index i, double now, Index apart);
-PairPrediction predict_pair_growing_with_avx512(PredictionInput const& prediction_input, Index i, Index j, double now);
+using Predict = Prediction (*)(PredictionInput const& prediction_input, Index i, double now);
+/// The same for two that have just collided, and cannot meet there again unless their growth makes them.
+using PredictPair = PairPrediction (*)(PredictionInput const& prediction_input, Index i, Index j, double now);
 
 /// A kernel that predicts, for one disk and for two.
 struct Predictor {
@@ -89,24 +88,41 @@ struct Predictor {
   PredictPair pair;
 };
 
-/// Whether the box has the five cells a side, and the cells the four slots or disks the neighbours, that highway_predictor() needs.
-bool can_use_highway(PredictionInput const& prediction_input);
-/// Two or four candidates at a time, by the instructions of this target, which the processor must have; none where no such kernel is built.
-std::optional<Predictor> highway_predictor(Target target, bool is_growing);
+/// The definition, one candidate at a time, for any box and any number of slots.
+Predictor reference_predictor();
+
+/// Whether the box has the five cells a side, and the cells the four slots or disks the neighbours, that all other predictors need.
+bool has_room_for_registers(PredictionInput const& prediction_input);
+/// The kernel for the instructions of this target, which the processor must have; none where this build has no such kernel.
+/// Contract: has_room_for_registers().
+std::optional<Predictor> predictor_for(Target target, bool is_growing);
 
 /// The fastest implementation for this processor and these cells.
 Predictor fastest_predictor(PredictionInput const& prediction_input);
 
-/// When disk i reaches the border of its cell, or the wall there.
+/// Kernels by target; predictor_for() chooses among them.
+Predictor plain_predictor(bool is_growing);
+std::optional<Predictor> avx512_predictor(bool is_growing);
+std::optional<Predictor> highway_predictor(Target target, bool is_growing);
+
+/// When disk i reaches the border of its cell or of the room around its place, the edge of a periodic box, or a wall; not for growing
+/// disks between walls.
 inline Prediction predict_border(PredictionInput const& s, Index i, double now) {
   MovingDisk const& disk = s.disks[i];
-  double x_edge = s.column_edges[disk.column + (disk.velocity_x > 0.0 ? 1 : 0)];
-  double y_edge = s.row_edges[disk.row + (disk.velocity_y > 0.0 ? 1 : 0)];
-  if (!s.is_periodic) {
-    double const r = s.radius_of(i);
-    x_edge = x_edge < r ? r : x_edge > s.width - r ? s.width - r : x_edge;
-    y_edge = y_edge < r ? r : y_edge > s.height - r ? s.height - r : y_edge;
+  bool const is_rightwards = disk.velocity_x > 0.0;
+  bool const is_upwards = disk.velocity_y > 0.0;
+  double x_edge = 0.0;
+  double y_edge = 0.0;
+  if (s.places != nullptr) {
+    x_edge = s.places[i].x + (is_rightwards ? s.room : -s.room);
+    y_edge = s.places[i].y + (is_upwards ? s.room : -s.room);
+  } else {
+    x_edge = s.column_edges[s.cells[i].column + (is_rightwards ? 1 : 0)];
+    y_edge = s.row_edges[s.cells[i].row + (is_upwards ? 1 : 0)];
   }
+  double const r = s.is_periodic ? 0.0 : s.radius_of(i);
+  x_edge = std::min(std::max(x_edge, r), s.width - r);
+  y_edge = std::min(std::max(y_edge, r), s.height - r);
   constexpr double never = std::numeric_limits<double>::infinity();
   double const x_time = disk.velocity_x != 0.0 ? (x_edge - disk.x) / disk.velocity_x : never;
   double const y_time = disk.velocity_y != 0.0 ? (y_edge - disk.y) / disk.velocity_y : never;
@@ -115,17 +131,49 @@ inline Prediction predict_border(PredictionInput const& s, Index i, double now) 
   return {std::max(now, std::min(x_time, y_time)), vertical_border + static_cast<Index>(y_time < x_time)};
 }
 
-enum class Side { left, right, bottom, top };
+enum class Side { left, right, bottom, top };  // in the order of Counters::Wall
 
-enum class Border { of_cell, of_place, wall };
+enum class Border { of_cell, of_place, edge, wall };
 
-/// The first border of its cell, of the room around its place, or wall, that a growing disk reaches.
+/// What border it is that a disk has reached; the edge of a periodic box is one of a cell where there are no places.
 struct BorderEvent {
   double time;
   Side side;
   Border border;
 };
+/// Of a disk that does not grow, at the event of this partner; the time is left out.
+inline BorderEvent border_event(PredictionInput const& s, Index i, Index partner) {
+  bool const is_vertical = partner == vertical_border;
+  double const velocity = is_vertical ? s.disks[i].velocity_x : s.disks[i].velocity_y;
+  bool const is_upwards = velocity > 0.0;
+  Side const side = is_vertical ? (is_upwards ? Side::right : Side::left) : (is_upwards ? Side::top : Side::bottom);
+  Border const at_edge = s.is_periodic ? Border::edge : Border::wall;
+  if (s.places == nullptr) {
+    std::int32_t const index = is_vertical ? s.cells[i].column : s.cells[i].row;
+    std::int32_t const last = is_upwards ? (is_vertical ? s.columns : s.rows) - 1 : 0;
+    return {0.0, side, index == last ? at_edge : Border::of_cell};
+  }
+  double const place = is_vertical ? s.places[i].x : s.places[i].y;
+  double const r = s.is_periodic ? 0.0 : s.radius_of(i);
+  bool const is_edge = is_upwards ? place + s.room >= (is_vertical ? s.width : s.height) - r : place - s.room <= r;
+  return {0.0, side, is_edge ? at_edge : Border::of_place};
+}
+
+/// The first that a growing disk reaches.
 BorderEvent border_event_growing(PredictionInput const& prediction_input, Index i);
+
+/// When a disk that grows reaches one of its limits, or a wall.
+inline Prediction predict_border_growing(PredictionInput const& s, Index i, double now) {
+  if (s.is_periodic) return predict_border(s, i, now);
+  BorderEvent const border = border_event_growing(s, i);
+  bool const is_vertical = border.side == Side::left || border.side == Side::right;
+  return {std::max(now, border.time), is_vertical ? vertical_border : horizontal_border};
+}
+
+template <bool grows>
+Prediction predict_any_border(PredictionInput const& s, Index i, double now) {
+  return grows ? predict_border_growing(s, i, now) : predict_border(s, i, now);
+}
 
 /// How much is to be added to a position in a cell of that index, which may be a ghost beside the box.
 inline double shift_of_image(std::int32_t index, std::int32_t count, double side) {

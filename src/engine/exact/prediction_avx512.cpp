@@ -1,73 +1,241 @@
-#include "engine/exact/wide_candidates.hpp"
+#include "core/avx512.hpp"
+#include "engine/exact/candidates.hpp"
+#include "engine/exact/earliest_contact.hpp"
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
-namespace gridlock::exact {
+#include <algorithm>
+#include <bit>
+#include <limits>
 
-bool can_use_avx512(PredictionInput const& s) {
-  // In fewer cells a side the nearest image of a disk may not be the one in the neighbouring cell.
-  bool const has_room = !s.is_periodic || (s.columns >= 5 && s.rows >= 5);
-  return uses_avx512() && has_room && (s.capacity == slots_per_cell || s.neighbours != nullptr);
-}
+namespace gridlock::exact {
 
 namespace {
 
-/// The first of the border and the contacts with the candidates.
-GRIDLOCK_AVX512 inline Prediction first_event(PredictionInput const& s, Index i, double now,
-                                              Candidates const& candidates) {
-  Prediction best = predict_border_packed(s, i, now);
-  MovingDisk const& self = s.disks[i];
-  bool const needs_images = is_at_periodic_edge(s, self);
-  __m512d const zero = _mm512_setzero_pd();
-  __m512d const time_now = _mm512_set1_pd(now);
-  __m512d const self_x = _mm512_set1_pd(self.x);
-  __m512d const self_y = _mm512_set1_pd(self.y);
-  __m512d const self_velocity_x = _mm512_set1_pd(self.velocity_x);
-  __m512d const self_velocity_y = _mm512_set1_pd(self.velocity_y);
-  __m512d squared_contact = _mm512_set1_pd((s.equal_radius + s.equal_radius) * (s.equal_radius + s.equal_radius));
-  for (std::size_t k = 0; k < candidates.count; k += lanes) {
-    Index const* const names = candidates.disks + k;
-    Columns const other = columns_of(s.disks, names);
-    __m512d const w_x = _mm512_sub_pd(other.velocity_x, self_velocity_x);
-    __m512d const w_y = _mm512_sub_pd(other.velocity_y, self_velocity_y);
-    __m512d d_x = _mm512_add_pd(_mm512_sub_pd(other.x, self_x), _mm512_mul_pd(w_x, time_now));
-    __m512d d_y = _mm512_add_pd(_mm512_sub_pd(other.y, self_y), _mm512_mul_pd(w_y, time_now));
-    if (needs_images) {
-      d_x = nearest_image(d_x, s.width);
-      d_y = nearest_image(d_y, s.height);
-    }
-    if (s.radius != nullptr) {
-      __m256i const places = _mm256_loadu_si256(reinterpret_cast<__m256i const*>(names));
-      __m512d const contact =
-          _mm512_add_pd(_mm512_set1_pd(s.radius[i]), _mm512_i32gather_pd(places, s.radius, sizeof(double)));
-      squared_contact = _mm512_mul_pd(contact, contact);
-    }
-    __m512d const b = _mm512_add_pd(_mm512_mul_pd(d_x, w_x), _mm512_mul_pd(d_y, w_y));
-    __m512d const c = _mm512_sub_pd(_mm512_add_pd(_mm512_mul_pd(d_x, d_x), _mm512_mul_pd(d_y, d_y)), squared_contact);
-    __m512d const squared_speed = _mm512_add_pd(_mm512_mul_pd(w_x, w_x), _mm512_mul_pd(w_y, w_y));
-    __m512d const discriminant = _mm512_sub_pd(_mm512_mul_pd(b, b), _mm512_mul_pd(squared_speed, c));
-    __m512d const wait = _mm512_div_pd(c, _mm512_sub_pd(_mm512_sqrt_pd(discriminant), b));
-    __m512d const time = _mm512_add_pd(time_now, _mm512_max_pd(wait, zero));
+constexpr std::size_t lanes = 8;
+/// Where a disk has more candidates, the reference predicts.
+constexpr std::size_t most_candidates_here = 16;
+static_assert(batch == lanes);
 
-    auto hits = static_cast<__mmask8>((1U << (candidates.count - k)) - 1U);  // there are at most sixteen
-    hits = _mm512_mask_cmp_pd_mask(hits, b, zero, _CMP_LT_OQ);
+/// The names in one run of three cells, moved to the front of a register, after `count` others.
+struct Run {
+  __m512i names;
+  unsigned count;
+};
+
+GRIDLOCK_AVX512 inline Run names_in_run(Index const* run, __m512i self, __m512i apart) {
+  constexpr __mmask16 in_run = (1U << (3 * slots_per_cell)) - 1U;
+  __m512i const names = _mm512_loadu_si512(run);
+  __mmask16 const is_disk = _mm512_mask_cmpneq_epi32_mask(in_run, names, _mm512_set1_epi32(static_cast<int>(no_disk)));
+  __mmask16 const is_other = _mm512_cmpneq_epi32_mask(names, self) & _mm512_cmpneq_epi32_mask(names, apart);
+  auto const found = static_cast<__mmask16>(is_disk & is_other);
+  return {_mm512_maskz_compress_epi32(found, names),
+          static_cast<unsigned>(std::popcount(static_cast<unsigned>(found)))};
+}
+
+GRIDLOCK_AVX512 inline __m512i moved_up(Run const& run, unsigned places) {
+  return _mm512_maskz_expand_epi32(static_cast<__mmask16>(((1U << run.count) - 1U) << places), run.names);
+}
+
+/// Those that i may meet but for `apart`. Three cells of four slots are a run of memory that one register of sixteen holds.
+/// Returns false where there are too many.
+GRIDLOCK_AVX512 inline bool collect(PredictionInput const& s, Index i, Index apart, Candidates& candidates) {
+  __m512i const other = _mm512_set1_epi32(static_cast<int>(apart));
+  __m512i const nobody = _mm512_set1_epi32(static_cast<int>(s.nobody));
+  if (s.neighbours != nullptr) {
+    __m512i const names = _mm512_load_si512(s.neighbours[i].disks);
+    __mmask16 const is_apart = _mm512_cmpeq_epi32_mask(names, other);
+    // The last of the sixteen is not a name but their number.
+    _mm512_store_si512(candidates.disks, _mm512_mask_mov_epi32(names, is_apart | 0x8000U, nobody));
+    candidates.count = s.neighbours[i].count;
+    return s.neighbours[i].has_all();
+  }
+  Index const* const run = first_slot_around(s, i);
+  __m512i const self = _mm512_set1_epi32(static_cast<int>(i));
+  Run const below = names_in_run(run, self, other);
+  Run const beside = names_in_run(run + s.row_stride, self, other);
+  Run const above = names_in_run(run + 2 * s.row_stride, self, other);
+  __m512i const all = _mm512_or_si512(
+      below.names, _mm512_or_si512(moved_up(beside, below.count), moved_up(above, below.count + beside.count)));
+  candidates.count = below.count + beside.count + above.count;
+  auto const found = static_cast<__mmask16>((1U << std::min(candidates.count, most_candidates_here)) - 1U);
+  _mm512_store_si512(candidates.disks, _mm512_mask_mov_epi32(nobody, found, all));
+  return candidates.count <= most_candidates_here;
+}
+
+struct Columns {
+  __m512d x, y, velocity_x, velocity_y, event_time, last_hit;
+};
+
+GRIDLOCK_AVX512 inline __m512d side_by_side(__m256d low, __m256d high) {
+  return _mm512_insertf64x4(_mm512_castpd256_pd512(low), high, 1);
+}
+GRIDLOCK_AVX512 inline __m256d side_by_side(__m128d low, __m128d high) {
+  return _mm256_insertf128_pd(_mm256_castpd128_pd256(low), high, 1);
+}
+
+/// Eight disks transposed from one line a disk to one register a quantity.
+///
+///     a = 0: x y vx vy │ 2: x y vx vy      unpack    x0 x1 vx0 vx1 │ x2 x3 vx2 vx3      shuffle   x0 … x7
+///     b = 1: x y vx vy │ 3: x y vx vy      ──────→   y0 y1 vy0 vy1 │ y2 y3 vy2 vy3      ──────→   vx0 … vx7
+GRIDLOCK_AVX512 inline Columns columns_of(MovingDisk const* disks, Index const* names) {
+  auto const motions = [&](int low, int high) GRIDLOCK_AVX512 {
+    return side_by_side(_mm256_load_pd(&disks[names[low]].x), _mm256_load_pd(&disks[names[high]].x));
+  };
+  auto const times = [&](int first) GRIDLOCK_AVX512 {
+    auto const of = [&](int k) GRIDLOCK_AVX512 { return _mm_load_pd(&disks[names[first + k]].event_time); };
+    return side_by_side(side_by_side(of(0), of(2)), side_by_side(of(4), of(6)));
+  };
+  __m512d const a = motions(0, 2);
+  __m512d const b = motions(1, 3);
+  __m512d const c = motions(4, 6);
+  __m512d const d = motions(5, 7);
+  __m512d const x_low = _mm512_unpacklo_pd(a, b);
+  __m512d const x_high = _mm512_unpacklo_pd(c, d);
+  __m512d const y_low = _mm512_unpackhi_pd(a, b);
+  __m512d const y_high = _mm512_unpackhi_pd(c, d);
+  __m512d const even = times(0);
+  __m512d const odd = times(1);
+  return {_mm512_shuffle_f64x2(x_low, x_high, 0b10001000),
+          _mm512_shuffle_f64x2(y_low, y_high, 0b10001000),
+          _mm512_shuffle_f64x2(x_low, x_high, 0b11011101),
+          _mm512_shuffle_f64x2(y_low, y_high, 0b11011101),
+          _mm512_unpacklo_pd(even, odd),
+          _mm512_unpackhi_pd(even, odd)};
+}
+
+/// predict_border(), the two directions side by side.
+GRIDLOCK_AVX512 inline Prediction predict_border_packed(PredictionInput const& s, Index i, double now) {
+  MovingDisk const& disk = s.disks[i];
+  __m128d const zero = _mm_setzero_pd();
+  __m128d const position = _mm_load_pd(&disk.x);
+  __m128d const velocity = _mm_load_pd(&disk.velocity_x);
+  __mmask8 const is_upwards = _mm_cmp_pd_mask(velocity, zero, _CMP_GT_OQ);
+  double const r = s.is_periodic ? 0.0 : s.radius_of(i);
+  __m128d edge;
+  if (s.places != nullptr) {
+    __m128d const place = _mm_loadu_pd(&s.places[i].x);
+    __m128d const room = _mm_set1_pd(s.room);
+    edge = _mm_mask_add_pd(_mm_sub_pd(place, room), is_upwards, place, room);
+  } else {
+    auto const upwards = static_cast<unsigned>(is_upwards);
+    edge = _mm_loadh_pd(_mm_load_sd(s.column_edges + s.cells[i].column + (upwards & 1U)),
+                        s.row_edges + s.cells[i].row + (upwards >> 1U));
+  }
+  edge = _mm_min_pd(_mm_max_pd(edge, _mm_set1_pd(r)), _mm_set_pd(s.height - r, s.width - r));
+  __mmask8 const moves = _mm_cmp_pd_mask(velocity, zero, _CMP_NEQ_OQ);
+  __m128d const never = _mm_set1_pd(std::numeric_limits<double>::infinity());
+  __m128d const time = _mm_mask_div_pd(never, moves, _mm_sub_pd(edge, position), velocity);
+  __m128d const y_time = _mm_unpackhi_pd(time, time);
+  // Either is as likely: intrinsics, because a compiler may well make a branch of std::min().
+  auto const is_horizontal = static_cast<Index>(_mm_cmp_sd_mask(y_time, time, _CMP_LT_OQ));
+  return {_mm_cvtsd_f64(_mm_max_sd(_mm_min_sd(y_time, time), _mm_set_sd(now))), vertical_border + is_horizontal};
+}
+
+/// By how much a coordinate of a separation is to be moved to be the nearest image.
+GRIDLOCK_AVX512 inline __m512d shifts_to_nearest(__m512d d, double side) {
+  __mmask8 const above = _mm512_cmp_pd_mask(d, _mm512_set1_pd(0.5 * side), _CMP_GT_OQ);
+  __mmask8 const below = _mm512_cmp_pd_mask(d, _mm512_set1_pd(-0.5 * side), _CMP_LT_OQ);
+  __m512d const shift = _mm512_maskz_mov_pd(above, _mm512_set1_pd(-side));
+  return _mm512_mask_mov_pd(shift, below, _mm512_set1_pd(side));
+}
+
+GRIDLOCK_AVX512 inline __m512d dot(__m512d a_x, __m512d a_y, __m512d b_x, __m512d b_y) {
+  return _mm512_add_pd(_mm512_mul_pd(a_x, b_x), _mm512_mul_pd(a_y, b_y));
+}
+
+/// The first of `best` and the contacts with candidates that part more slowly than they grow: rare, and looked at one by one.
+Prediction with_slow_ones(PredictionInput const& s, Index i, double now, Index const* names, unsigned slow,
+                          Prediction best) {
+  EarliestContact earliest(s, i, now, no_disk, best);
+  for (; slow != 0; slow &= slow - 1U) earliest.consider_nearest_image(names[std::countr_zero(slow)]);
+  return earliest.best();
+}
+
+/// The first of the border and the contacts with the candidates.
+template <bool grows>
+GRIDLOCK_AVX512 inline Prediction predict_with(PredictionInput const& s, Index i, double now,
+                                               Candidates const& candidates) {
+  Prediction best = grows && !s.is_periodic ? predict_border_growing(s, i, now) : predict_border_packed(s, i, now);
+  MovingDisk const& self = s.disks[i];
+  bool const needs_images = s.needs_images(i);
+  double const radius = s.radius_of(i);
+  __m512d const zero = _mm512_setzero_pd();
+  __m512d const never = _mm512_set1_pd(std::numeric_limits<double>::infinity());
+  __m512d const time_now = _mm512_set1_pd(now);
+  __m512d sum = _mm512_set1_pd(radius + radius);
+  for (std::size_t k = 0; k < candidates.count; k += lanes) {
+    Index const* const eight = candidates.disks + k;
+    Columns const other = columns_of(s.disks, eight);
+    __m512d const begin = _mm512_max_pd(_mm512_set1_pd(self.last_hit), other.last_hit);
+    __m512d const w_x = _mm512_sub_pd(other.velocity_x, _mm512_set1_pd(self.velocity_x));
+    __m512d const w_y = _mm512_sub_pd(other.velocity_y, _mm512_set1_pd(self.velocity_y));
+    __m512d d_x = _mm512_sub_pd(other.x, _mm512_set1_pd(self.x));
+    __m512d d_y = _mm512_sub_pd(other.y, _mm512_set1_pd(self.y));
+    if (needs_images) {
+      d_x = _mm512_add_pd(d_x, shifts_to_nearest(_mm512_add_pd(d_x, _mm512_mul_pd(w_x, time_now)), s.width));
+      d_y = _mm512_add_pd(d_y, shifts_to_nearest(_mm512_add_pd(d_y, _mm512_mul_pd(w_y, time_now)), s.height));
+    }
+    d_x = _mm512_add_pd(d_x, _mm512_mul_pd(w_x, begin));
+    d_y = _mm512_add_pd(d_y, _mm512_mul_pd(w_y, begin));
+    if (s.radius != nullptr) {
+      __m256i const places = _mm256_loadu_si256(reinterpret_cast<__m256i const*>(eight));
+      sum = _mm512_add_pd(_mm512_set1_pd(radius), _mm512_i32gather_pd(places, s.radius, sizeof(double)));
+    }
+    __m512d a = dot(w_x, w_y, w_x, w_y);
+    __m512d b = dot(d_x, d_y, w_x, w_y);
+    __m512d contact = sum;
+    if constexpr (grows) {
+      __m512d const rate = _mm512_set1_pd(s.scale.rate);
+      __m512d const growth = _mm512_mul_pd(sum, rate);
+      contact =
+          _mm512_mul_pd(sum, _mm512_add_pd(_mm512_set1_pd(s.scale.at_zero),
+                                           _mm512_add_pd(_mm512_set1_pd(s.scale.rest), _mm512_mul_pd(rate, begin))));
+      a = _mm512_sub_pd(a, _mm512_mul_pd(growth, growth));
+      b = _mm512_sub_pd(b, _mm512_mul_pd(growth, contact));
+    }
+    __m512d const squared_contact = _mm512_mul_pd(contact, contact);
+    __m512d const c = _mm512_sub_pd(dot(d_x, d_y, d_x, d_y), squared_contact);
+    __m512d const across = _mm512_sub_pd(_mm512_mul_pd(d_x, w_y), _mm512_mul_pd(d_y, w_x));
+    __m512d const discriminant = grows
+                                     ? _mm512_sub_pd(_mm512_mul_pd(b, b), _mm512_mul_pd(a, c))
+                                     : _mm512_sub_pd(_mm512_mul_pd(a, squared_contact), _mm512_mul_pd(across, across));
+    __m512d const wait = _mm512_div_pd(c, _mm512_sub_pd(_mm512_sqrt_pd(discriminant), b));
+    __m512d const time = _mm512_max_pd(_mm512_add_pd(begin, wait), time_now);
+
+    __mmask8 hits = _mm512_cmp_pd_mask(b, zero, _CMP_LT_OQ);
     hits = _mm512_mask_cmp_pd_mask(hits, discriminant, zero, _CMP_GE_OQ);
     hits = _mm512_mask_cmp_pd_mask(hits, time, other.event_time, _CMP_LT_OQ);
-    best = earlier_of(best, hits, time, names, s.disks);
+    double const earliest = _mm512_reduce_min_pd(_mm512_mask_mov_pd(never, hits, time));
+    __mmask8 const firsts = _mm512_mask_cmp_pd_mask(hits, time, _mm512_set1_pd(earliest), _CMP_EQ_OQ);
+    best = earlier_of(best, earliest, firsts, eight, s.disks);
+    if constexpr (grows) {
+      unsigned const slow = _mm512_cmp_pd_mask(a, zero, _CMP_LT_OQ);
+      if (slow != 0) [[unlikely]]
+        best = with_slow_ones(s, i, now, eight, slow, best);
+    }
   }
   return best;
 }
 
-}  // namespace
-
-GRIDLOCK_AVX512 Prediction predict_with_avx512(PredictionInput const& s, Index i, double now, Index apart) {
-  Candidates candidates;
-  if (!collect(s, i, apart, candidates)) [[unlikely]]
-    return predict_scalar(s, i, now, apart);
-  return first_event(s, i, now, candidates);
+/// The same beside a disk that i has just collided with.
+template <bool grows>
+GRIDLOCK_AVX512 inline Prediction predict_beside(PredictionInput const& s, Index i, double now, Index apart,
+                                                 Candidates const& candidates) {
+  Prediction const best = predict_with<grows>(s, i, now, candidates);
+  return grows ? with_disk_apart(s, i, now, apart, best) : best;
 }
 
-GRIDLOCK_AVX512 PairPrediction predict_pair_with_avx512(PredictionInput const& s, Index i, Index j, double now) {
+template <bool grows>
+GRIDLOCK_AVX512 Prediction predict(PredictionInput const& s, Index i, double now) {
+  Candidates candidates;
+  if (!collect(s, i, no_disk, candidates)) [[unlikely]]
+    return reference_predictor().one(s, i, now);
+  return predict_with<grows>(s, i, now, candidates);
+}
+
+template <bool grows>
+GRIDLOCK_AVX512 PairPrediction predict_pair(PredictionInput const& s, Index i, Index j, double now) {
   // What is around the two does not depend on their collision: collected first, it is found while the processor
   // still waits for the new velocities.
   Candidates around_i;
@@ -75,8 +243,15 @@ GRIDLOCK_AVX512 PairPrediction predict_pair_with_avx512(PredictionInput const& s
   bool const fits_i = collect(s, i, j, around_i);
   bool const fits_j = collect(s, j, i, around_j);
   if (!fits_i || !fits_j) [[unlikely]]
-    return predict_pair_scalar(s, i, j, now);
-  return {first_event(s, i, now, around_i), first_event(s, j, now, around_j)};
+    return reference_predictor().pair(s, i, j, now);
+  // Each returned as it is made: a copy would be read before it is written.
+  return {predict_beside<grows>(s, i, now, j, around_i), predict_beside<grows>(s, j, now, i, around_j)};
+}
+
+}  // namespace
+
+std::optional<Predictor> avx512_predictor(bool is_growing) {
+  return is_growing ? Predictor{predict<true>, predict_pair<true>} : Predictor{predict<false>, predict_pair<false>};
 }
 
 }  // namespace gridlock::exact
@@ -85,13 +260,7 @@ GRIDLOCK_AVX512 PairPrediction predict_pair_with_avx512(PredictionInput const& s
 
 namespace gridlock::exact {
 
-bool can_use_avx512(PredictionInput const&) { return false; }
-Prediction predict_with_avx512(PredictionInput const& s, Index i, double now, Index apart) {
-  return predict_scalar(s, i, now, apart);
-}
-PairPrediction predict_pair_with_avx512(PredictionInput const& s, Index i, Index j, double now) {
-  return predict_pair_scalar(s, i, j, now);
-}
+std::optional<Predictor> avx512_predictor(bool /*is_growing*/) { return std::nullopt; }
 
 }  // namespace gridlock::exact
 

@@ -12,7 +12,7 @@ namespace gridlock::exact {
 
 /// The disks of a dynamics by id index, in columns: how they outlive the process.
 struct SavedDisks {
-  std::vector<double> x, y, velocity_x, velocity_y, event_time;
+  std::vector<double> x, y, velocity_x, velocity_y, event_time, last_hit;
   std::vector<std::uint32_t> partner;  ///< by id index, or a border
   std::vector<std::uint32_t> partner_collision_count, collision_count;
   std::vector<std::int32_t> column, row, image_x, image_y;
@@ -25,6 +25,7 @@ struct SavedDisks {
     archive.visit("velocity_x", velocity_x);
     archive.visit("velocity_y", velocity_y);
     archive.visit("event_time", event_time);
+    archive.visit("last_hit", last_hit);
     archive.visit("partner", partner);
     archive.visit("partner_collision_count", partner_collision_count);
     archive.visit("collision_count", collision_count);
@@ -37,8 +38,8 @@ struct SavedDisks {
   /// Whether there are `disks` of everything.
   [[nodiscard]] bool has_size(std::size_t disks) const {
     auto const fits = [disks](auto const&... columns) { return ((columns.size() == disks) && ...); };
-    return fits(x, y, velocity_x, velocity_y, event_time, partner, partner_collision_count, collision_count, column,
-                row, image_x, image_y);
+    return fits(x, y, velocity_x, velocity_y, event_time, last_hit, partner, partner_collision_count, collision_count,
+                column, row, image_x, image_y);
   }
 };
 

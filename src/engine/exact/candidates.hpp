@@ -1,0 +1,55 @@
+#pragma once
+
+// What every predictor but the reference shares: the candidates of a disk by name.
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+
+#include "engine/exact/prediction.hpp"
+
+namespace gridlock::exact {
+
+inline constexpr std::size_t slots_per_cell = 4;
+/// Candidates are looked at so many at a time, whatever the registers: few disks have more, so that processors guess well how
+/// often a loop turns.
+inline constexpr std::size_t batch = 8;
+/// Those of nine full cells, rounded up.
+inline constexpr std::size_t most_candidates = 40;
+
+/// The disks around a disk, moved together, and behind them `nobody` up to a full batch.
+struct Candidates {
+  alignas(64) Index disks[most_candidates + batch];
+  std::size_t count;
+};
+
+// A disk that has just collided with another is none of its candidates, by name: what was just written, number by number, would be read
+// as a whole, and processors wait for that.
+
+/// The first slot of the three rows of cells around a disk.
+inline Index const* first_slot_around(PredictionInput const& s, Index i) {
+  Cell const cell = s.cells[i];
+  return s.slots + static_cast<std::size_t>(cell.row) * s.row_stride +
+         static_cast<std::size_t>(cell.column) * slots_per_cell;
+}
+
+/// The first of `best` and the contacts with these disks that take place at the time `earliest`, in the lanes of `firsts`; ties go to the
+/// lower Id.
+inline Prediction earlier_of(Prediction const& best, double earliest, unsigned firsts, Index const* names,
+                             MovingDisk const* disks) {
+  if (((firsts & (firsts - 1U)) != 0) | (earliest == best.time)) [[unlikely]] {
+    Prediction first = best;
+    for (unsigned rest = firsts; rest != 0; rest &= rest - 1U) {
+      Index const j = names[std::countr_zero(rest)];
+      bool const is_tie = earliest == first.time && first.partner < vertical_border;
+      if (earliest < first.time || (is_tie && disks[j].id_index < disks[first.partner].id_index)) first = {earliest, j};
+    }
+    return first;
+  }
+  // Which of the two is earlier is a coin toss: no branch may depend on it, or the processor could not begin with
+  // the next prediction meanwhile.
+  Index const choice[2] = {best.partner, names[std::countr_zero(firsts | 0x80U)]};
+  return {std::min(earliest, best.time), choice[earliest < best.time ? 1 : 0]};
+}
+
+}  // namespace gridlock::exact
