@@ -235,8 +235,8 @@ class Dynamics {
 
   struct ListsOfNeighbours {
     Lists wish = Lists::where_they_pay;
-    std::vector<Neighbours> neighbours;  // empty while cells are looked at
-    std::vector<Place> places;
+    LargeArray<Neighbours> neighbours;  // empty while cells are looked at
+    LargeArray<Place> places;
     double room = 0.0;                   // around the places
     std::vector<Index> around, to_tell;  // while neighbours are looked for
     double most_scale = 1.0;             // of the radii, up to which they are good

@@ -33,12 +33,8 @@ class FetchPipeline {
     if (taken_ == entered_) return;
     fetch(s, at(0).disk);
     if (taken_ >= 4) fetch_partner(s, at(4));
-    if (s.neighbours != nullptr) {
-      if (taken_ >= 8) fetch_neighbours(s, at(8));
-    } else {
-      if (taken_ >= 8) fetch_cells(s, grid, at(8));
-      if (taken_ >= 12) fetch_disks(grid, s.disks, at(12), last_disk);
-    }
+    if (taken_ >= 8) fetch_cells(s, grid, at(8));
+    if (taken_ >= 12) fetch_disks(grid, s, at(12), last_disk);
     ++taken_;
   }
 
@@ -51,6 +47,7 @@ class FetchPipeline {
     double time;
     Index disk;
     Index partner;
+    bool looks_at_cells;  ///< and not at lists of neighbours alone
     std::int32_t column;
     std::int32_t row;
     std::int32_t columns;
@@ -62,30 +59,23 @@ class FetchPipeline {
   /// A disk and what of it lies elsewhere.
   static void fetch(PredictionInput const& s, Index disk) {
     prefetch(&s.disks[disk]);
-    if (s.neighbours == nullptr) {
-      prefetch(&s.cells[disk]);
-    } else {
-      prefetch(&s.neighbours[disk]);
-      prefetch(&s.places[disk]);
-    }
+    prefetch(&s.cells[disk]);
+    if (s.neighbours == nullptr) return;
+    prefetch(&s.neighbours[disk]);
+    prefetch(&s.places[disk]);
   }
   static void fetch_partner(PredictionInput const& s, Entry& entry) {
     MovingDisk const& disk = s.disks[entry.disk];
     entry.rows = 0;
     if (disk.event_time != entry.time) return;
-    entry.partner = disk.partner < vertical_border ? disk.partner : entry.disk;
+    bool const is_at_border = disk.partner >= vertical_border;
+    entry.partner = is_at_border ? entry.disk : disk.partner;
+    entry.looks_at_cells = s.neighbours == nullptr || is_at_border;
     entry.rows = 3;
     fetch(s, entry.partner);
   }
-  static void fetch_neighbours(PredictionInput const& s, Entry const& entry) {
-    if (entry.rows == 0) return;
-    for (Index const i : {entry.disk, entry.partner}) {
-      // Few lists have more; the names behind the last are of disks, too.
-      for (std::uint32_t k = 0; k < 8; ++k) prefetch(&s.disks[s.neighbours[i].disks[k]]);
-    }
-  }
   static void fetch_cells(PredictionInput const& s, SlotGrid const& grid, Entry& entry) {
-    if (entry.rows == 0) return;
+    if (entry.rows == 0 || !entry.looks_at_cells) return;
     Cell const disk = s.cells[entry.disk];
     Cell const partner = s.cells[entry.partner];
     std::int32_t const columns_apart = partner.column - disk.column;
@@ -105,16 +95,30 @@ class FetchPipeline {
       prefetch(run + last);
     }
   }
-  static void fetch_disks(SlotGrid const& grid, MovingDisk const* disks, Entry const& entry, std::size_t last_disk) {
+  static void fetch_neighbours(PredictionInput const& s, Entry const& entry) {
+    for (Index const i : {entry.disk, entry.partner}) {
+      // Few lists have more; the names behind the last are those of the spare disk.
+      for (std::uint32_t k = 0; k < 8; ++k) prefetch(&s.disks[s.neighbours[i].disks[k]]);
+    }
+  }
+  static void fetch_disks(SlotGrid const& grid, PredictionInput const& s, Entry const& entry, std::size_t last_disk) {
     if (entry.rows == 0) return;
+    if (s.neighbours != nullptr) fetch_neighbours(s, entry);
+    if (!entry.looks_at_cells) return;
     Index const* run = grid.slots_of(entry.column, entry.row);
     for (std::int32_t row = 0; row < entry.rows; ++row, run += grid.row_stride()) {
       Index const* cell = run;
       for (std::int32_t column = 0; column < entry.columns; ++column, cell += grid.capacity()) {
         // Few cells hold more than two disks. An empty slot asks for the spare disk at the end, which is always there:
         // cheaper than a branch.
-        prefetch(&disks[std::min<std::size_t>(cell[0], last_disk)]);
-        prefetch(&disks[std::min<std::size_t>(cell[1], last_disk)]);
+        for (std::size_t k = 0; k < 2; ++k) {
+          std::size_t const disk = std::min<std::size_t>(cell[k], last_disk);
+          if (s.neighbours == nullptr) {
+            prefetch(&s.disks[disk]);
+          } else {
+            prefetch(&s.places[disk]);
+          }
+        }
       }
     }
   }
