@@ -81,6 +81,7 @@ void search_band(SortedPoints const& points, Box const& box, double cutoff, int 
         std::uint32_t* const found = band.neighbours.room_for(block.candidates + neighbour_slack);
         std::size_t count = find_neighbours({.x = points.x(),
                                              .y = points.y(),
+                                             .size = points.size(),
                                              .p = {points.x()[row], points.y()[row]},
                                              .squared_cutoff = cutoff * cutoff,
                                              .left_out = row,

@@ -29,6 +29,7 @@ class SortedPoints {
 
   [[nodiscard]] CellLayout const& layout() const { return layout_; }
   [[nodiscard]] std::size_t first_of(std::size_t cell) const { return first_[cell]; }
+  [[nodiscard]] std::size_t size() const { return index_.size(); }
   [[nodiscard]] std::uint32_t index(std::size_t row) const { return index_[row]; }
   [[nodiscard]] double const* x() const { return x_.data(); }
   [[nodiscard]] double const* y() const { return y_.data(); }

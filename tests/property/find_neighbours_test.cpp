@@ -16,9 +16,7 @@
 namespace gridlock {
 namespace {
 
-using Kernel = std::size_t (*)(RowSearch const&, std::span<RowRange const>, std::uint32_t*);
-
-std::vector<std::uint32_t> found_by(Kernel kernel, RowSearch const& search, std::vector<RowRange> const& ranges,
+std::vector<std::uint32_t> found_by(FindNeighbours kernel, RowSearch const& search, std::vector<RowRange> const& ranges,
                                     std::size_t candidates) {
   std::vector<std::uint32_t> found(candidates + neighbour_slack);
   found.resize(kernel(search, ranges, found.data()));
@@ -47,6 +45,7 @@ RC_GTEST_PROP(Neighbours, AreThoseOfTheDefinitionInTheOrderOfTheRangesOneOrEight
   std::size_t const self = random.below(count);
   RowSearch const search{.x = x.data(),
                          .y = y.data(),
+                         .size = count,
                          .p = {x[self], y[self]},
                          .squared_cutoff = 0.25,
                          .left_out = self,
@@ -61,8 +60,8 @@ RC_GTEST_PROP(Neighbours, AreThoseOfTheDefinitionInTheOrderOfTheRangesOneOrEight
   }
   RC_ASSERT(found_by(find_neighbours_scalar, search, ranges, candidates) == expected);
   RC_ASSERT(found_by(find_neighbours, search, ranges, candidates) == expected);
-  if (can_find_neighbours_with_avx512()) {
-    RC_ASSERT(found_by(find_neighbours_avx512, search, ranges, candidates) == expected);
+  for (Target const target : available_targets()) {
+    RC_ASSERT(found_by(find_neighbours_kernel(target), search, ranges, candidates) == expected);
   }
 }
 

@@ -245,21 +245,21 @@ CandidatePairs candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOf
   return all;
 }
 
-TEST(CandidatePairs, AreTheSameInTheSameOrderWithAndWithoutWideRegisters) {
-  if (!can_add_pairs_with_avx512()) GTEST_SKIP() << "this processor has no AVX-512";
+TEST(CandidatePairs, AreTheSameInTheSameOrderWithAnyInstructions) {
   for (std::uint64_t seed = 0; seed < 3000; ++seed) {
     Scene scene(seed);
     State const& state = scene.state();
     double const cutoff = scene.any_cutoff();
     PackedGrid const grid(scene.any_layout(cutoff), state.agents.column<X>(), state.agents.column<Y>());
-    ASSERT_EQ(candidate_pairs(grid, cutoff, add_pairs_of_row_with_avx512),
-              candidate_pairs(grid, cutoff, add_pairs_of_row_scalar))
-        << "seed " << seed;
+    CandidatePairs const expected = candidate_pairs(grid, cutoff, add_pairs_of_row_scalar);
+    for (Target const target : available_targets()) {
+      ASSERT_EQ(candidate_pairs(grid, cutoff, add_pairs_kernel(target)), expected)
+          << "seed " << seed << ", " << to_text(target);
+    }
   }
 }
 
 TEST(CandidatePairs, AreTheSameWhereEveryCellIsFullAndEveryAgentIsNear) {
-  if (!can_add_pairs_with_avx512()) GTEST_SKIP() << "this processor has no AVX-512";
   // Four coincident agents at the middle of each cell: 3 + 16 pairs for the first of each.
   State state{.box = Box(20.0, 20.0, Edge::periodic)};
   for (int n = 0; n < 1600; ++n) {
@@ -269,10 +269,12 @@ TEST(CandidatePairs, AreTheSameWhereEveryCellIsFullAndEveryAgentIsNear) {
   PackedGrid const fine({state.box, 20, 20}, state.agents.column<X>(), state.agents.column<Y>());
   for (PackedGrid const* one : {&grid, &fine}) {
     double const cutoff = one->layout().cell_width();
-    CandidatePairs const wide = candidate_pairs(*one, cutoff, add_pairs_of_row_with_avx512);
-    EXPECT_EQ(wide, candidate_pairs(*one, cutoff, add_pairs_of_row_scalar));
+    CandidatePairs const expected = candidate_pairs(*one, cutoff, add_pairs_of_row_scalar);
+    for (Target const target : available_targets()) {
+      EXPECT_EQ(candidate_pairs(*one, cutoff, add_pairs_kernel(target)), expected) << to_text(target);
+    }
     EXPECT_EQ(separations_by_grid(state, *one, cutoff), separations_by_brute_force(state, cutoff));
-    EXPECT_GT(wide.size(), 1600U * 8U);
+    EXPECT_GT(expected.size(), 1600U * 8U);
   }
 }
 

@@ -9,6 +9,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "core/highway-inl.hpp"
+
 // The plain C++ beside is faster than Highway's one lane.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 HWY_BEFORE_NAMESPACE();
@@ -16,6 +18,7 @@ HWY_BEFORE_NAMESPACE();
 namespace gridlock::exact::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
+using gridlock::HWY_NAMESPACE::nearest_image;
 
 namespace {
 
@@ -46,15 +49,6 @@ HWY_INLINE void collect(PredictionInput const& s, Index i, Index apart, Candidat
     }
   }
   candidates.count = count;
-}
-
-/// One component of Box::displacement_inside() in a periodic box.
-template <class V>
-HWY_INLINE V nearest_image(V d, double side) {
-  hn::DFromV<V> const tag;
-  V const whole = hn::Set(tag, side);
-  V const moved_down = hn::IfThenElse(hn::Gt(d, hn::Set(tag, 0.5 * side)), hn::Sub(d, whole), d);
-  return hn::IfThenElse(hn::Lt(d, hn::Set(tag, -0.5 * side)), hn::Add(moved_down, whole), moved_down);
 }
 
 /// The columns of the candidates, with zeros behind them up to a full register.

@@ -181,8 +181,8 @@ class PackedGrid {
     friend bool operator==(AgentPair const&, AgentPair const&) = default;
   };
   using OnPairs = std::function<void(std::span<AgentPair const>)>;
-  /// The same pairs in portions of up to a thousand. Sixteen candidates are looked at at a time where the processor has
-  /// AVX-512, chosen at run time, four elsewhere; the same pairs in the same order on both.
+  /// The same pairs in portions of up to a thousand. Sixteen candidates are looked at at a time with AVX-512, eight with AVX2, four
+  /// elsewhere, chosen at run time; the same pairs in the same order with any.
   /// Errors: Error for a cutoff that is negative or no number.
   void find_candidate_pairs(double cutoff, OnPairs const& on_pairs) const;
 
