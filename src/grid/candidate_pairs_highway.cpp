@@ -32,6 +32,8 @@ static_assert(PairBuffer::slack >= slots);
 
 /// Agents of blocks and what is added to a point to see it from their cells.
 struct SeenRegister {
+  HWY_INLINE SeenRegister() {}  // NOLINT: one that the compiler writes is not compiled for the target
+
   Register x;
   Register y;
   Register shift_x;

@@ -22,7 +22,7 @@ constexpr std::size_t nobody = std::numeric_limits<std::size_t>::max();
 
 /// Calls visit(rows) for the rows of a block that are near, some at a time.
 template <class Visit>
-void for_each_near(RowBlock const& block, RowSearch const& search, Visit visit) {
+void for_each_near(RowBlock const& block, RowSearch const& search, Visit const& visit) {
   std::array<std::uint32_t, rows_at_once + neighbour_slack> found;
   if (block.candidates <= rows_at_once) {
     std::size_t const count = find_neighbours(search, block.ranges(), found.data());

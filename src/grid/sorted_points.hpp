@@ -24,7 +24,12 @@ class SortedPoints {
   /// Errors: Error for points that are not finite.
   SortedPoints(CellLayout const& layout, Vector origin, PointsInMemory const& points, ThreadPool& pool,
                std::optional<CellLayout> const& finer = {})
-      : layout_(layout), index_(points.count), x_(points.count), y_(points.count) {
+      : layout_(layout),
+        first_(static_cast<std::size_t>(layout_.count()) +
+               1),  // first: the system gives large memory back and forth otherwise
+        index_(points.count),
+        x_(points.count),
+        y_(points.count) {
     cells_.clear(layout, StoredCells::Which::all);
     if (!sort(origin, points, pool, finer.has_value()) && finer) sort_crowd(*finer, origin, points, pool);
   }

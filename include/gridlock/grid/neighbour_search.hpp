@@ -51,7 +51,7 @@ class NeighbourSearch {
   /// Calls visit(i, j, separation) once for every pair, where i > j and separation = r_j − r_i.
   template <class Visit>
   void for_each_pair(Visit visit) const {
-    if (crowd_) {
+    if (crowd_) [[unlikely]] {
       gridlock::for_each_pair(points(), *crowd_, cutoff_, std::move(visit));
     } else {
       gridlock::for_each_pair(points(), grid_, cutoff_, std::move(visit));
@@ -79,7 +79,7 @@ class NeighbourSearch {
   [[nodiscard]] PointsInBox points() const { return {box_, x_, y_}; }
   template <class Visit>
   void visit_near(Vector p, Visit visit) const {
-    if (crowd_) {
+    if (crowd_) [[unlikely]] {
       gridlock::for_each_neighbour(points(), *crowd_, cutoff_, p, std::move(visit));
     } else {
       gridlock::for_each_neighbour(points(), grid_, cutoff_, p, std::move(visit));
