@@ -80,10 +80,15 @@ class NeighbourSearch {
   template <class Visit>
   void visit_near(Vector p, Visit visit) const {
     if (crowd_) [[unlikely]] {
-      gridlock::for_each_neighbour(points(), *crowd_, cutoff_, p, std::move(visit));
+      visit_near_in_crowd(p, std::move(visit));
     } else {
       gridlock::for_each_neighbour(points(), grid_, cutoff_, p, std::move(visit));
     }
+  }
+  /// By itself, or the compiler would not put what the caller does into the loop of the other one.
+  template <class Visit>
+  [[gnu::noinline]] void visit_near_in_crowd(Vector p, Visit visit) const {
+    gridlock::for_each_neighbour(points(), *crowd_, cutoff_, p, std::move(visit));
   }
   /// Finds out which of the two grids is to hold the points, and makes it.
   void make_grid();
