@@ -18,8 +18,7 @@ Target choose() {
   std::string_view const name = wish == nullptr ? "" : wish;
   Target fastest = Target::scalar;
   std::string names;
-  for (Target const target : all_targets) {
-    if (!is_available(target)) continue;
+  for (Target const target : available_targets()) {
     if (name == to_text(target)) return target;
     fastest = target;
     names += std::string(names.empty() ? "" : ", ") + to_text(target);
@@ -66,6 +65,14 @@ bool is_available(Target target) {
   if (target == Target::neon) return true;
 #endif
   return false;
+}
+
+std::vector<Target> available_targets() {
+  std::vector<Target> targets;
+  for (Target const target : all_targets) {
+    if (is_available(target)) targets.push_back(target);
+  }
+  return targets;
 }
 
 Target target() {

@@ -124,6 +124,14 @@ void add_pairs_of_row_scalar(HalfBlock& half, int row, PairBuffer& buffer) {
   }
 }
 
+AddPairsOfRow add_pairs_kernel(Target target) {
+  if (AddPairsOfRow const kernel = add_pairs_with_avx512(target)) return kernel;
+#ifdef GRIDLOCK_HIGHWAY
+  if (AddPairsOfRow const kernel = add_pairs_with_highway(target)) return kernel;
+#endif
+  return add_pairs_of_row_scalar;
+}
+
 void find_candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOfRow add_pairs_of_row,
                           PackedGrid::OnPairs const& on_pairs) {
   CellLayout const& layout = grid.layout();
@@ -145,8 +153,7 @@ void find_candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOfRow a
 
 void PackedGrid::find_candidate_pairs(double cutoff, OnPairs const& on_pairs) const {
   require_cutoff(cutoff);
-  static AddPairsOfRow const kernel =
-      can_add_pairs_with_avx512() ? add_pairs_of_row_with_avx512 : add_pairs_of_row_scalar;
+  static AddPairsOfRow const kernel = add_pairs_kernel(target());
   gridlock::find_candidate_pairs(*this, cutoff, kernel, on_pairs);
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "gridlock/core/target.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
 
 namespace gridlock {
@@ -62,16 +63,25 @@ std::span<SeenBlock const> blocks_seen_from(HalfBlock& half, int column, int row
 /// The candidates of one cell.
 void add_pairs_of_cell_scalar(HalfBlock& half, int column, int row, PairBuffer& buffer);
 
-// Two kernels for a row of cells; they add the same pairs in the same order, which a test compares.
+/// The most blocks beside its own an agent looks at in kernels for wide registers; more, which takes hundreds of agents nearby, are
+/// for the scalar version.
+constexpr std::size_t most_blocks_seen = 32;
+
+/// A kernel: the candidates of a row of cells.
+using AddPairsOfRow = void (*)(HalfBlock&, int, PairBuffer&);
+
+/// The kernel for these instructions, or for the next plainer ones that have one. All add the same pairs in the same order, which a
+/// test compares. Contract: is_available(target).
+AddPairsOfRow add_pairs_kernel(Target target);
 
 void add_pairs_of_row_scalar(HalfBlock& half, int row, PairBuffer& buffer);
 
-bool can_add_pairs_with_avx512();
-/// Contract: can_add_pairs_with_avx512().
-void add_pairs_of_row_with_avx512(HalfBlock& half, int row, PairBuffer& buffer);
+// The kernels of one file each; nullptr where it has none for these instructions.
 
-using AddPairsOfRow = void (*)(HalfBlock&, int, PairBuffer&);
-/// PackedGrid::find_candidate_pairs() by one of the two kernels.
+AddPairsOfRow add_pairs_with_avx512(Target target);
+AddPairsOfRow add_pairs_with_highway(Target target);
+
+/// PackedGrid::find_candidate_pairs() by one of the kernels.
 void find_candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOfRow add_pairs_of_row,
                           PackedGrid::OnPairs const& on_pairs);
 

@@ -44,12 +44,13 @@ int CellLayout::index_from_outside(double p, double per_length, int count, doubl
   return static_cast<int>(std::min(std::max(0.0, index), static_cast<double>(count - 1)));
 }
 
-CellLayout layout_for_cutoff(Box const& box, double cutoff, std::size_t agents) {
+CellLayout layout_for_cutoff(Box const& box, double cutoff, std::size_t agents, double cells_per_agent) {
   require_cutoff(cutoff);
   // A hair more than the cutoff, so that the margin of columns_within() does not ask for a second ring of cells.
   cutoff *= 1.0 + 1e-9;
   // Cells far smaller in number than agents would make long lists; far more would only be empty memory.
-  double const most = 2.0 * static_cast<double>(agents) + 1.0;
+  double const most =
+      std::min(cells_per_agent * static_cast<double>(agents) + 1.0, 0.99 * static_cast<double>(most_cells));
   double const columns = std::sqrt(most * (box.width() / box.height()));
   double const rows = std::sqrt(most * (box.height() / box.width()));
   return {box, cells_along(box.width(), cutoff, std::min(columns + 1.0, most)),

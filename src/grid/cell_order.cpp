@@ -41,21 +41,29 @@ void CellOrder::for_each_row_in_cells(std::uint32_t first_cell, std::uint32_t en
   }
 }
 
-void CellOrder::sort(CellLayout const& layout, std::span<double const> x, std::span<double const> y,
-                     std::span<Id const> ids, ThreadPool& thread_pool) {
-  std::size_t const agents = ids.size();
-  auto const cells = static_cast<std::size_t>(layout.count());
-  cell_.resize(agents);
-  rows_.resize(agents);
-  first_.resize(cells + 1);
-  ranges_.resize((agents + rows_per_range - 1) / rows_per_range);
+void CellOrder::find_occupied(CellLayout const& layout, Columns const& columns, ThreadPool& thread_pool) {
+  std::size_t const agents = columns.ids.size();
   std::size_t const parts = parts_for(thread_pool);
+  cells_.clear(layout, StoredCells::Which::occupied);
+  thread_pool.for_each(parts, [&](std::size_t part) {
+    for (std::size_t row = part * agents / parts; row < (part + 1) * agents / parts; ++row) {
+      cells_.add(static_cast<std::size_t>(layout.cell_of({columns.x[row], columns.y[row]})));
+    }
+  });
+  cells_.find_places();
+}
 
+void CellOrder::count(CellLayout const& layout, Columns const& columns, ThreadPool& thread_pool) {
+  std::size_t const agents = columns.ids.size();
+  std::size_t const cells = cells_.count();
+  std::size_t const parts = parts_for(thread_pool);
+  first_.resize(cells + 1);
   thread_pool.for_each(parts, [&](std::size_t part) {
     for (std::size_t s = part * ranges_.size() / parts; s < (part + 1) * ranges_.size() / parts; ++s) {
       RowRange range{.least = static_cast<std::uint32_t>(cells), .most = 0};
       for (std::size_t row = s * rows_per_range; row < std::min(agents, (s + 1) * rows_per_range); ++row) {
-        auto const cell = static_cast<std::uint32_t>(layout.cell_of({x[row], y[row]}));
+        auto const number = static_cast<std::size_t>(layout.cell_of({columns.x[row], columns.y[row]}));
+        auto const cell = static_cast<std::uint32_t>(cells_.place_of(number));
         cell_[row] = cell;
         range.least = std::min(range.least, cell);
         range.most = std::max(range.most, cell);
@@ -63,20 +71,49 @@ void CellOrder::sort(CellLayout const& layout, std::span<double const> x, std::s
       ranges_[s] = range;
     }
   });
-
-  auto const first_cell = [&](std::size_t part) { return static_cast<std::uint32_t>(part * cells / parts); };
   // Every part counts its own cells and afterwards fills them, so that no two threads write to one place.
   thread_pool.for_each(parts, [&](std::size_t part) {
-    std::uint32_t const first = first_cell(part);
-    std::uint32_t const end = first_cell(part + 1);
+    std::uint32_t const first = first_cell(part, thread_pool);
+    std::uint32_t const end = first_cell(part + 1, thread_pool);
     std::fill(first_.begin() + first, first_.begin() + end, 0U);
     for_each_row_in_cells(first, end, [&](std::uint32_t, std::uint32_t cell) { ++first_[cell]; });
   });
+}
+
+bool CellOrder::has_crowd() const {
+  std::uint64_t pairs = 0;
+  for (std::size_t cell = 0; cell < cells_.count(); ++cell) {
+    std::uint64_t const agents = first_[cell];
+    pairs += agents * (agents - 1) / 2;
+  }
+  return is_crowd(pairs, cell_.size());
+}
+
+std::uint32_t CellOrder::first_cell(std::size_t part, ThreadPool const& thread_pool) const {
+  return static_cast<std::uint32_t>(part * cells_.count() / parts_for(thread_pool));
+}
+
+CellLayout CellOrder::sort(CellLayout const& layout, std::span<double const> x, std::span<double const> y,
+                           std::span<Id const> ids, ThreadPool& thread_pool, std::optional<CellLayout> const& finer) {
+  Columns const columns{x, y, ids};
+  std::size_t const agents = ids.size();
+  std::size_t const parts = parts_for(thread_pool);
+  cell_.resize(agents);
+  rows_.resize(agents);
+  ranges_.resize((agents + rows_per_range - 1) / rows_per_range);
+  cells_.clear(layout, StoredCells::Which::all);
+  count(layout, columns, thread_pool);
+  bool const is_finer = finer && has_crowd();
+  if (is_finer) {
+    find_occupied(*finer, columns, thread_pool);
+    count(*finer, columns, thread_pool);
+  }
+  std::size_t const cells = cells_.count();
   std::exclusive_scan(first_.begin(), first_.end() - 1, first_.begin(), 0U);
   first_[cells] = static_cast<std::uint32_t>(agents);
   thread_pool.for_each(parts, [&](std::size_t part) {
-    std::uint32_t const first = first_cell(part);
-    std::uint32_t const end = first_cell(part + 1);
+    std::uint32_t const first = first_cell(part, thread_pool);
+    std::uint32_t const end = first_cell(part + 1, thread_pool);
     // first_[cell] runs on to the end of its cell while it is filled, and is set back behind it.
     for_each_row_in_cells(first, end, [&](std::uint32_t row, std::uint32_t cell) { rows_[first_[cell]++] = row; });
   });
@@ -87,7 +124,7 @@ void CellOrder::sort(CellLayout const& layout, std::span<double const> x, std::s
     // Cells are short and seldom out of order: a pass over all rows, which knows nothing of cells, stumbles only there.
     Id last_id = 0;
     std::uint32_t last_cell = static_cast<std::uint32_t>(cells);
-    for (std::size_t k = first_[first_cell(part)]; k < first_[first_cell(part + 1)]; ++k) {
+    for (std::size_t k = first_[first_cell(part, thread_pool)]; k < first_[first_cell(part + 1, thread_pool)]; ++k) {
       std::uint32_t const row = rows_[k];
       // Both sides are always worked out: a branch on the first alone would often be guessed wrongly.
       int const is_in_order = int{cell_[row] != last_cell} | int{ids[row] > last_id};
@@ -99,6 +136,7 @@ void CellOrder::sort(CellLayout const& layout, std::span<double const> x, std::s
       k = end - 1;
     }
   });
+  return is_finer ? *finer : layout;
 }
 
 }  // namespace gridlock

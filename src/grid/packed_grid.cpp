@@ -54,7 +54,17 @@ PackedGrid::PackedGrid(CellLayout const& layout, std::size_t agents)
 PackedGrid::PackedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y)
     : PackedGrid(layout, x.size()) {
   require_points(x, y);
-  for (std::size_t i = 0; i < x.size(); ++i) insert(i, {x[i], y[i]});
+  // Agents in no order: the line of one is fetched while others are put into theirs.
+  constexpr std::size_t ahead = 16;
+  std::array<CellPoint, ahead> waiting;
+  for (std::size_t i = 0; i < x.size() + ahead; ++i) {
+    CellPoint& cell_point = waiting[i % ahead];
+    if (i >= ahead) put(i - ahead, cell_point);
+    if (i >= x.size()) continue;
+    cell_point = cell_point_of({x[i], y[i]});
+    gridlock::prefetch(&blocks_[base_of(cell_point)]);
+  }
+  size_ = x.size();
 }
 
 void PackedGrid::grow(std::size_t agents) {
@@ -69,11 +79,13 @@ std::size_t PackedGrid::most_blocks_for(std::size_t agents) const {
   return cells + agents / slots + 1;
 }
 
-void PackedGrid::put(std::size_t agent, Vector p) {
+PackedGrid::CellPoint PackedGrid::cell_point_of(Vector p) const {
   p = layout_.image_in_cell(p);
-  int const column = layout_.column_of(p.x);
-  int const row = layout_.row_of(p.y);
-  std::size_t const base_index = static_cast<std::size_t>(row) * stride_ + static_cast<std::size_t>(column);
+  return {p, layout_.column_of(p.x), layout_.row_of(p.y)};
+}
+
+void PackedGrid::put(std::size_t agent, CellPoint const& cell_point) {
+  std::size_t const base_index = base_of(cell_point);
   std::size_t index = base_index;
   if (blocks_[base_index].count == slots) {
     // Behind a full first block only the second may have room: all further ones are full.
@@ -83,7 +95,7 @@ void PackedGrid::put(std::size_t agent, Vector p) {
   Block& block = blocks_[index];
   std::uint32_t const slot = block.count++;
   block.agent[slot] = static_cast<std::uint32_t>(agent);
-  write_place(block, slot, local(p, column, row));
+  write_place(block, slot, local(cell_point.p, cell_point.column, cell_point.row));
   place_[agent] = static_cast<std::uint32_t>(index * slots + slot);
 }
 
@@ -111,7 +123,7 @@ void PackedGrid::take_out(std::size_t agent) {
 void PackedGrid::move_to_cell(std::size_t agent, Vector p) {
   unsigned const mark = (block_of(agent).marks >> place_[agent] % slots) & 1U;
   take_out(agent);
-  put(agent, p);
+  put(agent, cell_point_of(p));
   block_of(agent).marks |= static_cast<std::uint16_t>(mark << place_[agent] % slots);
 }
 

@@ -24,19 +24,19 @@ Grid grid_for_cutoff(State const& state, double cutoff) {
 }
 
 /// As for_each_pair(PointsInBox, …): i > j are rows of the population.
-template <NeighbourGrid Grid, class Visit>
+template <SearchGrid Grid, class Visit>
 void for_each_pair(State const& state, Grid const& grid, double cutoff, Visit visit) {
   for_each_pair(centres(state), grid, cutoff, std::move(visit));
 }
 
 /// As for_each_neighbour(PointsInBox, …).
-template <NeighbourGrid Grid, class Visit>
+template <SearchGrid Grid, class Visit>
 void for_each_neighbour(State const& state, Grid const& grid, double cutoff, Vector p, Visit visit) {
   for_each_neighbour(centres(state), grid, cutoff, p, std::move(visit));
 }
 
 /// The same for the neighbours of disk i, which is none of them.
-template <NeighbourGrid Grid, class Visit>
+template <SearchGrid Grid, class Visit>
 void for_each_neighbour(State const& state, Grid const& grid, double cutoff, std::size_t i, Visit visit) {
   for_each_neighbour(state, grid, cutoff, position(state.agents, i), [&](std::size_t j, Vector separation) {
     if (j != i) visit(j, separation);

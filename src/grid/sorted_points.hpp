@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,8 @@
 #include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/grid/cell_layout.hpp"
+#include "gridlock/grid/detail/find_neighbours.hpp"
+#include "gridlock/grid/detail/stored_cells.hpp"
 #include "gridlock/grid/neighbour_lists.hpp"
 
 namespace gridlock {
@@ -17,27 +20,68 @@ namespace gridlock {
 /// The points in the order of their cells, in a cell in their own order.
 class SortedPoints {
  public:
-  /// The cells begin to count at `origin`. Errors: Error for points that are not finite.
-  SortedPoints(CellLayout const& layout, Vector origin, PointsInMemory const& points, ThreadPool& pool)
+  /// The cells begin to count at `origin`. Where points crowd, they are those of `finer`, if it is given.
+  /// Errors: Error for points that are not finite.
+  SortedPoints(CellLayout const& layout, Vector origin, PointsInMemory const& points, ThreadPool& pool,
+               std::optional<CellLayout> const& finer = {})
       : layout_(layout),
-        first_(static_cast<std::size_t>(layout_.count()) + 1),
+        first_(static_cast<std::size_t>(layout_.count()) +
+               1),  // first: the system gives large memory back and forth otherwise
         index_(points.count),
         x_(points.count),
         y_(points.count) {
-    sort(origin, points, pool);
+    cells_.clear(layout, StoredCells::Which::all);
+    if (!sort(origin, points, pool, finer.has_value()) && finer) sort_crowd(*finer, origin, points, pool);
   }
+  /// Points that are known to crowd.
+  static SortedPoints of_crowd(CellLayout const& layout, PointsInMemory const& points, ThreadPool& pool) {
+    SortedPoints sorted(points.count);
+    sorted.sort_crowd(layout, {}, points, pool);
+    return sorted;
+  }
+  /// The same points where they are now, in the same cells.
+  void sort_crowd_again(PointsInMemory const& points, ThreadPool& pool) { sort_crowd(layout_, {}, points, pool); }
 
   [[nodiscard]] CellLayout const& layout() const { return layout_; }
-  [[nodiscard]] std::size_t first_of(std::size_t cell) const { return first_[cell]; }
+  [[nodiscard]] std::size_t first_of(std::size_t cell) const { return first_[cells_.place_of(cell)]; }
+  /// Calls visit(column, row, its points) for every cell with points in rows of cells first … end − 1, in their order.
+  template <class Visit>
+  void for_each_cell(int first, int end, Visit visit) const {
+    cells_.for_each_in_rows(layout_, first, end, [&](int column, int row, std::size_t place) {
+      RowRange const points{first_[place], first_[place + 1]};
+      if (points.first < points.end) visit(column, row, points);
+    });
+  }
+  [[nodiscard]] std::size_t size() const { return index_.size(); }
   [[nodiscard]] std::uint32_t index(std::size_t row) const { return index_[row]; }
   [[nodiscard]] double const* x() const { return x_.data(); }
   [[nodiscard]] double const* y() const { return y_.data(); }
 
  private:
-  void sort(Vector origin, PointsInMemory const& points, ThreadPool& pool) {
+  static Vector point(PointsInMemory const& points, std::size_t i) {
+    return {points.x[i * points.stride], points.y[i * points.stride]};
+  }
+
+  explicit SortedPoints(std::size_t count) : index_(count), x_(count), y_(count) {}
+
+  void sort_crowd(CellLayout const& layout, Vector origin, PointsInMemory const& points, ThreadPool& pool) {
+    layout_ = layout;
+    cells_.clear(layout, StoredCells::Which::occupied);
+    pool.for_each(pool.size(), [&](std::size_t part) {
+      for (std::size_t i = part * points.count / pool.size(); i < (part + 1) * points.count / pool.size(); ++i) {
+        cells_.add(static_cast<std::size_t>(layout_.cell_of(point(points, i) - origin)));
+      }
+    });
+    cells_.find_places();
+    sort(origin, points, pool, false);
+  }
+
+  /// False where it stops because the points crowd.
+  bool sort(Vector origin, PointsInMemory const& points, ThreadPool& pool, bool stops_for_crowd) {
     // Every thread counts and places a range of the points; the second knows where those before it end in each cell.
     std::size_t const parts = pool.size();
-    std::size_t const cells = first_.size() - 1;
+    std::size_t const cells = cells_.count();
+    first_.resize(cells + 1);
     auto const first_point = [&](std::size_t part) { return part * points.count / parts; };
     UninitializedArray<std::uint32_t> cell_of(points.count);
     std::vector<std::vector<std::uint32_t>> places(parts);
@@ -46,41 +90,54 @@ class SortedPoints {
       std::vector<std::uint32_t>& counts = places[part];
       counts.assign(cells, 0);
       for (std::size_t i = first_point(part); i < first_point(part + 1); ++i) {
-        Vector const p = Vector{points.x[i * points.stride], points.y[i * points.stride]} - origin;
+        Vector const p = point(points, i) - origin;
         if (!(p.x - p.x == 0.0) | !(p.y - p.y == 0.0)) {
           are_finite = false;
           return;
         }
-        auto const cell = static_cast<std::uint32_t>(layout_.cell_of(p));
+        auto const cell = static_cast<std::uint32_t>(cells_.place_of(static_cast<std::size_t>(layout_.cell_of(p))));
         cell_of[i] = cell;
         ++counts[cell];
       }
     });
     if (!are_finite) require_points_in_memory(points);
     std::uint32_t next = 0;
+    std::uint64_t pairs_in_cells = 0;
     for (std::size_t cell = 0; cell < cells; ++cell) {
       first_[cell] = next;
       for (std::size_t part = 0; part < parts; ++part) next += std::exchange(places[part][cell], next);
+      std::uint64_t const in_cell = next - first_[cell];
+      pairs_in_cells += in_cell * (in_cell - 1) / 2;
     }
     first_[cells] = next;
+    if (stops_for_crowd && is_crowd(pairs_in_cells, points.count)) return false;
     pool.for_each(parts, [&](std::size_t part) {
       std::vector<std::uint32_t>& place = places[part];
       for (std::size_t i = first_point(part); i < first_point(part + 1); ++i) {
         std::size_t const row = place[cell_of[i]]++;
-        Vector const p = layout_.image_in_cell({points.x[i * points.stride], points.y[i * points.stride]});
+        Vector const p = layout_.image_in_cell(point(points, i));
         index_[row] = static_cast<std::uint32_t>(i);
         x_[row] = p.x;
         y_[row] = p.y;
       }
     });
+    return true;
   }
 
   CellLayout layout_;
-  std::vector<std::uint32_t> first_;
+  StoredCells cells_;
+  std::vector<std::uint32_t> first_;  ///< of each stored cell, and one behind
   UninitializedArray<std::uint32_t> index_;
   UninitializedArray<double> x_;
   UninitializedArray<double> y_;
 };
+
+/// The points in cells of at least `cutoff`: in fine ones, the occupied of which are stored, where they crowd in a part of the box.
+inline SortedPoints sorted_for_cutoff(Box const& box, Vector origin, double cutoff, PointsInMemory const& points,
+                                      ThreadPool& pool) {
+  CellLayout const layout = layout_for_cutoff(box, cutoff, points.count);
+  return {layout, origin, points, pool, layout_for_crowd(box, cutoff, points.count, layout)};
+}
 
 /// Bands of whole rows of cells with about as many points each. How many there are changes nothing but who does what.
 inline std::vector<int> bands_of(SortedPoints const& points, ThreadPool const& pool) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -16,9 +17,7 @@
 namespace gridlock {
 namespace {
 
-using Kernel = std::size_t (*)(RowSearch const&, std::span<RowRange const>, std::uint32_t*);
-
-std::vector<std::uint32_t> found_by(Kernel kernel, RowSearch const& search, std::vector<RowRange> const& ranges,
+std::vector<std::uint32_t> found_by(FindNeighbours kernel, RowSearch const& search, std::vector<RowRange> const& ranges,
                                     std::size_t candidates) {
   std::vector<std::uint32_t> found(candidates + neighbour_slack);
   found.resize(kernel(search, ranges, found.data()));
@@ -47,6 +46,7 @@ RC_GTEST_PROP(Neighbours, AreThoseOfTheDefinitionInTheOrderOfTheRangesOneOrEight
   std::size_t const self = random.below(count);
   RowSearch const search{.x = x.data(),
                          .y = y.data(),
+                         .size = count,
                          .p = {x[self], y[self]},
                          .squared_cutoff = 0.25,
                          .left_out = self,
@@ -61,8 +61,8 @@ RC_GTEST_PROP(Neighbours, AreThoseOfTheDefinitionInTheOrderOfTheRangesOneOrEight
   }
   RC_ASSERT(found_by(find_neighbours_scalar, search, ranges, candidates) == expected);
   RC_ASSERT(found_by(find_neighbours, search, ranges, candidates) == expected);
-  if (can_find_neighbours_with_avx512()) {
-    RC_ASSERT(found_by(find_neighbours_avx512, search, ranges, candidates) == expected);
+  for (Target const target : available_targets()) {
+    RC_ASSERT(found_by(find_neighbours_kernel(target), search, ranges, candidates) == expected);
   }
 }
 
@@ -70,26 +70,42 @@ RC_GTEST_PROP(CellOrder, IsThatOfTheCellsAndInACellThatOfTheIdsHoweverManyShareO
   auto const count = *rc::gen::inRange<std::size_t>(0, 400);
   auto const side = *rc::gen::inRange<std::uint64_t>(1, 7);  // one cell for all, or many
   RandomStream random(*rc::gen::arbitrary<std::uint64_t>(), 0, 0, Purpose::start_position);
-  CellLayout const layout(Box(1.0, 1.0, Edge::wall), side, side);
+  Box const box(1.0, 1.0, Edge::wall);
+  CellLayout const layout(box, side, side);
+  CellLayout const finer(box, 97, 113);  // words of 64 cells begin and end within rows
   std::vector<double> x(count);
   std::vector<double> y(count);
   std::vector<Id> ids(count);
   std::iota(ids.begin(), ids.end(), Id{0});
   for (std::size_t row = 0; row < count; ++row) {
-    x[row] = random.uniform();
+    x[row] = random.below(3) == 0 ? random.uniform() : 0.5 + 0.01 * random.uniform();
     y[row] = random.uniform();
     // In order but for a few, or in no order at all.
     if (random.below(4) == 0 || side < 3) std::swap(ids[row], ids[random.below(count)]);
   }
-  std::vector<std::uint32_t> expected(count);
-  std::iota(expected.begin(), expected.end(), 0U);
-  std::ranges::sort(expected, {}, [&](std::uint32_t row) {
-    return std::tuple(layout.cell_of({x[row], y[row]}), ids[row]);
-  });
   ThreadPool thread_pool(*rc::gen::element(1, 2, 3));
   CellOrder order;
-  order.sort(layout, x, y, ids, thread_pool);
-  RC_ASSERT(std::vector<std::uint32_t>(order.rows().begin(), order.rows().end()) == expected);
+  std::vector<std::optional<CellLayout>> const finer_ones{std::nullopt, finer};
+  for (std::optional<CellLayout> const& wish : finer_ones) {
+    CellLayout const used = order.sort(layout, x, y, ids, thread_pool, wish);
+    RC_ASSERT(used == layout || (wish && used == finer));
+    auto const cell_of = [&](std::uint32_t row) { return used.cell_of({x[row], y[row]}); };
+    std::vector<std::uint32_t> expected(count);
+    std::iota(expected.begin(), expected.end(), 0U);
+    std::ranges::sort(expected, {}, [&](std::uint32_t row) { return std::tuple(cell_of(row), ids[row]); });
+    RC_ASSERT(std::vector<std::uint32_t>(order.rows().begin(), order.rows().end()) == expected);
+    // Stored or not, every cell knows where its rows begin, and those with rows are visited once, in their order.
+    for (int cell = 0; cell <= used.count(); ++cell) {
+      auto const first = std::ranges::lower_bound(expected, cell, {}, cell_of) - expected.begin();
+      RC_ASSERT(order.first_of(static_cast<std::size_t>(cell)) == static_cast<std::size_t>(first));
+    }
+    std::size_t next = 0;
+    order.for_each_cell(used, 0, used.rows(), [&](int column, int row, std::size_t first, std::size_t end) {
+      RC_ASSERT(first == next && end > first);
+      for (; next < end; ++next) RC_ASSERT(cell_of(expected[next]) == row * used.columns() + column);
+    });
+    RC_ASSERT(next == count);
+  }
 }
 
 }  // namespace

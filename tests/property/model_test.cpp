@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -161,6 +162,31 @@ TEST(ModelSearch, MissesNobodyInAnyBox) {
       Flocking const model{.count = 90, .speed = 0.4};
       EXPECT_NO_THROW(hash_after(model, box, 20, {.threads = 2, .verify_every = 1}, 20)) << side;
     }
+  }
+}
+
+TEST(ModelSearch, MissesNobodyWhereAgentsCrowdOnAnyNumberOfThreads) {
+  for (Edge const edge : {Edge::wall, Edge::periodic}) {
+    Box const box(80.0, 90.0, edge);
+    std::set<std::uint64_t> hashes;
+    for (std::uint64_t const threads : {1U, 2U, 3U}) {
+      for (std::uint64_t const chunk : {20U, 3U}) {
+        Flocking const model{.count = 500, .speed = 0.1};
+        World<Flocking> world{.box = box, .seed = 1};
+        model.start(world);
+        // Nine in ten of them in a corner.
+        for (std::size_t row = 0; row < 450; ++row) {
+          world.agents.column<X>()[row] /= 10.0;
+          world.agents.column<Y>()[row] /= 10.0;
+        }
+        ModelEngine<Flocking> engine(model, box, {.threads = threads, .verify_every = 1});
+        while (world.clock.step < 20) {
+          EXPECT_NO_THROW(engine.advance(world, {.step = std::min<std::uint64_t>(20, world.clock.step + chunk)}));
+        }
+        hashes.insert(hash(world));
+      }
+    }
+    EXPECT_EQ(hashes.size(), 1U);
   }
 }
 

@@ -17,6 +17,8 @@
 #include "grid/linked_grid.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
+#include "gridlock/grid/detail/sorted_grid.hpp"
+#include "gridlock/grid/neighbour_lists.hpp"
 #include "gridlock/grid/neighbour_search.hpp"
 
 namespace gridlock {
@@ -245,21 +247,21 @@ CandidatePairs candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOf
   return all;
 }
 
-TEST(CandidatePairs, AreTheSameInTheSameOrderWithAndWithoutWideRegisters) {
-  if (!can_add_pairs_with_avx512()) GTEST_SKIP() << "this processor has no AVX-512";
+TEST(CandidatePairs, AreTheSameInTheSameOrderWithAnyInstructions) {
   for (std::uint64_t seed = 0; seed < 3000; ++seed) {
     Scene scene(seed);
     State const& state = scene.state();
     double const cutoff = scene.any_cutoff();
     PackedGrid const grid(scene.any_layout(cutoff), state.agents.column<X>(), state.agents.column<Y>());
-    ASSERT_EQ(candidate_pairs(grid, cutoff, add_pairs_of_row_with_avx512),
-              candidate_pairs(grid, cutoff, add_pairs_of_row_scalar))
-        << "seed " << seed;
+    CandidatePairs const expected = candidate_pairs(grid, cutoff, add_pairs_of_row_scalar);
+    for (Target const target : available_targets()) {
+      ASSERT_EQ(candidate_pairs(grid, cutoff, add_pairs_kernel(target)), expected)
+          << "seed " << seed << ", " << to_text(target);
+    }
   }
 }
 
 TEST(CandidatePairs, AreTheSameWhereEveryCellIsFullAndEveryAgentIsNear) {
-  if (!can_add_pairs_with_avx512()) GTEST_SKIP() << "this processor has no AVX-512";
   // Four coincident agents at the middle of each cell: 3 + 16 pairs for the first of each.
   State state{.box = Box(20.0, 20.0, Edge::periodic)};
   for (int n = 0; n < 1600; ++n) {
@@ -269,10 +271,12 @@ TEST(CandidatePairs, AreTheSameWhereEveryCellIsFullAndEveryAgentIsNear) {
   PackedGrid const fine({state.box, 20, 20}, state.agents.column<X>(), state.agents.column<Y>());
   for (PackedGrid const* one : {&grid, &fine}) {
     double const cutoff = one->layout().cell_width();
-    CandidatePairs const wide = candidate_pairs(*one, cutoff, add_pairs_of_row_with_avx512);
-    EXPECT_EQ(wide, candidate_pairs(*one, cutoff, add_pairs_of_row_scalar));
+    CandidatePairs const expected = candidate_pairs(*one, cutoff, add_pairs_of_row_scalar);
+    for (Target const target : available_targets()) {
+      EXPECT_EQ(candidate_pairs(*one, cutoff, add_pairs_kernel(target)), expected) << to_text(target);
+    }
     EXPECT_EQ(separations_by_grid(state, *one, cutoff), separations_by_brute_force(state, cutoff));
-    EXPECT_GT(wide.size(), 1600U * 8U);
+    EXPECT_GT(expected.size(), 1600U * 8U);
   }
 }
 
@@ -303,6 +307,95 @@ TEST(NeighbourSearch, FindsWhatBruteForceFindsBeforeAndAfterPointsMove) {
         state.agents.column<Y>()[i] = p.y;
       }
       search.update(state.agents.column<X>(), state.agents.column<Y>());
+    }
+  }
+}
+
+TEST(PairsOnSortedGrid, AreThoseOfBruteForceBeforeAndAfterPointsMove) {
+  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+    Scene scene(seed);
+    State& state = scene.state();
+    double const cutoff = scene.any_cutoff();
+    CellLayout const layout = layout_for_cutoff(state.box, cutoff, state.agents.size(), 64.0);
+    SortedGrid grid(state.box, layout, state.agents.column<X>(), state.agents.column<Y>());
+    for (int round = 0; round < 3; ++round) {
+      Separations const expected = separations_by_brute_force(state, cutoff);
+      ASSERT_EQ(separations_by_grid(state, grid, cutoff), expected) << "seed " << seed;
+      ASSERT_EQ(pairs_by_neighbours(state, grid, cutoff), expected) << "seed " << seed;
+      SortedGrid const before = grid;
+      for (std::size_t i = 0; i < state.agents.size(); ++i) {
+        Vector const p = scene.any_point();
+        state.agents.column<X>()[i] = p.x;
+        state.agents.column<Y>()[i] = p.y;
+      }
+      // A copy shares the points only until they move.
+      if (round == 1) grid = SortedGrid(before);
+      grid.move_all(state.agents.column<X>(), state.agents.column<Y>());
+    }
+  }
+}
+
+/// Most points in a small part of the box, in an image of it if the box is periodic: some at the same place, some exactly one cutoff
+/// apart, and a few everywhere else.
+State crowd(Box const& box, std::size_t count, double cutoff, RandomStream& random) {
+  State state{.box = box};
+  Vector const corner{0.9 * random.uniform() * box.width(), 0.9 * random.uniform() * box.height()};
+  double const boxes_away = box.is_periodic() ? static_cast<double>(random.below(3)) : 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    Vector p{random.uniform() * box.width(), random.uniform() * box.height()};
+    // Of side 7.5 cutoffs: about as many neighbours each as points per 18 squared cutoffs.
+    if (random.below(10) != 0)
+      p = corner + 0.5 * cutoff * Vector{static_cast<double>(random.below(16)), 7.5 * random.uniform()};
+    state.agents.add(p.x + boxes_away * box.width(), p.y, 0, 0, 1, 1, 0, 0);
+  }
+  return state;
+}
+
+void expect_lists(State const& state, double cutoff, Separations const& expected) {
+  PointsInMemory const points{
+      .x = state.agents.column<X>().data(), .y = state.agents.column<Y>().data(), .count = state.agents.size()};
+  for (std::uint64_t const threads : {1U, 3U}) {
+    PointPairs const pairs = find_pairs(state.box, cutoff, points, threads);
+    std::set<std::pair<std::size_t, std::size_t>> found;
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      found.insert({std::max(pairs.first()[k], pairs.second()[k]), std::min(pairs.first()[k], pairs.second()[k])});
+    }
+    ASSERT_EQ(found.size(), pairs.size()) << "a pair came twice";
+    ASSERT_EQ(found.size(), expected.size());
+    for (auto const& [pair, separation] : expected) ASSERT_TRUE(found.contains(pair));
+    NeighbourLists const lists = find_neighbour_lists(state.box, cutoff, points, threads);
+    ASSERT_EQ(lists.neighbours.size(), 2 * expected.size());
+  }
+}
+
+TEST(NeighbourSearch, FindsWhatBruteForceFindsWherePointsCrowdComeTogetherAndDisperse) {
+  for (std::uint64_t seed = 0; seed < 150; ++seed) {
+    RandomStream random(seed, 0, 0, Purpose::start_position);
+    Box const box(1.0 + random.uniform(), 1.0, random.below(2) == 0 ? Edge::wall : Edge::periodic);
+    std::size_t const count = 200 + random.below(300);
+    double const cutoff = std::array{0.002, 0.005, 0.02}[random.below(3)];
+    std::array<State, 3> const states{crowd(box, count, cutoff, random), crowd(box, count, 20.0 * cutoff, random),
+                                      crowd(box, count, cutoff, random)};
+    // Spread widely they are no crowd.
+    std::size_t const first = random.below(2);
+    NeighbourSearch search(box, cutoff, states[first].agents.column<X>(), states[first].agents.column<Y>());
+    for (std::size_t n = first; n < states.size(); ++n) {
+      State const& state = states[n];
+      search.update(state.agents.column<X>(), state.agents.column<Y>());
+      Separations const expected = separations_by_brute_force(state, cutoff);
+      Separations by_pairs, by_neighbours;
+      search.for_each_pair([&](std::size_t i, std::size_t j, Vector d) {
+        ASSERT_TRUE(by_pairs.emplace(std::pair{i, j}, std::pair{d.x, d.y}).second) << "the pair came twice";
+      });
+      for (std::size_t i = 0; i < search.size(); ++i) {
+        search.for_each_neighbour(i, [&](std::size_t j, Vector d) {
+          if (j < i) by_neighbours[{i, j}] = {d.x, d.y};
+        });
+      }
+      ASSERT_EQ(by_pairs, expected) << "seed " << seed;
+      ASSERT_EQ(by_neighbours, expected) << "seed " << seed;
+      // Points outside a periodic box are sorted by their images, whose distances round otherwise.
+      if (!box.is_periodic()) expect_lists(state, cutoff, expected);
     }
   }
 }

@@ -8,6 +8,7 @@
 /// ```
 
 #include <string>
+#include <vector>
 
 namespace gridlock {
 
@@ -23,6 +24,8 @@ enum class Target {
 char const* to_text(Target target);
 /// Whether this processor has them and this build has kernels for it.
 bool is_available(Target target);
+/// All that are, the plainest first.
+std::vector<Target> available_targets();
 
 /// The fastest instructions that this processor has, or those that the environment variable GRIDLOCK_TARGET names; looked up once.
 /// Errors: Error where it names none, or instructions that this processor or this build lacks.

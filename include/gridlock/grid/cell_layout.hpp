@@ -135,8 +135,8 @@ class CellLayout {
   bool is_periodic_ = false;
 };
 
-/// The finest layout whose 3×3 block holds every point nearer than `cutoff`, with at most about two cells an agent.
+/// The finest layout whose 3×3 block holds every point nearer than `cutoff`, with at most about `cells_per_agent`.
 /// Errors: Error for a cutoff that is negative or no number.
-CellLayout layout_for_cutoff(Box const& box, double cutoff, std::size_t agents);
+CellLayout layout_for_cutoff(Box const& box, double cutoff, std::size_t agents, double cells_per_agent = 2.0);
 
 }  // namespace gridlock

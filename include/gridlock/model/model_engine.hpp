@@ -24,6 +24,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -166,12 +167,7 @@ class ModelEngine final : public EngineFor<Model> {
       throw_bad_step(world.clock.step, cutoff_, time_step_);
     }
     [[maybe_unused]] CellLayout const before = layout_;
-    if constexpr (requires { model_.cells(world); }) {
-      layout_ = model_.cells(world);
-    } else {
-      // A power of two, so that the cells change seldom while agents come and go.
-      layout_ = layout_for_cutoff(world.box, cutoff_, std::bit_ceil(std::max<std::size_t>(16, world.agents.size())));
-    }
+    find_layout(world);
     if constexpr (Model::schedule == Schedule::synchronous) {
       put_in_cell_order(world);
     } else if constexpr (Model::schedule == Schedule::tiled) {
@@ -194,9 +190,25 @@ class ModelEngine final : public EngineFor<Model> {
     }
   }
 
+  void find_layout(World<Model> const& world) {
+    finer_layout_.reset();
+    if constexpr (requires { model_.cells(world); }) {
+      layout_ = model_.cells(world);
+    } else {
+      // A power of two, so that the cells change seldom while agents come and go.
+      std::size_t const agents = std::bit_ceil(std::max<std::size_t>(16, world.agents.size()));
+      layout_ = layout_for_cutoff(world.box, cutoff_, agents);
+      // The order of the turns of other schedules follows from the cells.
+      if constexpr (Model::schedule == Schedule::synchronous) {
+        finer_layout_ = layout_for_crowd(world.box, cutoff_, agents, layout_);
+      }
+    }
+  }
+
   void put_in_cell_order(World<Model>& world) {
     auto& agents = world.agents;
-    order_.sort(layout_, agents.template column<X>(), agents.template column<Y>(), agents.ids(), thread_pool_);
+    layout_ = order_.sort(layout_, agents.template column<X>(), agents.template column<Y>(), agents.ids(), thread_pool_,
+                          finer_layout_);
     std::size_t const count = agents.size();
     scratch_.resize(count);
     scratch_ids_.resize(count);
@@ -238,19 +250,15 @@ class ModelEngine final : public EngineFor<Model> {
     Neighbourhood<Model> around = neighbourhood(world, commands);
     RowBlocks const blocks(layout_, [&](std::size_t number) { return order_.first_of(number); });
     // The present values stay readable through the population; what comes after the step is written to values_.
-    auto cell = static_cast<std::size_t>(first_row) * static_cast<std::size_t>(layout_.columns());
-    for (int cell_row = first_row; cell_row < end_row; ++cell_row) {
-      for (int column = 0; column < layout_.columns(); ++column, ++cell) {
-        std::size_t const end = order_.first_of(cell + 1);
-        if (order_.first_of(cell) == end) continue;
-        around.block = blocks.around(column, cell_row);
-        for (std::size_t row = order_.first_of(cell); row < end; ++row) {
-          copy_present(world, row);
-          Turn<Model> turn(around, row);
-          model_.turn(turn);
-        }
-      }
-    }
+    order_.for_each_cell(layout_, first_row, end_row,
+                         [&](int column, int cell_row, std::size_t first, std::size_t end) {
+                           around.block = blocks.around(column, cell_row);
+                           for (std::size_t row = first; row < end; ++row) {
+                             copy_present(world, row);
+                             Turn<Model> turn(around, row);
+                             model_.turn(turn);
+                           }
+                         });
   }
 
   void copy_present(World<Model> const& world, std::size_t row) { values_.copy(row, world.agents.values(), row); }
@@ -357,6 +365,7 @@ class ModelEngine final : public EngineFor<Model> {
   double cutoff_ = 0.0;
   double time_step_ = 0.0;
   CellLayout layout_;
+  std::optional<CellLayout> finer_layout_;  ///< synchronous: where agents crowd
   CellOrder order_;
   PackedGrid grid_;
   AllValues values_;

@@ -275,6 +275,7 @@ class Turn {
     if (commands.found.size() < room) commands.found.resize(2 * room);
     commands.found_top += find_neighbours({.x = world().agents.template column<X>().data(),
                                            .y = world().agents.template column<Y>().data(),
+                                           .size = world().agents.size(),
                                            .p = p,
                                            .squared_cutoff = cutoff * cutoff,
                                            .left_out = row_,

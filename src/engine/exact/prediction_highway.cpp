@@ -10,12 +10,15 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "core/highway-inl.hpp"
+
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 HWY_BEFORE_NAMESPACE();
 
 namespace gridlock::exact::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
+using gridlock::HWY_NAMESPACE::bits_of;
 
 namespace {
 
@@ -172,14 +175,6 @@ HWY_INLINE Vec times_of(PredictionInput const& s, Self const& self, Index const*
   return hn::IfThenElse(meets, time, never);
 }
 
-/// A bit for each lane.
-template <class Mask>
-HWY_INLINE unsigned bits_of(Mask mask) {
-  std::uint8_t bits[8];
-  hn::StoreMaskBits(Numbers(), mask, bits);
-  return bits[0];
-}
-
 template <bool grows>
 HWY_INLINE Prediction predict_with(PredictionInput const& s, Index i, double now, Candidates const& candidates) {
   Numbers const tag;
@@ -197,7 +192,7 @@ HWY_INLINE Prediction predict_with(PredictionInput const& s, Index i, double now
     if constexpr (registers == 4) first = hn::Min(first, hn::Min(times[2], times[3]));
     Vec const earliest = hn::MinOfLanes(tag, first);
     unsigned firsts = 0;
-    for (std::size_t r = 0; r < registers; ++r) firsts |= bits_of(hn::Eq(times[r], earliest)) << (r * lanes);
+    for (std::size_t r = 0; r < registers; ++r) firsts |= bits_of(tag, hn::Eq(times[r], earliest)) << (r * lanes);
     double const time = hn::GetLane(earliest);
     best = earlier_of(best, time, time < std::numeric_limits<double>::infinity() ? firsts : 0, names, s.disks);
   }

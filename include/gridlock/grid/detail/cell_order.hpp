@@ -2,12 +2,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/population.hpp"
 #include "gridlock/grid/cell_layout.hpp"
+#include "gridlock/grid/detail/stored_cells.hpp"
 
 namespace gridlock {
 
@@ -20,26 +22,50 @@ namespace gridlock {
 /// Cells that follow one another in a row of cells are neighbours in memory: three ranges hold a 3×3 block.
 class CellOrder {
  public:
-  /// Sorts by counting. Cost: O(agents + cells), about 10 ns an agent where the rows are nearly in order already.
-  void sort(CellLayout const& layout, std::span<double const> x, std::span<double const> y, std::span<Id const> ids,
-            ThreadPool& thread_pool);
+  /// Sorts by counting, and returns the cells: where agents crowd those of `finer`, if it is given.
+  /// Cost: O(agents + cells), about 10 ns an agent where the rows are nearly in order already.
+  CellLayout sort(CellLayout const& layout, std::span<double const> x, std::span<double const> y,
+                  std::span<Id const> ids, ThreadPool& thread_pool, std::optional<CellLayout> const& finer = {});
 
   [[nodiscard]] std::span<std::uint32_t const> rows() const { return rows_; }
-  [[nodiscard]] std::size_t first_of(std::size_t cell) const { return first_[cell]; }
+  [[nodiscard]] std::size_t first_of(std::size_t cell) const { return first_[cells_.place_of(cell)]; }
+  /// Calls visit(column, row, first, end) for every cell with agents in rows of cells first_row … end_row − 1, in their order; its
+  /// agents are rows()[first] … rows()[end − 1].
+  template <class Visit>
+  void for_each_cell(CellLayout const& layout, int first_row, int end_row, Visit visit) const {
+    cells_.for_each_in_rows(layout, first_row, end_row, [&](int column, int row, std::size_t place) {
+      std::size_t const first = first_[place];
+      std::size_t const end = first_[place + 1];
+      if (first < end) visit(column, row, first, end);
+    });
+  }
 
  private:
+  struct Columns {
+    std::span<double const> x;
+    std::span<double const> y;
+    std::span<Id const> ids;
+  };
+  void find_occupied(CellLayout const& layout, Columns const& columns, ThreadPool& thread_pool);
+  /// The cells of all rows and, in first_, how many rows each has.
+  void count(CellLayout const& layout, Columns const& columns, ThreadPool& thread_pool);
+  [[nodiscard]] bool has_crowd() const;
+  /// The first of the stored cells that a part of the work sorts.
+  [[nodiscard]] std::uint32_t first_cell(std::size_t part, ThreadPool const& thread_pool) const;
+
   struct RowRange {
-    std::uint32_t least;  ///< of the cells in a range of rows
+    std::uint32_t least;  ///< of the places of cells in a range of rows
     std::uint32_t most;
   };
 
   template <class Visit>
   void for_each_row_in_cells(std::uint32_t first_cell, std::uint32_t end_cell, Visit visit) const;
 
-  std::vector<std::uint32_t> cell_;  ///< of each row
+  StoredCells cells_;
+  std::vector<std::uint32_t> cell_;  ///< of each row, its place among the stored ones
   std::vector<RowRange> ranges_;     ///< of cell_
   std::vector<std::uint32_t> rows_;
-  std::vector<std::uint32_t> first_;  ///< one entry more than cells
+  std::vector<std::uint32_t> first_;  ///< one entry more than stored cells
 };
 
 }  // namespace gridlock

@@ -73,6 +73,10 @@ class PackedGrid {
 
   [[nodiscard]] CellLayout const& layout() const { return layout_; }
   [[nodiscard]] std::size_t size() const { return size_; }
+  /// Blocks behind the first ones of the cells, those included that are no longer in use.
+  [[nodiscard]] std::size_t further_blocks() const {
+    return blocks_.size() - stride_ * (static_cast<std::size_t>(layout_.rows()) + 1);
+  }
   [[nodiscard]] bool contains(std::size_t agent) const { return agent < place_.size() && place_[agent] != none; }
   [[nodiscard]] int cell_of(std::size_t agent) const {
     Block const& block = block_of(agent);
@@ -87,7 +91,7 @@ class PackedGrid {
   void insert(std::size_t agent, Vector p) {
     if (agent >= place_.size()) grow(agent + 1);
     assert(place_[agent] == none);
-    put(agent, p);
+    put(agent, cell_point_of(p));
     ++size_;
   }
 
@@ -181,8 +185,8 @@ class PackedGrid {
     friend bool operator==(AgentPair const&, AgentPair const&) = default;
   };
   using OnPairs = std::function<void(std::span<AgentPair const>)>;
-  /// The same pairs in portions of up to a thousand. Sixteen candidates are looked at at a time where the processor has
-  /// AVX-512, chosen at run time, four elsewhere; the same pairs in the same order on both.
+  /// The same pairs in portions of up to a thousand. Sixteen candidates are looked at at a time with AVX-512, eight with AVX2, four
+  /// elsewhere, chosen at run time; the same pairs in the same order with any.
   /// Errors: Error for a cutoff that is negative or no number.
   void find_candidate_pairs(double cutoff, OnPairs const& on_pairs) const;
 
@@ -290,7 +294,17 @@ class PackedGrid {
   void grow(std::size_t agents);
   /// That many blocks are enough for so many agents, whatever the cells they are in.
   [[nodiscard]] std::size_t most_blocks_for(std::size_t agents) const;
-  void put(std::size_t agent, Vector p);
+  /// A point, in a periodic box its image inside, and its cell.
+  struct CellPoint {
+    Vector p;
+    int column;
+    int row;
+  };
+  [[nodiscard]] CellPoint cell_point_of(Vector p) const;
+  [[nodiscard]] std::size_t base_of(CellPoint const& cell_point) const {
+    return static_cast<std::size_t>(cell_point.row) * stride_ + static_cast<std::size_t>(cell_point.column);
+  }
+  void put(std::size_t agent, CellPoint const& cell_point);
   void take_out(std::size_t agent);
   void move_to_cell(std::size_t agent, Vector p);
   /// Links an empty block behind the first block of a cell.

@@ -29,7 +29,7 @@ bool are_inside(PointsInBox const& points);
 /// Contract: the grid holds the points where they are, and in a periodic box cutoff ≤ half the shorter side, or a second
 /// image of a point would be missed.
 /// Cost: O(N · points per 3×3 block).
-template <NeighbourGrid Grid, class Visit>
+template <SearchGrid Grid, class Visit>
 void for_each_pair(PointsInBox const& points, Grid const& grid, double cutoff, Visit visit) {
   double const squared_cutoff = cutoff * cutoff;
   auto const search = [&](auto displacement) {
@@ -55,7 +55,7 @@ void for_each_pair(PointsInBox const& points, Grid const& grid, double cutoff, V
 /// On one grid the order is that of for_each_in_block(): cell by cell from the lower left of the block, and in a cell
 /// as inserts, moves and erases have left it. Other grids have other orders.
 /// Contract: that of for_each_pair(); p is any finite point, like the coordinates. Cost: O(points per 3×3 block).
-template <NeighbourGrid Grid, class Visit>
+template <SearchGrid Grid, class Visit>
 void for_each_neighbour(PointsInBox const& points, Grid const& grid, double cutoff, Vector p, Visit visit) {
   double const squared_cutoff = cutoff * cutoff;
   grid.for_each_candidate(p, cutoff, [&](std::size_t j) {

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <atomic>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "gridlock/grid/cell_layout.hpp"
+
+namespace gridlock {
+
+/// Which cells of a layout are stored, and the place of each among those: all of them, or the occupied ones alone, so that cells may be
+/// far more than agents.
+///
+///     cells     0 1 2 3 4 5 6 7        bits  0 1 0 0 1 1 0 0
+///     occupied    1     4 5            places  0     1 2      place_of(2) = place_of(3) = place_of(4) = 1
+///
+/// Memory: none where all are stored, otherwise 16 bytes for 64 cells.
+class StoredCells {
+ public:
+  enum class Which { all, occupied };
+
+  /// All cells of a layout; or none of them, for add() of each that is occupied and find_places() afterwards.
+  void clear(CellLayout const& layout, Which which) {
+    count_ = which == Which::all ? static_cast<std::size_t>(layout.count()) : 0;
+    words_.assign(which == Which::all ? 0 : static_cast<std::size_t>(layout.count()) / 64 + 1, {});
+  }
+  /// Several threads may add at once.
+  void add(std::size_t cell) {
+    std::atomic_ref<std::uint64_t> const bits(words_[cell / 64].bits);
+    std::uint64_t const bit = std::uint64_t{1} << cell % 64;
+    // Most cells are there already, and reading is cheaper.
+    if ((bits.load(std::memory_order_relaxed) & bit) == 0) bits.fetch_or(bit, std::memory_order_relaxed);
+  }
+  void find_places() {
+    count_ = 0;
+    for (Word& word : words_) {
+      word.before = count_;
+      count_ += count_bits(word.bits);
+    }
+  }
+
+  /// How many are stored.
+  [[nodiscard]] std::size_t count() const { return count_; }
+  /// How many are stored before a cell, which may be one behind the last: its own place where it is stored itself.
+  [[nodiscard]] std::size_t place_of(std::size_t cell) const {
+    if (words_.empty()) return cell;
+    Word const& word = words_[cell / 64];
+    std::uint64_t const before = (std::uint64_t{1} << cell % 64) - 1;
+    return word.before + count_bits(word.bits & before);
+  }
+
+  /// Calls visit(column, row, place) for every stored cell in rows of cells first … end − 1, in their order.
+  template <class Visit>
+  void for_each_in_rows(CellLayout const& layout, int first, int end, Visit visit) const {
+    int const columns = layout.columns();
+    std::size_t cell = static_cast<std::size_t>(first) * static_cast<std::size_t>(columns);
+    std::size_t place = place_of(cell);
+    for (int row = first; row < end; ++row) {
+      if (words_.empty()) {
+        for (int column = 0; column < columns; ++column) visit(column, row, place++);
+        continue;
+      }
+      std::size_t const row_end = cell + static_cast<std::size_t>(columns);
+      for (std::size_t base = cell; base < row_end; base = (base / 64 + 1) * 64) {
+        for (std::uint64_t left = words_[base / 64].bits >> base % 64; left != 0; left &= left - 1) {
+          std::size_t const found = base + static_cast<std::size_t>(std::countr_zero(left));
+          if (found >= row_end) break;
+          visit(static_cast<int>(found - cell), row, place++);
+        }
+      }
+      cell = row_end;
+    }
+  }
+
+ private:
+  struct Word {
+    std::uint64_t bits = 0;
+    std::size_t before = 0;
+  };
+
+  /// Inline: processors without an instruction for it would call a function.
+  static std::size_t count_bits(std::uint64_t bits) {
+    bits -= bits >> 1 & 0x5555555555555555U;
+    bits = (bits & 0x3333333333333333U) + (bits >> 2 & 0x3333333333333333U);
+    bits = (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0fU;
+    return bits * 0x0101010101010101U >> 56;
+  }
+
+  std::vector<Word> words_;  ///< bit k of word n is that of cell 64 n + k; one more than cells, for the end
+  std::size_t count_ = 0;
+};
+
+/// Cells as fine as a cutoff asks for, of which only the occupied are to be stored where agents crowd in a part of the box: 16 bytes for
+/// each agent at most. None where those of `layout`, of which all are stored, are nearly as fine.
+inline std::optional<CellLayout> layout_for_crowd(Box const& box, double cutoff, std::size_t agents,
+                                                  CellLayout const& layout) {
+  CellLayout const finer = layout_for_cutoff(box, cutoff, agents, 64.0);
+  return finer.count() / 2 > layout.count() ? std::optional(finer) : std::nullopt;
+}
+
+/// Whether so many pairs in the same cell are a crowd: each agent shares its cell with four others and more, on average. Uniform ones,
+/// where cells are coarser than the cutoff, share it with at most two.
+inline bool is_crowd(std::uint64_t pairs_in_cells, std::size_t agents) { return pairs_in_cells > 2 * agents; }
+
+}  // namespace gridlock

@@ -1,0 +1,124 @@
+#include "gridlock/grid/detail/sorted_grid.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "grid/candidate_pairs.hpp"
+#include "grid/sorted_points.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
+#include "gridlock/grid/detail/find_neighbours.hpp"
+#include "gridlock/grid/detail/row_block.hpp"
+
+namespace gridlock {
+
+namespace {
+
+/// Rows that are looked at before what is found of them is handed on.
+constexpr std::size_t rows_at_once = 128;
+
+constexpr std::size_t nobody = std::numeric_limits<std::size_t>::max();
+
+/// Calls visit(rows) for the rows of a block that are near, some at a time.
+template <class Visit>
+void for_each_near(RowBlock const& block, RowSearch const& search, Visit const& visit) {
+  std::array<std::uint32_t, rows_at_once + neighbour_slack> found;
+  if (block.candidates <= rows_at_once) {
+    std::size_t const count = find_neighbours(search, block.ranges(), found.data());
+    visit(std::span<std::uint32_t const>(found).first(count));
+    return;
+  }
+  for (RowRange const range : block.ranges()) {
+    for (std::size_t row = range.first; row < range.end; row += rows_at_once) {
+      RowRange const part{row, std::min(range.end, row + rows_at_once)};
+      std::size_t const count = find_neighbours(search, {&part, 1}, found.data());
+      visit(std::span<std::uint32_t const>(found).first(count));
+    }
+  }
+}
+
+PointsInMemory in_memory(std::span<double const> x, std::span<double const> y) {
+  return {.x = x.data(), .y = y.data(), .count = x.size()};
+}
+
+SortedPoints sorted(CellLayout const& layout, std::span<double const> x, std::span<double const> y) {
+  ThreadPool alone(1);
+  return SortedPoints::of_crowd(layout, in_memory(x, y), alone);
+}
+
+}  // namespace
+
+SortedGrid::SortedGrid(Box const& box, CellLayout const& layout, std::span<double const> x, std::span<double const> y)
+    : box_(box), points_(std::make_shared<SortedPoints>(sorted(layout, x, y))) {}
+
+void SortedGrid::move_all(std::span<double const> x, std::span<double const> y) {
+  if (points_.use_count() > 1) {
+    points_ = std::make_shared<SortedPoints>(sorted(points_->layout(), x, y));
+    return;
+  }
+  ThreadPool alone(1);
+  points_->sort_crowd_again(in_memory(x, y), alone);
+}
+
+double SortedGrid::squared_limit(double cutoff) const {
+  // As PackedGrid::local_limit(): images of points far outside a periodic box are wrong by less than this part of a cell.
+  CellLayout const& layout = points_->layout();
+  double const error = 2e-6 * std::max(layout.cell_width(), layout.cell_height());
+  return 1.001 * cutoff * cutoff + 1001.0 * error * error;
+}
+
+void SortedGrid::find_candidates(Vector p, double cutoff, OnAgents const& on_agents) const {
+  SortedPoints const& points = *points_;
+  CellLayout const& layout = points.layout();
+  RowBlocks const blocks(layout, [&](std::size_t cell) { return points.first_of(cell); });
+  p = layout.image_in_cell(p);
+  RowBlock const block = blocks.around(layout.column_of(p.x), layout.row_of(p.y));
+  RowSearch const search{.x = points.x(),
+                         .y = points.y(),
+                         .size = points.size(),
+                         .p = p,
+                         .squared_cutoff = squared_limit(cutoff),
+                         .left_out = nobody,
+                         .box = block.is_at_edge ? &box_ : nullptr};
+  for_each_near(block, search, [&](std::span<std::uint32_t const> rows) {
+    std::array<std::uint32_t, rows_at_once> agents;
+    for (std::size_t k = 0; k < rows.size(); ++k) agents[k] = points.index(rows[k]);
+    on_agents(std::span<std::uint32_t const>(agents).first(rows.size()));
+  });
+}
+
+void SortedGrid::find_candidate_pairs(double cutoff, OnPairs const& on_pairs) const {
+  SortedPoints const& points = *points_;
+  CellLayout const& layout = points.layout();
+  RowBlocks const blocks(layout, [&](std::size_t cell) { return points.first_of(cell); });
+  bool const has_halves = blocks.has_halves();
+  double const limit = squared_limit(cutoff);
+  PairBuffer buffer(on_pairs);
+  points.for_each_cell(0, layout.rows(), [&](int column, int cell_row, RowRange rows) {
+    RowBlock block = has_halves ? blocks.after(column, cell_row) : blocks.around(column, cell_row);
+    for (std::size_t row = rows.first; row < rows.end; ++row) {
+      // The own cell comes first: pairs in it are found from the row that comes first.
+      if (has_halves) block.rows[0].first = row + 1;
+      RowSearch const search{.x = points.x(),
+                             .y = points.y(),
+                             .size = points.size(),
+                             .p = {points.x()[row], points.y()[row]},
+                             .squared_cutoff = limit,
+                             .left_out = row,
+                             .box = block.is_at_edge ? &box_ : nullptr};
+      std::uint32_t const agent = points.index(row);
+      for_each_near(block, search, [&](std::span<std::uint32_t const> others) {
+        PairBuffer::Pair* pair = buffer.room_for(others.size());
+        for (std::uint32_t const other : others) {
+          *pair = {agent, points.index(other)};
+          pair += has_halves || other > row ? 1 : 0;
+        }
+        buffer.keep_until(pair);
+      });
+    }
+  });
+  buffer.flush();
+}
+
+}  // namespace gridlock
