@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "grid/lane_bits.hpp"
+#include "gridlock/core/target.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/grid/detail/packed_layout.hpp"
 #include "turn.hpp"
@@ -43,14 +44,41 @@ class Cutoff {
 
 class PackedTurns;
 
-// The kernels of PackedTurns::take_batch().
+/// A kernel of PackedTurns::take_batch().
+using TakeBatch = void (*)(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
+                           std::vector<std::uint32_t>& not_local);
 
+/// One turn after the other.
 void take_batch_scalar(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
                        std::vector<std::uint32_t>& not_local);
-/// Eight turns at a time; only where can_take_batch_with_avx512().
-void take_batch_avx512(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
-                       std::vector<std::uint32_t>& not_local);
-bool can_take_batch_with_avx512();
+/// The kernel for instructions that are available.
+TakeBatch batch_kernel(Target target);
+
+/// What does not change from turn to turn.
+struct TurnConstants {
+  TurnConstants(TurnView const& turn_view, PackedGrid const& grid, RadiusRange const& radii, double step_duration)
+      : view(turn_view),
+        layout(grid.layout()),
+        cutoff(view.box, radii.largest, step_duration, view.substeps),
+        duration(step_duration),
+        room(std::min(layout.cell_width(), layout.cell_height()) * (1.0 - 1e-9)),
+        limit_per_area(1.001 * grid.locals_per_length() * grid.locals_per_length()),
+        limit_error(grid.local_limit(0.0)),
+        fits_one_block(std::max(layout.cell_width(), layout.cell_height()) <= widest_for_four(radii.smallest)),
+        inner_columns(static_cast<unsigned>(std::max(0, layout.columns() - 2))),
+        inner_rows(static_cast<unsigned>(std::max(0, layout.rows() - 2))) {}
+
+  TurnView const& view;
+  CellLayout const& layout;
+  Cutoff cutoff;
+  double duration;
+  double room;  ///< for contact distance and displacement of a turn that is local
+  double limit_per_area;
+  float limit_error;
+  bool fits_one_block;     ///< every cell
+  unsigned inner_columns;  ///< columns that are not at the edge
+  unsigned inner_rows;
+};
 
 /// Turns on a packed grid: the candidates of a disk are found once a turn, and only those it may really meet.
 ///
@@ -61,22 +89,14 @@ bool can_take_batch_with_avx512();
 class PackedTurns {
  public:
   PackedTurns(TurnView const& view, PackedGrid& grid, RadiusRange const& radii, double duration)
-      : view_(view),
-        grid_(grid),
-        layout_(grid.layout()),
-        cutoff_(view.box, radii.largest, duration, view.substeps),
-        duration_(duration),
-        room_(std::min(layout_.cell_width(), layout_.cell_height()) * (1.0 - 1e-9)),
-        limit_per_area_(1.001 * grid.locals_per_length() * grid.locals_per_length()),
-        limit_error_(grid.local_limit(0.0)),
-        fits_one_block_(std::max(layout_.cell_width(), layout_.cell_height()) <= widest_for_four(radii.smallest)),
-        inner_columns_(static_cast<unsigned>(std::max(0, layout_.columns() - 2))),
-        inner_rows_(static_cast<unsigned>(std::max(0, layout_.rows() - 2))) {}
+      : constants_(view, grid, radii, duration), view_(view), grid_(grid), layout_(grid.layout()) {}
 
   /// Whether the disk stays, and meets only disks, within the cells next to its own during its turn.
   [[nodiscard]] bool is_local(std::size_t i, double squared_speed) const {
-    double const displacement = room_ - cutoff_.contact(view_.disks[i].radius) - cutoff_.rounding();
-    return displacement > 0.0 && squared_speed * duration_ * duration_ <= displacement * displacement;
+    double const displacement =
+        constants_.room - constants_.cutoff.contact(view_.disks[i].radius) - constants_.cutoff.rounding();
+    return displacement > 0.0 &&
+           squared_speed * constants_.duration * constants_.duration <= displacement * displacement;
   }
 
   /// A turn about to be taken: everything is known but what comes of it.
@@ -93,12 +113,12 @@ class PackedTurns {
     Block const& home = std::as_const(grid_).block_of(i);
     Around const around = around_of(home);
     // A cell away from the edge means a displacement and a contact distance away.
-    bool const is_far_from_edge =
-        static_cast<unsigned>(home.column - 1) < inner_columns_ && static_cast<unsigned>(home.row - 1) < inner_rows_;
+    bool const is_far_from_edge = static_cast<unsigned>(home.column - 1) < constants_.inner_columns &&
+                                  static_cast<unsigned>(home.row - 1) < constants_.inner_rows;
     return {.near = find_near(i, home, around),
             .disk = static_cast<std::uint32_t>(i),
             .is_far_from_edge = is_far_from_edge,
-            .needs_more_blocks = !fits_one_block_ && has_further_blocks(around)};
+            .needs_more_blocks = !constants_.fits_one_block && has_further_blocks(around)};
   }
 
   void take(Prepared const& turn, Counters& counters) {
@@ -115,20 +135,21 @@ class PackedTurns {
   }
 
   [[nodiscard]] std::uint64_t substeps() const { return view_.substeps; }
+  [[nodiscard]] TurnConstants const& constants() const { return constants_; }
+  [[nodiscard]] PackedGrid& grid() { return grid_; }
 
   static constexpr std::size_t largest_batch = 16;
 
   /// The turns of up to largest_batch disks without a common neighbour, in their order. Those that are not local do not
-  /// take it and are added to `not_local`. The same bits as one turn after the other, eight at a time where the processor
-  /// has AVX-512.
+  /// take it and are added to `not_local`. The same bits as one turn after the other, as many at a time as target() allows.
   void take_batch(std::span<std::uint32_t const> rows, Counters& counters, std::vector<std::uint32_t>& not_local) {
-    static auto const kernel = can_take_batch_with_avx512() ? take_batch_avx512 : take_batch_scalar;
+    static TakeBatch const kernel = batch_kernel(target());
     kernel(*this, rows, counters, not_local);
   }
 
   /// The turn of any disk.
   void take_any(std::size_t i, Counters& counters) {
-    double const distance = cutoff_.of(view_.disks[i].radius, squared_length(view_.disks[i].velocity));
+    double const distance = constants_.cutoff.of(view_.disks[i].radius, squared_length(view_.disks[i].velocity));
     int const columns = layout_.columns_within(distance);
     int const rows = layout_.rows_within(distance);
     int const cell = grid_.cell_of(i);
@@ -164,10 +185,11 @@ class PackedTurns {
 
   [[nodiscard]] std::uint64_t find_near(std::size_t i, Block const& home, Around const& around) const {
     Vector const v = view_.disks[i].velocity;
-    double const contact = cutoff_.contact(view_.disks[i].radius);
-    double const squared_cutoff = contact * contact + duration_ * duration_ * squared_length(v);
-    auto const limit = static_cast<float>(squared_cutoff * limit_per_area_) + limit_error_;
-    PackedGrid::LocalPoint const p = grid_.local(view_.disks[i].position + duration_ * v, home.column, home.row);
+    double const contact = constants_.cutoff.contact(view_.disks[i].radius);
+    double const squared_cutoff = contact * contact + constants_.duration * constants_.duration * squared_length(v);
+    auto const limit = static_cast<float>(squared_cutoff * constants_.limit_per_area) + constants_.limit_error;
+    PackedGrid::LocalPoint const p =
+        grid_.local(view_.disks[i].position + constants_.duration * v, home.column, home.row);
     float const left = p.x + grid_.local_width();
     float const right = p.x - grid_.local_width();
     float const below = p.y + grid_.local_height();
@@ -203,19 +225,11 @@ class PackedTurns {
 
   friend void take_batch_scalar(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
                                 std::vector<std::uint32_t>& not_local);
-  friend class BatchedMoves;
 
+  TurnConstants constants_;
   TurnView const& view_;
   PackedGrid& grid_;
   CellLayout const& layout_;
-  Cutoff cutoff_;
-  double duration_;
-  double room_;  ///< for contact distance and displacement of a turn that is local
-  double limit_per_area_;
-  float limit_error_;
-  bool fits_one_block_;
-  unsigned inner_columns_;  ///< columns that are not at the edge
-  unsigned inner_rows_;
 };
 
 }  // namespace gridlock
