@@ -288,34 +288,25 @@ class BatchedMoves {
 
   /// Whom these turns, which are far from the edge, may meet. Returns those whose cells around fit one block each.
   HWY_INLINE Turns look_around(Turns turns) {
-    constexpr std::size_t registers = 8 / blocks_at_once;
+    constexpr std::size_t registers = TurnConstants::blocks_around / blocks_at_once;
     Floats const tag;
     hn::FixedTag<float, PackedGrid::slots> const cell;
-    std::ptrdiff_t const stride = &grid_.block_at(0, 1) - &grid_.block_at(0, 0);
-    std::array<std::ptrdiff_t, 9> const offset{-stride - 1, -stride, -stride + 1, -1, 1,
-                                               stride - 1,  stride,  stride + 1,  0};
-    float const w = grid_.local_width();
-    float const h = grid_.local_height();
-    // What is to be added to a point seen from the cell to see it from the cells around.
-    alignas(64) float const shift_x[32]{w,  w,  w,  w,  0, 0, 0, 0, -w, -w, -w, -w, w,  w,  w,  w,
-                                        -w, -w, -w, -w, w, w, w, w, 0,  0,  0,  0,  -w, -w, -w, -w};
-    alignas(64) float const shift_y[32]{h, h, h, h, h,  h,  h,  h,  h,  h,  h,  h,  0,  0,  0,  0,
-                                        0, 0, 0, 0, -h, -h, -h, -h, -h, -h, -h, -h, -h, -h, -h, -h};
+    auto const& offset = constants_.block_offset;
     Turns with_candidates = 0;
     std::uint64_t checks = 0;
     for (Turns left = turns; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
       Block const* const here = t_.block[l];
-      if (!constants_.fits_one_block && has_further_blocks(*here, offset)) {
+      if (!constants_.fits_one_block && has_further_blocks(*here)) {
         turns &= ~(1U << l);
         continue;
       }
-      Block const* const below = here - stride;
-      Block const* const above = here + stride;
-      float const* const x[8]{below[-1].x.data(), below[0].x.data(),  below[1].x.data(), here[-1].x.data(),
-                              here[1].x.data(),   above[-1].x.data(), above[0].x.data(), above[1].x.data()};
-      float const* const y[8]{below[-1].y.data(), below[0].y.data(),  below[1].y.data(), here[-1].y.data(),
-                              here[1].y.data(),   above[-1].y.data(), above[0].y.data(), above[1].y.data()};
+      float const* x[TurnConstants::blocks_around];
+      float const* y[TurnConstants::blocks_around];
+      for (std::size_t k = 0; k < TurnConstants::blocks_around; ++k) {
+        x[k] = here[offset[k]].x.data();
+        y[k] = here[offset[k]].y.data();
+      }
       auto const sight_x = hn::Set(tag, t_.sight_x[l]);
       auto const sight_y = hn::Set(tag, t_.sight_y[l]);
       auto const limit = hn::Set(tag, t_.limit[l]);
@@ -323,9 +314,9 @@ class BatchedMoves {
       HWY_UNROLL(8)
       for (std::size_t n = 0; n < registers; ++n) {
         auto const dx = hn::Sub(side_by_side<PackedGrid::slots>(tag, x + n * blocks_at_once),
-                                hn::Add(sight_x, hn::Load(tag, shift_x + n * hn::MaxLanes(tag))));
+                                hn::Add(sight_x, hn::Load(tag, constants_.shift_x.data() + n * hn::MaxLanes(tag))));
         auto const dy = hn::Sub(side_by_side<PackedGrid::slots>(tag, y + n * blocks_at_once),
-                                hn::Add(sight_y, hn::Load(tag, shift_y + n * hn::MaxLanes(tag))));
+                                hn::Add(sight_y, hn::Load(tag, constants_.shift_y.data() + n * hn::MaxLanes(tag))));
         auto const is_near = hn::Le(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), limit);
         near |= std::uint64_t{bits_of(tag, is_near)} << (n * hn::MaxLanes(tag));
       }
@@ -338,25 +329,26 @@ class BatchedMoves {
       with_candidates |= static_cast<Turns>(near != 0) << l;
     }
     checks_without_partners_ = checks * view_.substeps;
-    list_candidates(with_candidates, offset);
+    list_candidates(with_candidates);
     return turns;
   }
 
   /// Whether a cell around the one of this block has more disks than a block.
-  [[nodiscard]] bool has_further_blocks(Block const& block, std::array<std::ptrdiff_t, 9> const& offset) const {
+  [[nodiscard]] bool has_further_blocks(Block const& block) const {
     Block const* const first = &std::as_const(grid_).block_at(block.column, block.row);
     std::uint32_t next = PackedGrid::none;
-    for (std::ptrdiff_t const k : offset) next &= first[k].next;
+    for (std::ptrdiff_t const k : constants_.block_offset) next &= first[k].next;
     return next != PackedGrid::none;
   }
 
-  HWY_INLINE void list_candidates(Turns turns, std::array<std::ptrdiff_t, 9> const& offset) {
+  HWY_INLINE void list_candidates(Turns turns) {
     std::size_t count = 0;
     for (Turns left = turns; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
       auto const add = [&](std::uint64_t near) HWY_ATTR {
         std::size_t const bit = first_of(near);
-        candidates_.row[count] = t_.block[l][offset[bit / PackedGrid::slots]].agent[bit % PackedGrid::slots];
+        candidates_.row[count] =
+            t_.block[l][constants_.block_offset[bit / PackedGrid::slots]].agent[bit % PackedGrid::slots];
         candidates_.turn[count] = static_cast<std::uint8_t>(l);
       };
       std::uint64_t near = t_.near[l];

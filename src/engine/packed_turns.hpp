@@ -66,7 +66,22 @@ struct TurnConstants {
         limit_error(grid.local_limit(0.0)),
         fits_one_block(std::max(layout.cell_width(), layout.cell_height()) <= widest_for_four(radii.smallest)),
         inner_columns(static_cast<unsigned>(std::max(0, layout.columns() - 2))),
-        inner_rows(static_cast<unsigned>(std::max(0, layout.rows() - 2))) {}
+        inner_rows(static_cast<unsigned>(std::max(0, layout.rows() - 2))) {
+    std::ptrdiff_t const stride = &grid.block_at(0, 1) - &grid.block_at(0, 0);
+    std::size_t k = 0;
+    for (int const row : {-1, 0, 1}) {
+      for (int const column : {-1, 0, 1}) {
+        if (row == 0 && column == 0) continue;
+        block_offset[k] = row * stride + column;
+        for (std::size_t slot = k * PackedGrid::slots; slot < (k + 1) * PackedGrid::slots; ++slot) {
+          shift_x[slot] = -static_cast<float>(column) * grid.local_width();
+          shift_y[slot] = -static_cast<float>(row) * grid.local_height();
+        }
+        ++k;
+      }
+    }
+    block_offset[k] = 0;
+  }
 
   TurnView const& view;
   CellLayout const& layout;
@@ -78,6 +93,14 @@ struct TurnConstants {
   bool fits_one_block;     ///< every cell
   unsigned inner_columns;  ///< columns that are not at the edge
   unsigned inner_rows;
+
+  /// A block among those of the cells around a cell, which is not at the edge, and what is to be added to a point seen from
+  /// that cell to see it from the block's cell; the cell itself is the last one.
+  static constexpr std::size_t blocks_around = 8;
+  std::array<std::ptrdiff_t, blocks_around + 1> block_offset;
+  /// As often as there are slots in a block.
+  alignas(64) std::array<float, blocks_around * PackedGrid::slots> shift_x;
+  alignas(64) std::array<float, blocks_around * PackedGrid::slots> shift_y;
 };
 
 /// Turns on a packed grid: the candidates of a disk are found once a turn, and only those it may really meet.

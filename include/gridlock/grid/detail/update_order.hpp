@@ -37,16 +37,9 @@ class UpdateOrder {
       return rows_in_chain(grid, first, ids, pending_slots);
     };
     for (int row = tile.first_row; row < tile.end_row; ++row) {
-      auto const first_class = static_cast<std::size_t>(3 * ((row - tile.first_row) % 3));
-      std::size_t of_class = first_class;
-      for (int column = tile.first_column; column < tile.end_column; ++column) {
-        PackedGrid::Block const& block = grid.block_at(column, row);
-        if (block.next == PackedGrid::none) {
-          add_block(of_class, block, pending_slots(block));
-        } else if (!in_chain(block).empty()) {
-          add_chain(of_class, block);
-        }
-        of_class = of_class == first_class + 2 ? first_class : of_class + 1;
+      for (int k = 0; k < 3; ++k) {
+        auto const of_class = static_cast<std::size_t>(3 * ((row - tile.first_row) % 3) + k);
+        add_cells(of_class, grid, tile.first_column + k, tile.end_column, row, pending_slots, in_chain);
       }
     }
     sort_cells(ids, in_chain);
@@ -95,24 +88,36 @@ class UpdateOrder {
     }
   }
 
-  /// Adds the agents of a cell that fits one block, those whose bits are set. Which they are is as good as random, so
-  /// nothing depends on it but what is written. Cells in which several wait are left for sort_cells().
-  void add_block(std::size_t of_class, PackedGrid::Block const& block, unsigned slots_set) {
+  /// Adds the agents of every third cell of a row. Which they are is as good as random, so nothing depends on it but what is
+  /// written. Cells in which several wait are left for sort_cells().
+  template <class PendingSlots, class InChain>
+  void add_cells(std::size_t of_class, PackedGrid const& grid, int first_column, int end_column, int row,
+                 PendingSlots pending_slots, InChain in_chain) {
     Level& level = classes_[of_class][0];
-    level.rows[level.size] = block.agent[first_of(slots_set | last_slot)];
-    crowded_[crowded_size_] = {&block, static_cast<std::uint32_t>(level.size), static_cast<std::uint16_t>(of_class),
-                               static_cast<std::uint16_t>(slots_set)};
-    crowded_size_ += several[slots_set];
-    level.size += any[slots_set];
-    size_ += any[slots_set];
-  }
-
-  /// Adds a cell of several blocks in which somebody waits.
-  void add_chain(std::size_t of_class, PackedGrid::Block const& first) {
-    Level& level = classes_[of_class][0];
-    crowded_[crowded_size_++] = {&first, static_cast<std::uint32_t>(level.size++), static_cast<std::uint16_t>(of_class),
-                                 0};
-    ++size_;
+    // Kept out of memory, where one cell would wait for what the one before has written.
+    std::uint32_t* const rows = level.rows.data();
+    Crowded* crowded = crowded_.data() + crowded_size_;
+    std::size_t const size_before = level.size;
+    std::size_t size = size_before;
+    for (int column = first_column; column < end_column; column += 3) {
+      PackedGrid::Block const& block = grid.block_at(column, row);
+      unsigned slots_set = 0;
+      if (block.next == PackedGrid::none) [[likely]] {
+        slots_set = pending_slots(block);
+        rows[size] = block.agent[first_of(slots_set | last_slot)];
+      } else if (in_chain(block).empty()) {
+        continue;
+      } else {
+        slots_set = chain;
+      }
+      *crowded = {&block, static_cast<std::uint32_t>(size), static_cast<std::uint16_t>(of_class),
+                  static_cast<std::uint16_t>(slots_set)};
+      crowded += several[slots_set];
+      size += any[slots_set];
+    }
+    crowded_size_ = static_cast<std::size_t>(crowded - crowded_.data());
+    level.size = size;
+    size_ += size - size_before;
   }
 
   /// After the last cell: puts the agents of one cell in the order of their Ids. in_chain(first block) returns the rows of a
@@ -120,7 +125,7 @@ class UpdateOrder {
   template <class Number, class InChain>
   void sort_cells(std::vector<Number> const& ids, InChain in_chain) {
     for (Crowded const& cell : std::span(crowded_).first(crowded_size_)) {
-      if (cell.slots_set == 0) {
+      if (cell.slots_set == chain) {
         place_rows(cell, in_chain(*cell.block));
         continue;
       }
@@ -159,10 +164,12 @@ class UpdateOrder {
   }
 
   // Of a set of slots: 1 where there is any in it, or several. Looked up, because a compiler makes a branch of a question.
-  static constexpr std::array<std::uint8_t, 1U << PackedGrid::slots> any{0, 1, 1, 1, 1, 1, 1, 1,
-                                                                         1, 1, 1, 1, 1, 1, 1, 1};
-  static constexpr std::array<std::uint8_t, 1U << PackedGrid::slots> several{0, 0, 0, 1, 0, 1, 1, 1,
-                                                                             0, 1, 1, 1, 1, 1, 1, 1};
+  static constexpr std::array<std::uint8_t, (1U << PackedGrid::slots) + 1> any{0, 1, 1, 1, 1, 1, 1, 1, 1,
+                                                                               1, 1, 1, 1, 1, 1, 1, 1};
+  static constexpr std::array<std::uint8_t, (1U << PackedGrid::slots) + 1> several{0, 0, 0, 1, 0, 1, 1, 1, 0,
+                                                                                   1, 1, 1, 1, 1, 1, 1, 1};
+  /// Stands for the slots of a cell of several blocks in which somebody waits.
+  static constexpr unsigned chain = 1U << PackedGrid::slots;
   static constexpr unsigned last_slot = 1U << (PackedGrid::slots - 1);
 
   static std::size_t first_of(unsigned slots_set) { return static_cast<std::size_t>(std::countr_zero(slots_set)); }
