@@ -45,6 +45,14 @@ constexpr std::size_t blocks_at_once = hn::MaxLanes(Floats()) / PackedGrid::slot
 template <class T>
 using Each = std::array<T, most>;
 
+/// A Vector that is not set to zero first, which would take as long as a whole turn.
+struct Point {
+  double x;
+  double y;
+
+  operator Vector() const { return {x, y}; }
+};
+
 /// The disks that take their turns, as the phases hand them on. What is written lane by lane is not read as a whole soon
 /// after: that makes the processor wait until all before it is done.
 struct alignas(64) Turning {
@@ -53,15 +61,15 @@ struct alignas(64) Turning {
   Each<float> limit;    ///< of the squared distance from there to disks it may meet
   Each<float> local_x;  ///< seen from its cell: where it comes to if it meets nobody
   Each<float> local_y;
-  Each<Vector> position;  ///< the same point in the box
+  Each<Point> position;  ///< the same point in the box
   Each<DiskInTurn*> disk;
   Each<Block*> block;
   Each<std::uint64_t> near;  ///< bit slots · k + s is set where the disk in slot s of block k around may be met
   Each<std::uint32_t> slot;  ///< in its block
   Each<std::uint32_t> free_substeps;  ///< before the one in which it meets its partner
   Each<std::uint32_t> partner;
-  Each<double> nearest;    ///< squared distance of the partner where it is met
-  Each<Vector> halted_at;  ///< before that
+  Each<double> nearest;   ///< squared distance of the partner where it is met
+  Each<Point> halted_at;  ///< before that
 };
 
 /// Disks that may be met, those of one turn after those of another.
@@ -421,7 +429,7 @@ class BatchedMoves {
     Doubles const tag;
     alignas(64) double substep[lanes];
     alignas(64) double squared[lanes];
-    alignas(64) Vector halted_at[lanes];
+    alignas(64) Point halted_at[lanes];
     hn::Store(met_in, tag, substep);
     hn::Store(nearest, tag, squared);
     hn::StoreInterleaved2(before.x, before.y, tag, &halted_at[0].x);
