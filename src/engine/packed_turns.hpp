@@ -112,12 +112,12 @@ struct TurnConstants {
 class PackedTurns {
  public:
   PackedTurns(TurnView const& view, PackedGrid& grid, RadiusRange const& radii, double duration)
-      : constants_(view, grid, radii, duration), view_(view), grid_(grid), layout_(grid.layout()) {}
+      : constants_(view, grid, radii, duration), grid_(grid) {}
 
   /// Whether the disk stays, and meets only disks, within the cells next to its own during its turn.
   [[nodiscard]] bool is_local(std::size_t i, double squared_speed) const {
     double const displacement =
-        constants_.room - constants_.cutoff.contact(view_.disks[i].radius) - constants_.cutoff.rounding();
+        constants_.room - constants_.cutoff.contact(constants_.view.disks[i].radius) - constants_.cutoff.rounding();
     return displacement > 0.0 &&
            squared_speed * constants_.duration * constants_.duration <= displacement * displacement;
   }
@@ -154,10 +154,10 @@ class PackedTurns {
     } else {
       take_among<EdgeOfTurn::may_be_met>(turn, counters);
     }
-    grid_.move(turn.disk, view_.disks[turn.disk].position);
+    grid_.move(turn.disk, constants_.view.disks[turn.disk].position);
   }
 
-  [[nodiscard]] std::uint64_t substeps() const { return view_.substeps; }
+  [[nodiscard]] std::uint64_t substeps() const { return constants_.view.substeps; }
   [[nodiscard]] TurnConstants const& constants() const { return constants_; }
   [[nodiscard]] PackedGrid& grid() { return grid_; }
 
@@ -172,14 +172,15 @@ class PackedTurns {
 
   /// The turn of any disk.
   void take_any(std::size_t i, Counters& counters) {
-    double const distance = constants_.cutoff.of(view_.disks[i].radius, squared_length(view_.disks[i].velocity));
-    int const columns = layout_.columns_within(distance);
-    int const rows = layout_.rows_within(distance);
+    double const distance =
+        constants_.cutoff.of(constants_.view.disks[i].radius, squared_length(constants_.view.disks[i].velocity));
+    int const columns = constants_.layout.columns_within(distance);
+    int const rows = constants_.layout.rows_within(distance);
     int const cell = grid_.cell_of(i);
-    take_turn(view_, i, counters, [&](Partner& partner) {
+    take_turn(constants_.view, i, counters, [&](Partner& partner) {
       grid_.for_each_in_block(cell, columns, rows, [&](std::size_t j) { partner.consider(j); });
     });
-    grid_.move(i, view_.disks[i].position);
+    grid_.move(i, constants_.view.disks[i].position);
   }
 
  private:
@@ -207,12 +208,12 @@ class PackedTurns {
   }
 
   [[nodiscard]] std::uint64_t find_near(std::size_t i, Block const& home, Around const& around) const {
-    Vector const v = view_.disks[i].velocity;
-    double const contact = constants_.cutoff.contact(view_.disks[i].radius);
+    Vector const v = constants_.view.disks[i].velocity;
+    double const contact = constants_.cutoff.contact(constants_.view.disks[i].radius);
     double const squared_cutoff = contact * contact + constants_.duration * constants_.duration * squared_length(v);
     auto const limit = static_cast<float>(squared_cutoff * constants_.limit_per_area) + constants_.limit_error;
     PackedGrid::LocalPoint const p =
-        grid_.local(view_.disks[i].position + constants_.duration * v, home.column, home.row);
+        grid_.local(constants_.view.disks[i].position + constants_.duration * v, home.column, home.row);
     float const left = p.x + grid_.local_width();
     float const right = p.x - grid_.local_width();
     float const below = p.y + grid_.local_height();
@@ -231,7 +232,7 @@ class PackedTurns {
   template <EdgeOfTurn edge>
   void take_among(Prepared const& turn, Counters& counters) {
     if (turn.near == 0) {
-      take_turn<edge>(view_, turn.disk, counters, [](Partner&) {});
+      take_turn<edge>(constants_.view, turn.disk, counters, [](Partner&) {});
       return;
     }
     Around const around = around_of(std::as_const(grid_).block_of(turn.disk));
@@ -241,18 +242,13 @@ class PackedTurns {
       auto const bit = static_cast<std::size_t>(std::countr_zero(left));
       candidates[count++] = around[bit / slots]->agent[bit % slots];
     }
-    take_turn<edge>(view_, turn.disk, counters, [&](Partner& partner) {
+    take_turn<edge>(constants_.view, turn.disk, counters, [&](Partner& partner) {
       for (std::size_t n = 0; n < count; ++n) partner.consider(candidates[n]);
     });
   }
 
-  friend void take_batch_scalar(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
-                                std::vector<std::uint32_t>& not_local);
-
   TurnConstants constants_;
-  TurnView const& view_;
   PackedGrid& grid_;
-  CellLayout const& layout_;
 };
 
 }  // namespace gridlock
