@@ -1,7 +1,8 @@
 // The paper's rule on every grid and engine. Nanoseconds per disk and step, of processor time unless it says wall time;
 // the result is the hash of the state, the same for `stepped` on every grid after the same number of steps, and for
 // `tiled` on any number of threads. gridlock_bench_paper_rule N PHI runs one size, 10000000 0.5 for example, and
-// gridlock_bench_paper_rule N PHI k the lists of that size over the number of cells, N PHI threads one thread beside two.
+// gridlock_bench_paper_rule N PHI k the lists of that size over the number of cells, N PHI threads one thread beside two,
+// N PHI engines `stepped` beside `tiled` on one thread.
 
 #include <algorithm>
 #include <cmath>
@@ -54,6 +55,16 @@ void race_threads(std::size_t n, double packing_fraction) {
   race("paper_rule", n, packing_fraction, 5, std::move(contestants));
 }
 
+/// `stepped` beside `tiled` on one thread.
+void race_engines(std::size_t n, double packing_fraction) {
+  State const start = mixed(n, packing_fraction);
+  std::uint64_t const steps = std::max<std::uint64_t>(100, 400'000 / n);
+  std::vector<Contestant> contestants;
+  contestants.push_back(contestant("stepped", start, {.kind = "stepped"}, n > 500'000 ? 4 : steps));
+  contestants.push_back(contestant("tiled 1 thread", start, tiled(1), steps));
+  race("paper_rule", n, packing_fraction, n > 500'000 ? 3 : 9, std::move(contestants));
+}
+
 /// The paper's Figure 5 over more decades: lists of k × k cells from one far too coarse to the finest.
 void race_over_k(std::size_t n, double packing_fraction) {
   State const start = mixed(n, packing_fraction);
@@ -77,7 +88,10 @@ int main(int argc, char** argv) {
   using namespace gridlock::benchmark;
   print_header();
   if (argc > 3) {
-    auto const race_asked_for = std::string(argv[3]) == "threads" ? race_threads : race_over_k;
+    std::string const asked_for = argv[3];
+    auto const race_asked_for = asked_for == "threads"   ? race_threads
+                                : asked_for == "engines" ? race_engines
+                                                         : race_over_k;
     race_asked_for(std::strtoull(argv[1], nullptr, 10), std::strtod(argv[2], nullptr));
     return 0;
   }

@@ -10,7 +10,7 @@ void take_batch_scalar(PackedTurns& turns, std::span<std::uint32_t const> rows, 
   std::array<PackedTurns::Prepared, PackedTurns::largest_batch> prepared;
   std::size_t count = 0;
   for (std::uint32_t const i : rows) {
-    if (turns.is_local(i, squared_length(turns.view_.disks[i].velocity))) {
+    if (turns.is_local(i, squared_length(turns.constants().view.disks[i].velocity))) {
       prepared[count++] = turns.prepare(i);
     } else {
       not_local.push_back(i);

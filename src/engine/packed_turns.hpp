@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "grid/lane_bits.hpp"
+#include "gridlock/core/target.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/grid/detail/packed_layout.hpp"
 #include "turn.hpp"
@@ -43,14 +44,64 @@ class Cutoff {
 
 class PackedTurns;
 
-// The kernels of PackedTurns::take_batch().
+/// A kernel of PackedTurns::take_batch().
+using TakeBatch = void (*)(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
+                           std::vector<std::uint32_t>& not_local);
 
+/// One turn after the other.
 void take_batch_scalar(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
                        std::vector<std::uint32_t>& not_local);
-/// Eight turns at a time; only where can_take_batch_with_avx512().
-void take_batch_avx512(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
-                       std::vector<std::uint32_t>& not_local);
-bool can_take_batch_with_avx512();
+/// The kernel for instructions that are available.
+TakeBatch batch_kernel(Target target);
+
+/// What does not change from turn to turn.
+struct TurnConstants {
+  TurnConstants(TurnView const& turn_view, PackedGrid const& grid, RadiusRange const& radii, double step_duration)
+      : view(turn_view),
+        layout(grid.layout()),
+        cutoff(view.box, radii.largest, step_duration, view.substeps),
+        duration(step_duration),
+        room(std::min(layout.cell_width(), layout.cell_height()) * (1.0 - 1e-9)),
+        limit_per_area(1.001 * grid.locals_per_length() * grid.locals_per_length()),
+        limit_error(grid.local_limit(0.0)),
+        fits_one_block(std::max(layout.cell_width(), layout.cell_height()) <= widest_for_four(radii.smallest)),
+        inner_columns(static_cast<unsigned>(std::max(0, layout.columns() - 2))),
+        inner_rows(static_cast<unsigned>(std::max(0, layout.rows() - 2))) {
+    std::ptrdiff_t const stride = &grid.block_at(0, 1) - &grid.block_at(0, 0);
+    std::size_t k = 0;
+    for (int const row : {-1, 0, 1}) {
+      for (int const column : {-1, 0, 1}) {
+        if (row == 0 && column == 0) continue;
+        block_offset[k] = row * stride + column;
+        for (std::size_t slot = k * PackedGrid::slots; slot < (k + 1) * PackedGrid::slots; ++slot) {
+          shift_x[slot] = -static_cast<float>(column) * grid.local_width();
+          shift_y[slot] = -static_cast<float>(row) * grid.local_height();
+        }
+        ++k;
+      }
+    }
+    block_offset[k] = 0;
+  }
+
+  TurnView const& view;
+  CellLayout const& layout;
+  Cutoff cutoff;
+  double duration;
+  double room;  ///< for contact distance and displacement of a turn that is local
+  double limit_per_area;
+  float limit_error;
+  bool fits_one_block;     ///< every cell
+  unsigned inner_columns;  ///< columns that are not at the edge
+  unsigned inner_rows;
+
+  /// A block among those of the cells around a cell, which is not at the edge, and what is to be added to a point seen from
+  /// that cell to see it from the block's cell; the cell itself is the last one.
+  static constexpr std::size_t blocks_around = 8;
+  std::array<std::ptrdiff_t, blocks_around + 1> block_offset;
+  /// As often as there are slots in a block.
+  alignas(64) std::array<float, blocks_around * PackedGrid::slots> shift_x;
+  alignas(64) std::array<float, blocks_around * PackedGrid::slots> shift_y;
+};
 
 /// Turns on a packed grid: the candidates of a disk are found once a turn, and only those it may really meet.
 ///
@@ -61,22 +112,14 @@ bool can_take_batch_with_avx512();
 class PackedTurns {
  public:
   PackedTurns(TurnView const& view, PackedGrid& grid, RadiusRange const& radii, double duration)
-      : view_(view),
-        grid_(grid),
-        layout_(grid.layout()),
-        cutoff_(view.box, radii.largest, duration, view.substeps),
-        duration_(duration),
-        room_(std::min(layout_.cell_width(), layout_.cell_height()) * (1.0 - 1e-9)),
-        limit_per_area_(1.001 * grid.locals_per_length() * grid.locals_per_length()),
-        limit_error_(grid.local_limit(0.0)),
-        fits_one_block_(std::max(layout_.cell_width(), layout_.cell_height()) <= widest_for_four(radii.smallest)),
-        inner_columns_(static_cast<unsigned>(std::max(0, layout_.columns() - 2))),
-        inner_rows_(static_cast<unsigned>(std::max(0, layout_.rows() - 2))) {}
+      : constants_(view, grid, radii, duration), grid_(grid) {}
 
   /// Whether the disk stays, and meets only disks, within the cells next to its own during its turn.
   [[nodiscard]] bool is_local(std::size_t i, double squared_speed) const {
-    double const displacement = room_ - cutoff_.contact(view_.disks[i].radius) - cutoff_.rounding();
-    return displacement > 0.0 && squared_speed * duration_ * duration_ <= displacement * displacement;
+    double const displacement =
+        constants_.room - constants_.cutoff.contact(constants_.view.disks[i].radius) - constants_.cutoff.rounding();
+    return displacement > 0.0 &&
+           squared_speed * constants_.duration * constants_.duration <= displacement * displacement;
   }
 
   /// A turn about to be taken: everything is known but what comes of it.
@@ -93,12 +136,12 @@ class PackedTurns {
     Block const& home = std::as_const(grid_).block_of(i);
     Around const around = around_of(home);
     // A cell away from the edge means a displacement and a contact distance away.
-    bool const is_far_from_edge =
-        static_cast<unsigned>(home.column - 1) < inner_columns_ && static_cast<unsigned>(home.row - 1) < inner_rows_;
+    bool const is_far_from_edge = static_cast<unsigned>(home.column - 1) < constants_.inner_columns &&
+                                  static_cast<unsigned>(home.row - 1) < constants_.inner_rows;
     return {.near = find_near(i, home, around),
             .disk = static_cast<std::uint32_t>(i),
             .is_far_from_edge = is_far_from_edge,
-            .needs_more_blocks = !fits_one_block_ && has_further_blocks(around)};
+            .needs_more_blocks = !constants_.fits_one_block && has_further_blocks(around)};
   }
 
   void take(Prepared const& turn, Counters& counters) {
@@ -111,31 +154,33 @@ class PackedTurns {
     } else {
       take_among<EdgeOfTurn::may_be_met>(turn, counters);
     }
-    grid_.move(turn.disk, view_.disks[turn.disk].position);
+    grid_.move(turn.disk, constants_.view.disks[turn.disk].position);
   }
 
-  [[nodiscard]] std::uint64_t substeps() const { return view_.substeps; }
+  [[nodiscard]] std::uint64_t substeps() const { return constants_.view.substeps; }
+  [[nodiscard]] TurnConstants const& constants() const { return constants_; }
+  [[nodiscard]] PackedGrid& grid() { return grid_; }
 
   static constexpr std::size_t largest_batch = 16;
 
   /// The turns of up to largest_batch disks without a common neighbour, in their order. Those that are not local do not
-  /// take it and are added to `not_local`. The same bits as one turn after the other, eight at a time where the processor
-  /// has AVX-512.
+  /// take it and are added to `not_local`. The same bits as one turn after the other, as many at a time as target() allows.
   void take_batch(std::span<std::uint32_t const> rows, Counters& counters, std::vector<std::uint32_t>& not_local) {
-    static auto const kernel = can_take_batch_with_avx512() ? take_batch_avx512 : take_batch_scalar;
+    static TakeBatch const kernel = batch_kernel(target());
     kernel(*this, rows, counters, not_local);
   }
 
   /// The turn of any disk.
   void take_any(std::size_t i, Counters& counters) {
-    double const distance = cutoff_.of(view_.disks[i].radius, squared_length(view_.disks[i].velocity));
-    int const columns = layout_.columns_within(distance);
-    int const rows = layout_.rows_within(distance);
+    double const distance =
+        constants_.cutoff.of(constants_.view.disks[i].radius, squared_length(constants_.view.disks[i].velocity));
+    int const columns = constants_.layout.columns_within(distance);
+    int const rows = constants_.layout.rows_within(distance);
     int const cell = grid_.cell_of(i);
-    take_turn(view_, i, counters, [&](Partner& partner) {
+    take_turn(constants_.view, i, counters, [&](Partner& partner) {
       grid_.for_each_in_block(cell, columns, rows, [&](std::size_t j) { partner.consider(j); });
     });
-    grid_.move(i, view_.disks[i].position);
+    grid_.move(i, constants_.view.disks[i].position);
   }
 
  private:
@@ -163,11 +208,12 @@ class PackedTurns {
   }
 
   [[nodiscard]] std::uint64_t find_near(std::size_t i, Block const& home, Around const& around) const {
-    Vector const v = view_.disks[i].velocity;
-    double const contact = cutoff_.contact(view_.disks[i].radius);
-    double const squared_cutoff = contact * contact + duration_ * duration_ * squared_length(v);
-    auto const limit = static_cast<float>(squared_cutoff * limit_per_area_) + limit_error_;
-    PackedGrid::LocalPoint const p = grid_.local(view_.disks[i].position + duration_ * v, home.column, home.row);
+    Vector const v = constants_.view.disks[i].velocity;
+    double const contact = constants_.cutoff.contact(constants_.view.disks[i].radius);
+    double const squared_cutoff = contact * contact + constants_.duration * constants_.duration * squared_length(v);
+    auto const limit = static_cast<float>(squared_cutoff * constants_.limit_per_area) + constants_.limit_error;
+    PackedGrid::LocalPoint const p =
+        grid_.local(constants_.view.disks[i].position + constants_.duration * v, home.column, home.row);
     float const left = p.x + grid_.local_width();
     float const right = p.x - grid_.local_width();
     float const below = p.y + grid_.local_height();
@@ -186,7 +232,7 @@ class PackedTurns {
   template <EdgeOfTurn edge>
   void take_among(Prepared const& turn, Counters& counters) {
     if (turn.near == 0) {
-      take_turn<edge>(view_, turn.disk, counters, [](Partner&) {});
+      take_turn<edge>(constants_.view, turn.disk, counters, [](Partner&) {});
       return;
     }
     Around const around = around_of(std::as_const(grid_).block_of(turn.disk));
@@ -196,26 +242,13 @@ class PackedTurns {
       auto const bit = static_cast<std::size_t>(std::countr_zero(left));
       candidates[count++] = around[bit / slots]->agent[bit % slots];
     }
-    take_turn<edge>(view_, turn.disk, counters, [&](Partner& partner) {
+    take_turn<edge>(constants_.view, turn.disk, counters, [&](Partner& partner) {
       for (std::size_t n = 0; n < count; ++n) partner.consider(candidates[n]);
     });
   }
 
-  friend void take_batch_scalar(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
-                                std::vector<std::uint32_t>& not_local);
-  friend class BatchedMoves;
-
-  TurnView const& view_;
+  TurnConstants constants_;
   PackedGrid& grid_;
-  CellLayout const& layout_;
-  Cutoff cutoff_;
-  double duration_;
-  double room_;  ///< for contact distance and displacement of a turn that is local
-  double limit_per_area_;
-  float limit_error_;
-  bool fits_one_block_;
-  unsigned inner_columns_;  ///< columns that are not at the edge
-  unsigned inner_rows_;
 };
 
 }  // namespace gridlock

@@ -112,8 +112,11 @@ class Steps {
     FetchAhead ahead(grid_, view_, id_indices_);
     auto const tile = [&](std::size_t k) { return k < part.size() ? &tiling_.tiles()[part[k]] : nullptr; };
     for (std::size_t k = 0; k < part.size(); ++k) {
-      update_order.find(grid_, *tile(k), id_indices_, [this](PackedGrid::Block const& block) {
-        return (block.marks ^ marks_of_turned_) & ((1U << block.count) - 1U);
+      update_order.find(grid_, *tile(k), id_indices_, [marks = marks_of_turned_](PackedGrid::Block& block) {
+        unsigned const taken = (1U << block.count) - 1U;
+        unsigned const pending = (block.marks ^ marks) & taken;
+        block.marks = static_cast<std::uint16_t>(marks & taken);
+        return pending;
       });
       ahead.aim(tile(k + 1), tile(k + 2), update_order.size());
       TileResult& result = results_[part[k]];
@@ -127,7 +130,6 @@ class Steps {
 
   /// The turns of disks without a common neighbour.
   void take_group(std::span<std::uint32_t const> rows, TileResult& result, FetchAhead& ahead) {
-    for (std::uint32_t const i : rows) grid_.toggle_mark(i);
     // A local disk is short of a contact distance in the whole step, so in each sub-step too.
     turns_.take_batch(rows, result.counters, result.too_fast_for_tile);
     ahead.advance(rows.size());
@@ -149,7 +151,7 @@ class Steps {
   PackedTurns turns_;
   double smallest_radius_;
   std::size_t group_size_;
-  /// A disk has the mark of its last turn; what a mark says turns around with every step.
+  /// A disk has the mark of its last turn, from when its tile begins; what a mark says turns around with every step.
   static constexpr unsigned all_slots = (1U << PackedGrid::slots) - 1U;
   unsigned marks_of_turned_ = 0;           ///< what the marks are of those that have had their turn
   std::vector<std::uint32_t> id_indices_;  ///< of DiskInTurn, side by side

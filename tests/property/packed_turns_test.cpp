@@ -148,8 +148,17 @@ std::vector<std::uint32_t> rows_apart(Hot const& hot, std::size_t most, RandomSt
   return rows;
 }
 
-TEST(PackedTurns, TakenTogetherAreTheSameEightAtATimeAndOneByOne) {
-  if (!can_take_batch_with_avx512()) GTEST_SKIP() << "this processor has no AVX-512";
+/// Kernels take groups of a random system one after the other.
+class TakenTogether : public testing::TestWithParam<Target> {};
+
+INSTANTIATE_TEST_SUITE_P(Targets, TakenTogether,
+                         testing::Values(Target::sse4, Target::neon, Target::avx2, Target::avx512),
+                         [](auto const& target) { return to_text(target.param); });
+
+TEST_P(TakenTogether, AreTheSameAsOneByOne) {
+  if (!is_available(GetParam())) GTEST_SKIP() << "this processor has no " << to_text(GetParam());
+  TakeBatch const take_batch = batch_kernel(GetParam());
+  ASSERT_NE(take_batch, take_batch_scalar);
   std::uint64_t collisions = 0;
   std::uint64_t left_out = 0;
   std::size_t with_further_blocks = 0;
@@ -167,7 +176,7 @@ TEST(PackedTurns, TakenTogetherAreTheSameEightAtATimeAndOneByOne) {
     for (int group = 0; group < 300; ++group) {
       auto const rows = rows_apart(plain, 1 + random.below(PackedTurns::largest_batch), random);
       take_batch_scalar(plain.turns, rows, plain.counters, plain.not_local);
-      take_batch_avx512(wide.turns, rows, wide.counters, wide.not_local);
+      take_batch(wide.turns, rows, wide.counters, wide.not_local);
     }
     for (std::size_t i = 0; i < state.agents.size(); ++i) {
       DiskInTurn const& a = plain.disks[i];

@@ -147,7 +147,7 @@ TEST(PackedGrid, MarksStayWithTheirAgentsWhileThoseMoveThroughCrowdedCells) {
   for (int n = 0; n < 2000; ++n) {
     std::size_t const i = random.below(is_marked.size());
     if (random.below(2) == 0) {
-      grid.toggle_mark(i);
+      grid.block_of(i).marks ^= static_cast<std::uint16_t>(1U << grid.slot_of(i));
       is_marked[i] = !is_marked[i];
     } else {
       grid.move(i, {random.uniform(), random.uniform()});

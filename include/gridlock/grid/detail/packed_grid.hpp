@@ -52,7 +52,8 @@ class PackedGrid {
     std::array<std::uint32_t, slots> agent;
     std::uint32_t next;   ///< the next block of this cell, or none
     std::uint16_t count;  ///< the first `count` slots are taken
-    std::uint16_t marks;  ///< bit s belongs to the agent in slot s; 0 where there is none
+    /// Bit s belongs to the agent in slot s, with which it moves; 0 where there is none. For the caller to write.
+    std::uint16_t marks;
     std::int32_t column;
     std::int32_t row;
   };
@@ -148,11 +149,6 @@ class PackedGrid {
   /// For a caller that has found out what move() asks: the agent in this slot is here now, in the same cell.
   static void place_within_cell(Block& block, std::uint32_t slot, LocalPoint p) { write_lanes(block, slot, p); }
 
-  /// Every agent has a mark, at first not set, that stays with it while it moves.
-  void toggle_mark(std::size_t agent) {
-    block_of(agent).marks ^= static_cast<std::uint16_t>(1U << place_[agent] % slots);
-  }
-
   /// Agent i of all that are held is at (x[i], y[i]).
   /// Errors: Error for lists of different lengths, or too short for the agents held.
   void move_all(std::span<double const> x, std::span<double const> y);
@@ -202,7 +198,11 @@ class PackedGrid {
   [[nodiscard]] Block const& block_at(int column, int row) const {
     return blocks_[static_cast<std::size_t>(row) * stride_ + static_cast<std::size_t>(column)];
   }
+  [[nodiscard]] Block& block_at(int column, int row) {
+    return const_cast<Block&>(std::as_const(*this).block_at(column, row));
+  }
   [[nodiscard]] Block const& next_of(Block const& block) const { return blocks_[block.next]; }
+  [[nodiscard]] Block& next_of(Block& block) { return blocks_[block.next]; }
   /// The column and the row on either side, those of an empty cell beyond a wall.
   [[nodiscard]] int column_left_of(int column) const { return column == 0 ? left_of_first_ : column - 1; }
   [[nodiscard]] int column_right_of(int column) const {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "gridlock/grid/detail/packed_grid.hpp"
@@ -26,30 +27,16 @@ class UpdateOrder {
  public:
   static constexpr std::size_t classes = 9;
 
-  /// Finds those of the tile. `ids` are the Ids of all rows, or numbers in the same order; pending_slots(block) has bit s
-  /// set where the agent in slot s has not had its turn.
-  template <class Number, class PendingSlots>
-  void find(PackedGrid const& grid, Tiling::Tile const& tile, std::vector<Number> const& ids,
-            PendingSlots pending_slots) {
+  /// Finds those of the tile. `ids` are the Ids of all rows, or numbers in the same order; take_pending(block), called once for
+  /// each block, has bit s set where the agent in slot s has not had its turn.
+  template <class Grid, class Number, class TakePending>
+  void find(Grid& grid, Tiling::Tile const& tile, std::vector<Number> const& ids, TakePending take_pending) {
     auto const third = [](int cells) { return static_cast<std::size_t>((cells + 2) / 3); };
     clear(third(tile.end_column - tile.first_column) * third(tile.end_row - tile.first_row));
-    auto const in_chain = [&](PackedGrid::Block const& first) {
-      return rows_in_chain(grid, first, ids, pending_slots);
-    };
     for (int row = tile.first_row; row < tile.end_row; ++row) {
-      auto const first_class = static_cast<std::size_t>(3 * ((row - tile.first_row) % 3));
-      std::size_t of_class = first_class;
-      for (int column = tile.first_column; column < tile.end_column; ++column) {
-        PackedGrid::Block const& block = grid.block_at(column, row);
-        if (block.next == PackedGrid::none) {
-          add_block(of_class, block, pending_slots(block));
-        } else if (!in_chain(block).empty()) {
-          add_chain(of_class, block);
-        }
-        of_class = of_class == first_class + 2 ? first_class : of_class + 1;
-      }
+      add_row(static_cast<std::size_t>(3 * ((row - tile.first_row) % 3)), grid, tile, row, take_pending);
     }
-    sort_cells(ids, in_chain);
+    sort_cells(ids);
   }
 
   /// Agents that wait.
@@ -66,24 +53,10 @@ class UpdateOrder {
   }
 
  private:
-  /// The agents of a cell of any size that wait, in the order of their Ids.
-  template <class Number, class PendingSlots>
-  static std::vector<std::uint32_t> rows_in_chain(PackedGrid const& grid, PackedGrid::Block const& first,
-                                                  std::vector<Number> const& ids, PendingSlots pending_slots) {
-    std::vector<std::uint32_t> rows;
-    for (PackedGrid::Block const* block = &first;; block = &grid.next_of(*block)) {
-      for (unsigned left = pending_slots(*block); left != 0; left &= left - 1) {
-        rows.push_back(block->agent[first_of(left)]);
-      }
-      if (block->next == PackedGrid::none) break;
-    }
-    std::ranges::sort(rows, {}, [&](std::uint32_t i) { return ids[i]; });
-    return rows;
-  }
-
   void clear(std::size_t cells_of_class) {
     size_ = 0;
     crowded_size_ = 0;
+    chains_.clear();
     if (crowded_.size() < classes * cells_of_class + 1) crowded_.resize(classes * cells_of_class + 1);
     for (std::vector<Level>& levels : classes_) {
       for (Level& level : levels) {
@@ -95,33 +68,66 @@ class UpdateOrder {
     }
   }
 
-  /// Adds the agents of a cell that fits one block, those whose bits are set. Which they are is as good as random, so
-  /// nothing depends on it but what is written. Cells in which several wait are left for sort_cells().
-  void add_block(std::size_t of_class, PackedGrid::Block const& block, unsigned slots_set) {
-    Level& level = classes_[of_class][0];
-    level.rows[level.size] = block.agent[first_of(slots_set | last_slot)];
-    crowded_[crowded_size_] = {&block, static_cast<std::uint32_t>(level.size), static_cast<std::uint16_t>(of_class),
-                               static_cast<std::uint16_t>(slots_set)};
-    crowded_size_ += several[slots_set];
-    level.size += any[slots_set];
-    size_ += any[slots_set];
+  /// Adds the agents of a row of cells to three classes in turns. Which they are is as good as random, so nothing depends on
+  /// it but what is written. Cells in which several wait are left for sort_cells().
+  template <class Grid, class TakePending>
+  void add_row(std::size_t first_class, Grid& grid, Tiling::Tile const& tile, int row, TakePending take_pending) {
+    // Kept out of memory, where one cell would wait for what the one before has written.
+    Crowded* crowded = crowded_.data() + crowded_size_;
+    auto const level = [&](std::size_t k) -> Level& { return classes_[first_class + k][0]; };
+    std::array<std::uint32_t*, 3> const rows{level(0).rows.data(), level(1).rows.data(), level(2).rows.data()};
+    std::array<std::size_t, 3> size{level(0).size, level(1).size, level(2).size};
+    std::size_t const size_before = size[0] + size[1] + size[2];
+    auto const add = [&](int column, std::size_t k) {
+      auto& block = grid.block_at(column, row);
+      unsigned slots_set = 0;
+      if (block.next == PackedGrid::none) [[likely]] {
+        slots_set = take_pending(block);
+        rows[k][size[k]] = block.agent[first_of(slots_set | last_slot)];
+      } else {
+        slots_set = add_chain(grid, block, take_pending);
+      }
+      *crowded = {&block, static_cast<std::uint32_t>(size[k]), static_cast<std::uint16_t>(first_class + k),
+                  static_cast<std::uint16_t>(slots_set)};
+      crowded += several[slots_set];
+      size[k] += any[slots_set];
+    };
+    int column = tile.first_column;
+    for (; column + 3 <= tile.end_column; column += 3) {
+      add(column, 0);
+      add(column + 1, 1);
+      add(column + 2, 2);
+    }
+    if (column < tile.end_column) add(column, 0);
+    if (column + 1 < tile.end_column) add(column + 1, 1);
+    crowded_size_ = static_cast<std::size_t>(crowded - crowded_.data());
+    for (std::size_t k = 0; k < 3; ++k) level(k).size = size[k];
+    size_ += size[0] + size[1] + size[2] - size_before;
   }
 
-  /// Adds a cell of several blocks in which somebody waits.
-  void add_chain(std::size_t of_class, PackedGrid::Block const& first) {
-    Level& level = classes_[of_class][0];
-    crowded_[crowded_size_++] = {&first, static_cast<std::uint32_t>(level.size++), static_cast<std::uint16_t>(of_class),
-                                 0};
-    ++size_;
+  /// Adds the agents that wait in a cell of several blocks. Returns `chain`, or 0 where nobody waits.
+  template <class Grid, class Block, class TakePending>
+  [[gnu::noinline]] unsigned add_chain(Grid& grid, Block& first, TakePending take_pending) {
+    std::vector<std::uint32_t> rows;
+    for (Block* block = &first;; block = &grid.next_of(*block)) {
+      for (unsigned left = take_pending(*block); left != 0; left &= left - 1) {
+        rows.push_back(block->agent[first_of(left)]);
+      }
+      if (block->next == PackedGrid::none) break;
+    }
+    if (rows.empty()) return 0;
+    chains_.push_back(std::move(rows));
+    return chain;
   }
 
-  /// After the last cell: puts the agents of one cell in the order of their Ids. in_chain(first block) returns the rows of a
-  /// chain in this order.
-  template <class Number, class InChain>
-  void sort_cells(std::vector<Number> const& ids, InChain in_chain) {
+  /// After the last cell: puts the agents of one cell in the order of their Ids.
+  template <class Number>
+  void sort_cells(std::vector<Number> const& ids) {
+    auto next_chain = chains_.begin();
     for (Crowded const& cell : std::span(crowded_).first(crowded_size_)) {
-      if (cell.slots_set == 0) {
-        place_rows(cell, in_chain(*cell.block));
+      if (cell.slots_set == chain) {
+        std::ranges::sort(*next_chain, {}, [&](std::uint32_t i) { return ids[i]; });
+        place_rows(cell, *next_chain++);
         continue;
       }
       std::array<std::uint32_t, PackedGrid::slots> rows;
@@ -142,7 +148,7 @@ class UpdateOrder {
     std::vector<std::uint32_t> rows;  ///< one more than can be, for what is written and not meant
     std::size_t size = 0;
   };
-  /// A cell in whose block several agents wait; in level 0 it has the place `place`.
+  /// A cell in whose block several agents wait, or one of several blocks; in level 0 it has the place `place`.
   struct Crowded {
     PackedGrid::Block const* block;
     std::uint32_t place;
@@ -159,10 +165,12 @@ class UpdateOrder {
   }
 
   // Of a set of slots: 1 where there is any in it, or several. Looked up, because a compiler makes a branch of a question.
-  static constexpr std::array<std::uint8_t, 1U << PackedGrid::slots> any{0, 1, 1, 1, 1, 1, 1, 1,
-                                                                         1, 1, 1, 1, 1, 1, 1, 1};
-  static constexpr std::array<std::uint8_t, 1U << PackedGrid::slots> several{0, 0, 0, 1, 0, 1, 1, 1,
-                                                                             0, 1, 1, 1, 1, 1, 1, 1};
+  static constexpr std::array<std::uint8_t, (1U << PackedGrid::slots) + 1> any{0, 1, 1, 1, 1, 1, 1, 1, 1,
+                                                                               1, 1, 1, 1, 1, 1, 1, 1};
+  static constexpr std::array<std::uint8_t, (1U << PackedGrid::slots) + 1> several{0, 0, 0, 1, 0, 1, 1, 1, 0,
+                                                                                   1, 1, 1, 1, 1, 1, 1, 1};
+  /// Stands for the slots of a cell of several blocks in which somebody waits.
+  static constexpr unsigned chain = 1U << PackedGrid::slots;
   static constexpr unsigned last_slot = 1U << (PackedGrid::slots - 1);
 
   static std::size_t first_of(unsigned slots_set) { return static_cast<std::size_t>(std::countr_zero(slots_set)); }
@@ -177,7 +185,8 @@ class UpdateOrder {
   }
 
   std::array<std::vector<Level>, classes> classes_;
-  std::vector<Crowded> crowded_;  ///< one more than can be
+  std::vector<Crowded> crowded_;                    ///< one more than can be
+  std::vector<std::vector<std::uint32_t>> chains_;  ///< who waits in cells of several blocks
   std::size_t crowded_size_ = 0;
   std::size_t size_ = 0;
 };

@@ -1,0 +1,517 @@
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <utility>
+
+#include "engine/packed_turns.hpp"
+
+// Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers of Highway are
+// used; target() chooses which of the kernels is called. Registers of SVE have no size and fit in no struct.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine/batched_moves.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+// The plain C++ beside is faster than Highway's one lane.
+#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+HWY_BEFORE_NAMESPACE();
+
+namespace gridlock::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+namespace {
+
+using Block = PackedGrid::Block;
+
+constexpr std::size_t most = PackedTurns::largest_batch;
+/// Turns that take less time together than one after the other.
+constexpr std::size_t worth_it = 3;
+/// Sub-steps are counted in double precision.
+constexpr std::uint64_t most_substeps = 1'000'000'000;
+
+using Doubles = hn::CappedTag<double, 8>;
+constexpr std::size_t lanes = hn::MaxLanes(Doubles());
+/// As many single-precision numbers.
+using Halves = hn::Rebind<float, Doubles>;
+using Floats = hn::CappedTag<float, 16>;
+constexpr std::size_t blocks_at_once = hn::MaxLanes(Floats()) / PackedGrid::slots;
+
+/// A property of each disk that takes its turn.
+template <class T>
+using Each = std::array<T, most>;
+
+/// A Vector that is not set to zero first, which would take as long as a whole turn.
+struct Point {
+  double x;
+  double y;
+
+  operator Vector() const { return {x, y}; }
+};
+
+/// The disks that take their turns, as the phases hand them on. What is written lane by lane is not read as a whole soon
+/// after: that makes the processor wait until all before it is done.
+struct alignas(64) Turning {
+  Each<float> sight_x;  ///< seen from the cell of the disk: where it would come to
+  Each<float> sight_y;
+  Each<float> limit;    ///< of the squared distance from there to disks it may meet
+  Each<float> local_x;  ///< seen from its cell: where it comes to if it meets nobody
+  Each<float> local_y;
+  Each<Point> position;  ///< the same point in the box
+  Each<DiskInTurn*> disk;
+  Each<Block*> block;
+  Each<std::uint64_t> near;  ///< bit slots · k + s is set where the disk in slot s of block k around may be met
+  Each<std::uint32_t> slot;  ///< in its block
+  Each<std::uint32_t> free_substeps;  ///< before the one in which it meets its partner
+  Each<std::uint32_t> partner;
+  Each<double> nearest;   ///< squared distance of the partner where it is met
+  Each<Point> halted_at;  ///< before that
+};
+
+/// Disks that may be met, those of one turn after those of another.
+struct Candidates {
+  std::array<std::uint32_t, most * 9 * PackedGrid::slots + lanes> row;
+  std::array<std::uint8_t, most * 9 * PackedGrid::slots + lanes> turn;
+  std::size_t count = 0;
+};
+
+/// Bit l is that of turn l.
+using Turns = unsigned;
+
+using Double = hn::Vec<Doubles>;
+using IsTrue = hn::Mask<Doubles>;
+
+/// What lies at from[0], from[step], from[2 · step] …, `at_once` numbers each, side by side.
+template <std::size_t at_once, class D, class T>
+HWY_INLINE hn::Vec<D> side_by_side(D tag, T const* const* from, std::size_t step = 1) {
+  if constexpr (hn::MaxLanes(D()) == at_once) {
+    return hn::Load(tag, from[0]);
+  } else {
+    hn::Half<D> const half;
+    std::size_t const pieces = hn::MaxLanes(half) / at_once;
+    return hn::Combine(tag, side_by_side<at_once>(half, from + step * pieces, step),
+                       side_by_side<at_once>(half, from, step));
+  }
+}
+
+struct Vectors {
+  Double x;
+  Double y;
+};
+
+/// Two numbers that are side by side in memory, of all disks.
+HWY_INLINE Vectors pairs_of(double const* const* from) {
+  Doubles const tag;
+  auto const even = side_by_side<2>(tag, from, 2);
+  auto const odd = side_by_side<2>(tag, from + 1, 2);
+  return {hn::InterleaveLower(tag, even, odd), hn::InterleaveUpper(tag, even, odd)};
+}
+HWY_INLINE Vectors positions_of(DiskInTurn const* const* disks) {
+  double const* from[lanes];
+  for (std::size_t k = 0; k < lanes; ++k) from[k] = &disks[k]->position.x;
+  return pairs_of(from);
+}
+HWY_INLINE Vectors velocities_of(DiskInTurn const* const* disks) {
+  double const* from[lanes];
+  for (std::size_t k = 0; k < lanes; ++k) from[k] = &disks[k]->velocity.x;
+  return pairs_of(from);
+}
+HWY_INLINE Double radii_of(DiskInTurn const* const* disks) {
+  static_assert(offsetof(DiskInTurn, mass) == offsetof(DiskInTurn, radius) + sizeof(double));
+  double const* from[lanes];
+  for (std::size_t k = 0; k < lanes; ++k) from[k] = &disks[k]->radius;
+  return pairs_of(from).x;
+}
+
+/// Columns and rows of cells.
+struct Cells {
+  Double columns;
+  Double rows;
+};
+
+HWY_INLINE Cells cells_of(Block const* const* blocks) {
+  static_assert(offsetof(Block, row) == offsetof(Block, column) + sizeof(std::int32_t));
+  hn::Repartition<std::int32_t, Doubles> const numbers;
+  hn::RebindToUnsigned<Doubles> const words;
+  Doubles const tag;
+  std::int32_t const* from[lanes];
+  for (std::size_t k = 0; k < lanes; ++k) from[k] = &blocks[k]->column;
+  auto const both = hn::BitCast(words, side_by_side<2>(numbers, from));
+  // Numbers below 2³² added to 2⁵² are the last bits of the sum.
+  auto const two_to_52 = hn::Set(words, 0x4330'0000'0000'0000U);
+  auto const to_double = [&](auto whole) HWY_ATTR {
+    return hn::Sub(hn::BitCast(tag, hn::Or(whole, two_to_52)), hn::BitCast(tag, two_to_52));
+  };
+  return {to_double(hn::And(both, hn::Set(words, 0xffff'ffffU))), to_double(hn::ShiftRight<32>(both))};
+}
+
+HWY_INLINE Double squared_length(Double x, Double y) { return hn::Add(hn::Mul(x, x), hn::Mul(y, y)); }
+
+template <class D, class M>
+HWY_INLINE unsigned bits_of(D tag, M mask) {
+  std::uint8_t bytes[8];
+  std::size_t constexpr count = (hn::MaxLanes(D()) + 7) / 8;
+  hn::StoreMaskBits(tag, mask, bytes);
+  if constexpr (count == 1) return bytes[0];
+  std::uint16_t bits = 0;
+  std::memcpy(&bits, bytes, sizeof bits);
+  return bits;
+}
+
+/// Coordinates in cells, seen from one.
+HWY_INLINE Double in_cells(Double p, double cells_per_length, Double cells) {
+  return hn::Sub(hn::Mul(p, hn::Set(Doubles(), cells_per_length)), cells);
+}
+
+HWY_INLINE void store_local(float* to, Double in_cells, float side) {
+  Halves const halves;
+  hn::Store(hn::Mul(hn::DemoteTo(halves, in_cells), hn::Set(halves, side)), halves, to);
+}
+
+HWY_INLINE IsTrue is_from_0_to_1(Double v) {
+  Doubles const tag;
+  return hn::And(hn::Ge(v, hn::Zero(tag)), hn::Lt(v, hn::Set(tag, 1.0)));
+}
+
+HWY_INLINE IsTrue is_inner(Double cells, unsigned inner) {
+  Doubles const tag;
+  return hn::And(hn::Ge(cells, hn::Set(tag, 1.0)), hn::Le(cells, hn::Set(tag, static_cast<double>(inner))));
+}
+
+std::size_t count_of(std::uint64_t bits) { return static_cast<std::size_t>(std::popcount(bits)); }
+std::size_t first_of(std::uint64_t bits) { return static_cast<std::size_t>(std::countr_zero(bits)); }
+
+/// Turns of disks without a common neighbour, as many at a time as a register holds.
+///
+///     turns         0 1 2 3 │ 4 5 6 7       where they would come to, how far they see
+///     candidates    0 0 2 3 │ 3 3 6 7       whom they may meet: few, most turns one or none;
+///                                           in which sub-step a turn meets a candidate, if at all
+///     turns         0 1 2 3 4 5 6 7         moved, and those that meet somebody collide
+///
+/// The same operations in the same order as in one turn after the other, so that they round alike.
+class BatchedMoves {
+ public:
+  BatchedMoves(PackedTurns& turns, std::span<std::uint32_t const> rows)
+      : turns_(turns), constants_(turns.constants()), view_(constants_.view), grid_(turns.grid()), rows_(rows) {}
+
+  void take(Counters& counters, std::vector<std::uint32_t>& not_local) {
+    Turns const all = (1U << rows_.size()) - 1U;
+    find_disks();
+    for (std::size_t first = 0; first < rows_.size(); first += lanes) aim(first);
+    Turns const local = all & local_;
+    Turns const together = look_around(local & far_from_edge_);
+    find_partners();
+    counters.distance_checks += checks_without_partners_;
+    for (Turns left = together & staying_ & ~halted_; left != 0; left &= left - 1) {
+      std::size_t const l = first_of(left);
+      t_.disk[l]->position = t_.position[l];
+      PackedGrid::place_within_cell(*t_.block[l], t_.slot[l], {t_.local_x[l], t_.local_y[l]});
+    }
+    for (Turns left = together & ~staying_ & ~halted_; left != 0; left &= left - 1) {
+      std::size_t const l = first_of(left);
+      t_.disk[l]->position = t_.position[l];
+      grid_.move(rows_[l], t_.position[l]);
+    }
+    // In the order of the turns, on which sums of floating point numbers depend.
+    for (Turns left = halted_ | (local & ~together); left != 0; left &= left - 1) {
+      std::size_t const l = first_of(left);
+      if (halted_ >> l & 1U) {
+        halt(l, counters);
+      } else {
+        turns_.take(turns_.prepare(rows_[l]), counters);
+      }
+    }
+    for (Turns left = all & ~local; left != 0; left &= left - 1) not_local.push_back(rows_[first_of(left)]);
+    counters.moves += count_of(together);
+    counters.halted_moves += count_of(halted_);
+  }
+
+ private:
+  HWY_INLINE void find_disks() {
+    for (std::size_t l = 0; l < rows_.size(); ++l) {
+      t_.disk[l] = &view_.disks[rows_[l]];
+      t_.block[l] = &grid_.block_of(rows_[l]);
+      t_.slot[l] = grid_.slot_of(rows_[l]);
+    }
+    for (std::size_t l = rows_.size(); l % lanes != 0; ++l) {
+      t_.disk[l] = t_.disk[0];
+      t_.block[l] = t_.block[0];
+    }
+  }
+
+  /// Where the disks in a register are bound for, from turn `first` on, and where they come to if they meet nobody.
+  HWY_INLINE void aim(std::size_t first) {
+    Doubles const tag;
+    Halves const halves;
+    TurnConstants const& c = constants_;
+    Vectors const position = positions_of(&t_.disk[first]);
+    Vectors const velocity = velocities_of(&t_.disk[first]);
+    Double const radius = radii_of(&t_.disk[first]);
+    Cells const cells = cells_of(&t_.block[first]);
+    Double const duration = hn::Set(tag, c.duration);
+    Double const squared_speed = squared_length(velocity.x, velocity.y);
+    Double const contact = hn::Add(radius, hn::Set(tag, c.cutoff.contact(0.0)));
+
+    // is_local()
+    Double const room = hn::Sub(hn::Sub(hn::Set(tag, c.room), contact), hn::Set(tag, c.cutoff.rounding()));
+    Double const squared_displacement = hn::Mul(hn::Mul(squared_speed, duration), duration);
+    IsTrue const local = hn::And(hn::Gt(room, hn::Zero(tag)), hn::Le(squared_displacement, hn::Mul(room, room)));
+    IsTrue const inner = hn::And(is_inner(cells.columns, c.inner_columns), is_inner(cells.rows, c.inner_rows));
+
+    // find_near()
+    Double const squared_cutoff =
+        hn::Add(hn::Mul(contact, contact), hn::Mul(hn::Set(tag, c.duration * c.duration), squared_speed));
+    auto const limit = hn::DemoteTo(halves, hn::Mul(squared_cutoff, hn::Set(tag, c.limit_per_area)));
+    hn::Store(hn::Add(limit, hn::Set(halves, c.limit_error)), halves, &t_.limit[first]);
+    double const columns_per_length = c.layout.columns_per_length();
+    double const rows_per_length = c.layout.rows_per_length();
+    Double const end_x = hn::Add(position.x, hn::Mul(duration, velocity.x));
+    Double const end_y = hn::Add(position.y, hn::Mul(duration, velocity.y));
+    store_local(&t_.sight_x[first], in_cells(end_x, columns_per_length, cells.columns), grid_.local_width());
+    store_local(&t_.sight_y[first], in_cells(end_y, rows_per_length, cells.rows), grid_.local_height());
+
+    // take_turn() without partners
+    Double const substep = hn::Set(tag, view_.substep);
+    Double const displacement_x = hn::Mul(substep, velocity.x);
+    Double const displacement_y = hn::Mul(substep, velocity.y);
+    Double x = position.x;
+    Double y = position.y;
+    for (std::uint64_t m = 0; m < view_.substeps; ++m) {
+      x = hn::Add(x, displacement_x);
+      y = hn::Add(y, displacement_y);
+    }
+    hn::StoreInterleaved2(x, y, tag, &t_.position[first].x);
+    Double const columns = in_cells(x, columns_per_length, cells.columns);
+    Double const rows = in_cells(y, rows_per_length, cells.rows);
+    store_local(&t_.local_x[first], columns, grid_.local_width());
+    store_local(&t_.local_y[first], rows, grid_.local_height());
+    local_ |= bits_of(tag, local) << first;
+    far_from_edge_ |= bits_of(tag, inner) << first;
+    staying_ |= bits_of(tag, hn::And(is_from_0_to_1(columns), is_from_0_to_1(rows))) << first;
+  }
+
+  /// Whom these turns, which are far from the edge, may meet. Returns those whose cells around fit one block each.
+  HWY_INLINE Turns look_around(Turns turns) {
+    constexpr std::size_t registers = TurnConstants::blocks_around / blocks_at_once;
+    Floats const tag;
+    hn::FixedTag<float, PackedGrid::slots> const cell;
+    auto const& offset = constants_.block_offset;
+    Turns with_candidates = 0;
+    std::uint64_t checks = 0;
+    for (Turns left = turns; left != 0; left &= left - 1) {
+      std::size_t const l = first_of(left);
+      Block const* const here = t_.block[l];
+      if (!constants_.fits_one_block && has_further_blocks(*here)) {
+        turns &= ~(1U << l);
+        continue;
+      }
+      float const* x[TurnConstants::blocks_around];
+      float const* y[TurnConstants::blocks_around];
+      for (std::size_t k = 0; k < TurnConstants::blocks_around; ++k) {
+        x[k] = here[offset[k]].x.data();
+        y[k] = here[offset[k]].y.data();
+      }
+      auto const sight_x = hn::Set(tag, t_.sight_x[l]);
+      auto const sight_y = hn::Set(tag, t_.sight_y[l]);
+      auto const limit = hn::Set(tag, t_.limit[l]);
+      std::uint64_t near = 0;
+      HWY_UNROLL(8)
+      for (std::size_t n = 0; n < registers; ++n) {
+        auto const dx = hn::Sub(side_by_side<PackedGrid::slots>(tag, x + n * blocks_at_once),
+                                hn::Add(sight_x, hn::Load(tag, constants_.shift_x.data() + n * hn::MaxLanes(tag))));
+        auto const dy = hn::Sub(side_by_side<PackedGrid::slots>(tag, y + n * blocks_at_once),
+                                hn::Add(sight_y, hn::Load(tag, constants_.shift_y.data() + n * hn::MaxLanes(tag))));
+        auto const is_near = hn::Le(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), limit);
+        near |= std::uint64_t{bits_of(tag, is_near)} << (n * hn::MaxLanes(tag));
+      }
+      auto const dx = hn::Sub(hn::Load(cell, here->x.data()), hn::Set(cell, t_.sight_x[l]));
+      auto const dy = hn::Sub(hn::Load(cell, here->y.data()), hn::Set(cell, t_.sight_y[l]));
+      auto const is_near = hn::Le(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Set(cell, t_.limit[l]));
+      near |= std::uint64_t{bits_of(cell, is_near) & ~(1U << t_.slot[l])} << 32;
+      t_.near[l] = near;
+      checks += count_of(near);
+      with_candidates |= static_cast<Turns>(near != 0) << l;
+    }
+    checks_without_partners_ = checks * view_.substeps;
+    list_candidates(with_candidates);
+    return turns;
+  }
+
+  /// Whether a cell around the one of this block has more disks than a block.
+  [[nodiscard]] bool has_further_blocks(Block const& block) const {
+    Block const* const first = &std::as_const(grid_).block_at(block.column, block.row);
+    std::uint32_t next = PackedGrid::none;
+    for (std::ptrdiff_t const k : constants_.block_offset) next &= first[k].next;
+    return next != PackedGrid::none;
+  }
+
+  HWY_INLINE void list_candidates(Turns turns) {
+    std::size_t count = 0;
+    for (Turns left = turns; left != 0; left &= left - 1) {
+      std::size_t const l = first_of(left);
+      auto const add = [&](std::uint64_t near) HWY_ATTR {
+        std::size_t const bit = first_of(near);
+        candidates_.row[count] =
+            t_.block[l][constants_.block_offset[bit / PackedGrid::slots]].agent[bit % PackedGrid::slots];
+        candidates_.turn[count] = static_cast<std::uint8_t>(l);
+      };
+      std::uint64_t near = t_.near[l];
+      add(near);
+      ++count;
+      near &= near - 1;
+      // Whether there is a second is as good as random, a third is rare: the second is written in any case.
+      add(near | std::uint64_t{1} << 35);
+      count += near != 0 ? 1 : 0;
+      near &= near - 1;
+      for (; near != 0; near &= near - 1) {
+        add(near);
+        ++count;
+      }
+    }
+    candidates_.count = count;
+  }
+
+  /// Whom the disks meet first.
+  HWY_INLINE void find_partners() {
+    if (candidates_.count == 0) return;
+    Doubles const tag;
+    auto const substeps = static_cast<std::uint32_t>(view_.substeps);
+    // Lanes beyond the last candidate look at somebody too.
+    for (std::size_t k = 0; k < lanes; ++k) {
+      candidates_.row[candidates_.count + k] = candidates_.row[0];
+      candidates_.turn[candidates_.count + k] = candidates_.turn[0];
+    }
+    Double const substep = hn::Set(tag, view_.substep);
+    for (std::size_t first = 0; first < candidates_.count; first += lanes) {
+      DiskInTurn const* selves[lanes];
+      DiskInTurn const* others[lanes];
+      for (std::size_t k = 0; k < lanes; ++k) {
+        selves[k] = t_.disk[candidates_.turn[first + k]];
+        others[k] = &view_.disks[candidates_.row[first + k]];
+      }
+      Vectors const from = positions_of(selves);
+      Vectors const velocity = velocities_of(selves);
+      Vectors const other = positions_of(others);
+      Double const contact = hn::Add(radii_of(selves), radii_of(others));
+      Double const squared_contact = hn::Mul(contact, contact);
+      Double const displacement_x = hn::Mul(substep, velocity.x);
+      Double const displacement_y = hn::Mul(substep, velocity.y);
+      Double x = from.x;
+      Double y = from.y;
+      // Of the sub-step in which they meet, or the last one.
+      Double before_x = x;
+      Double before_y = y;
+      Double nearest = hn::Zero(tag);
+      Double met_in = hn::Zero(tag);
+      IsTrue apart = hn::FirstN(tag, candidates_.count - first);
+      for (std::uint32_t m = 0; m < substeps; ++m) {
+        before_x = hn::IfThenElse(apart, x, before_x);
+        before_y = hn::IfThenElse(apart, y, before_y);
+        x = hn::Add(x, displacement_x);
+        y = hn::Add(y, displacement_y);
+        Double const squared = squared_length(hn::Sub(other.x, x), hn::Sub(other.y, y));
+        nearest = hn::IfThenElse(apart, squared, nearest);
+        met_in = hn::IfThenElse(apart, hn::Set(tag, static_cast<double>(m)), met_in);
+        apart = hn::AndNot(hn::Lt(squared, squared_contact), apart);
+      }
+      std::size_t const valid = std::min(lanes, candidates_.count - first);
+      unsigned const met = ((1U << valid) - 1U) & ~bits_of(tag, apart);
+      if (met != 0) choose_partners(met, first, {before_x, before_y}, met_in, nearest);
+    }
+  }
+
+  /// Of the candidates from `first` on that are met those that are met before others.
+  HWY_INLINE void choose_partners(unsigned met, std::size_t first, Vectors before, Double met_in, Double nearest) {
+    Doubles const tag;
+    alignas(64) double substep[lanes];
+    alignas(64) double squared[lanes];
+    alignas(64) Point halted_at[lanes];
+    hn::Store(met_in, tag, substep);
+    hn::Store(nearest, tag, squared);
+    hn::StoreInterleaved2(before.x, before.y, tag, &halted_at[0].x);
+    for (; met != 0; met &= met - 1) {
+      std::size_t const k = first_of(met);
+      std::size_t const l = candidates_.turn[first + k];
+      std::uint32_t const row = candidates_.row[first + k];
+      auto const free_substeps = static_cast<std::uint32_t>(substep[k]);
+      if ((halted_ >> l & 1U) && !is_met_before(l, row, free_substeps, squared[k])) continue;
+      halted_ |= 1U << l;
+      t_.free_substeps[l] = free_substeps;
+      t_.nearest[l] = squared[k];
+      t_.partner[l] = row;
+      t_.halted_at[l] = halted_at[k];
+    }
+  }
+
+  /// The choice of Partner::consider(), of disks that are first met in different sub-steps.
+  [[nodiscard]] bool is_met_before(std::size_t l, std::uint32_t row, std::uint32_t substep, double squared) const {
+    if (substep != t_.free_substeps[l]) return substep < t_.free_substeps[l];
+    if (squared != t_.nearest[l]) return squared < t_.nearest[l];
+    return view_.disks[row].id_index < view_.disks[t_.partner[l]].id_index;
+  }
+
+  HWY_INLINE void halt(std::size_t l, Counters& counters) {
+    std::uint64_t const left_out = view_.substeps - t_.free_substeps[l] - 1;
+    counters.distance_checks -= left_out * count_of(t_.near[l]);
+    t_.disk[l]->position = t_.halted_at[l];
+    collide(view_, rows_[l], t_.partner[l], counters);
+    grid_.move(rows_[l], t_.halted_at[l]);
+  }
+
+  PackedTurns& turns_;
+  TurnConstants const& constants_;
+  TurnView const& view_;
+  PackedGrid& grid_;
+  std::span<std::uint32_t const> rows_;
+  Turns local_ = 0;
+  Turns far_from_edge_ = 0;
+  Turns staying_ = 0;  ///< in their cells if they meet nobody
+  Turns halted_ = 0;
+  std::uint64_t checks_without_partners_ = 0;
+  Turning t_;
+  Candidates candidates_;
+};
+
+}  // namespace
+
+void take_batch(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
+                std::vector<std::uint32_t>& not_local) {
+  if (rows.size() < worth_it || turns.substeps() > most_substeps) {
+    take_batch_scalar(turns, rows, counters, not_local);
+  } else {
+    BatchedMoves(turns, rows).take(counters, not_local);
+  }
+}
+
+}  // namespace gridlock::HWY_NAMESPACE
+
+HWY_AFTER_NAMESPACE();
+#endif
+
+#if HWY_ONCE
+
+namespace gridlock {
+
+TakeBatch batch_kernel(Target target) {
+#if HWY_TARGETS & HWY_SSE4
+  if (target == Target::sse4) return N_SSE4::take_batch;
+#endif
+#if HWY_TARGETS & HWY_AVX2
+  if (target == Target::avx2) return N_AVX2::take_batch;
+#endif
+#if HWY_TARGETS & HWY_AVX3
+  if (target == Target::avx512) return N_AVX3::take_batch;
+#endif
+#if HWY_TARGETS & HWY_NEON
+  if (target == Target::neon) return N_NEON::take_batch;
+#endif
+  return take_batch_scalar;
+}
+
+}  // namespace gridlock
+
+#endif
