@@ -4,7 +4,7 @@
 // Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers of Highway are
 // used; predictor_for() chooses which of the kernels is called. AVX-512 has a kernel by hand (prediction_avx512.cpp), which is 1.2 to 1.5 times
 // as fast; processors with SSSE3 alone take the plain C++ (prediction_plain.cpp), which is faster than Highway's one lane, too.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL)
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/exact/prediction_highway.cpp"
 #include <hwy/foreach_target.h>

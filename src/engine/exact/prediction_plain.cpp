@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -107,7 +108,7 @@ struct First {
   unsigned bits;
 };
 inline First first_of(double const* times) {
-  double half[batch / 2];
+  std::array<double, batch / 2> half{};
   for (std::size_t k = 0; k < batch / 2; ++k)
     half[k] = times[k] < times[k + batch / 2] ? times[k] : times[k + batch / 2];
   double const even = half[0] < half[2] ? half[0] : half[2];
