@@ -24,11 +24,12 @@ constexpr std::uint64_t many_hits_in_epoch = 64;
 /// Where disks come together so quickly that an epoch has more, it is cut.
 constexpr std::uint64_t most_hits_in_epoch = 1024;
 
-/// In one epoch a disk of the root mean square speed crosses no more than so many diameters: paths are computed from the zero of time,
-/// and are rounded the more the longer they are. Fewer where some disks are light and thus fast, or small and thus touch at a small
-/// distance.
+/// In one epoch a disk of the root mean square speed crosses no more than so many of the largest diameters or, in a dilute gas, of the
+/// mean distances between disks: paths are computed from the zero of time, and are rounded the more the longer they are. Fewer where some disks are
+/// more than four times as fast as others, because they are light, or are small and thus touch at a small distance.
 constexpr double most_diameters_in_epoch = 16.0;
-constexpr double most_diameters_of_fastest = 64.0;
+constexpr double most_distances_in_epoch = 4.0;
+constexpr double moderate_speed = 4.0;
 constexpr double least_diameters_in_epoch = 2.0;
 
 /// Disks of no more than this many bytes stay in the second cache by themselves.
@@ -125,8 +126,10 @@ void Dynamics::read_disks(State const& state) {
     mean_radius_ = mean_radius;
     packing_fraction_ = packing_fraction_of(state);
     double const speed_of_lightest = std::sqrt(mean_mass / *std::ranges::min_element(mass));
-    double const diameters = std::min(most_diameters_in_epoch, most_diameters_of_fastest / speed_of_lightest);
-    diameters_in_epoch_ = std::max(least_diameters_in_epoch, diameters * smallest_radius_ / largest_radius_);
+    double const distance = std::sqrt(box_.area() / static_cast<double>(size_)) / (2.0 * largest_radius_);
+    double const diameters = std::max(most_diameters_in_epoch, most_distances_in_epoch * distance) *
+                             std::min(1.0, moderate_speed / speed_of_lightest) * (smallest_radius_ / largest_radius_);
+    diameters_in_epoch_ = std::max(least_diameters_in_epoch, diameters);
   }
   disks_.push_back({.event_time = -never, .partner = vertical_border});
   if (size_ > 0 && disks.ids()[rows.back()] != size_ - 1) {
