@@ -25,6 +25,7 @@ struct Columns {
   double last_hit[batch];
   double radii[batch];
   double time[batch];
+  double squared_parting[batch];  ///< negative where growth can overtake the two
 };
 
 /// Those that i may meet but for `apart`.
@@ -65,7 +66,6 @@ bool find_times(PredictionInput const& s, Index i, double now, Columns& columns)
   Scale const scale = s.scale;
   double const width = s.width;
   double const height = s.height;
-  int slow = 0;
   for (std::size_t k = 0; k < batch; ++k) {
     double const begin = columns.last_hit[k] > self.last_hit ? columns.last_hit[k] : self.last_hit;
     double const w_x = columns.velocity_x[k] - self.velocity_x;
@@ -86,7 +86,7 @@ bool find_times(PredictionInput const& s, Index i, double now, Columns& columns)
       contact *= scale.at(begin);
       a -= growth * growth;
       b -= growth * contact;
-      slow |= static_cast<int>(a < 0.0);
+      columns.squared_parting[k] = a;
     }
     double const squared_contact = contact * contact;
     double const c = (d_x * d_x + d_y * d_y) - squared_contact;
@@ -99,7 +99,12 @@ bool find_times(PredictionInput const& s, Index i, double now, Columns& columns)
     double const real = discriminant >= 0.0 ? met : never;
     columns.time[k] = real < columns.event_time[k] ? real : never;
   }
-  return slow != 0;
+  bool has_slow_ones = false;
+  if constexpr (grows) {
+    // By itself, or the loop above would not take registers.
+    for (double const a : columns.squared_parting) has_slow_ones |= a < 0.0;
+  }
+  return has_slow_ones;
 }
 
 /// The earliest of the times, and a bit for each that is as early.
