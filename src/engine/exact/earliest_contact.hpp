@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include "engine/exact/prediction.hpp"
@@ -21,8 +22,8 @@ inline double wait_for_growth(double a, double b, double c, double squared_conta
 
 /// By how much a coordinate of a separation is to be moved to be the nearest image.
 inline double shift_to_nearest(double d, double side) {
-  if (d > 0.5 * side) return -side;
-  return d < -0.5 * side ? side : 0.0;
+  double const down = d > 0.5 * side ? -side : 0.0;
+  return d < -0.5 * side ? side : down;
 }
 
 /// The candidate with the earliest collision so far: the definition of what every kernel finds.
@@ -88,6 +89,14 @@ class EarliestContact {
   double radius_;
   Prediction best_;
 };
+
+/// The first of `best` and the contacts with these disks, some of which part more slowly than they grow: rare, and looked at one by one.
+inline Prediction with_slow_ones(PredictionInput const& s, Index i, double now, Index const* names, std::size_t count,
+                                 Prediction best) {
+  EarliestContact earliest(s, i, now, no_disk, best);
+  for (std::size_t k = 0; k < count; ++k) earliest.consider_nearest_image(names[k]);
+  return earliest.best();
+}
 
 /// The disk that i has just collided with touches it again before another event only where growth overtakes the two.
 inline Prediction with_disk_apart(PredictionInput const& s, Index i, double now, Index apart, Prediction best) {

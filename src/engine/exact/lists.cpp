@@ -126,9 +126,9 @@ void Dynamics::find_neighbours(Index i, bool tells_them) {
     }
     double const gap_x = std::max(0.0, d_x - rooms);
     double const gap_y = std::max(0.0, d_y - rooms);
-    double const reach = (radius + radius_of(j)) * scale;
+    double const contact = (radius + radius_of(j)) * scale;
     around[near] = j;
-    near += static_cast<std::size_t>(gap_x * gap_x + gap_y * gap_y <= reach * reach);
+    near += static_cast<std::size_t>(gap_x * gap_x + gap_y * gap_y <= contact * contact);
   }
   std::copy_n(around.data(), std::min<std::size_t>(near, Neighbours::most), list.disks);
   list.count = static_cast<std::uint32_t>(std::min<std::size_t>(near, Neighbours::most + 1));

@@ -144,14 +144,6 @@ GRIDLOCK_AVX512 inline __m512d dot(__m512d a_x, __m512d a_y, __m512d b_x, __m512
   return _mm512_add_pd(_mm512_mul_pd(a_x, b_x), _mm512_mul_pd(a_y, b_y));
 }
 
-/// The first of `best` and the contacts with candidates that part more slowly than they grow: rare, and looked at one by one.
-Prediction with_slow_ones(PredictionInput const& s, Index i, double now, Index const* names, unsigned slow,
-                          Prediction best) {
-  EarliestContact earliest(s, i, now, no_disk, best);
-  for (; slow != 0; slow &= slow - 1U) earliest.consider_nearest_image(names[std::countr_zero(slow)]);
-  return earliest.best();
-}
-
 /// The first of the border and the contacts with the candidates.
 template <bool grows>
 GRIDLOCK_AVX512 inline Prediction predict_with(PredictionInput const& s, Index i, double now,
@@ -210,9 +202,8 @@ GRIDLOCK_AVX512 inline Prediction predict_with(PredictionInput const& s, Index i
     __mmask8 const firsts = _mm512_mask_cmp_pd_mask(hits, time, _mm512_set1_pd(earliest), _CMP_EQ_OQ);
     best = earlier_of(best, earliest, firsts, eight, s.disks);
     if constexpr (grows) {
-      unsigned const slow = _mm512_cmp_pd_mask(a, zero, _CMP_LT_OQ);
-      if (slow != 0) [[unlikely]]
-        best = with_slow_ones(s, i, now, eight, slow, best);
+      if (_mm512_cmp_pd_mask(a, zero, _CMP_LT_OQ) != 0) [[unlikely]]
+        best = with_slow_ones(s, i, now, eight, std::min(lanes, candidates.count - k), best);
     }
   }
   return best;

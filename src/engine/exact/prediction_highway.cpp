@@ -2,8 +2,9 @@
 #include "engine/exact/earliest_contact.hpp"
 
 // Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers of Highway are
-// used; predictor_for() chooses which of the kernels is called. AVX-512 has a kernel by hand (prediction_avx512.cpp), which is 1.2 to 1.5 times
+// used; predictor_for() chooses which of the kernels is called. AVX-512 has a kernel by hand (prediction_avx512.cpp), which is 1.2 to 1.3 times
 // as fast; processors with SSSE3 alone take the plain C++ (prediction_plain.cpp), which is faster than Highway's one lane, too.
+// Registers of SVE have no size and fit in no struct.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/exact/prediction_highway.cpp"
@@ -196,11 +197,8 @@ HWY_INLINE Prediction predict_with(PredictionInput const& s, Index i, double now
     double const time = hn::GetLane(earliest);
     best = earlier_of(best, time, time < std::numeric_limits<double>::infinity() ? firsts : 0, names, s.disks);
   }
-  if (has_slow_ones) [[unlikely]] {
-    EarliestContact earliest(s, i, now, no_disk, best);
-    for (std::size_t k = 0; k < candidates.count; ++k) earliest.consider_nearest_image(candidates.disks[k]);
-    best = earliest.best();
-  }
+  if (has_slow_ones) [[unlikely]]
+    best = with_slow_ones(s, i, now, candidates.disks, candidates.count, best);
   return best;
 }
 

@@ -28,8 +28,8 @@ struct Columns {
   double squared_parting[batch];  ///< negative where growth can overtake the two
 };
 
-/// Those that i may meet but for `apart`.
-void collect(PredictionInput const& s, Index i, Index apart, Candidates& candidates) {
+/// Those that i may meet but for `apart`. Returns false where there are more than a list has.
+bool collect(PredictionInput const& s, Index i, Index apart, Candidates& candidates) {
   if (s.neighbours != nullptr) {
     Neighbours const& list = s.neighbours[i];
     for (std::size_t k = 0; k < Neighbours::most; ++k) {
@@ -37,7 +37,7 @@ void collect(PredictionInput const& s, Index i, Index apart, Candidates& candida
     }
     candidates.disks[Neighbours::most] = s.nobody;
     candidates.count = list.count;
-    return;
+    return list.has_all();
   }
   Index const* run = first_slot_around(s, i);
   std::size_t count = 0;
@@ -49,14 +49,11 @@ void collect(PredictionInput const& s, Index i, Index apart, Candidates& candida
   }
   for (std::size_t k = 0; k < batch; ++k) candidates.disks[count + k] = s.nobody;
   candidates.count = count;
+  return true;
 }
 
 /// Separation at the zero of time from the nearest image; sides are infinite where there are none.
-inline double nearest(double d, double w, double now, double side) {
-  double const present = d + w * now;
-  double const down = present > 0.5 * side ? -side : 0.0;
-  return d + (present < -0.5 * side ? side : down);
-}
+inline double nearest(double d, double w, double now, double side) { return d + shift_to_nearest(d + w * now, side); }
 
 /// When each of the disks touches; never where it does not before its own event. Returns whether some part so slowly that growth
 /// can overtake them.
@@ -152,16 +149,10 @@ Prediction predict_with(PredictionInput const& s, Index i, double now, Candidate
     First const earliest = first_of(columns.time);
     best = earlier_of(best, earliest.time, earliest.bits, names, s.disks);
   }
-  if (grows && has_slow_ones) [[unlikely]] {
-    EarliestContact earliest(s, i, now, no_disk, best);
-    for (std::size_t k = 0; k < candidates.count; ++k) earliest.consider_nearest_image(candidates.disks[k]);
-    best = earliest.best();
-  }
+  if (grows && has_slow_ones) [[unlikely]]
+    best = with_slow_ones(s, i, now, candidates.disks, candidates.count, best);
   return best;
 }
-
-/// Whether the candidates of a disk are few enough; where it has no list among disks that have, cells have any number of slots.
-bool are_few(PredictionInput const& s, Index i) { return s.neighbours == nullptr || s.neighbours[i].has_all(); }
 
 /// The same beside a disk that i has just collided with.
 template <bool grows>
@@ -172,21 +163,20 @@ Prediction predict_beside(PredictionInput const& s, Index i, double now, Index a
 
 template <bool grows>
 Prediction predict(PredictionInput const& s, Index i, double now) {
-  if (!are_few(s, i)) [[unlikely]]
-    return reference_predictor().one(s, i, now);
   Candidates candidates;
-  collect(s, i, no_disk, candidates);
+  if (!collect(s, i, no_disk, candidates)) [[unlikely]]
+    return reference_predictor().one(s, i, now);
   return predict_with<grows>(s, i, now, candidates);
 }
 
 template <bool grows>
 PairPrediction predict_pair(PredictionInput const& s, Index i, Index j, double now) {
-  if (!are_few(s, i) || !are_few(s, j)) [[unlikely]]
-    return reference_predictor().pair(s, i, j, now);
   Candidates around_i;
   Candidates around_j;
-  collect(s, i, j, around_i);
-  collect(s, j, i, around_j);
+  bool const fits_i = collect(s, i, j, around_i);
+  bool const fits_j = collect(s, j, i, around_j);
+  if (!fits_i || !fits_j) [[unlikely]]
+    return reference_predictor().pair(s, i, j, now);
   // Each returned as it is made: a copy would be read before it is written.
   return {predict_beside<grows>(s, i, now, j, around_i), predict_beside<grows>(s, j, now, i, around_j)};
 }
