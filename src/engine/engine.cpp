@@ -155,7 +155,7 @@ void describe(EngineSettings& settings, SettingVisitor& visitor) {
 void describe_threads(EngineSettings& settings, SettingVisitor& visitor) {
   visitor.visit(
       {.key = "threads",
-       .documentation = "How many threads tiled and the models use; any number gives the same bits, and 0 is all "
+       .documentation = "How many threads exact, tiled and the models use; any number gives the same bits, and 0 is all "
                         "cores that the process may use.",
        .most = 1024},
       settings.threads);

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "engine/exact/dynamics.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/validate.hpp"
 
@@ -67,6 +68,9 @@ void require_masses_of_like_size(State const& state) {
        .key = "disks.species"});
 }
 
+/// Strips of fewer disks would be all border.
+constexpr std::size_t least_disks_to_share = 5000;
+
 }  // namespace
 
 double side_for_images(State const& state) { return 2.0 * largest_contact_distance(state.agents.column<Radius>()); }
@@ -83,12 +87,14 @@ EngineRecord exact_record() {
   return {.name = "exact",
           .documentation = "goes from collision to collision without a time step",
           .has_time_step = false,
+          .uses_threads = true,
           .bytes_per_disk = 340.0,
           .bytes_per_disk_of_checkpoint = 163.0,
           .unused_because_of =
               [](EngineSettings const& /*settings*/, std::string_view setting) {
                 bool const is_used =
-                    setting == "kind" || setting == "time_step" || setting == "speed" || setting == "audit_every";
+                    setting == "kind" || setting == "time_step" || setting == "speed" || setting == "audit_every" ||
+                    setting == "threads";
                 return std::string_view(is_used ? "" : "kind");
               },
           .cost_of_move = [](EngineSettings const& /*settings*/, State const& /*state*/) { return 1.0; },
@@ -98,7 +104,7 @@ EngineRecord exact_record() {
 }
 
 ExactEngine::ExactEngine(EngineSettings const& settings, State const& state)
-    : audit_every_(settings.audit_every), duration_(step_duration(settings, state)) {
+    : audit_every_(settings.audit_every), duration_(step_duration(settings, state)), thread_count_(settings.threads) {
   require_exact_start(state);
 }
 
@@ -122,10 +128,17 @@ bool ExactEngine::is_as_left(State const& state) const { return dynamics_ != nul
 void ExactEngine::start_from(State const& state) {
   require_exact_start(state);
   earlier_audits_ = made_audits();
-  dynamics_ = nullptr;  // first the old memory goes, then the new comes
-  dynamics_ = std::make_unique<exact::Dynamics>(state);
+  make_dynamics(state);
   start_time_ = state.clock.time;
   next_step_time_ = state.clock.time + duration_;
+}
+
+void ExactEngine::make_dynamics(State const& state) {
+  dynamics_ = nullptr;  // first the old memory goes, then the new comes
+  if (threads_ == nullptr && state.agents.size() >= least_disks_to_share) {
+    threads_ = std::make_unique<ThreadPool>(thread_count_);
+  }
+  dynamics_ = std::make_unique<exact::Dynamics>(state, exact::DynamicsOptions{.sharing = {.threads = threads_.get()}});
 }
 
 void ExactEngine::advance(State& state, Counters& counters, StopCondition const& stop_condition) {
@@ -180,7 +193,8 @@ void ExactEngine::leave_at_last_event(State& state, double latest) {
 void ExactEngine::serialize(Archive& archive, State const& state) {
   bool has_started = dynamics_ != nullptr;
   archive.visit("has_started", has_started);
-  if (archive.is_restoring()) dynamics_ = has_started ? std::make_unique<exact::Dynamics>(state) : nullptr;
+  if (archive.is_restoring() && has_started) make_dynamics(state);
+  if (archive.is_restoring() && !has_started) dynamics_ = nullptr;
   if (!has_started) return;
   if (audit_every_ > 0) {
     std::uint64_t all_audits = made_audits();

@@ -8,6 +8,8 @@
 
 namespace gridlock {
 
+class ThreadPool;
+
 namespace exact {
 class Dynamics;
 }
@@ -29,7 +31,7 @@ double side_for_images(State const& state);
 /// Errors: Error for a state that validate() refuses with a tolerance for rounding, for a periodic box in which two disks
 /// could touch on both sides at once, and for a disk that moves between two walls it touches. RunFailure where
 /// collisions without end keep the time from passing.
-/// Cost: O(1) per collision.
+/// Cost: O(1) per collision. Threads share the work of many disks; any number of them gives the same bits.
 class ExactEngine final : public Engine {
  public:
   ExactEngine(EngineSettings const& settings, State const& state);
@@ -50,12 +52,15 @@ class ExactEngine final : public Engine {
  private:
   [[nodiscard]] bool is_as_left(State const& state) const;
   void start_from(State const& state);
+  void make_dynamics(State const& state);
   /// Up to date at the last event handled, the clock no later than `latest`.
   void leave_at_last_event(State& state, double latest);
 
   std::uint64_t audit_every_;
   std::uint64_t earlier_audits_ = 0;  // of dynamics that are gone
   double duration_;
+  std::uint64_t thread_count_;
+  std::unique_ptr<ThreadPool> threads_;        // nullptr while there are too few disks to share
   std::unique_ptr<exact::Dynamics> dynamics_;  // nullptr until the first advance()
   exact::LeftState left_;
   double start_time_ = 0.0;

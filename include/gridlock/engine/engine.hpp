@@ -127,7 +127,7 @@ struct EngineSettings {
   CollisionRule contact = CollisionRule::always;
   std::uint64_t audit_every = 0;  ///< pair collisions between two audits of the exact engine; 0: never
   GridKind grid = GridKind::packed;
-  std::uint64_t threads = 0;  ///< of the engine tiled; 0: all cores
+  std::uint64_t threads = 0;  ///< of the engines exact and tiled; 0: all cores
 };
 void describe(EngineSettings& settings, SettingVisitor& visitor);
 /// Of them the threads alone, which is all that other models use.

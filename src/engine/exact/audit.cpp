@@ -18,7 +18,7 @@ constexpr double never = std::numeric_limits<double>::infinity();
 constexpr std::size_t most_disks_for_all_pairs = 2000;
 
 /// The centre-to-centre vector of a pair at a time of the epoch, before periodic images.
-struct Flight {
+struct RelativeFlight {
   Vector separation;
   Vector velocity;
 
@@ -33,7 +33,7 @@ struct Flight {
   }
 };
 
-Flight flight(MovingDisk const& a, MovingDisk const& b) {
+RelativeFlight flight(MovingDisk const& a, MovingDisk const& b) {
   return {{b.x - a.x, b.y - a.y}, {b.velocity_x - a.velocity_x, b.velocity_y - a.velocity_y}};
 }
 
@@ -83,7 +83,7 @@ void Dynamics::audit_missed_events() const {
   for (Index i = 0; i < size_; ++i) {
     for (Index j = 0; j < i; ++j) {
       double const end = std::max(now_, std::min({disks_[i].event_time, disks_[j].event_time, last}));
-      Flight const pair = flight(disks_[i], disks_[j]);
+      RelativeFlight const pair = flight(disks_[i], disks_[j]);
       double const sum = radius_of(i) + radius_of(j);
       for (double n = -last_image; n <= last_image; n += 1.0) {
         for (double m = -last_image; m <= last_image; m += 1.0) {

@@ -4,29 +4,25 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <span>
+#include <memory>
 #include <vector>
 
-#include "engine/exact/calendar.hpp"
-#include "engine/exact/fetch_pipeline.hpp"
-#include "engine/exact/moving_disk.hpp"
-#include "engine/exact/neighbours.hpp"
-#include "engine/exact/prediction.hpp"
-#include "engine/exact/scale.hpp"
-#include "engine/exact/slot_grid.hpp"
-#include "gridlock/core/detail/large_array.hpp"
+#include "engine/exact/flight.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/engine/engine.hpp"
 
 namespace gridlock::exact {
 
 struct SavedDisks;
+class Strips;
+struct StripPlan;
 
-/// Whether disks have lists of neighbours, or look at the cells around them; nothing but the cost depends on it.
-enum class Lists {
-  where_they_pay,  ///< in dense systems and in mixtures
-  always,
-  never,
+/// Among whom the work is shared; nothing but the cost depends on it. Disks that grow fly on one thread.
+struct Sharing {
+  ThreadPool* threads = nullptr;   ///< nullptr or a pool of one: nobody
+  bool wherever_possible = false;  ///< and not only where it pays
+  double caution = 1.0;            ///< at the beginning: of so many times as much as usual are there copies
 };
 
 /// How a dynamics goes.
@@ -34,6 +30,7 @@ struct DynamicsOptions {
   double rate = 0.0;           ///< every radius is R · (1 + rate · t); 0: constant
   double size_of_cells = 1.0;  ///< in sides of the smallest that will do; nothing but the cost depends on it
   Lists lists = Lists::where_they_pay;
+  Sharing sharing = {};
 };
 
 /// Where a growth stops: at whichever comes first.
@@ -53,9 +50,10 @@ struct EndOfGrowth {
 ///
 /// Disks may grow while they fly, all in proportion: radius · (1 + rate · t).
 /// Contract: a valid state; a periodic box wider and higher than two distances at contact, also when the disks have grown.
-class Dynamics {
+class Dynamics final : public Flight {
  public:
   explicit Dynamics(State const& state, DynamicsOptions const& options = {});
+  ~Dynamics();
 
   /// Handles every event up to `elapsed`, or until the counters reach `pair_collisions`, or until `should_continue`,
   /// asked every `events_per_look` events and after each audit, says no; says whether it got to `elapsed`.
@@ -95,8 +93,6 @@ class Dynamics {
   /// By which factor the radii have grown.
   [[nodiscard]] double scale() const { return growth_.scale.at(now_); }
 
-  /// The time of the last event handled, in this epoch.
-  [[nodiscard]] double now() const { return now_; }
   /// The time of the last event handled.
   [[nodiscard]] double last_event() const { return epoch_start_ + (epoch_start_rest_ + now_); }
 
@@ -121,61 +117,53 @@ class Dynamics {
   /// Whether audits look for missed collisions too.
   [[nodiscard]] bool looks_for_missed_events() const;
 
+  /// Windows of time in which threads shared the work, and how many of them one of them had to repeat.
+  struct WindowCount {
+    std::uint64_t flown = 0;
+    std::uint64_t given_up = 0;
+  };
+  [[nodiscard]] WindowCount const& windows() const { return windows_; }
+
   /// Serializes the disks as they fly and the events they wait for; restored into a dynamics of the state that was written
   /// at the same time. Which memory a disk lies in is not serialized: the trajectory does not depend on it.
   void serialize(Archive& archive);
 
-  /// The disks as they are, for tests that damage them.
-  [[nodiscard]] LargeArray<MovingDisk>& disks() { return disks_; }
-  [[nodiscard]] std::size_t size() const { return size_; }
-  /// What predictions read, for tests that compare implementations.
-  [[nodiscard]] PredictionInput const& prediction_input() const { return prediction_input_; }
-
  private:
   void read_disks(State const& state);
   void choose_epoch();
-  [[nodiscard]] std::vector<Index> disks_by_id_index() const;
-  void start_epoch();
-  void begin_epoch(double zero, double length, double factor_of_velocities = 1.0);
+  void end_epoch(bool may_share);
+  /// Shared among threads where disks are known to be hit so often, and where that pays.
+  void begin_epoch(double zero, double length, double factor_of_velocities = 1.0, double hits_per_time = 0.0);
   void move_zero_of_time(double zero);
   [[nodiscard]] double longest_epoch() const;
   void cut_epoch();
-  void predict_all();
-  void sort_disks_by_cell();
-  void refresh_prediction_input();
 
   void restore(Archive const& archive, SavedDisks const& saved);
 
+  /// Why a run ends: the time has come; there are collisions enough, or it is to end; the epoch is over; or the same is to
+  /// go on on another number of threads.
+  enum class End { time, early, epoch, sharing };
   template <bool grows, class TimeToStop, class HasEnough>
-  bool run_until(TimeToStop time_to_stop, HasEnough has_enough, std::uint64_t audit_every, Counters& counters,
+  End run_until(TimeToStop time_to_stop, HasEnough has_enough, std::uint64_t audit_every, Counters& counters,
+                std::function<bool()> const& should_continue);
+
+  // On several threads: sharing.cpp.
+  [[nodiscard]] bool share_epoch(double hits_per_time, bool is_sort_due);
+  End run_shared(double elapsed, std::uint64_t pair_collisions, std::uint64_t audit_every, Counters& counters,
                  std::function<bool()> const& should_continue);
-  ScheduledEvent const* next_event();
-  void end_epoch();
-  void fetch_ahead();
-  template <bool grows>
-  void handle(Index i, Counters& counters);
-  void collide(Index i, Index j, Counters& counters);
-  void reach_border(Index i, BorderEvent const& event, Counters& counters);
-  void hit_wall(Index i, Side wall, Counters& counters);
-  void cross_into_next_cell(Index i, Side side);
-  void cross_edge(Index i, Side side);
-  void schedule(Index i, Prediction const& next);
+  void end_sharing();
+  void adapt_caution(double slack);
+  [[nodiscard]] StripPlan plan_strips() const;
+  [[nodiscard]] std::uint64_t events_made() const;
+  [[nodiscard]] static std::uint64_t collisions_to_go(std::uint64_t pair_collisions, std::uint64_t audit_every,
+                                                      Counters const& counters);
+  [[nodiscard]] std::uint64_t collisions_worth_sharing() const { return 8 * size_; }
 
   // Of disks that grow: growing.cpp.
-  [[nodiscard]] bool is_growing() const { return growth_.scale.rate != 0.0; }
   void start_growing(double rate);
   void serialize_growth(Archive& archive);
 
-  // Of cells and lists: lists.cpp.
-  [[nodiscard]] double side_of_cells() const;
-  void make_room_in_cells();
-  [[nodiscard]] bool wants_lists() const;
-  [[nodiscard]] double room_for_lists() const;
-  void renew_lists();
-  void find_all_neighbours();
-  void find_neighbours(Index i, bool tells_them);
-  void take_new_place(Index i);
-  void lay_cells(CellLayout const& layout);
+  // Checkpoints of cells and lists: saved_cells.cpp.
   void serialize_lists(Archive& archive);
   void restore_cells(Archive const& archive, std::vector<std::uint64_t> const& cells);
 
@@ -185,70 +173,22 @@ class Dynamics {
   void audit_overlaps() const;
   void audit_missed_events() const;
   [[nodiscard]] Id id_of(Index i) const { return ids_.empty() ? disks_[i].id_index : ids_[disks_[i].id_index]; }
-  [[nodiscard]] double radius_of(Index i) const { return radius_.empty() ? equal_radius_ : radius_[i]; }
-  [[nodiscard]] double mass_of(Index i) const { return mass_.empty() ? equal_mass_ : mass_[i]; }
 
-  Box box_;
-  std::size_t size_ = 0;
-  LargeArray<MovingDisk> disks_;  // and one more behind them that no prediction ever chooses
-  LargeArray<Cell> cells_;
-  SlotGrid grid_;
-  Calendar calendar_;
-  PredictionInput prediction_input_{};
-  Predictor predictor_{};
-
-  // Empty while all disks are equal.
-  std::vector<double> radius_;
-  std::vector<double> mass_;
-  double equal_radius_ = 0.0;
-  double equal_mass_ = 0.0;
-
-  struct Image {
-    std::int32_t x;
-    std::int32_t y;
-  };
-  LargeArray<Image> image_;
   std::vector<Id> ids_;  // by id index; empty where the Ids are the indices
   std::vector<std::uint32_t>
       row_of_;  // row in the state, by id index; empty where the rows are in the order of the Ids
 
-  bool fetches_ahead_ = false;  // the disks are too many for the cache
-  std::uint32_t seen_bucket_ = 0;
-  FetchPipeline pipeline_;
-  double now_ = 0.0;           // time of the last event, in this epoch
-  double epoch_length_ = 0.0;  // 0 when nothing moves
-  double longest_epoch_ = 0.0;
   double diameters_in_epoch_ = 0.0;  // at most
   double epoch_start_ = 0.0;
   double epoch_start_rest_ = 0.0;  // what is too small to be added to it
   std::uint64_t epoch_ = 0;
-  std::uint64_t hits_ = 0;
   std::uint64_t hits_before_epoch_ = 0;
-  std::uint64_t expected_events_ = 0;
   std::uint64_t audits_ = 0;
 
-  double size_of_cells_ = 1.0;
-  double smallest_radius_ = 0.0;
-  double mean_radius_ = 0.0;
-  double largest_radius_ = 0.0;
-  double packing_fraction_ = 0.0;
-
-  struct ListsOfNeighbours {
-    Lists wish = Lists::where_they_pay;
-    LargeArray<Neighbours> neighbours;  // empty while cells are looked at
-    LargeArray<Place> places;
-    double room = 0.0;                   // around the places
-    std::vector<Index> around, to_tell;  // while neighbours are looked for
-    double most_scale = 1.0;             // of the radii, up to which they are good
-  };
-  ListsOfNeighbours lists_;
-
-  struct Growth {
-    Scale scale;
-    double measured_time = 0.0;  // up to the start of the epoch
-    double measured_virial = 0.0;
-  };
-  Growth growth_;
+  Sharing sharing_;
+  WindowCount windows_;
+  double hits_per_time_ = 0.0;  // of each disk, in the epoch before
+  std::unique_ptr<Strips> strips_;  // nullptr while one thread does all
 
   /// Since when it is watched whether time passes. Only a run that fails depends on it, so it is not serialized.
   struct Watch {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/exact/dynamics.hpp"
+#include "engine/exact/flight.hpp"
 
 namespace gridlock::exact {
 
@@ -22,28 +22,32 @@ constexpr double growth_of_lists = 1.001;
 /// own, while the two places are up to two rooms apart in addition; and a hair for rounding.
 constexpr double rooms_in_cell = 3.001;
 
+Place place_of(MovingDisk const& disk, double time) {
+  return {disk.x + disk.velocity_x * time, disk.y + disk.velocity_y * time};
+}
+
 }  // namespace
 
 /// A cell must be as wide as the largest diameter at the end of the epoch, and hold the neighbours of a list in its block.
-double Dynamics::side_of_cells() const {
+double Flight::side_of_cells() const {
   double const scale = lists_.room > 0.0 ? lists_.most_scale : growth_.scale.at(epoch_length_);
   return 2.0 * largest_radius_ * scale + rooms_in_cell * lists_.room;
 }
 
-void Dynamics::make_room_in_cells() {
+void Flight::make_room_in_cells(double time) {
   if (size_ == 0) {
-    if (grid_.columns() == 0) lay_cells(CellLayout(box_, 1, 1));
+    if (grid_.columns() == 0) lay_cells(CellLayout(box_, 1, 1), time);
     return;
   }
   double const side = side_of_cells() * size_of_cells_;
   bool const has_room =
       grid_.columns() > 0 && box_.width() / grid_.columns() >= side && box_.height() / grid_.rows() >= side;
   if (has_room) return;
-  CellLayout const layout = layout_for_cutoff(box_, side, size_);
-  if (layout.columns() != grid_.columns() || layout.rows() != grid_.rows()) lay_cells(layout);
+  CellLayout const layout = layout_for_cutoff(box_, side, disks_in_box_);
+  if (layout.columns() != grid_.columns() || layout.rows() != grid_.rows()) lay_cells(layout, time);
 }
 
-bool Dynamics::wants_lists() const {
+bool Flight::wants_lists() const {
   if (lists_.wish != Lists::where_they_pay) return lists_.wish == Lists::always;
   if (is_growing()) {
     double const factor = lists_.neighbours.empty() ? shortening_for_lists : 0.5 * shortening_for_lists;
@@ -55,14 +59,14 @@ bool Dynamics::wants_lists() const {
 
 /// Around the places: a small one is left often, a large one makes long lists. Of disks of constant size a measured compromise, in mean
 /// diameters.
-double Dynamics::room_for_lists() const {
+double Flight::room_for_lists() const {
   if (is_growing()) return room_of_growing * 2.0 * smallest_radius_ * growth_.scale.at_zero;
   return (0.2 + std::max(0.0, 0.8 - packing_fraction_)) * 2.0 * mean_radius_;
 }
 
 /// Begins, renews or ends the use of lists, as the length of the epoch tells how dense growing disks are.
-/// Contract: the zero of time is now, and all events are predicted anew.
-void Dynamics::renew_lists() {
+/// Contract: all events are predicted anew.
+void Flight::renew_lists(double time) {
   // Kernels read the names of sixteen disks.
   bool const wants = wants_lists() && size_ >= 16;
   double const scale = growth_.scale.at(epoch_length_);
@@ -80,20 +84,20 @@ void Dynamics::renew_lists() {
     if (box_.is_periodic() && (box_.width() < 5.0 * side || box_.height() < 5.0 * side)) lists_.room = 0.0;
   }
   // The cells that lists need are larger than those that do without.
-  lay_cells(layout_for_cutoff(box_, side_of_cells() * size_of_cells_, size_));
+  lay_cells(layout_for_cutoff(box_, side_of_cells() * size_of_cells_, disks_in_box_), time);
   if (lists_.room == 0.0) return;
   lists_.places.resize(size_);
-  for (Index i = 0; i < size_; ++i) lists_.places[i] = {disks_[i].x, disks_[i].y};
+  for (Index i = 0; i < size_; ++i) lists_.places[i] = place_of(disks_[i], time);
   find_all_neighbours();
 }
 
-void Dynamics::find_all_neighbours() {
+void Flight::find_all_neighbours() {
   lists_.neighbours.resize(size_);
   for (Index i = 0; i < size_; ++i) find_neighbours(i, false);
 }
 
 /// Those who may touch i before one of the two leaves the room around its place; `tells_them` puts i into their lists.
-void Dynamics::find_neighbours(Index i, bool tells_them) {
+void Flight::find_neighbours(Index i, bool tells_them) {
   auto const nobody = static_cast<Index>(size_);
   Neighbours& list = lists_.neighbours[i];
   list.clear(nobody);
@@ -144,76 +148,33 @@ void Dynamics::find_neighbours(Index i, bool tells_them) {
 }
 
 /// A disk that has left the room around its place has other neighbours, and is one of theirs.
-void Dynamics::take_new_place(Index i) {
-  MovingDisk const& disk = disks_[i];
-  Place& place = lists_.places[i];
-  place = {disk.x + disk.velocity_x * now_, disk.y + disk.velocity_y * now_};
-  Cell const cell{grid_.column_of(std::clamp(place.x, 0.0, box_.width())),
-                  grid_.row_of(std::clamp(place.y, 0.0, box_.height()))};
-  if (cell.column != cells_[i].column || cell.row != cells_[i].row) {
-    grid_.erase(i, cells_[i].column, cells_[i].row);
-    cells_[i] = cell;
-    grid_.insert(i, cell.column, cell.row);
-    if (prediction_input_.capacity != grid_.capacity()) refresh_prediction_input();
-  }
+void Flight::take_new_place(Index i, double time) {
+  lists_.places[i] = place_of(disks_[i], time);
+  move_to_cell(i, cell_of(i, time));
   find_neighbours(i, true);
 }
 
-/// Contract: the zero of time is now, and all events are predicted anew.
-void Dynamics::lay_cells(CellLayout const& layout) {
+void Flight::move_to_cell(Index i, Cell const& cell) {
+  if (cell.column == cells_[i].column && cell.row == cells_[i].row) return;
+  grid_.erase(i, cells_[i].column, cells_[i].row);
+  cells_[i] = cell;
+  grid_.insert(i, cell.column, cell.row);
+  if (prediction_input_.capacity != grid_.capacity()) refresh_prediction_input();
+}
+
+Cell Flight::cell_of(Index i, double time) const {
+  Place const place = place_of(disks_[i], time);
+  return {grid_.column_of(place.x), grid_.row_of(place.y)};
+}
+
+/// Contract: all events are predicted anew.
+void Flight::lay_cells(CellLayout const& layout, double time) {
   grid_ = SlotGrid(layout, box_);
   cells_.resize(size_);
-  auto const index_of = [](double place, double cells_per_length, std::int32_t count) {
-    // A disk beyond the edge of a periodic box by rounding has not crossed it yet: it belongs to the last cell before.
-    return static_cast<std::int32_t>(std::clamp(place * cells_per_length, 0.0, static_cast<double>(count - 1)));
-  };
   for (Index i = 0; i < size_; ++i) {
-    cells_[i] = {index_of(disks_[i].x, layout.columns_per_length(), layout.columns()),
-                 index_of(disks_[i].y, layout.rows_per_length(), layout.rows())};
+    cells_[i] = cell_of(i, time);
     grid_.insert(i, cells_[i].column, cells_[i].row);
   }
-}
-
-/// The lists are found again; when disks leave their places is seen in the number of events.
-void Dynamics::serialize_lists(Archive& archive) {
-  std::vector<Index> const disks = disks_by_id_index();
-  std::vector<std::uint64_t> cells{static_cast<std::uint64_t>(grid_.columns()),
-                                   static_cast<std::uint64_t>(grid_.rows())};
-  std::vector<double> x;
-  std::vector<double> y;
-  if (!lists_.places.empty()) {
-    for (Index const i : disks) {
-      x.push_back(lists_.places[i].x);
-      y.push_back(lists_.places[i].y);
-    }
-  }
-  archive.visit("cells", cells);
-  archive.visit("place_x", x);
-  archive.visit("place_y", y);
-  archive.visit("room", lists_.room);
-  archive.visit("most_scale", lists_.most_scale);
-  if (!archive.is_restoring()) return;
-  archive.require(x.size() == y.size() && (x.size() == size_ || (x.empty() && lists_.room == 0.0)),
-                  "the engine has other disks than the state");
-  archive.require(lists_.room >= 0.0 && std::isfinite(lists_.room), "the room of a disk cannot be");
-  lists_.neighbours.clear();
-  lists_.places.resize(x.size());
-  for (std::size_t id_index = 0; id_index < x.size(); ++id_index) {
-    lists_.places[disks[id_index]] = {x[id_index], y[id_index]};
-  }
-  restore_cells(archive, cells);
-}
-
-/// The cells that the saved disks are in.
-void Dynamics::restore_cells(Archive const& archive, std::vector<std::uint64_t> const& cells) {
-  constexpr std::uint64_t most = 46340;
-  archive.require(cells.size() == 2 && cells[0] >= 1 && cells[1] >= 1 && cells[0] <= most && cells[1] <= most,
-                  "these cells cannot be");
-  lay_cells(CellLayout(box_, cells[0], cells[1]));
-  double const side = side_of_cells();
-  archive.require((cells[0] == 1 || box_.width() / grid_.columns() >= side) &&
-                      (cells[1] == 1 || box_.height() / grid_.rows() >= side),
-                  "the cells are smaller than the disks");
 }
 
 }  // namespace gridlock::exact

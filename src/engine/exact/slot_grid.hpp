@@ -32,8 +32,9 @@ class SlotGrid {
   /// Lower edge of column c, or of row r; one more than there are columns, or rows.
   [[nodiscard]] double const* column_edges() const { return column_edges_.data(); }
   [[nodiscard]] double const* row_edges() const { return row_edges_.data(); }
-  [[nodiscard]] std::int32_t column_of(double x) const { return layout_.column_of(x); }
-  [[nodiscard]] std::int32_t row_of(double y) const { return layout_.row_of(y); }
+  /// A disk beyond the edge of a periodic box by rounding has not crossed it yet: it belongs to the last cell before.
+  [[nodiscard]] std::int32_t column_of(double x) const { return index_of(x * layout_.columns_per_length(), columns_); }
+  [[nodiscard]] std::int32_t row_of(double y) const { return index_of(y * layout_.rows_per_length(), rows_); }
 
   [[nodiscard]] std::size_t capacity() const { return capacity_; }
   /// Slots from one row of cells to the next.
@@ -53,6 +54,9 @@ class SlotGrid {
  private:
   [[nodiscard]] std::size_t first_slot_of(std::int32_t column, std::int32_t row) const {
     return (static_cast<std::size_t>(row + 1) * stride_ + static_cast<std::size_t>(column + 1)) * capacity_;
+  }
+  static std::int32_t index_of(double index, std::int32_t count) {
+    return static_cast<std::int32_t>(std::clamp(index, 0.0, static_cast<double>(count - 1)));
   }
   [[nodiscard]] bool is_at_edge(std::int32_t column, std::int32_t row) const {
     return column == 0 || row == 0 || column == columns_ - 1 || row == rows_ - 1;

@@ -288,18 +288,20 @@ TEST(UnusedSettings, AreNoted) {
 }
 
 TEST(UnusedSettings, OfRunsWithDifferentReasonsHaveNoEffectInAnyRun) {
-  auto const notes = [](std::vector<std::string> const& kinds) {
+  auto const notes = [](std::vector<std::string> const& settings) {
     std::vector<std::vector<Event>> runs;
-    for (std::string const& kind : kinds) {
-      runs.push_back(
-          set_up(SettingsFile::from_text("engine = { threads = 2, kind = \"" + kind + "\" }", "run.toml")).notes);
+    for (std::string const& of_run : settings) {
+      runs.push_back(set_up(SettingsFile::from_text("engine = { cells = 5, " + of_run + " }", "run.toml")).notes);
     }
     return texts_of(runs);
   };
   using Notes = std::vector<std::string>;
-  EXPECT_EQ(notes({"stepped", "exact"}), Notes{"engine.threads has no effect in any run"});
-  EXPECT_EQ(notes({"exact", "exact"}), Notes{"engine.threads has no effect with engine.kind = \"exact\""});
-  EXPECT_EQ(notes({"stepped", "tiled"}), Notes{}) << "it has one in the second";
+  std::string const packed = "kind = \"stepped\"";
+  std::string const linked = "kind = \"stepped\", grid = \"linked\"";
+  std::string const exact = "kind = \"exact\"";
+  EXPECT_EQ(notes({packed, exact}), Notes{"engine.cells has no effect in any run"});
+  EXPECT_EQ(notes({exact, exact}), Notes{"engine.cells has no effect with engine.kind = \"exact\""});
+  EXPECT_EQ(notes({packed, linked}), Notes{}) << "it has one in the second";
 }
 
 TEST(UnusedSettings, OfAResolvedConfigurationAreNotNotedWhereTheyHaveTheirDefaults) {

@@ -1,0 +1,178 @@
+#include "engine/exact/flight.hpp"
+
+#include <limits>
+#include <utility>
+
+namespace gridlock::exact {
+
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+/// Applies a permutation, element i going to place new_place[i], without a second array.
+template <class Array>
+void permute(Array& values, std::vector<Index> new_place) {
+  for (Index i = 0; i < new_place.size(); ++i) {
+    while (new_place[i] != i) {
+      Index const place = new_place[i];
+      std::swap(values[i], values[place]);
+      std::swap(new_place[i], new_place[place]);
+    }
+  }
+}
+
+}  // namespace
+
+void Flight::take_part(Flight const& whole, std::span<Index const> disks) {
+  size_ = disks.size();
+  disks_.clear();
+  image_.clear();
+  radius_.clear();
+  mass_.clear();
+  disks_.reserve(size_ + 1);
+  image_.reserve(size_);
+  for (Index const i : disks) {
+    disks_.push_back(whole.disks_[i]);
+    image_.push_back(whole.image_[i]);
+    if (whole.radius_.empty()) continue;
+    radius_.push_back(whole.radius_[i]);
+    mass_.push_back(whole.mass_[i]);
+  }
+  disks_.push_back(whole.disks_[whole.size_]);
+  equal_radius_ = whole.equal_radius_;
+  equal_mass_ = whole.equal_mass_;
+  fetches_ahead_ = whole.fetches_ahead_;
+  now_ = whole.now_;
+  epoch_length_ = whole.epoch_length_;
+  longest_epoch_ = whole.longest_epoch_;
+  disks_in_box_ = whole.disks_in_box_;
+  size_of_cells_ = whole.size_of_cells_;
+  smallest_radius_ = whole.smallest_radius_;
+  mean_radius_ = whole.mean_radius_;
+  largest_radius_ = whole.largest_radius_;
+  packing_fraction_ = whole.packing_fraction_;
+  lists_.wish = whole.lists_.wish;
+  growth_ = whole.growth_;
+  pipeline_.clear();
+}
+
+/// At a time when none waits for an event, whatever the order of the disks: of two that touch first each waits for it, and the first of the
+/// two events is that of both.
+void Flight::predict_all(double time) {
+  LargeArray<double> times(size_);
+  for (Index i = 0; i < size_; ++i) disks_[i].event_time = never;
+  for (Index i = 0; i < size_; ++i) {
+    Prediction const first = predictor_.one(prediction_input_, i, time);
+    times[i] = first.time;
+    disks_[i].partner = first.partner;
+    if (first.partner < vertical_border) disks_[i].partner_collision_count = disks_[first.partner].collision_count;
+  }
+  for (Index i = 0; i < size_; ++i) disks_[i].event_time = times[i];
+}
+
+void Flight::refresh_prediction_input() {
+  prediction_input_ = {.disks = disks_.data(),
+                       .nobody = static_cast<Index>(size_),
+                       .cells = cells_.data(),
+                       .radius = radius_.empty() ? nullptr : radius_.data(),
+                       .equal_radius = equal_radius_,
+                       .slots = grid_.slots(),
+                       .row_stride = grid_.row_stride(),
+                       .capacity = grid_.capacity(),
+                       .column_edges = grid_.column_edges(),
+                       .row_edges = grid_.row_edges(),
+                       .columns = grid_.columns(),
+                       .rows = grid_.rows(),
+                       .width = box_.width(),
+                       .height = box_.height(),
+                       .is_periodic = box_.is_periodic(),
+                       .scale = growth_.scale,
+                       .neighbours = lists_.neighbours.empty() ? nullptr : lists_.neighbours.data(),
+                       .places = lists_.places.empty() ? nullptr : lists_.places.data(),
+                       .room = lists_.room};
+  predictor_ = fastest_predictor(prediction_input_);
+}
+
+void Flight::open_calendar() {
+  calendar_.open(epoch_length_, expected_events_, size_);
+  for (Index i = 0; i < size_; ++i) calendar_.add(disks_[i].event_time, i, disks_.data());
+}
+
+/// Puts disks of neighbouring cells next to one another in memory, so that a prediction finds its candidates in few
+/// cache lines and pages. The trajectory does not depend on it.
+/// Contract: all events are predicted anew.
+void Flight::sort_disks_by_cell() {
+  std::vector<Index> new_name(size_, no_disk);
+  Index next = 0;
+  for (std::int32_t row = 0; row < grid_.rows(); ++row) {
+    for (std::int32_t column = 0; column < grid_.columns(); ++column) {
+      Index const* const slots = grid_.slots_of(column, row);
+      for (std::size_t k = 0; k < grid_.capacity(); ++k) {
+        if (slots[k] != no_disk) new_name[slots[k]] = next++;
+      }
+    }
+  }
+  grid_.rename(new_name);
+  if (!radius_.empty()) {
+    permute(radius_, new_name);
+    permute(mass_, new_name);
+  }
+  permute(image_, new_name);
+  permute(cells_, new_name);
+  if (!lists_.places.empty()) permute(lists_.places, new_name);
+  permute(disks_, std::move(new_name));  // the last may use it up
+  if (!lists_.places.empty()) find_all_neighbours();
+}
+
+/// Keeps the pipeline fed with the disks of a bucket to come, and moving: about two events are scheduled for each one
+/// handled.
+void Flight::fetch_ahead() {
+  constexpr std::uint32_t buckets_ahead = 8;
+  constexpr std::uint64_t most_waiting = 16;
+  if (calendar_.open_bucket() != seen_bucket_) {
+    seen_bucket_ = calendar_.open_bucket();
+    std::uint64_t entered = 0;
+    calendar_.for_each_ahead(buckets_ahead, [&](Index i, double time) {
+      if (++entered <= most_waiting) pipeline_.enter(i, time);
+    });
+  }
+  do {
+    pipeline_.step(prediction_input_, grid_, size_);
+    pipeline_.step(prediction_input_, grid_, size_);
+  } while (pipeline_.waiting() > most_waiting);
+}
+
+void Flight::cross_into_next_cell(Index i, Side side) {
+  Cell cell = cells_[i];
+  auto const next = [](std::int32_t index, std::int32_t step, std::int32_t count) {
+    return index + step == count ? 0 : index + step < 0 ? count - 1 : index + step;
+  };
+  if (side == Side::left || side == Side::right) {
+    cell.column = next(cell.column, side == Side::right ? 1 : -1, grid_.columns());
+  } else {
+    cell.row = next(cell.row, side == Side::top ? 1 : -1, grid_.rows());
+  }
+  move_to_cell(i, cell);
+}
+
+/// A disk that leaves a periodic box goes on with another coordinate, which is rounded anew: as if it had been hit, events
+/// predicted before are void, so that it does not matter when others looked at it.
+void Flight::cross_edge(Index i, Side side) {
+  MovingDisk& disk = disks_[i];
+  std::int32_t const across = side == Side::right || side == Side::top ? 1 : -1;
+  bool const is_vertical = side == Side::left || side == Side::right;
+  double const shift = -across * (is_vertical ? box_.width() : box_.height());
+  (is_vertical ? disk.x : disk.y) += shift;
+  (is_vertical ? image_[i].x : image_[i].y) += across;
+  ++disk.collision_count;
+  if (lists_.places.empty()) return;
+  (is_vertical ? lists_.places[i].x : lists_.places[i].y) += shift;
+}
+
+std::vector<Index> Flight::disks_by_id_index() const {
+  std::vector<Index> disks(size_);
+  for (Index i = 0; i < size_; ++i) disks[disks_[i].id_index] = i;
+  return disks;
+}
+
+}  // namespace gridlock::exact

@@ -1,0 +1,258 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/exact/calendar.hpp"
+#include "engine/exact/fetch_pipeline.hpp"
+#include "engine/exact/moving_disk.hpp"
+#include "engine/exact/neighbours.hpp"
+#include "engine/exact/prediction.hpp"
+#include "engine/exact/scale.hpp"
+#include "engine/exact/slot_grid.hpp"
+#include "gridlock/core/box.hpp"
+#include "gridlock/core/detail/large_array.hpp"
+
+namespace gridlock::exact {
+
+/// Whether disks have lists of neighbours, or look at the cells around them; nothing but the cost depends on it.
+enum class Lists {
+  where_they_pay,  ///< in dense systems and in mixtures
+  always,
+  never,
+};
+
+/// How often a disk has left a periodic box, and on which side.
+struct Image {
+  std::int32_t x;
+  std::int32_t y;
+};
+
+/// Hard disks in free flight from event to event, within one epoch: all of a system, or those of a strip of it.
+///
+/// It finds the next event, and handles it; which epochs there are, and who counts what happens, is left to those who fly.
+class Flight {
+ public:
+  /// The time of the last event handled, in this epoch.
+  [[nodiscard]] double now() const { return now_; }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  /// The disks as they are, for tests that damage them.
+  [[nodiscard]] LargeArray<MovingDisk>& disks() { return disks_; }
+  /// What predictions read, for tests that compare implementations.
+  [[nodiscard]] PredictionInput const& prediction_input() const { return prediction_input_; }
+
+ protected:
+  friend class Strip;
+  friend class Strips;
+
+  explicit Flight(Box const& box) : box_(box) {}
+  ~Flight() = default;
+  Flight(Flight const&) = default;
+  Flight& operator=(Flight const&) = default;
+
+  /// Becomes a part of the whole: these disks, with everything but cells, lists and events.
+  void take_part(Flight const& whole, std::span<Index const> disks);
+  void predict_all(double time);
+  void sort_disks_by_cell();
+  void refresh_prediction_input();
+  void open_calendar();
+  [[nodiscard]] std::vector<Index> disks_by_id_index() const;
+
+  /// The next event that is still kept; nullptr where this epoch has none left.
+  ScheduledEvent const* next_event() {
+    while (ScheduledEvent const* const next = calendar_.next(disks_.data())) {
+      if (disks_[next->disk].event_time == next->time) return next;
+      calendar_.pop(next, disks_.data());
+    }
+    return nullptr;
+  }
+  /// Takes the next event off the calendar; it is the last one then.
+  ScheduledEvent take(ScheduledEvent const* next) {
+    ScheduledEvent const due = *next;
+    calendar_.pop(next, disks_.data());
+    now_ = due.time;
+    if (fetches_ahead_) fetch_ahead();
+    return due;
+  }
+  /// Handles the event that disk i waits for, now. The observer is told what happened to whom:
+  ///     pair_collided(i, j, virial)   wall_hit(i, side, impulse)   border_reached(i)
+  template <bool grows, class Observer>
+  void handle(Index i, Observer& observer);
+  void schedule(Index i, Prediction const& next);
+
+  [[nodiscard]] bool is_growing() const { return growth_.scale.rate != 0.0; }
+  [[nodiscard]] double radius_of(Index i) const { return radius_.empty() ? equal_radius_ : radius_[i]; }
+  [[nodiscard]] double mass_of(Index i) const { return mass_.empty() ? equal_mass_ : mass_[i]; }
+
+  // Of cells and lists: lists.cpp.
+  [[nodiscard]] double side_of_cells() const;
+  void make_room_in_cells(double time);
+  [[nodiscard]] bool wants_lists() const;
+  [[nodiscard]] double room_for_lists() const;
+  void renew_lists(double time);
+  void find_all_neighbours();
+  void find_neighbours(Index i, bool tells_them);
+  void take_new_place(Index i, double time);
+  void lay_cells(CellLayout const& layout, double time);
+  [[nodiscard]] Cell cell_of(Index i, double time) const;
+  void move_to_cell(Index i, Cell const& cell);
+
+  Box box_;
+  std::size_t size_ = 0;
+  LargeArray<MovingDisk> disks_;  // and one more behind them that no prediction ever chooses
+  LargeArray<Cell> cells_;
+  SlotGrid grid_;
+  Calendar calendar_;
+  PredictionInput prediction_input_{};
+  Predictor predictor_{};
+
+  // Empty while all disks are equal.
+  std::vector<double> radius_;
+  std::vector<double> mass_;
+  double equal_radius_ = 0.0;
+  double equal_mass_ = 0.0;
+
+  LargeArray<Image> image_;
+
+  bool fetches_ahead_ = false;  // the disks are too many for the cache
+  std::uint32_t seen_bucket_ = 0;
+  FetchPipeline pipeline_;
+  double now_ = 0.0;           // time of the last event, in this epoch
+  double epoch_length_ = 0.0;  // 0 when nothing moves
+  double longest_epoch_ = 0.0;
+  std::uint64_t expected_events_ = 0;
+  std::uint64_t hits_ = 0;
+
+  // Of the whole system.
+  std::size_t disks_in_box_ = 0;
+  double size_of_cells_ = 1.0;
+  double smallest_radius_ = 0.0;
+  double mean_radius_ = 0.0;
+  double largest_radius_ = 0.0;
+  double packing_fraction_ = 0.0;
+
+  struct ListsOfNeighbours {
+    Lists wish = Lists::where_they_pay;
+    LargeArray<Neighbours> neighbours;  // empty while cells are looked at
+    LargeArray<Place> places;
+    double room = 0.0;                   // around the places
+    std::vector<Index> around, to_tell;  // while neighbours are looked for
+    double most_scale = 1.0;             // of the radii, up to which they are good
+  };
+  ListsOfNeighbours lists_;
+
+  struct Growth {
+    Scale scale;
+    double measured_time = 0.0;  // up to the start of the epoch
+    double measured_virial = 0.0;
+  };
+  Growth growth_;
+
+ private:
+  void fetch_ahead();
+  template <class Observer>
+  void collide(Index i, Index j, Observer& observer);
+  template <class Observer>
+  void reach_border(Index i, BorderEvent const& event, Observer& observer);
+  template <class Observer>
+  void hit_wall(Index i, Side wall, Observer& observer);
+  void cross_into_next_cell(Index i, Side side);
+  void cross_edge(Index i, Side side);
+};
+
+template <bool grows, class Observer>
+void Flight::handle(Index i, Observer& observer) {
+  MovingDisk& disk = disks_[i];
+  if (disk.partner >= vertical_border) {
+    reach_border(i,
+                 grows ? border_event_growing(prediction_input_, i) : border_event(prediction_input_, i, disk.partner),
+                 observer);
+  } else if (disks_[disk.partner].collision_count == disk.partner_collision_count) {
+    Index const j = disk.partner;
+    collide(i, j, observer);
+    // Both predictions before either is written down, so that the processor works on the two at once.
+    PairPrediction const next = predictor_.pair(prediction_input_, i, j, now_);
+    schedule(i, next.of_i);
+    schedule(j, next.of_j);
+    return;
+  }
+  schedule(i, predictor_.one(prediction_input_, i, now_));
+}
+
+inline void Flight::schedule(Index i, Prediction const& next) {
+  MovingDisk& disk = disks_[i];
+  disk.event_time = next.time;
+  disk.partner = next.partner;
+  disk.partner_collision_count =
+      disks_[std::min<std::size_t>(next.partner, size_)].collision_count;  // of the spare disk for a border
+  calendar_.add(next.time, i, disks_.data());
+}
+
+/// The elastic rule of turn.hpp, at the time of contact, in the frame in which the two rims rest: the velocity v along the line of
+/// centres becomes −v + 2a. The centre at the zero of time moves so that the path does not jump: x + v·now stays what it was.
+/// The bits do not depend on which of the two is i.
+template <class Observer>
+void Flight::collide(Index i, Index j, Observer& observer) {
+  MovingDisk& a = disks_[i];
+  MovingDisk& b = disks_[j];
+  double const w_x = b.velocity_x - a.velocity_x;
+  double const w_y = b.velocity_y - a.velocity_y;
+  auto const [d_x, d_y] = box_.displacement_inside({}, {(b.x - a.x) + w_x * now_, (b.y - a.y) + w_y * now_});
+  double const mass_a = mass_of(i);
+  double const mass_b = mass_of(j);
+  double const sum = radius_of(i) + radius_of(j);
+  double const contact = sum * growth_.scale.at(now_);
+  double const growth = sum * growth_.scale.rate;
+  double const squared_distance = d_x * d_x + d_y * d_y;
+  double const approach = (w_x * d_x + w_y * d_y) - growth * contact;
+  double const along = 2.0 * approach / ((mass_a + mass_b) * squared_distance);
+  double const along_a = mass_b * along;
+  double const along_b = mass_a * along;
+  change_velocity(a, along_a * d_x, along_a * d_y, now_);
+  change_velocity(b, -along_b * d_x, -along_b * d_y, now_);
+  double const virial = -(mass_a * mass_b) * along * squared_distance;
+  hits_ += 2;
+  growth_.measured_virial += virial;
+  observer.pair_collided(i, j, virial);
+}
+
+template <class Observer>
+void Flight::reach_border(Index i, BorderEvent const& event, Observer& observer) {
+  observer.border_reached(i);
+  switch (event.border) {
+    case Border::of_place:
+      take_new_place(i, now_);
+      break;
+    case Border::wall:
+      hit_wall(i, event.side, observer);
+      break;
+    case Border::of_cell:
+      cross_into_next_cell(i, event.side);
+      break;
+    case Border::edge:
+      if (lists_.places.empty()) cross_into_next_cell(i, event.side);
+      cross_edge(i, event.side);
+      break;
+  }
+}
+
+/// The wall rests, the rim comes to meet it: v becomes −v plus twice the speed of growth, inwards.
+template <class Observer>
+void Flight::hit_wall(Index i, Side side, Observer& observer) {
+  MovingDisk& disk = disks_[i];
+  bool const is_vertical = side == Side::left || side == Side::right;
+  double const inwards = side == Side::left || side == Side::bottom ? 1.0 : -1.0;
+  double const radius = radius_of(i);
+  double const velocity = is_vertical ? disk.velocity_x : disk.velocity_y;
+  double const change = 2.0 * (inwards * radius * growth_.scale.rate - velocity);
+  change_velocity(disk, is_vertical ? change : 0.0, is_vertical ? 0.0 : change, now_);
+  ++hits_;
+  double const impulse = mass_of(i) * std::abs(change);
+  growth_.measured_virial += radius * growth_.scale.at(now_) * impulse;
+  observer.wall_hit(i, side, impulse);
+}
+
+}  // namespace gridlock::exact
