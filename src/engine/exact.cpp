@@ -89,6 +89,7 @@ EngineRecord exact_record() {
           .has_time_step = false,
           .uses_threads = true,
           .bytes_per_disk = 340.0,
+          .bytes_per_disk_of_threads = 310.0,
           .bytes_per_disk_of_checkpoint = 163.0,
           .unused_because_of =
               [](EngineSettings const& /*settings*/, std::string_view setting) {

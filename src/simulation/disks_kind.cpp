@@ -17,6 +17,7 @@
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/simulation/world_simulation.hpp"
 #include "simulation/countable_time.hpp"
+#include "simulation/expected_work.hpp"
 #include "simulation/patient_engine.hpp"
 #include "simulation/protocol_simulation.hpp"
 #include "simulation/slow_start.hpp"
@@ -349,7 +350,9 @@ class DisksKind final : public ModelKind {
     EngineRecord const& engine = engine_record(configuration.engine.kind);
     CheckpointSettings const& checkpoint = configuration.checkpoint;
     bool const has_checkpoints = checkpoint.every_seconds > 0.0 || checkpoint.every_steps > 0 || checkpoint.keep_last;
-    return engine.bytes_per_disk + (has_checkpoints ? engine.bytes_per_disk_of_checkpoint : 0.0);
+    bool const has_threads = threads_of(configuration, std::nullopt) > 1;
+    return engine.bytes_per_disk + (has_threads ? engine.bytes_per_disk_of_threads : 0.0) +
+           (has_checkpoints ? engine.bytes_per_disk_of_checkpoint : 0.0);
   }
 };
 

@@ -150,6 +150,7 @@ struct EngineRecord {
   bool has_time_step = true;       ///< false: it goes from event to event, and a run can end within a step
   bool uses_threads = false;
   double bytes_per_disk = 0.0;                ///< at the peak of a run, all of the program counted
+  double bytes_per_disk_of_threads = 0.0;     ///< what more than one thread add to that peak
   double bytes_per_disk_of_checkpoint = 0.0;  ///< what a checkpoint adds to that peak
   double bytes_per_cell = 0.0;                ///< of the cells that engine.cells asks for
   /// The setting of the table [engine] because of which a run does not depend on another one of it: "kind", or "grid" for

@@ -187,7 +187,7 @@ class Dynamics final : public Flight {
 
   Sharing sharing_;
   WindowCount windows_;
-  double hits_per_time_ = 0.0;  // of each disk, in the epoch before
+  double hits_per_time_ = 0.0;      // of each disk, in the epoch before
   std::unique_ptr<Strips> strips_;  // nullptr while one thread does all
 
   /// Since when it is watched whether time passes. Only a run that fails depends on it, so it is not serialized.

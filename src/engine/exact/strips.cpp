@@ -25,8 +25,9 @@ constexpr double paths_in_epoch = 17.0;
 /// What a strip costs beside its disks' flight, as part of it: copies of records, comparisons, waiting.
 constexpr double cost_of_sharing = 0.12;
 /// Strips that would not be so many times as fast as one thread do not pay.
-constexpr double least_gain = 1.25;
-constexpr double strips_deep_enough = 2.0;  // reaches
+constexpr double least_gain = 1.42;
+/// The height of a strip, in the depth of copies: only strips beside each other meet, and each disk has one copy in a strip at most.
+constexpr double least_height = 2.0;
 
 bool is_same_motion(MovingDisk const& a, MovingDisk const& b) {
   return std::memcmp(&a.x, &b.x, 4 * sizeof(double)) == 0 && std::memcmp(&a.last_hit, &b.last_hit, sizeof(double)) == 0;
@@ -291,8 +292,7 @@ StripPlan Strips::plan(Flight const& whole, std::size_t threads, double hits_per
   double best_gain = 1.0;
   for (std::size_t count = 2; count <= std::min<std::size_t>(threads, 1024); ++count) {
     double const height = whole.box_.height() / static_cast<double>(count);
-    // Every disk has one copy in a strip at most, and only strips beside each other meet.
-    if (height < strips_deep_enough * (plan.reach + plan.margin)) break;
+    if (height < least_height * (plan.reach + plan.margin)) break;
     double const copies = 2.0 * plan.flown + spread;
     double const gain = static_cast<double>(count) / (1.0 + cost_of_sharing + copies / height);
     if (gain > best_gain && (gain >= least_gain || wherever_possible)) {
