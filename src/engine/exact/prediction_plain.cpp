@@ -41,10 +41,19 @@ bool collect(PredictionInput const& s, Index i, Index apart, Candidates& candida
   }
   Index const* run = first_slot_around(s, i);
   std::size_t count = 0;
+  auto const consider = [&](Index name) {
+    candidates.disks[count] = name;
+    count += static_cast<std::size_t>((name != no_disk) & (name != i) & (name != apart));
+  };
   for (int row = 0; row < 3; ++row, run += s.row_stride) {
-    for (std::size_t k = 0; k < 3 * slots_per_cell; ++k) {
-      candidates.disks[count] = run[k];
-      count += static_cast<std::size_t>((run[k] != no_disk) & (run[k] != i) & (run[k] != apart));
+    for (std::size_t k = 0; k < 3 * slots_per_cell; k += slots_per_cell) {
+      consider(run[k]);
+      consider(run[k + 1]);
+      // The first slots of a cell are the ones in use, and few cells hold more than two disks.
+      if (run[k + 2] == no_disk) [[likely]]
+        continue;
+      consider(run[k + 2]);
+      consider(run[k + 3]);
     }
   }
   for (std::size_t k = 0; k < batch; ++k) candidates.disks[count + k] = s.nobody;
