@@ -153,12 +153,12 @@ void describe(EngineSettings& settings, SettingVisitor& visitor) {
 }
 
 void describe_threads(EngineSettings& settings, SettingVisitor& visitor) {
-  visitor.visit(
-      {.key = "threads",
-       .documentation = "How many threads exact, tiled and the models use; any number gives the same bits, and 0 is all "
-                        "cores that the process may use.",
-       .most = 1024},
-      settings.threads);
+  visitor.visit({.key = "threads",
+                 .documentation =
+                     "How many threads exact, tiled and the models use; any number gives the same bits, and 0 is all "
+                     "cores that the process may use.",
+                 .most = 1024},
+                settings.threads);
 }
 
 }  // namespace gridlock

@@ -93,9 +93,8 @@ EngineRecord exact_record() {
           .bytes_per_disk_of_checkpoint = 163.0,
           .unused_because_of =
               [](EngineSettings const& /*settings*/, std::string_view setting) {
-                bool const is_used =
-                    setting == "kind" || setting == "time_step" || setting == "speed" || setting == "audit_every" ||
-                    setting == "threads";
+                bool const is_used = setting == "kind" || setting == "time_step" || setting == "speed" ||
+                                     setting == "audit_every" || setting == "threads";
                 return std::string_view(is_used ? "" : "kind");
               },
           .cost_of_move = [](EngineSettings const& /*settings*/, State const& /*state*/) { return 1.0; },

@@ -119,9 +119,9 @@ TEST(Sweep, SaysWhatTheSameCommandWillDoAboutRunsThatFailed) {
 TEST(Sweep, OverEnginesNotesWhatHasNoEffectInAnyRunOnly) {
   Workplace const workplace;
   write(workplace / "s.toml",
-        "disks.count = 64\nrun.steps = 20\nengine = { audit_every = 100, cells = 4, grid = \"linked\", threads = 2 }\n"
+        "disks.count = 64\nrun.steps = 20\nengine = { audit_every = 100, cells = 4, threads = 2 }\n"
         "[sweep]\nengine.kind = [\"stepped\", \"exact\"]\n");
-  std::string const note = "note: engine.threads has no effect in any run\n";
+  std::string const note = "note: engine.cells has no effect in any run\n";
   for (std::vector<std::string> const& command :
        {std::vector<std::string>{"check", "s.toml"}, {"sweep", "s.toml", "-o", "out", "--no-pictures"}}) {
     Outcome const outcome = in(workplace.path(), command);

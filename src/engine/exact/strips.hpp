@@ -23,7 +23,7 @@ struct StripPlan {
   double margin = 0.0;    ///< how far disks may get in an epoch: so much deeper are there copies
 };
 
-/// What there is between two strips, or a strip and itself at the start of a window.
+/// The lowest and the highest of some heights.
 struct Extent {
   double lowest = std::numeric_limits<double>::infinity();
   double highest = -std::numeric_limits<double>::infinity();
