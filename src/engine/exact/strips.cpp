@@ -1,8 +1,9 @@
 #include "engine/exact/strips.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
-#include <cstring>
 
 namespace gridlock::exact {
 
@@ -29,14 +30,20 @@ constexpr double least_gain = 1.42;
 /// The height of a strip, in the depth of copies: only strips beside each other meet, and each disk has one copy in a strip at most.
 constexpr double least_height = 2.0;
 
+/// Bit by bit: −0 is not 0.
 bool is_same_motion(MovingDisk const& a, MovingDisk const& b) {
-  return std::memcmp(&a.x, &b.x, 4 * sizeof(double)) == 0 && std::memcmp(&a.last_hit, &b.last_hit, sizeof(double)) == 0;
+  auto const bits_of = [](MovingDisk const& disk) {
+    return std::bit_cast<std::array<std::uint64_t, 5>>(
+        std::array{disk.x, disk.y, disk.velocity_x, disk.velocity_y, disk.last_hit});
+  };
+  return bits_of(a) == bits_of(b);
 }
 
 /// Merges what happened in a strip into what happened in others, in the order of time.
 void merge(std::vector<Strip::Counted>& merged, std::span<Strip::Counted const> more) {
   if (more.empty()) return;
-  std::vector<Strip::Counted> const before = std::move(merged);
+  std::vector<Strip::Counted> before;
+  before.swap(merged);
   merged.resize(before.size() + more.size());
   Strip::Counted* out = merged.data();
   Strip::Counted const* a = before.data();
