@@ -171,10 +171,11 @@ TEST(Sharing, EndsWhereItIsAskedTo) {
 // Many disks of a lattice with few speeds collide at the very same time: whose virial is added first is left to one thread.
 TEST(Sharing, LeavesCollisionsAtTheSameTimeToOneThread) {
   State state{.box = Box(30.0, 240.0, Edge::periodic), .seed = 1};
-  for (std::uint64_t i = 0; i < 20 * 160; ++i) {
-    double const speed = (i / 20) % 2 == 0 ? 0.5 : -0.5;
-    state.agents.add((static_cast<double>(i % 20) + 0.5) * 1.5, (static_cast<double>(i / 20) + 0.5) * 1.5,
-                     i % 3 == 0 ? 0.25 : -0.25, speed, 0.5, 1.0, 0, 0);
+  for (std::uint64_t row = 0; row < 160; ++row) {
+    for (std::uint64_t column = 0; column < 20; ++column) {
+      state.agents.add((static_cast<double>(column) + 0.5) * 1.5, (static_cast<double>(row) + 0.5) * 1.5,
+                       (20 * row + column) % 3 == 0 ? 0.25 : -0.25, row % 2 == 0 ? 0.5 : -0.5, 0.5, 1.0, 0, 0);
+    }
   }
   ThreadPool threads(2);
   exact::Dynamics one(state);
