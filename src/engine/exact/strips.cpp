@@ -386,12 +386,16 @@ bool Strips::count_window(double start, double end, Counters& counters) {
       is_in_order[slice] = static_cast<std::uint8_t>(std::ranges::adjacent_find(merged, is_not_before) == merged.end());
     });
     if (std::ranges::find(is_in_order, 0) != is_in_order.end()) return false;
-    std::uint64_t& number = kind == 0 ? sum.pair_collisions : sum.wall_hits[kind - 1];
-    double& amount = kind == 0 ? sum.pair_virial : sum.wall_impulse[kind - 1];
-    for (std::vector<Strip::Counted> const& merged : slices_) {
-      number += merged.size();
-      for (Strip::Counted const& event : merged) amount += event.amount;
-    }
+    auto const add_slices = [&](std::uint64_t& number, double& amount) {
+      for (std::vector<Strip::Counted> const& merged : slices_) {
+        number += merged.size();
+        for (Strip::Counted const& event : merged) amount += event.amount;
+      }
+    };
+    if (kind == 0)
+      add_slices(sum.pair_collisions, sum.pair_virial);
+    else
+      add_slices(sum.wall_hits[kind - 1], sum.wall_impulse[kind - 1]);
   }
   sum.moves += moves_in_window();
   counters = sum;
