@@ -392,10 +392,11 @@ bool Strips::count_window(double start, double end, Counters& counters) {
         for (Strip::Counted const& event : merged) amount += event.amount;
       }
     };
-    if (kind == 0)
+    if (kind == 0) {
       add_slices(sum.pair_collisions, sum.pair_virial);
-    else
+    } else {
       add_slices(sum.wall_hits[kind - 1], sum.wall_impulse[kind - 1]);
+    }
   }
   sum.moves += moves_in_window();
   counters = sum;
