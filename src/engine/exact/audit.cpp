@@ -58,16 +58,13 @@ void Dynamics::audit_overlaps() const {
                                  last_event(), id_of(i), id_of(j), -gap, -gap / contact));
   };
   for (Index i = 0; i < size_; ++i) {
-    MovingDisk const& disk = disks_[i];
-    for (std::int32_t row = cells_[i].row - 1; row <= cells_[i].row + 1; ++row) {
-      Index const* const slots = grid_.slots_of(cells_[i].column - 1, row);
-      for (std::size_t k = 0; k < 3 * grid_.capacity(); ++k) {
-        if (slots[k] != no_disk && slots[k] < i) require_gap(slots[k], i);
+    for_each_run_around(position_at(i, now_), radius_of(i), scale(), lists_.room, [&](std::span<Index const> slots) {
+      for (Index const j : slots) {
+        if (j != no_disk && j < i) require_gap(j, i);
       }
-    }
+    });
     if (box_.is_periodic()) continue;
-    double const x = disk.x + disk.velocity_x * now_;
-    double const y = disk.y + disk.velocity_y * now_;
+    auto const [x, y] = position_at(i, now_);
     double const r = radius_of(i) * scale();
     double const gap = std::min({x - r, box_.width() - r - x, y - r, box_.height() - r - y});
     if (gap >= -tolerance * 2.0 * r) continue;

@@ -10,6 +10,7 @@
 
 namespace gridlock::exact {
 
+/// Where cells have more slots, because disks are so much smaller than the largest, all candidates are collected one by one.
 inline constexpr std::size_t slots_per_cell = 4;
 /// Candidates are looked at so many at a time, whatever the registers: few disks have more, so that processors guess well how
 /// often a loop turns.
@@ -30,7 +31,38 @@ struct Candidates {
 inline Index const* first_slot_around(PredictionInput const& s, Index i) {
   Cell const cell = s.cells[i];
   return s.slots + static_cast<std::size_t>(cell.row) * s.row_stride +
-         static_cast<std::size_t>(cell.column) * slots_per_cell;
+         static_cast<std::size_t>(cell.column) * s.capacity;
+}
+
+/// The first of `best` and the contacts with all that i may meet but for `apart`, however many: earliest_of(candidates, best) looks at a part
+/// of them.
+template <class EarliestOf>
+Prediction earliest_of_many(PredictionInput const& s, Index i, Index apart, Prediction best, EarliestOf earliest_of) {
+  Candidates part;
+  part.count = 0;
+  auto const look = [&] {
+    std::fill_n(part.disks + part.count, batch, s.nobody);
+    best = earliest_of(part, best);
+    part.count = 0;
+  };
+  auto const consider = [&](Index name) {
+    part.disks[part.count] = name;
+    part.count += static_cast<std::size_t>((name != i) & (name != apart));
+    if (part.count == most_candidates) look();
+  };
+  if (s.neighbours != nullptr) {
+    for (Index const name : s.neighbours_of(i)) consider(name);
+  } else {
+    Index const* row = first_slot_around(s, i);
+    for (int rows = 0; rows < 3; ++rows, row += s.row_stride) {
+      for (Index const* cell = row; cell != row + 3 * s.capacity; cell += s.capacity) {
+        // The first slots of a cell are the ones in use.
+        for (std::size_t k = 0; k < s.capacity && cell[k] != no_disk; ++k) consider(cell[k]);
+      }
+    }
+  }
+  if (part.count > 0) look();
+  return best;
 }
 
 /// The first of `best` and the contacts with these disks that take place at the time `earliest`, in the lanes of `firsts`; ties go to the

@@ -50,9 +50,9 @@ Dynamics::Dynamics(State const& state, DynamicsOptions const& options) : Flight(
   read_disks(state);
   if (options.rate != 0.0) start_growing(options.rate);
   choose_epoch();
-  make_room_in_cells(0.0);
   renew_lists(0.0);
-  sort_disks_by_cell();
+  make_room_in_cells(0.0);
+  sort_disks_by_cell(0.0);
   refresh_prediction_input();
   predict_all(0.0);
   expected_events_ = 32 * size_;
@@ -74,7 +74,6 @@ void Dynamics::read_disks(State const& state) {
   bool const is_mixture = size_ > 0 && !(are_all_equal(radius) && are_all_equal(mass));
   disks_.reserve(size_ + 1);
   image_.reserve(size_);
-  double mean_radius = 0.0;
   double mean_mass = 0.0;  // in the order of the Ids
   for (std::uint32_t id_index = 0; id_index < size_; ++id_index) {
     std::uint32_t const row = rows[id_index];
@@ -96,13 +95,11 @@ void Dynamics::read_disks(State const& state) {
       radius_.push_back(radius[row]);
       mass_.push_back(mass[row]);
     }
-    mean_radius += radius[row] / static_cast<double>(size_);
     mean_mass += mass[row] / static_cast<double>(size_);
   }
   if (size_ > 0) {
     smallest_radius_ = radius_range(disks).smallest;
     largest_radius_ = radius_range(disks).largest;
-    mean_radius_ = mean_radius;
     packing_fraction_ = packing_fraction_of(state);
     double const speed_of_lightest = std::sqrt(mean_mass / *std::ranges::min_element(mass));
     double const distance = std::sqrt(box_.area() / static_cast<double>(size_)) / (2.0 * largest_radius_);
@@ -248,7 +245,7 @@ void Dynamics::begin_epoch(double zero, double length, double factor_of_velociti
   strips_ = nullptr;
   renew_lists(0.0);
   make_room_in_cells(0.0);
-  if (is_sort_due) sort_disks_by_cell();
+  if (is_sort_due) sort_disks_by_cell(0.0);
   refresh_prediction_input();
   predict_all(0.0);
   open_calendar();
@@ -310,8 +307,8 @@ void Dynamics::serialize(Archive& archive) {
     saved.partner.push_back(disk.partner < vertical_border ? disks_[disk.partner].id_index : disk.partner);
     saved.partner_collision_count.push_back(disk.partner_collision_count);
     saved.collision_count.push_back(disk.collision_count);
-    saved.column.push_back(cells_[i].column);
-    saved.row.push_back(cells_[i].row);
+    saved.column.push_back(has_lists() ? 0 : cells_[i].column);
+    saved.row.push_back(has_lists() ? 0 : cells_[i].row);
     saved.image_x.push_back(image_[i].x);
     saved.image_y.push_back(image_[i].y);
   }
@@ -333,13 +330,10 @@ void Dynamics::serialize(Archive& archive) {
 void Dynamics::restore(Archive const& archive, SavedDisks const& saved) {
   archive.require(saved.has_size(size_), "the engine has other disks than the state");
   std::vector<Index> const disks = disks_by_id_index();
-  for (Index const i : disks) grid_.erase(i, cells_[i].column, cells_[i].row);
   for (std::size_t id_index = 0; id_index < size_; ++id_index) {
     Index const partner = saved.partner[id_index];
-    bool const is_inside = saved.column[id_index] >= 0 && saved.column[id_index] < grid_.columns() &&
-                           saved.row[id_index] >= 0 && saved.row[id_index] < grid_.rows();
-    archive.require(is_inside && (partner >= vertical_border || partner < size_) &&
-                        saved.event_time[id_index] >= now_ && std::isfinite(saved.last_hit[id_index]),
+    archive.require((partner >= vertical_border || partner < size_) && saved.event_time[id_index] >= now_ &&
+                        std::isfinite(saved.last_hit[id_index]),
                     "a disk waits for an event that cannot be");
     MovingDisk& disk = disks_[disks[id_index]];
     disk = {.x = saved.x[id_index],
@@ -352,11 +346,9 @@ void Dynamics::restore(Archive const& archive, SavedDisks const& saved) {
             .partner_collision_count = saved.partner_collision_count[id_index],
             .collision_count = saved.collision_count[id_index],
             .id_index = disk.id_index};
-    cells_[disks[id_index]] = {saved.column[id_index], saved.row[id_index]};
     image_[disks[id_index]] = {saved.image_x[id_index], saved.image_y[id_index]};
-    grid_.insert(disks[id_index], saved.column[id_index], saved.row[id_index]);
   }
-  if (!lists_.places.empty()) find_all_neighbours();
+  restore_cells(archive, saved);
   refresh_prediction_input();
   pipeline_.clear();
   open_calendar();

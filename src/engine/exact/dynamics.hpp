@@ -165,7 +165,8 @@ class Dynamics final : public Flight {
 
   // Checkpoints of cells and lists: saved_cells.cpp.
   void serialize_lists(Archive& archive);
-  void restore_cells(Archive const& archive, std::vector<std::uint64_t> const& cells);
+  void restore_grid(Archive const& archive, std::vector<std::uint64_t> const& cells);
+  void restore_cells(Archive const& archive, SavedDisks const& saved);
 
   void write_at(double time, double scale, State& state) const;
 

@@ -29,12 +29,14 @@ class FetchPipeline {
   void enter(Index disk, double time) { waiting_[entered_++ % waiting_.size()] = {time, disk}; }
 
   /// Moves every event on by one place.
-  void step(PredictionInput const& s, SlotGrid const& grid, std::size_t last_disk) {
+  /// grid_of(i) is the grid with the cells of disk i.
+  template <class GridOf>
+  void step(PredictionInput const& s, GridOf const& grid_of, std::size_t last_disk) {
     if (taken_ == entered_) return;
     fetch(s, at(0).disk);
     if (taken_ >= 4) fetch_partner(s, at(4));
-    if (taken_ >= 8) fetch_cells(s, grid, at(8));
-    if (taken_ >= 12) fetch_disks(grid, s, at(12), last_disk);
+    if (taken_ >= 8) fetch_cells(s, grid_of, at(8));
+    if (taken_ >= 12) fetch_disks(grid_of, s, at(12), last_disk);
     ++taken_;
   }
 
@@ -74,8 +76,10 @@ class FetchPipeline {
     entry.rows = 3;
     fetch(s, entry.partner);
   }
-  static void fetch_cells(PredictionInput const& s, SlotGrid const& grid, Entry& entry) {
+  template <class GridOf>
+  static void fetch_cells(PredictionInput const& s, GridOf const& grid_of, Entry& entry) {
     if (entry.rows == 0 || !entry.looks_at_cells) return;
+    SlotGrid const& grid = grid_of(entry.disk);
     Cell const disk = s.cells[entry.disk];
     Cell const partner = s.cells[entry.partner];
     std::int32_t const columns_apart = partner.column - disk.column;
@@ -101,10 +105,12 @@ class FetchPipeline {
       for (std::uint32_t k = 0; k < 8; ++k) prefetch(&s.disks[s.neighbours[i].disks[k]]);
     }
   }
-  static void fetch_disks(SlotGrid const& grid, PredictionInput const& s, Entry const& entry, std::size_t last_disk) {
+  template <class GridOf>
+  static void fetch_disks(GridOf const& grid_of, PredictionInput const& s, Entry const& entry, std::size_t last_disk) {
     if (entry.rows == 0) return;
     if (s.neighbours != nullptr) fetch_neighbours(s, entry);
     if (!entry.looks_at_cells) return;
+    SlotGrid const& grid = grid_of(entry.disk);
     Index const* run = grid.slots_of(entry.column, entry.row);
     for (std::int32_t row = 0; row < entry.rows; ++row, run += grid.row_stride()) {
       Index const* cell = run;

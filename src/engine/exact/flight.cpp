@@ -1,6 +1,7 @@
 #include "engine/exact/flight.hpp"
 
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace gridlock::exact {
@@ -48,7 +49,6 @@ void Flight::take_part(Flight const& whole, std::span<Index const> disks) {
   disks_in_box_ = whole.disks_in_box_;
   size_of_cells_ = whole.size_of_cells_;
   smallest_radius_ = whole.smallest_radius_;
-  mean_radius_ = whole.mean_radius_;
   largest_radius_ = whole.largest_radius_;
   packing_fraction_ = whole.packing_fraction_;
   lists_.wish = whole.lists_.wish;
@@ -71,25 +71,28 @@ void Flight::predict_all(double time) {
 }
 
 void Flight::refresh_prediction_input() {
+  SlotGrid const& grid = size_classes_.front().grid;
   prediction_input_ = {.disks = disks_.data(),
                        .nobody = static_cast<Index>(size_),
                        .cells = cells_.data(),
                        .radius = radius_.empty() ? nullptr : radius_.data(),
                        .equal_radius = equal_radius_,
-                       .slots = grid_.slots(),
-                       .row_stride = grid_.row_stride(),
-                       .capacity = grid_.capacity(),
-                       .column_edges = grid_.column_edges(),
-                       .row_edges = grid_.row_edges(),
-                       .columns = grid_.columns(),
-                       .rows = grid_.rows(),
+                       .slots = grid.slots(),
+                       .row_stride = grid.row_stride(),
+                       .capacity = grid.capacity(),
+                       .column_edges = grid.column_edges(),
+                       .row_edges = grid.row_edges(),
+                       .columns = grid.columns(),
+                       .rows = grid.rows(),
                        .width = box_.width(),
                        .height = box_.height(),
                        .is_periodic = box_.is_periodic(),
                        .scale = growth_.scale,
-                       .neighbours = lists_.neighbours.empty() ? nullptr : lists_.neighbours.data(),
-                       .places = lists_.places.empty() ? nullptr : lists_.places.data(),
-                       .room = lists_.room};
+                       .neighbours = has_lists() ? lists_.neighbours.data() : nullptr,
+                       .long_lists = lists_.long_lists.data(),
+                       .places = has_lists() ? lists_.places.data() : nullptr,
+                       .room = lists_.room,
+                       .margin = reach_with(lists_.room, lists_.most_scale)};
   predictor_ = fastest_predictor(prediction_input_);
 }
 
@@ -101,27 +104,30 @@ void Flight::open_calendar() {
 /// Puts disks of neighbouring cells next to one another in memory, so that a prediction finds its candidates in few
 /// cache lines and pages. The trajectory does not depend on it.
 /// Contract: all events are predicted anew.
-void Flight::sort_disks_by_cell() {
-  std::vector<Index> new_name(size_, no_disk);
-  Index next = 0;
-  for (std::int32_t row = 0; row < grid_.rows(); ++row) {
-    for (std::int32_t column = 0; column < grid_.columns(); ++column) {
-      Index const* const slots = grid_.slots_of(column, row);
-      for (std::size_t k = 0; k < grid_.capacity(); ++k) {
-        if (slots[k] != no_disk) new_name[slots[k]] = next++;
-      }
-    }
+void Flight::sort_disks_by_cell(double time) {
+  // The smallest cells, for disks of all sizes.
+  SlotGrid const& grid = size_classes_.back().grid;
+  auto const columns = static_cast<std::size_t>(grid.columns());
+  std::vector<Index> begin_of_cell(columns * static_cast<std::size_t>(grid.rows()) + 1, 0);
+  std::vector<Index> new_name(size_);
+  for (Index i = 0; i < size_; ++i) {
+    Cell const cell = grid.cell_of_image(position_at(i, time));
+    new_name[i] =
+        static_cast<Index>(static_cast<std::size_t>(cell.row) * columns + static_cast<std::size_t>(cell.column));
+    ++begin_of_cell[new_name[i] + 1];
   }
-  grid_.rename(new_name);
+  std::partial_sum(begin_of_cell.begin(), begin_of_cell.end(), begin_of_cell.begin());
+  for (Index& name : new_name) name = begin_of_cell[name]++;
+  for (SizeClass& like_disks : size_classes_) like_disks.grid.rename(new_name);
   if (!radius_.empty()) {
     permute(radius_, new_name);
     permute(mass_, new_name);
   }
   permute(image_, new_name);
   permute(cells_, new_name);
-  if (!lists_.places.empty()) permute(lists_.places, new_name);
+  if (has_lists()) permute(lists_.places, new_name);
   permute(disks_, std::move(new_name));  // the last may use it up
-  if (!lists_.places.empty()) find_all_neighbours();
+  if (has_lists()) find_all_neighbours();
 }
 
 /// Keeps the pipeline fed with the disks of a bucket to come, and moving: about two events are scheduled for each one
@@ -136,21 +142,23 @@ void Flight::fetch_ahead() {
       if (++entered <= most_waiting) pipeline_.enter(i, time);
     });
   }
+  auto const grid_of_disk = [this](Index i) -> SlotGrid const& { return grid_of(i); };
   do {
-    pipeline_.step(prediction_input_, grid_, size_);
-    pipeline_.step(prediction_input_, grid_, size_);
+    pipeline_.step(prediction_input_, grid_of_disk, size_);
+    pipeline_.step(prediction_input_, grid_of_disk, size_);
   } while (pipeline_.waiting() > most_waiting);
 }
 
 void Flight::cross_into_next_cell(Index i, Side side) {
+  SlotGrid const& grid = size_classes_.front().grid;
   Cell cell = cells_[i];
   auto const next = [](std::int32_t index, std::int32_t step, std::int32_t count) {
     return index + step == count ? 0 : index + step < 0 ? count - 1 : index + step;
   };
   if (side == Side::left || side == Side::right) {
-    cell.column = next(cell.column, side == Side::right ? 1 : -1, grid_.columns());
+    cell.column = next(cell.column, side == Side::right ? 1 : -1, grid.columns());
   } else {
-    cell.row = next(cell.row, side == Side::top ? 1 : -1, grid_.rows());
+    cell.row = next(cell.row, side == Side::top ? 1 : -1, grid.rows());
   }
   move_to_cell(i, cell);
 }
@@ -165,7 +173,7 @@ void Flight::cross_edge(Index i, Side side) {
   (is_vertical ? disk.x : disk.y) += shift;
   (is_vertical ? image_[i].x : image_[i].y) += across;
   ++disk.collision_count;
-  if (lists_.places.empty()) return;
+  if (!has_lists()) return;
   (is_vertical ? lists_.places[i].x : lists_.places[i].y) += shift;
 }
 

@@ -25,6 +25,12 @@ enum class Lists {
   never,
 };
 
+/// Disks of like size, in a grid of cells as wide as the largest of them needs.
+struct SizeClass {
+  double largest_radius;
+  SlotGrid grid;
+};
+
 /// How often a disk has left a periodic box, and on which side.
 struct Image {
   std::int32_t x;
@@ -56,7 +62,7 @@ class Flight {
   /// Becomes a part of the whole: these disks, with everything but cells, lists and events.
   void take_part(Flight const& whole, std::span<Index const> disks);
   void predict_all(double time);
-  void sort_disks_by_cell();
+  void sort_disks_by_cell(double time);
   void refresh_prediction_input();
   void open_calendar();
   [[nodiscard]] std::vector<Index> disks_by_id_index() const;
@@ -87,24 +93,42 @@ class Flight {
   [[nodiscard]] double radius_of(Index i) const { return radius_.empty() ? equal_radius_ : radius_[i]; }
   [[nodiscard]] double mass_of(Index i) const { return mass_.empty() ? equal_mass_ : mass_[i]; }
 
-  // Of cells and lists: lists.cpp.
-  [[nodiscard]] double side_of_cells() const;
+  [[nodiscard]] Vector position_at(Index i, double time) const {
+    MovingDisk const& disk = disks_[i];
+    return {disk.x + disk.velocity_x * time, disk.y + disk.velocity_y * time};
+  }
+  [[nodiscard]] bool has_lists() const { return !lists_.places.empty(); }
+
+  // Cells: cells.cpp.
   void make_room_in_cells(double time);
-  [[nodiscard]] bool wants_lists() const;
-  [[nodiscard]] double room_for_lists() const;
-  void renew_lists(double time);
-  void find_all_neighbours();
-  void find_neighbours(Index i, bool tells_them);
-  void take_new_place(Index i, double time);
   void lay_cells(CellLayout const& layout, double time);
+  void lay_cells_by_size();
+  [[nodiscard]] CellLayout layout_for(double side) const;
+  [[nodiscard]] SlotGrid& grid_of(Index i) { return size_classes_[class_of(i)].grid; }
+  [[nodiscard]] std::size_t class_of(Index i) const;
   [[nodiscard]] Cell cell_of(Index i, double time) const;
   void move_to_cell(Index i, Cell const& cell);
+  template <class Visit>
+  void for_each_run_around(Vector place, double radius, double scale, double more, Visit visit) const;
+
+  // Lists of neighbours: lists.cpp.
+  void renew_lists(double time);
+  void end_lists();
+  [[nodiscard]] bool wants_lists() const;
+  [[nodiscard]] double room_for_lists() const;
+  [[nodiscard]] double reach_with(double room, double scale) const;
+  void find_all_neighbours();
+  void find_neighbours(Index i, bool tells_them);
+  [[nodiscard]] std::span<Index const> collect_neighbours(Index i);
+  void write_list(Index i, std::span<Index const> names);
+  void tell(Index other, Index i);
+  void take_new_place(Index i, double time);
 
   Box box_;
   std::size_t size_ = 0;
   LargeArray<MovingDisk> disks_;  // and one more behind them that no prediction ever chooses
   LargeArray<Cell> cells_;
-  SlotGrid grid_;
+  std::vector<SizeClass> size_classes_;  // the largest first; one of all disks where there are no lists
   Calendar calendar_;
   PredictionInput prediction_input_{};
   Predictor predictor_{};
@@ -130,13 +154,14 @@ class Flight {
   std::size_t disks_in_box_ = 0;
   double size_of_cells_ = 1.0;
   double smallest_radius_ = 0.0;
-  double mean_radius_ = 0.0;
   double largest_radius_ = 0.0;
   double packing_fraction_ = 0.0;
 
   struct ListsOfNeighbours {
     Lists wish = Lists::where_they_pay;
     LargeArray<Neighbours> neighbours;  // empty while cells are looked at
+    std::vector<LongList> long_lists;
+    std::vector<Index> unused;  // of the long lists
     LargeArray<Place> places;
     double room = 0.0;                   // around the places
     std::vector<Index> around, to_tell;  // while neighbours are looked for
@@ -233,7 +258,7 @@ void Flight::reach_border(Index i, BorderEvent const& event, Observer& observer)
       cross_into_next_cell(i, event.side);
       break;
     case Border::edge:
-      if (lists_.places.empty()) cross_into_next_cell(i, event.side);
+      if (!has_lists()) cross_into_next_cell(i, event.side);
       cross_edge(i, event.side);
       break;
   }
@@ -253,6 +278,17 @@ void Flight::hit_wall(Index i, Side side, Observer& observer) {
   double const impulse = mass_of(i) * std::abs(change);
   growth_.measured_virial += radius * growth_.scale.at(now_) * impulse;
   observer.wall_hit(i, side, impulse);
+}
+
+/// Calls visit(slots) for runs of slots that together hold all disks which a disk there can touch with their radii at `scale`, if what is known
+/// of the place of either is wrong by no more than `more` in all.
+template <class Visit>
+void Flight::for_each_run_around(Vector place, double radius, double scale, double more, Visit visit) const {
+  for (SizeClass const& like_disks : size_classes_) {
+    // A hair for rounding.
+    double const reach = (radius + like_disks.largest_radius) * scale * (1.0 + 1e-6) + more;
+    like_disks.grid.for_each_run(place - Vector{reach, reach}, place + Vector{reach, reach}, visit);
+  }
 }
 
 }  // namespace gridlock::exact

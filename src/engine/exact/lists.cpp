@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "engine/exact/flight.hpp"
 
@@ -7,45 +8,21 @@ namespace gridlock::exact {
 
 namespace {
 
-/// Lists of neighbours pay where disks of constant size are packed as densely as the first; where the largest are so much larger
-/// than the smallest that more than four of those fit into a cell, as densely as the second.
-constexpr double dense_enough = 0.75;
-constexpr double dense_enough_for_unequal = 0.45;
-constexpr double unequal = 1.9;
+/// Lists of neighbours pay for disks of constant size where the number of disks in nine cells, times the square of the packing fraction, is
+/// larger: measured with equal disks and with mixtures of 1:1.4 to 1:10.
+constexpr double candidates_for_lists = 4.5;
 /// They pay for growing disks where epochs are shorter than the longest by this factor: where disks are hit often on a short path.
 constexpr double shortening_for_lists = 16.0;
 /// The room around the place of a growing disk, in diameters of the smallest.
 constexpr double room_of_growing = 0.02;
 /// By how much the disks may grow before the lists are renewed.
 constexpr double growth_of_lists = 1.001;
-/// A disk and its neighbour are at contact, the neighbour anywhere in its room and the disk, with its new place, in the middle of its
-/// own, while the two places are up to two rooms apart in addition; and a hair for rounding.
-constexpr double rooms_in_cell = 3.001;
+double squared(double number) { return number * number; }
 
-Place place_of(MovingDisk const& disk, double time) {
-  return {disk.x + disk.velocity_x * time, disk.y + disk.velocity_y * time};
-}
+/// Without a branch: no processor guesses which disks are neighbours.
+double positive_part(double number) { return 0.5 * (number + std::abs(number)); }
 
 }  // namespace
-
-/// A cell must be as wide as the largest diameter at the end of the epoch, and hold the neighbours of a list in its block.
-double Flight::side_of_cells() const {
-  double const scale = lists_.room > 0.0 ? lists_.most_scale : growth_.scale.at(epoch_length_);
-  return 2.0 * largest_radius_ * scale + rooms_in_cell * lists_.room;
-}
-
-void Flight::make_room_in_cells(double time) {
-  if (size_ == 0) {
-    if (grid_.columns() == 0) lay_cells(CellLayout(box_, 1, 1), time);
-    return;
-  }
-  double const side = side_of_cells() * size_of_cells_;
-  bool const has_room =
-      grid_.columns() > 0 && box_.width() / grid_.columns() >= side && box_.height() / grid_.rows() >= side;
-  if (has_room) return;
-  CellLayout const layout = layout_for_cutoff(box_, side, disks_in_box_);
-  if (layout.columns() != grid_.columns() || layout.rows() != grid_.rows()) lay_cells(layout, time);
-}
 
 bool Flight::wants_lists() const {
   if (lists_.wish != Lists::where_they_pay) return lists_.wish == Lists::always;
@@ -53,69 +30,88 @@ bool Flight::wants_lists() const {
     double const factor = lists_.neighbours.empty() ? shortening_for_lists : 0.5 * shortening_for_lists;
     return epoch_length_ * factor <= longest_epoch_;
   }
-  bool const are_unequal = largest_radius_ >= unequal * smallest_radius_;
-  return packing_fraction_ >= (are_unequal ? dense_enough_for_unequal : dense_enough);
+  double const candidates = 9.0 * squared(2.0 * largest_radius_) * static_cast<double>(disks_in_box_) / box_.area();
+  return candidates * squared(packing_fraction_) >= candidates_for_lists;
 }
 
-/// Around the places: a small one is left often, a large one makes long lists. Of disks of constant size a measured compromise, in mean
-/// diameters.
+/// Around the places: a small one is left often, a large one makes long lists. Of disks of constant size a measured compromise, in root
+/// mean square diameters.
 double Flight::room_for_lists() const {
   if (is_growing()) return room_of_growing * 2.0 * smallest_radius_ * growth_.scale.at_zero;
-  return (0.2 + std::max(0.0, 0.8 - packing_fraction_)) * 2.0 * mean_radius_;
+  double const diameter =
+      std::sqrt(packing_fraction_ * box_.area() * 4.0 / std::numbers::pi / static_cast<double>(disks_in_box_));
+  return (0.2 + std::max(0.0, 0.8 - packing_fraction_)) * diameter;
+}
+
+/// Within how much of an edge of the box a place is from which a disk may meet another across it: the two touch, each anywhere in its room,
+/// with a place in its room.
+double Flight::reach_with(double room, double scale) const { return 2.0 * largest_radius_ * scale + 5.0 * room; }
+
+void Flight::end_lists() {
+  lists_.neighbours.clear();
+  lists_.long_lists.clear();
+  lists_.unused.clear();
+  lists_.places.clear();
+  lists_.room = 0.0;
+  lists_.most_scale = 1.0;
 }
 
 /// Begins, renews or ends the use of lists, as the length of the epoch tells how dense growing disks are.
 /// Contract: all events are predicted anew.
 void Flight::renew_lists(double time) {
-  // Kernels read the names of sixteen disks.
-  bool const wants = wants_lists() && size_ >= 16;
+  bool wants = wants_lists();
   double const scale = growth_.scale.at(epoch_length_);
-  if (wants && !lists_.neighbours.empty() && scale <= lists_.most_scale) return;
-  bool const has_lists = !lists_.neighbours.empty();
-  if (!wants && !has_lists) return;
-  lists_.neighbours.clear();
-  lists_.places.clear();
-  lists_.room = 0.0;
-  if (wants) {
-    lists_.room = room_for_lists();
-    lists_.most_scale = is_growing() ? growth_of_lists * scale : 1.0;
-    double const side = side_of_cells();
-    // In fewer cells a side the nearest image of a disk may not be the one in the neighbouring cell.
-    if (box_.is_periodic() && (box_.width() < 5.0 * side || box_.height() < 5.0 * side)) lists_.room = 0.0;
+  if (wants && has_lists() && scale <= lists_.most_scale) return;
+  double const room = room_for_lists();
+  double const most_scale = is_growing() ? growth_of_lists * scale : 1.0;
+  // Kernels read the names of sixteen disks; and there must be one image of a neighbour that is the nearest.
+  double const least_side = 3.0 * reach_with(room, most_scale);
+  wants &= size_ >= 16 && !(box_.is_periodic() && std::min(box_.width(), box_.height()) < least_side);
+  if (!wants) {
+    if (has_lists()) size_classes_.clear();
+    end_lists();
+    return;
   }
-  // The cells that lists need are larger than those that do without.
-  lay_cells(layout_for_cutoff(box_, side_of_cells() * size_of_cells_, disks_in_box_), time);
-  if (lists_.room == 0.0) return;
+  lists_.room = room;
+  lists_.most_scale = most_scale;
   lists_.places.resize(size_);
   for (Index i = 0; i < size_; ++i) lists_.places[i] = place_of(disks_[i], time);
+  lay_cells_by_size();
   find_all_neighbours();
 }
 
 void Flight::find_all_neighbours() {
-  lists_.neighbours.resize(size_);
+  lists_.long_lists.clear();
+  lists_.unused.clear();
+  lists_.neighbours.clear();
+  lists_.neighbours.resize(size_, {});
   for (Index i = 0; i < size_; ++i) find_neighbours(i, false);
 }
 
 /// Those who may touch i before one of the two leaves the room around its place; `tells_them` puts i into their lists.
 void Flight::find_neighbours(Index i, bool tells_them) {
-  auto const nobody = static_cast<Index>(size_);
-  Neighbours& list = lists_.neighbours[i];
-  list.clear(nobody);
-  Cell const cell = cells_[i];
-  std::vector<Index>& around = lists_.around;
-  around.resize(9 * grid_.capacity() + 1);
-  std::size_t count = 0;
-  for (std::int32_t row = cell.row - 1; row <= cell.row + 1; ++row) {
-    Index const* const slots = grid_.slots_of(cell.column - 1, row);
-    // Which slots are empty no processor guesses: without a branch.
-    for (std::size_t k = 0; k < 3 * grid_.capacity(); ++k) {
-      around[count] = slots[k];
-      count += static_cast<std::size_t>((slots[k] != no_disk) & (slots[k] != i));
-    }
-  }
+  std::span<Index const> const names = collect_neighbours(i);
+  write_list(i, names);
+  if (!tells_them) return;
+  lists_.to_tell.assign(names.begin(), names.end());
+  for (Index const j : lists_.to_tell) tell(j, i);
+}
+
+/// Good until others are collected.
+std::span<Index const> Flight::collect_neighbours(Index i) {
   Place const place = lists_.places[i];
   double const radius = radius_of(i);
   double const rooms = 2.0 * lists_.room;
+  std::vector<Index>& around = lists_.around;
+  std::size_t count = 0;
+  for_each_run_around({place.x, place.y}, radius, lists_.most_scale, rooms, [&](std::span<Index const> slots) {
+    if (around.size() < count + slots.size()) around.resize(2 * (count + slots.size()));
+    // Which slots are empty no processor guesses: without a branch.
+    for (Index const j : slots) {
+      around[count] = j;
+      count += static_cast<std::size_t>((j != no_disk) & (j != i));
+    }
+  });
   bool const is_periodic = box_.is_periodic();
   // A hair more than contact, for places and paths are rounded.
   double const scale = lists_.most_scale * (1.0 + 1e-9);
@@ -128,23 +124,59 @@ void Flight::find_neighbours(Index i, bool tells_them) {
       d_x = std::min(d_x, std::abs(box_.width() - d_x));
       d_y = std::min(d_y, std::abs(box_.height() - d_y));
     }
-    double const gap_x = std::max(0.0, d_x - rooms);
-    double const gap_y = std::max(0.0, d_y - rooms);
+    double const gap_x = positive_part(d_x - rooms);
+    double const gap_y = positive_part(d_y - rooms);
     double const contact = (radius + radius_of(j)) * scale;
     around[near] = j;
     near += static_cast<std::size_t>(gap_x * gap_x + gap_y * gap_y <= contact * contact);
   }
-  std::copy_n(around.data(), std::min<std::size_t>(near, Neighbours::most), list.disks);
-  list.count = static_cast<std::uint32_t>(std::min<std::size_t>(near, Neighbours::most + 1));
-  if (!tells_them) return;
-  lists_.to_tell.assign(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(near));
-  for (Index const j : lists_.to_tell) {
-    Neighbours& other = lists_.neighbours[j];
-    if (!other.has_all() || other.has(i)) continue;
-    other.add(i);
-    // Some in it may long be gone.
-    if (!other.has_all()) find_neighbours(j, false);
+  return {around.data(), near};
+}
+
+void Flight::write_list(Index i, std::span<Index const> names) {
+  Neighbours& list = lists_.neighbours[i];
+  auto const nobody = static_cast<Index>(size_);
+  if (names.size() <= Neighbours::most) {
+    if (!list.has_all()) lists_.unused.push_back(list.long_list());
+    list.clear(nobody);
+    std::ranges::copy(names, list.disks);
+    list.count = static_cast<std::uint32_t>(names.size());
+    return;
   }
+  if (list.has_all()) {
+    if (lists_.unused.empty()) {
+      lists_.unused.push_back(static_cast<Index>(lists_.long_lists.size()));
+      lists_.long_lists.emplace_back();
+      prediction_input_.long_lists = lists_.long_lists.data();
+    }
+    list.refer_to(lists_.unused.back(), nobody);
+    lists_.unused.pop_back();
+  }
+  LongList& long_list = lists_.long_lists[list.long_list()];
+  // Some of those who come will find it full of others who have gone.
+  long_list.reserve(names.size() + names.size() / 2);
+  long_list.assign(names.begin(), names.end());
+}
+
+/// Disk i has come near the other.
+void Flight::tell(Index other, Index i) {
+  Neighbours& list = lists_.neighbours[other];
+  if (list.has_all()) {
+    if (list.has(i)) return;
+    if (list.count < Neighbours::most) {
+      list.disks[list.count++] = i;
+      return;
+    }
+  } else {
+    LongList& names = lists_.long_lists[list.long_list()];
+    if (std::ranges::find(names, i) != names.end()) return;
+    if (names.size() < names.capacity()) {
+      names.push_back(i);
+      return;
+    }
+  }
+  // Some in it may long be gone.
+  find_neighbours(other, false);
 }
 
 /// A disk that has left the room around its place has other neighbours, and is one of theirs.
@@ -152,29 +184,6 @@ void Flight::take_new_place(Index i, double time) {
   lists_.places[i] = place_of(disks_[i], time);
   move_to_cell(i, cell_of(i, time));
   find_neighbours(i, true);
-}
-
-void Flight::move_to_cell(Index i, Cell const& cell) {
-  if (cell.column == cells_[i].column && cell.row == cells_[i].row) return;
-  grid_.erase(i, cells_[i].column, cells_[i].row);
-  cells_[i] = cell;
-  grid_.insert(i, cell.column, cell.row);
-  if (prediction_input_.capacity != grid_.capacity()) refresh_prediction_input();
-}
-
-Cell Flight::cell_of(Index i, double time) const {
-  Place const place = place_of(disks_[i], time);
-  return {grid_.column_of(place.x), grid_.row_of(place.y)};
-}
-
-/// Contract: all events are predicted anew.
-void Flight::lay_cells(CellLayout const& layout, double time) {
-  grid_ = SlotGrid(layout, box_);
-  cells_.resize(size_);
-  for (Index i = 0; i < size_; ++i) {
-    cells_[i] = cell_of(i, time);
-    grid_.insert(i, cells_[i].column, cells_[i].row);
-  }
 }
 
 }  // namespace gridlock::exact

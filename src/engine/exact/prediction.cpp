@@ -13,9 +13,8 @@ constexpr double never = std::numeric_limits<double>::infinity();
 Prediction predict_one_by_one(PredictionInput const& s, Index i, double now, Index apart) {
   EarliestContact earliest(s, i, now, apart,
                            s.is_growing() ? predict_border_growing(s, i, now) : predict_border(s, i, now));
-  if (s.has_list(i)) {
-    Neighbours const& list = s.neighbours[i];
-    for (std::uint32_t k = 0; k < list.count; ++k) earliest.consider_nearest_image(list.disks[k]);
+  if (s.neighbours != nullptr) {
+    for (Index const j : s.neighbours_of(i)) earliest.consider_nearest_image(j);
     return earliest.best();
   }
   Cell const cell = s.cells[i];
@@ -27,9 +26,7 @@ Prediction predict_one_by_one(PredictionInput const& s, Index i, double now, Ind
       double const shift_x = shift_of_image(column, s.columns, s.width);
       // The first slots of a cell are the ones in use.
       for (std::size_t k = 0; k < s.capacity && slot[k] != no_disk; ++k) {
-        if (slot[k] == i) continue;
-        // A disk with a place may be beyond the edge that its cell lies at.
-        s.places != nullptr ? earliest.consider_nearest_image(slot[k]) : earliest.consider(slot[k], shift_x, shift_y);
+        if (slot[k] != i) earliest.consider(slot[k], shift_x, shift_y);
       }
       slot += s.capacity;
     }
@@ -137,8 +134,7 @@ BorderEvent border_event_growing(PredictionInput const& s, Index i) {
 
 bool has_room_for_registers(PredictionInput const& s) {
   // In fewer cells a side the nearest image of a disk may not be the one in the neighbouring cell.
-  bool const has_room = !s.is_periodic || (s.columns >= 5 && s.rows >= 5);
-  return has_room && (s.capacity == 4 || s.neighbours != nullptr);
+  return s.neighbours != nullptr || !s.is_periodic || (s.columns >= 5 && s.rows >= 5);
 }
 
 std::optional<Predictor> predictor_for(Target target, bool is_growing) {

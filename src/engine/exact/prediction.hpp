@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "engine/exact/moving_disk.hpp"
 #include "engine/exact/neighbours.hpp"
@@ -17,10 +18,10 @@ struct PredictionInput {
   MovingDisk const*
       disks;  ///< and the one at `nobody` behind them, which waits for an event of the past: nobody meets it
   Index nobody;
-  Cell const* cells;     ///< of each disk; of its place where there are places
+  Cell const* cells;     ///< of each disk
   double const* radius;  ///< of each disk; nullptr while all are equal
   double equal_radius;
-  Index const* slots;  ///< of SlotGrid
+  Index const* slots;  ///< of SlotGrid, where there are no lists
   std::size_t row_stride;
   std::size_t capacity;
   double const* column_edges;
@@ -32,20 +33,28 @@ struct PredictionInput {
   bool is_periodic;
   Scale scale = {};                        ///< of all radii
   Neighbours const* neighbours = nullptr;  ///< of each disk; nullptr while the block of cells is looked at
+  LongList const* long_lists = nullptr;    ///< of those who have more neighbours
   Place const* places = nullptr;           ///< of each disk that has neighbours
   double room = 0.0;                       ///< how far a disk may be from its place
+  double margin = 0.0;                     ///< disks with places further from the edges meet nobody across them
 
   [[nodiscard]] double radius_of(Index i) const { return radius != nullptr ? radius[i] : equal_radius; }
   [[nodiscard]] bool is_growing() const { return scale.rate != 0.0; }
-  /// Whether disk i has a list of all the disks that it can touch.
-  [[nodiscard]] bool has_list(Index i) const { return neighbours != nullptr && neighbours[i].has_all(); }
-  /// Whether the separation from some disk that i may meet goes across the edge of a periodic box. A disk may be a cell away from
-  /// the cell of its place.
+  /// Contract: there are lists.
+  [[nodiscard]] std::span<Index const> neighbours_of(Index i) const {
+    Neighbours const& list = neighbours[i];
+    if (list.has_all()) return {list.disks, list.count};
+    return long_lists[list.long_list()];
+  }
+  /// Whether the separation from some disk that i may meet goes across the edge of a periodic box.
   [[nodiscard]] bool needs_images(Index i) const {
-    std::int32_t const margin = places != nullptr ? 2 : 1;
-    return is_periodic &&
-           (static_cast<std::uint32_t>(cells[i].column - margin) >= static_cast<std::uint32_t>(columns - 2 * margin) ||
-            static_cast<std::uint32_t>(cells[i].row - margin) >= static_cast<std::uint32_t>(rows - 2 * margin));
+    if (!is_periodic) return false;
+    if (places != nullptr) {
+      Place const place = places[i];
+      return (place.x < margin) | (place.x > width - margin) | (place.y < margin) | (place.y > height - margin);
+    }
+    return static_cast<std::uint32_t>(cells[i].column - 1) >= static_cast<std::uint32_t>(columns - 2) ||
+           static_cast<std::uint32_t>(cells[i].row - 1) >= static_cast<std::uint32_t>(rows - 2);
   }
 };
 
@@ -91,7 +100,7 @@ struct Predictor {
 /// The definition, one candidate at a time, for any box and any number of slots.
 Predictor reference_predictor();
 
-/// Whether the box has the five cells a side, and the cells the four slots or disks the neighbours, that all other predictors need.
+/// Whether the box has the five cells a side, or disks the lists, that all other predictors need.
 bool has_room_for_registers(PredictionInput const& prediction_input);
 /// The kernel for the instructions of this target, which the processor must have; none where this build has no such kernel.
 /// Contract: has_room_for_registers().

@@ -13,7 +13,7 @@ namespace gridlock::exact {
 namespace {
 
 constexpr std::size_t lanes = 8;
-/// Where a disk has more candidates, the reference predicts.
+/// Of a disk that may meet more, not all are looked at in one go.
 constexpr std::size_t most_candidates_here = 16;
 static_assert(batch == lanes);
 
@@ -38,7 +38,7 @@ GRIDLOCK_AVX512 inline __m512i moved_up(Run const& run, unsigned places) {
 }
 
 /// Those that i may meet but for `apart`. Three cells of four slots are a run of memory that one register of sixteen holds.
-/// Returns false where there are too many.
+/// Returns false where there may be too many.
 GRIDLOCK_AVX512 inline bool collect(PredictionInput const& s, Index i, Index apart, Candidates& candidates) {
   __m512i const other = _mm512_set1_epi32(static_cast<int>(apart));
   __m512i const nobody = _mm512_set1_epi32(static_cast<int>(s.nobody));
@@ -50,6 +50,8 @@ GRIDLOCK_AVX512 inline bool collect(PredictionInput const& s, Index i, Index apa
     candidates.count = s.neighbours[i].count;
     return s.neighbours[i].has_all();
   }
+  if (s.capacity != slots_per_cell) [[unlikely]]
+    return false;
   Index const* const run = first_slot_around(s, i);
   __m512i const self = _mm512_set1_epi32(static_cast<int>(i));
   Run const below = names_in_run(run, self, other);
@@ -151,11 +153,15 @@ GRIDLOCK_AVX512 inline __m512d dot(__m512d a_x, __m512d a_y, __m512d b_x, __m512
   return _mm512_add_pd(_mm512_mul_pd(a_x, b_x), _mm512_mul_pd(a_y, b_y));
 }
 
-/// The first of the border and the contacts with the candidates.
 template <bool grows>
-GRIDLOCK_AVX512 inline Prediction predict_with(PredictionInput const& s, Index i, double now,
-                                               Candidates const& candidates) {
-  Prediction best = grows && !s.is_periodic ? predict_border_growing(s, i, now) : predict_border_packed(s, i, now);
+GRIDLOCK_AVX512 inline Prediction border_of(PredictionInput const& s, Index i, double now) {
+  return grows && !s.is_periodic ? predict_border_growing(s, i, now) : predict_border_packed(s, i, now);
+}
+
+/// The first of `best` and the contacts with the candidates.
+template <bool grows>
+GRIDLOCK_AVX512 inline Prediction earliest_of(PredictionInput const& s, Index i, double now,
+                                              Candidates const& candidates, Prediction best) {
   MovingDisk const& self = s.disks[i];
   bool const needs_images = s.needs_images(i);
   double const radius = s.radius_of(i);
@@ -215,20 +221,30 @@ GRIDLOCK_AVX512 inline Prediction predict_with(PredictionInput const& s, Index i
   return best;
 }
 
-/// The same beside a disk that i has just collided with.
+/// Beside a disk that i has just collided with.
 template <bool grows>
 GRIDLOCK_AVX512 inline Prediction predict_beside(PredictionInput const& s, Index i, double now, Index apart,
                                                  Candidates const& candidates) {
-  Prediction const best = predict_with<grows>(s, i, now, candidates);
+  Prediction const best = earliest_of<grows>(s, i, now, candidates, border_of<grows>(s, i, now));
   return grows ? with_disk_apart(s, i, now, apart, best) : best;
+}
+
+/// Of a disk with many candidates; `apart` is no disk where it has not just collided with any.
+template <bool grows>
+GRIDLOCK_AVX512 Prediction predict_among_many(PredictionInput const& s, Index i, double now, Index apart) {
+  Prediction const best = earliest_of_many(s, i, apart, border_of<grows>(s, i, now),
+                                           [&](Candidates const& part, Prediction const& first)
+                                               GRIDLOCK_AVX512 { return earliest_of<grows>(s, i, now, part, first); });
+  return grows && apart != no_disk ? with_disk_apart(s, i, now, apart, best) : best;
 }
 
 template <bool grows>
 GRIDLOCK_AVX512 Prediction predict(PredictionInput const& s, Index i, double now) {
   Candidates candidates;
-  if (!collect(s, i, no_disk, candidates)) [[unlikely]]
-    return reference_predictor().one(s, i, now);
-  return predict_with<grows>(s, i, now, candidates);
+  if (!collect(s, i, no_disk, candidates)) [[unlikely]] {
+    return predict_among_many<grows>(s, i, now, no_disk);
+  }
+  return earliest_of<grows>(s, i, now, candidates, border_of<grows>(s, i, now));
 }
 
 template <bool grows>
@@ -239,8 +255,10 @@ GRIDLOCK_AVX512 PairPrediction predict_pair(PredictionInput const& s, Index i, I
   Candidates around_j;
   bool const fits_i = collect(s, i, j, around_i);
   bool const fits_j = collect(s, j, i, around_j);
-  if (!fits_i || !fits_j) [[unlikely]]
-    return reference_predictor().pair(s, i, j, now);
+  if (!fits_i || !fits_j) [[unlikely]] {
+    return {fits_i ? predict_beside<grows>(s, i, now, j, around_i) : predict_among_many<grows>(s, i, now, j),
+            fits_j ? predict_beside<grows>(s, j, now, i, around_j) : predict_among_many<grows>(s, j, now, i)};
+  }
   // Each returned as it is made: a copy would be read before it is written.
   return {predict_beside<grows>(s, i, now, j, around_i), predict_beside<grows>(s, j, now, i, around_j)};
 }

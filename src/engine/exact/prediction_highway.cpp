@@ -27,7 +27,7 @@ using Numbers = hn::CappedTag<double, batch>;
 using Vec = hn::Vec<Numbers>;
 using Two = hn::FixedTag<double, 2>;
 
-/// Those that i may meet but for `apart`. Returns false where there are more than a list has.
+/// Those that i may meet but for `apart`. Returns false where there may be too many.
 HWY_INLINE bool collect(PredictionInput const& s, Index i, Index apart, Candidates& candidates) {
   hn::FixedTag<Index, slots_per_cell> const cell;
   auto const other = hn::Set(cell, apart);
@@ -42,6 +42,8 @@ HWY_INLINE bool collect(PredictionInput const& s, Index i, Index apart, Candidat
     candidates.count = list.count;
     return list.has_all();
   }
+  if (s.capacity != slots_per_cell) [[unlikely]]
+    return false;
   auto const empty = hn::Set(cell, no_disk);
   auto const self = hn::Set(cell, i);
   Index const* run = first_slot_around(s, i);
@@ -176,14 +178,15 @@ HWY_INLINE Vec times_of(PredictionInput const& s, Self const& self, Index const*
   return hn::IfThenElse(meets, time, never);
 }
 
+/// The first of `best` and the contacts with the candidates.
 template <bool grows>
-HWY_INLINE Prediction predict_with(PredictionInput const& s, Index i, double now, Candidates const& candidates) {
+HWY_INLINE Prediction earliest_of(PredictionInput const& s, Index i, double now, Candidates const& candidates,
+                                  Prediction best) {
   Numbers const tag;
   constexpr std::size_t lanes = hn::MaxLanes(tag);
   constexpr std::size_t registers = batch / lanes;
   static_assert(registers == 2 || registers == 4);
   Self const self{s.disks[i], now, s.radius_of(i), s.needs_images(i)};
-  Prediction best = predict_any_border<grows>(s, i, now);
   bool has_slow_ones = false;
   for (std::size_t k = 0; k < candidates.count; k += batch) {
     Index const* const names = candidates.disks + k;
@@ -202,20 +205,29 @@ HWY_INLINE Prediction predict_with(PredictionInput const& s, Index i, double now
   return best;
 }
 
-/// The same beside a disk that i has just collided with.
+/// Beside a disk that i has just collided with.
 template <bool grows>
 HWY_INLINE Prediction predict_beside(PredictionInput const& s, Index i, double now, Index apart,
                                      Candidates const& candidates) {
-  Prediction const best = predict_with<grows>(s, i, now, candidates);
+  Prediction const best = earliest_of<grows>(s, i, now, candidates, predict_any_border<grows>(s, i, now));
   return grows ? with_disk_apart(s, i, now, apart, best) : best;
+}
+
+/// Of a disk with many candidates; `apart` is no disk where it has not just collided with any.
+template <bool grows>
+Prediction predict_among_many(PredictionInput const& s, Index i, double now, Index apart) {
+  Prediction const best = earliest_of_many(s, i, apart, predict_any_border<grows>(s, i, now),
+                                           [&](Candidates const& part, Prediction const& first)
+                                               HWY_ATTR { return earliest_of<grows>(s, i, now, part, first); });
+  return grows && apart != no_disk ? with_disk_apart(s, i, now, apart, best) : best;
 }
 
 template <bool grows>
 Prediction predict(PredictionInput const& s, Index i, double now) {
   Candidates candidates;
   if (!collect(s, i, no_disk, candidates)) [[unlikely]]
-    return reference_predictor().one(s, i, now);
-  return predict_with<grows>(s, i, now, candidates);
+    return predict_among_many<grows>(s, i, now, no_disk);
+  return earliest_of<grows>(s, i, now, candidates, predict_any_border<grows>(s, i, now));
 }
 
 template <bool grows>
@@ -224,8 +236,10 @@ PairPrediction predict_pair(PredictionInput const& s, Index i, Index j, double n
   Candidates around_j;
   bool const fits_i = collect(s, i, j, around_i);
   bool const fits_j = collect(s, j, i, around_j);
-  if (!fits_i || !fits_j) [[unlikely]]
-    return reference_predictor().pair(s, i, j, now);
+  if (!fits_i || !fits_j) [[unlikely]] {
+    return {fits_i ? predict_beside<grows>(s, i, now, j, around_i) : predict_among_many<grows>(s, i, now, j),
+            fits_j ? predict_beside<grows>(s, j, now, i, around_j) : predict_among_many<grows>(s, j, now, i)};
+  }
   // Each returned as it is made: a copy would be read before it is written.
   return {predict_beside<grows>(s, i, now, j, around_i), predict_beside<grows>(s, j, now, i, around_j)};
 }

@@ -28,7 +28,7 @@ struct Columns {
   double squared_parting[batch];  ///< negative where growth can overtake the two
 };
 
-/// Those that i may meet but for `apart`. Returns false where there are more than a list has.
+/// Those that i may meet but for `apart`. Returns false where there may be too many.
 bool collect(PredictionInput const& s, Index i, Index apart, Candidates& candidates) {
   if (s.neighbours != nullptr) {
     Neighbours const& list = s.neighbours[i];
@@ -39,6 +39,8 @@ bool collect(PredictionInput const& s, Index i, Index apart, Candidates& candida
     candidates.count = list.count;
     return list.has_all();
   }
+  if (s.capacity != slots_per_cell) [[unlikely]]
+    return false;
   Index const* run = first_slot_around(s, i);
   std::size_t count = 0;
   auto const consider = [&](Index name) {
@@ -130,12 +132,12 @@ inline First first_of(double const* times) {
   return {time, bits};
 }
 
+/// The first of `best` and the contacts with the candidates.
 template <bool grows>
-Prediction predict_with(PredictionInput const& s, Index i, double now, Candidates const& candidates) {
+Prediction earliest_of(PredictionInput const& s, Index i, double now, Candidates const& candidates, Prediction best) {
   double const radius = s.radius_of(i);
   bool const needs_images = s.needs_images(i);
   bool has_slow_ones = false;
-  Prediction best = predict_any_border<grows>(s, i, now);
   for (std::size_t first = 0; first < candidates.count; first += batch) {
     Index const* const names = candidates.disks + first;
     Columns columns;
@@ -163,19 +165,28 @@ Prediction predict_with(PredictionInput const& s, Index i, double now, Candidate
   return best;
 }
 
-/// The same beside a disk that i has just collided with.
+/// Beside a disk that i has just collided with.
 template <bool grows>
 Prediction predict_beside(PredictionInput const& s, Index i, double now, Index apart, Candidates const& candidates) {
-  Prediction const best = predict_with<grows>(s, i, now, candidates);
+  Prediction const best = earliest_of<grows>(s, i, now, candidates, predict_any_border<grows>(s, i, now));
   return grows ? with_disk_apart(s, i, now, apart, best) : best;
+}
+
+/// Of a disk with many candidates; `apart` is no disk where it has not just collided with any.
+template <bool grows>
+Prediction predict_among_many(PredictionInput const& s, Index i, double now, Index apart) {
+  Prediction const best = earliest_of_many(
+      s, i, apart, predict_any_border<grows>(s, i, now),
+      [&](Candidates const& part, Prediction const& first) { return earliest_of<grows>(s, i, now, part, first); });
+  return grows && apart != no_disk ? with_disk_apart(s, i, now, apart, best) : best;
 }
 
 template <bool grows>
 Prediction predict(PredictionInput const& s, Index i, double now) {
   Candidates candidates;
   if (!collect(s, i, no_disk, candidates)) [[unlikely]]
-    return reference_predictor().one(s, i, now);
-  return predict_with<grows>(s, i, now, candidates);
+    return predict_among_many<grows>(s, i, now, no_disk);
+  return earliest_of<grows>(s, i, now, candidates, predict_any_border<grows>(s, i, now));
 }
 
 template <bool grows>
@@ -184,8 +195,10 @@ PairPrediction predict_pair(PredictionInput const& s, Index i, Index j, double n
   Candidates around_j;
   bool const fits_i = collect(s, i, j, around_i);
   bool const fits_j = collect(s, j, i, around_j);
-  if (!fits_i || !fits_j) [[unlikely]]
-    return reference_predictor().pair(s, i, j, now);
+  if (!fits_i || !fits_j) [[unlikely]] {
+    return {fits_i ? predict_beside<grows>(s, i, now, j, around_i) : predict_among_many<grows>(s, i, now, j),
+            fits_j ? predict_beside<grows>(s, j, now, i, around_j) : predict_among_many<grows>(s, j, now, i)};
+  }
   // Each returned as it is made: a copy would be read before it is written.
   return {predict_beside<grows>(s, i, now, j, around_i), predict_beside<grows>(s, j, now, i, around_j)};
 }

@@ -23,14 +23,12 @@ bool Dynamics::share_epoch(double hits_per_time, bool is_sort_due) {
   sharing_.caution = std::min(sharing_.caution, most_caution);
   StripPlan const plan = plan_strips();
   if (plan.count == 0) return false;
-  lists_.neighbours = {};
-  lists_.places = {};
-  lists_.room = 0.0;
+  lists_ = {.wish = lists_.wish};
   if (is_sort_due) {
-    lay_cells(layout_for_cutoff(box_, side_of_cells(), size_), 0.0);
-    sort_disks_by_cell();
+    lay_cells(layout_for(2.0 * largest_radius_), 0.0);
+    sort_disks_by_cell(0.0);
   }
-  grid_ = SlotGrid();
+  size_classes_.clear();
   cells_ = {};
   calendar_ = Calendar();
   if (strips_ == nullptr) strips_ = std::make_unique<Strips>(*sharing_.threads);

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engine/exact/moving_disk.hpp"
@@ -36,6 +38,9 @@ class SlotGrid {
   [[nodiscard]] std::int32_t column_of(double x) const { return index_of(x * layout_.columns_per_length(), columns_); }
   [[nodiscard]] std::int32_t row_of(double y) const { return index_of(y * layout_.rows_per_length(), rows_); }
 
+  /// Of a place, which may be outside a periodic box.
+  [[nodiscard]] Cell cell_of_image(Vector place) const { return {layout_.column_of(place.x), layout_.row_of(place.y)}; }
+
   [[nodiscard]] std::size_t capacity() const { return capacity_; }
   /// Slots from one row of cells to the next.
   [[nodiscard]] std::size_t row_stride() const { return stride_ * capacity_; }
@@ -46,6 +51,23 @@ class SlotGrid {
     return slots_.data() + first_slot_of(column, row);
   }
 
+  /// Calls visit(slots) for all slots of the cells that have a point between `lower` and `upper`, or an image of one: for runs of
+  /// memory, each once. Of no cell beyond walls.
+  template <class Visit>
+  void for_each_run(Vector lower, Vector upper, Visit visit) const {
+    Range const columns = range(lower.x, upper.x, layout_.columns_per_length(), columns_);
+    Range const rows = range(lower.y, upper.y, layout_.rows_per_length(), rows_);
+    for (std::int32_t row = rows.first; row < rows.end; ++row) {
+      std::int32_t const inside_row = wrapped(row, rows_);
+      for (std::int32_t column = columns.first; column < columns.end;) {
+        std::int32_t const inside_column = wrapped(column, columns_);
+        std::int32_t const count = std::min(columns.end - column, columns_ - inside_column);
+        visit(std::span(slots_of(inside_column, inside_row), static_cast<std::size_t>(count) * capacity_));
+        column += count;
+      }
+    }
+  }
+
   void insert(Index disk, std::int32_t column, std::int32_t row);
   void erase(Index disk, std::int32_t column, std::int32_t row);
   /// Disk i is called new_number[i] from now on.
@@ -54,6 +76,22 @@ class SlotGrid {
  private:
   [[nodiscard]] std::size_t first_slot_of(std::int32_t column, std::int32_t row) const {
     return (static_cast<std::size_t>(row + 1) * stride_ + static_cast<std::size_t>(column + 1)) * capacity_;
+  }
+  struct Range {
+    std::int32_t first;
+    std::int32_t end;
+  };
+  [[nodiscard]] Range range(double lower, double upper, double cells_per_length, std::int32_t count) const {
+    auto const most = static_cast<double>(count);
+    auto const first = static_cast<std::int32_t>(std::clamp(std::floor(lower * cells_per_length), -most, 2.0 * most));
+    auto const last = static_cast<std::int32_t>(std::clamp(std::floor(upper * cells_per_length), -most, 2.0 * most));
+    if (!is_periodic_) return {std::clamp(first, 0, count - 1), std::clamp(last, 0, count - 1) + 1};
+    if (last - first >= count - 1) return {0, count};
+    return {first, last + 1};
+  }
+  static std::int32_t wrapped(std::int32_t index, std::int32_t count) {
+    if (index < 0) return index + count;
+    return index >= count ? index % count : index;
   }
   static std::int32_t index_of(double index, std::int32_t count) {
     return static_cast<std::int32_t>(std::clamp(index, 0.0, static_cast<double>(count - 1)));

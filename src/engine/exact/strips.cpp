@@ -124,9 +124,8 @@ void Strip::load(Flight const& whole, StripPlan const& plan, std::size_t self, d
     bool const is_copied_above = std::abs(y - height) <= deepest - hair;
     marks_[i] = static_cast<std::uint8_t>((is_copied_below ? copied_below : 0) | (is_copied_above ? copied_above : 0));
   }
-  lists_.neighbours.clear();
-  lists_.places.clear();
-  grid_ = SlotGrid();
+  end_lists();
+  size_classes_.clear();
   renew_lists(time);
   make_room_in_cells(time);
   refresh_prediction_input();
@@ -172,14 +171,12 @@ void Strip::renew_copies(Flight const& whole, double time) {
     if (depth > plan_.reach) disks_[i].event_time = -never;
   }
   for (Index const i : renewed_) {
-    if (!lists_.places.empty()) {
-      lists_.places[i] = {disks_[i].x + disks_[i].velocity_x * time, disks_[i].y + disks_[i].velocity_y * time};
-    }
+    if (has_lists()) lists_.places[i] = place_of(disks_[i], time);
     move_to_cell(i, cell_of(i, time));
   }
   for (Index const i : renewed_) {
     if (disks_[i].event_time == -never) continue;
-    if (!lists_.places.empty()) find_neighbours(i, true);
+    if (has_lists()) find_neighbours(i, true);
     schedule(i, predictor_.one(prediction_input_, i, time));
   }
 }

@@ -1,0 +1,91 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "engine/exact/flight.hpp"
+
+namespace gridlock::exact {
+
+/// Of disks that have no lists. A cell must be as wide as the largest diameter at the end of the epoch.
+void Flight::make_room_in_cells(double time) {
+  if (has_lists()) return;
+  if (size_ == 0) {
+    if (size_classes_.empty()) lay_cells(CellLayout(box_, 1, 1), time);
+    return;
+  }
+  double const side = 2.0 * largest_radius_ * growth_.scale.at(epoch_length_) * size_of_cells_;
+  if (!size_classes_.empty()) {
+    SlotGrid const& grid = size_classes_.front().grid;
+    if (box_.width() / grid.columns() >= side && box_.height() / grid.rows() >= side) return;
+  }
+  CellLayout const layout = layout_for(side);
+  if (!size_classes_.empty()) {
+    SlotGrid const& grid = size_classes_.front().grid;
+    if (layout.columns() == grid.columns() && layout.rows() == grid.rows()) return;
+  }
+  lay_cells(layout, time);
+}
+
+CellLayout Flight::layout_for(double side) const { return layout_for_cutoff(box_, side, disks_in_box_); }
+
+/// Cells for disks of all sizes, without lists. Contract: all events are predicted anew.
+void Flight::lay_cells(CellLayout const& layout, double time) {
+  size_classes_.clear();
+  size_classes_.push_back({largest_radius_, SlotGrid(layout, box_)});
+  cells_.resize(size_);
+  for (Index i = 0; i < size_; ++i) {
+    cells_[i] = cell_of(i, time);
+    size_classes_.front().grid.insert(i, cells_[i].column, cells_[i].row);
+  }
+}
+
+/// Cells for the places of disks with lists: where a large disk has many small neighbours, few cells hold them all, and a small disk looks for
+/// small ones in small cells. In each class the largest disk is at most twice as large as the smallest.
+void Flight::lay_cells_by_size() {
+  std::array<double, 64> largest{};
+  auto const by_halves = [&](double radius) {
+    return std::min(static_cast<std::size_t>(std::ilogb(largest_radius_ / radius)), largest.size() - 1);
+  };
+  if (radius_.empty()) largest[0] = largest_radius_;
+  for (double const radius : radius_) {
+    double& of_class = largest[by_halves(radius)];
+    of_class = std::max(of_class, radius);
+  }
+  size_classes_.clear();
+  for (double const radius : largest) {
+    if (radius == 0.0) continue;
+    double const side = 2.0 * radius * lists_.most_scale + 3.0 * lists_.room;
+    size_classes_.push_back({radius, SlotGrid(layout_for(side * size_of_cells_), box_)});
+  }
+  cells_.resize(size_);
+  for (Index i = 0; i < size_; ++i) {
+    cells_[i] = cell_of(i, 0.0);
+    grid_of(i).insert(i, cells_[i].column, cells_[i].row);
+  }
+}
+
+std::size_t Flight::class_of(Index i) const {
+  std::size_t k = 0;
+  double const radius = radius_of(i);
+  while (k + 1 < size_classes_.size() && radius <= size_classes_[k + 1].largest_radius) ++k;
+  return k;
+}
+
+/// Of the place where there is one, of the disk at that time where there is none.
+Cell Flight::cell_of(Index i, double time) const {
+  SlotGrid const& grid = size_classes_[class_of(i)].grid;
+  if (has_lists()) return grid.cell_of_image({lists_.places[i].x, lists_.places[i].y});
+  MovingDisk const& disk = disks_[i];
+  return {grid.column_of(disk.x + disk.velocity_x * time), grid.row_of(disk.y + disk.velocity_y * time)};
+}
+
+void Flight::move_to_cell(Index i, Cell const& cell) {
+  if (cell.column == cells_[i].column && cell.row == cells_[i].row) return;
+  SlotGrid& grid = grid_of(i);
+  grid.erase(i, cells_[i].column, cells_[i].row);
+  cells_[i] = cell;
+  grid.insert(i, cell.column, cell.row);
+  if (prediction_input_.slots != size_classes_.front().grid.slots()) refresh_prediction_input();
+}
+
+}  // namespace gridlock::exact
