@@ -8,15 +8,14 @@ namespace gridlock::exact {
 
 namespace {
 
-/// Lists of neighbours pay for disks of constant size where the number of disks in nine cells, times the square of the packing fraction, is
-/// larger: measured with equal disks and with mixtures of 1:1.4 to 1:10.
+/// Lists of neighbours pay where the number of disks in nine cells, times the square of the packing fraction, is larger: measured with
+/// equal disks and with mixtures of 1:1.4 to 1:10.
 constexpr double candidates_for_lists = 4.5;
-/// They pay for growing disks where epochs are shorter than the longest by this factor: where disks are hit often on a short path.
-constexpr double shortening_for_lists = 16.0;
-/// The room around the place of a growing disk, in diameters of the smallest.
-constexpr double room_of_growing = 0.02;
+/// The least room around the place of a growing disk, in diameters of the smallest.
+constexpr double least_room_of_growing = 0.02;
 /// By how much the disks may grow before the lists are renewed.
 constexpr double growth_of_lists = 1.001;
+
 double squared(double number) { return number * number; }
 
 /// Without a branch: no processor guesses which disks are neighbours.
@@ -26,21 +25,22 @@ double positive_part(double number) { return 0.5 * (number + std::abs(number)); 
 
 bool Flight::wants_lists() const {
   if (lists_.wish != Lists::where_they_pay) return lists_.wish == Lists::always;
-  if (is_growing()) {
-    double const factor = lists_.neighbours.empty() ? shortening_for_lists : 0.5 * shortening_for_lists;
-    return epoch_length_ * factor <= longest_epoch_;
-  }
-  double const candidates = 9.0 * squared(2.0 * largest_radius_) * static_cast<double>(disks_in_box_) / box_.area();
-  return candidates * squared(packing_fraction_) >= candidates_for_lists;
+  double const area_of_disk = box_.area() / static_cast<double>(disks_in_box_);
+  double const scale = growth_.scale.at_zero;
+  double const candidates = 9.0 * squared(2.0 * largest_radius_ * scale) / area_of_disk;
+  return candidates * squared(packing_fraction_ * squared(scale)) >= candidates_for_lists;
 }
 
-/// Around the places: a small one is left often, a large one makes long lists. Of disks of constant size a measured compromise, in root
-/// mean square diameters.
+/// Around the places: a small one is left often, a large one makes long lists. A measured compromise, in root mean square diameters. Growing
+/// disks are the more confined the shorter their epochs are.
 double Flight::room_for_lists() const {
-  if (is_growing()) return room_of_growing * 2.0 * smallest_radius_ * growth_.scale.at_zero;
+  double const packing_fraction = packing_fraction_ * squared(growth_.scale.at_zero);
   double const diameter =
-      std::sqrt(packing_fraction_ * box_.area() * 4.0 / std::numbers::pi / static_cast<double>(disks_in_box_));
-  return (0.2 + std::max(0.0, 0.8 - packing_fraction_)) * diameter;
+      std::sqrt(packing_fraction * box_.area() * 4.0 / std::numbers::pi / static_cast<double>(disks_in_box_));
+  double const room = (0.2 + std::max(0.0, 0.8 - packing_fraction)) * diameter;
+  if (!is_growing()) return room;
+  double const least = least_room_of_growing * 2.0 * smallest_radius_ * growth_.scale.at_zero;
+  return std::clamp(room * epoch_length_ / longest_epoch_, least, std::max(room, least));
 }
 
 /// Within how much of an edge of the box a place is from which a disk may meet another across it: the two touch, each anywhere in its room,
@@ -56,7 +56,7 @@ void Flight::end_lists() {
   lists_.most_scale = 1.0;
 }
 
-/// Begins, renews or ends the use of lists, as the length of the epoch tells how dense growing disks are.
+/// Begins, renews or ends the use of lists.
 /// Contract: all events are predicted anew.
 void Flight::renew_lists(double time) {
   bool wants = wants_lists();
