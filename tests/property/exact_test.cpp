@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <ostream>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +15,7 @@
 #include "gridlock/core/random.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/validate.hpp"
+#include "io/checkpoint.hpp"
 #include "reference/all_pairs_events.hpp"
 #include "reference/compare_kernels.hpp"
 #include "reference/random_scene.hpp"
@@ -202,6 +206,145 @@ TEST_P(ExactProperty, DependsOnlyOnIdsNotOnRows) {
   make_engine(exact_settings(), a)->advance(a, counters_a, {.step = 200});
   make_engine(exact_settings(), b)->advance(b, counters_b, {.step = 200});
   EXPECT_EQ(hash(a), hash(b));
+}
+
+struct UnequalCase {
+  std::string name;
+  Edge edge;
+  double ratio;
+  std::uint64_t small;
+  std::uint64_t large;
+  double packing_fraction = 0.4;
+
+  friend std::ostream& operator<<(std::ostream& out, UnequalCase const& c) { return out << c.name; }
+};
+
+/// Disks of two sizes, and some between them: a large one has many neighbours, and they are found in cells of several sizes.
+class ExactUnequal : public testing::TestWithParam<UnequalCase> {
+ protected:
+  /// Large disks first, each at a random place where it overlaps none before it; masses go with the areas.
+  static State start() {
+    UnequalCase const& c = GetParam();
+    State state{.box = Box(1.3, 1.0, c.edge), .seed = 3};
+    auto const count = static_cast<double>(c.small) + c.ratio * c.ratio * static_cast<double>(c.large);
+    double const radius = std::sqrt(c.packing_fraction * state.box.area() / (std::numbers::pi * count));
+    RandomStream random(3, 0, 0, Purpose::start_position);
+    for (std::uint64_t n = 0; n < c.large + c.small; ++n) {
+      double const size = n < c.large ? c.ratio : n % 5 == 0 ? 0.5 : 1.0;
+      Vector const v = random.in_unit_disk();
+      state.agents.add(0.0, 0.0, v.x, v.y, size * radius, size * size, 0, 0);
+      Vector p{};
+      do p = {1.3 * random.uniform(), random.uniform()};
+      while (!is_free(state, p));
+      state.agents.column<X>()[n] = p.x;
+      state.agents.column<Y>()[n] = p.y;
+    }
+    return state;
+  }
+
+  static std::pair<std::uint64_t, double> end_of_run(State state, exact::DynamicsOptions const& options) {
+    exact::Dynamics dynamics(state, options);
+    Counters counters;
+    dynamics.run(1e6, 6 * state.agents.size(), 1999, counters);
+    dynamics.write_at_last_event(state);
+    return {hash(state), counters.pair_virial};
+  }
+  static std::pair<std::uint64_t, double> end_of_growth(State state, exact::DynamicsOptions const& options) {
+    exact::Dynamics dynamics(state, options);
+    Counters counters;
+    for (int times = 0; times < 5; ++times) {
+      dynamics.grow({.scale = 1.3, .hits = dynamics.hits() + 4 * state.agents.size()}, 1999, counters);
+      dynamics.renew();
+    }
+    dynamics.write_at_last_event(state);
+    return {hash(state), counters.pair_virial};
+  }
+
+ private:
+  static bool is_free(State const& state, Vector p) {
+    std::size_t const last = state.agents.size() - 1;
+    auto const r = state.agents.column<Radius>();
+    bool const is_in_box = p.x >= r[last] && p.x <= 1.3 - r[last] && p.y >= r[last] && p.y <= 1.0 - r[last];
+    if (!state.box.is_periodic() && !is_in_box) return false;
+    for (std::size_t j = 0; j < last; ++j) {
+      double const contact = r[last] + r[j];
+      if (squared_length(state.box.displacement(p, position(state.agents, j))) < contact * contact) return false;
+    }
+    return true;
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Mixtures, ExactUnequal,
+                         testing::Values(UnequalCase{"one_to_3", Edge::wall, 3.0, 300, 30},
+                                         UnequalCase{"one_to_3_periodic", Edge::periodic, 3.0, 300, 30},
+                                         UnequalCase{"one_to_10", Edge::wall, 10.0, 500, 12},
+                                         UnequalCase{"one_to_10_periodic", Edge::periodic, 10.0, 500, 12},
+                                         UnequalCase{"one_to_10_half", Edge::periodic, 10.0, 60, 60},
+                                         UnequalCase{"one_to_50", Edge::wall, 50.0, 900, 1},
+                                         UnequalCase{"one_to_20_periodic", Edge::periodic, 20.0, 1700, 1, 0.2}),
+                         [](auto const& mixture) { return mixture.param.name; });
+
+TEST_P(ExactUnequal, HasTheSameBitsWithAnyCellsAndWithLists) {
+  State const begin = start();
+  auto const expected = end_of_run(begin, {.lists = exact::Lists::never});
+  for (double const size_of_cells : {1.0, 1.7, 100.0}) {
+    EXPECT_EQ(end_of_run(begin, {.size_of_cells = size_of_cells, .lists = exact::Lists::always}), expected);
+    EXPECT_EQ(end_of_run(begin, {.size_of_cells = size_of_cells, .lists = exact::Lists::never}), expected);
+  }
+  EXPECT_EQ(end_of_run(begin, {}), expected);
+}
+
+TEST_P(ExactUnequal, GrowsToTheSameBitsWithCellsAndWithLists) {
+  State const begin = start();
+  auto const expected = end_of_growth(begin, {.rate = 0.05, .lists = exact::Lists::never});
+  EXPECT_EQ(end_of_growth(begin, {.rate = 0.05, .lists = exact::Lists::always}), expected);
+  EXPECT_EQ(end_of_growth(begin, {.rate = 0.05}), expected);
+}
+
+TEST_P(ExactUnequal, PredictsTheSameBitsWithEveryKernel) {
+  State const state = start();
+  for (exact::Lists const lists : {exact::Lists::never, exact::Lists::always}) {
+    for (double const rate : {0.0, 0.02}) {
+      exact::Dynamics dynamics(state, {.rate = rate, .lists = lists});
+      Counters counters;
+      for (std::uint64_t n = 1; n <= 3; ++n) {
+        if (rate == 0.0) {
+          dynamics.run(1e6, n * state.agents.size(), 0, counters);
+        } else {
+          dynamics.grow({.hits = n * state.agents.size()}, 0, counters);
+        }
+        reference::compare_kernels(dynamics);
+      }
+      exact::PredictionInput const& input = dynamics.prediction_input();
+      EXPECT_EQ(input.neighbours != nullptr, lists == exact::Lists::always);
+      if (input.neighbours == nullptr) continue;
+      std::span const all(input.neighbours, dynamics.size());
+      bool const has_long_lists = !std::ranges::all_of(all, &exact::Neighbours::has_all);
+      EXPECT_TRUE(has_long_lists) << "the test does not see long lists";
+    }
+  }
+}
+
+TEST_P(ExactUnequal, GoesOnFromACheckpointWithTheSameBitsAndEvents) {
+  for (exact::Lists const lists : {exact::Lists::never, exact::Lists::always}) {
+    State state = start();
+    std::uint64_t const half = 3 * state.agents.size();
+    exact::Dynamics dynamics(state, {.lists = lists});
+    Counters counters;
+    dynamics.run(1e6, half, 0, counters);
+    dynamics.write_at_last_event(state);
+    std::string const saved = to_checkpoint([&](Archive& archive) { dynamics.serialize(archive); });
+    exact::Dynamics resumed(state, {.lists = lists});
+    from_checkpoint(saved, "saved", [&](Archive& archive) { resumed.serialize(archive); });
+    Counters resumed_counters = counters;
+    dynamics.run(1e6, 2 * half, 0, counters);
+    resumed.run(1e6, 2 * half, 997, resumed_counters);
+    State resumed_state = state;
+    dynamics.write_at_last_event(state);
+    resumed.write_at_last_event(resumed_state);
+    EXPECT_EQ(hash(state), hash(resumed_state));
+    EXPECT_EQ(counters.moves, resumed_counters.moves);
+  }
 }
 
 // Enough disks that memory is sorted, fetched ahead and laid out in huge pages.

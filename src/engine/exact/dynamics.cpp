@@ -95,12 +95,12 @@ void Dynamics::read_disks(State const& state) {
       radius_.push_back(radius[row]);
       mass_.push_back(mass[row]);
     }
+    mean_squared_radius_ += radius[row] * radius[row] / static_cast<double>(size_);
     mean_mass += mass[row] / static_cast<double>(size_);
   }
   if (size_ > 0) {
     smallest_radius_ = radius_range(disks).smallest;
     largest_radius_ = radius_range(disks).largest;
-    packing_fraction_ = packing_fraction_of(state);
     double const speed_of_lightest = std::sqrt(mean_mass / *std::ranges::min_element(mass));
     double const distance = std::sqrt(box_.area() / static_cast<double>(size_)) / (2.0 * largest_radius_);
     double const diameters = std::max(most_diameters_in_epoch, most_distances_in_epoch * distance) *

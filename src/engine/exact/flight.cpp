@@ -50,7 +50,7 @@ void Flight::take_part(Flight const& whole, std::span<Index const> disks) {
   size_of_cells_ = whole.size_of_cells_;
   smallest_radius_ = whole.smallest_radius_;
   largest_radius_ = whole.largest_radius_;
-  packing_fraction_ = whole.packing_fraction_;
+  mean_squared_radius_ = whole.mean_squared_radius_;
   lists_.wish = whole.lists_.wish;
   growth_ = whole.growth_;
   pipeline_.clear();

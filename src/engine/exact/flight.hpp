@@ -115,6 +115,7 @@ class Flight {
   void renew_lists(double time);
   void end_lists();
   [[nodiscard]] bool wants_lists() const;
+  [[nodiscard]] double packing_fraction() const;
   [[nodiscard]] double room_for_lists() const;
   [[nodiscard]] double reach_with(double room, double scale) const;
   void find_all_neighbours();
@@ -155,7 +156,7 @@ class Flight {
   double size_of_cells_ = 1.0;
   double smallest_radius_ = 0.0;
   double largest_radius_ = 0.0;
-  double packing_fraction_ = 0.0;
+  double mean_squared_radius_ = 0.0;  // added up in the order of the Ids
 
   struct ListsOfNeighbours {
     Lists wish = Lists::where_they_pay;

@@ -43,9 +43,11 @@ void Dynamics::serialize_growth(Archive& archive) {
   archive.visit("measured_virial", growth_.measured_virial);
   if (!archive.is_restoring()) return;
   archive.require(radius.size() == size_, "the engine has other disks than the state");
+  mean_squared_radius_ = 0.0;
   for (std::size_t id_index = 0; id_index < size_; ++id_index) {
     archive.require(radius[id_index] > 0.0, "a disk cannot be so");
     radius_[disks[id_index]] = radius[id_index];
+    mean_squared_radius_ += radius[id_index] * radius[id_index] / static_cast<double>(size_);
   }
   largest_radius_ = std::ranges::max(radius_);
   smallest_radius_ = std::ranges::min(radius_);

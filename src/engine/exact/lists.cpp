@@ -23,21 +23,23 @@ double positive_part(double number) { return 0.5 * (number + std::abs(number)); 
 
 }  // namespace
 
+double Flight::packing_fraction() const {
+  double const mean_area = std::numbers::pi * mean_squared_radius_ * squared(growth_.scale.at_zero);
+  return static_cast<double>(disks_in_box_) * mean_area / box_.area();
+}
+
 bool Flight::wants_lists() const {
   if (lists_.wish != Lists::where_they_pay) return lists_.wish == Lists::always;
-  double const area_of_disk = box_.area() / static_cast<double>(disks_in_box_);
-  double const scale = growth_.scale.at_zero;
-  double const candidates = 9.0 * squared(2.0 * largest_radius_ * scale) / area_of_disk;
-  return candidates * squared(packing_fraction_ * squared(scale)) >= candidates_for_lists;
+  double const area_of_cell = squared(2.0 * largest_radius_ * growth_.scale.at_zero);
+  double const candidates = 9.0 * area_of_cell * static_cast<double>(disks_in_box_) / box_.area();
+  return candidates * squared(packing_fraction()) >= candidates_for_lists;
 }
 
 /// Around the places: a small one is left often, a large one makes long lists. A measured compromise, in root mean square diameters. Growing
 /// disks are the more confined the shorter their epochs are.
 double Flight::room_for_lists() const {
-  double const packing_fraction = packing_fraction_ * squared(growth_.scale.at_zero);
-  double const diameter =
-      std::sqrt(packing_fraction * box_.area() * 4.0 / std::numbers::pi / static_cast<double>(disks_in_box_));
-  double const room = (0.2 + std::max(0.0, 0.8 - packing_fraction)) * diameter;
+  double const diameter = 2.0 * std::sqrt(mean_squared_radius_) * growth_.scale.at_zero;
+  double const room = (0.2 + std::max(0.0, 0.8 - packing_fraction())) * diameter;
   if (!is_growing()) return room;
   double const least = least_room_of_growing * 2.0 * smallest_radius_ * growth_.scale.at_zero;
   return std::clamp(room * epoch_length_ / longest_epoch_, least, std::max(room, least));

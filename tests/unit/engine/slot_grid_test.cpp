@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <iterator>
 #include <set>
+#include <span>
 #include <vector>
 
 #include "gridlock/core/random.hpp"
@@ -49,6 +51,41 @@ TEST(SlotGrid, HoldsWhatASetHoldsInTheFirstSlotsOfEachCellAndOfItsGhosts) {
     }
   }
   EXPECT_GT(grid.capacity(), 4U) << "no cell ran full: the test does not see the slots double";
+}
+
+TEST(SlotGrid, VisitsEachDiskOfTheCellsOfARectangleOnce) {
+  RandomStream random(8, 0, 0, Purpose::start_position);
+  for (Edge const edge : {Edge::wall, Edge::periodic}) {
+    Box const box(7.0, 4.0, edge);
+    CellLayout const layout(box, 7, 4);
+    SlotGrid grid(layout, box);
+    std::vector<Vector> places;
+    for (Index i = 0; i < 100; ++i) {
+      places.push_back({7.0 * random.uniform(), 4.0 * random.uniform()});
+      grid.insert(i, grid.column_of(places[i].x), grid.row_of(places[i].y));
+    }
+    for (int search = 0; search < 1000; ++search) {
+      Vector const lower{-3.0 + 12.0 * random.uniform(), -3.0 + 9.0 * random.uniform()};
+      Vector const upper = lower + Vector{9.0 * random.uniform(), 5.0 * random.uniform()};
+      std::vector<Index> found;
+      grid.for_each_run(lower, upper, [&](std::span<Index const> slots) {
+        std::ranges::copy_if(slots, std::back_inserter(found), [](Index i) { return i != no_disk; });
+      });
+      std::ranges::sort(found);
+      EXPECT_EQ(std::ranges::adjacent_find(found), found.end()) << "visited twice";
+      auto const is_inside = [&](double x, double from, double to, double side) {
+        bool is_any = x >= from && x <= to;
+        for (double const shift : {-2.0 * side, -side, side, 2.0 * side}) {
+          is_any |= edge == Edge::periodic && x + shift >= from && x + shift <= to;
+        }
+        return is_any;
+      };
+      for (Index i = 0; i < places.size(); ++i) {
+        if (!is_inside(places[i].x, lower.x, upper.x, 7.0) || !is_inside(places[i].y, lower.y, upper.y, 4.0)) continue;
+        EXPECT_TRUE(std::ranges::binary_search(found, i)) << "disk " << i << " is missing";
+      }
+    }
+  }
 }
 
 }  // namespace
