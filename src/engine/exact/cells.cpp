@@ -6,6 +6,15 @@
 
 namespace gridlock::exact {
 
+namespace {
+
+/// Wider cells have fewer borders to cross. Cells of less than √2 diameters hold no more than four equal disks, and while there are so few in nine of
+/// them, one batch has all candidates of nearly every disk.
+constexpr double side_of_wide_cells = 1.41;
+constexpr double most_candidates_in_wide_cells = 8.0;
+
+}  // namespace
+
 /// Of disks that have no lists. A cell must be as wide as the largest diameter at the end of the epoch.
 void Flight::make_room_in_cells(double time) {
   if (has_lists()) return;
@@ -13,17 +22,22 @@ void Flight::make_room_in_cells(double time) {
     if (size_classes_.empty()) lay_cells(CellLayout(box_, 1, 1), time);
     return;
   }
-  double const side = 2.0 * largest_radius_ * growth_.scale.at(epoch_length_) * size_of_cells_;
-  if (!size_classes_.empty()) {
-    SlotGrid const& grid = size_classes_.front().grid;
-    if (box_.width() / grid.columns() >= side && box_.height() / grid.rows() >= side) return;
+  double side = 2.0 * largest_radius_ * growth_.scale.at(epoch_length_) * size_of_cells_;
+  if (!is_growing() && disks_in_nine_cells(side_of_wide_cells * side) <= most_candidates_in_wide_cells) {
+    side *= side_of_wide_cells;
   }
   CellLayout const layout = layout_for(side);
   if (!size_classes_.empty()) {
     SlotGrid const& grid = size_classes_.front().grid;
-    if (layout.columns() == grid.columns() && layout.rows() == grid.rows()) return;
+    bool const has_room = box_.width() / grid.columns() >= side && box_.height() / grid.rows() >= side;
+    if (has_room || (layout.columns() == grid.columns() && layout.rows() == grid.rows())) return;
   }
   lay_cells(layout, time);
+}
+
+/// In the mean.
+double Flight::disks_in_nine_cells(double side) const {
+  return 9.0 * side * side * static_cast<double>(disks_in_box_) / box_.area();
 }
 
 CellLayout Flight::layout_for(double side) const { return layout_for_cutoff(box_, side, disks_in_box_); }

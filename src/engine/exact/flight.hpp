@@ -104,6 +104,7 @@ class Flight {
   void lay_cells(CellLayout const& layout, double time);
   void lay_cells_by_size();
   [[nodiscard]] CellLayout layout_for(double side) const;
+  [[nodiscard]] double disks_in_nine_cells(double side) const;
   [[nodiscard]] SlotGrid& grid_of(Index i) { return size_classes_[class_of(i)].grid; }
   [[nodiscard]] std::size_t class_of(Index i) const;
   [[nodiscard]] Cell cell_of(Index i, double time) const;

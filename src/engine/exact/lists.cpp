@@ -30,8 +30,7 @@ double Flight::packing_fraction() const {
 
 bool Flight::wants_lists() const {
   if (lists_.wish != Lists::where_they_pay) return lists_.wish == Lists::always;
-  double const area_of_cell = squared(2.0 * largest_radius_ * growth_.scale.at_zero);
-  double const candidates = 9.0 * area_of_cell * static_cast<double>(disks_in_box_) / box_.area();
+  double const candidates = disks_in_nine_cells(2.0 * largest_radius_ * growth_.scale.at_zero);
   return candidates * squared(packing_fraction()) >= candidates_for_lists;
 }
 
