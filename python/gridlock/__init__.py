@@ -29,7 +29,7 @@ from .errors import Error, Problem, RunFailure
 from .files import Frame, FrameContacts, RunDirectory, Trajectory, read_xyz
 from .files import open as open
 from .models import Model, Setting, Start, World, register_model
-from .neighbors import Neighbors, neighbors, pairs
+from .neighbors import Neighbors, neighbors, pairs, pairs_of_disks
 from .packings import Contacts, SpectralDensity, contacts, spectral_density
 from .simulation import Agents, Clock, Column, Result, Results, Simulation, run
 from .sweeps import SweepDirectory, sweep
@@ -40,7 +40,7 @@ __all__ = [
     "PairCorrelation", "Problem", "Result", "Results", "RunDirectory", "RunFailure", "Setting", "Simulation",
     "SpectralDensity", "Start", "StructureFactor", "SweepDirectory", "Trajectory", "Voronoi", "World",
     "bond_orientation", "combine", "contacts", "diffusion_coefficient", "dynamics", "explain",
-    "mean_squared_displacement", "neighbors", "pair_correlation", "pairs", "read_xyz", "register_model", "run",
+    "mean_squared_displacement", "neighbors", "pair_correlation", "pairs", "pairs_of_disks", "read_xyz", "register_model", "run",
     "separations", "spectral_density", "structure_factor", "sweep", "voronoi",
 ]
 

@@ -112,6 +112,38 @@ def pairs(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int
     return _core.pairs(as_points(points), _as_cutoff(cutoff), as_box(box), as_threads(threads)).T
 
 
+def pairs_of_disks(
+    centers: ArrayLike, radius: ArrayLike, box: BoxLike, *, factor: float = 1.0, gap: float = 0.0, threads: int = 1
+) -> NDArray[np.uint32]:
+    """All pairs of disks nearer than factor · (Rᵢ + Rⱼ) + gap, each once: by default those that overlap.
+
+    Disks of like size share a grid of cells, so that few large disks among many small ones cost no more than as many small ones.
+
+    :param centers: shape (N, 2).
+    :param radius: shape (N,), or one radius for all.
+    :param box: a :class:`Box`, ``(width, height)`` or a side of a periodic box.
+    :param factor: above 0. In a periodic box two of the largest disks must not reach further than half its shorter side.
+    :param gap: a length of at least 0 between the rims.
+    :param threads: 0 for all cores. The result does not depend on it.
+    :returns: shape (P, 2), the indices of the two disks of each pair.
+    :raises Error: for centres that are not finite, radii that are not positive, and a reach or a box that cannot be searched.
+
+    >>> pairs_of_disks([[0.0, 0.0], [5.5, 0.0], [6.3, 0.0]], [5.0, 0.4, 0.4], box=30.0, gap=0.2)
+    array([[1, 2],
+           [1, 0]], dtype=uint32)
+    """
+    points = as_points(centers)
+    hint = "use an array of shape (N,): the radius of each disk"
+    one_for_all = np.ndim(radius) == 0
+    radii = np.full(len(points), as_number(radius, "the radius")) if one_for_all else as_numbers(radius, "the radii", (len(points),), hint)
+    values = as_box(box)
+    if values is None:
+        raise Error("there is no box\n  hint: use Box(width, height, periodic=False) for disks in the open plane")
+    reach = as_number(factor, "the factor")
+    between_rims = as_number(gap, "the gap", "use a length of at least 0", least=-np.finfo(float).tiny)
+    return _core.pairs_of_disks(points, radii, reach, between_rims, values, as_threads(threads)).T
+
+
 def neighbors(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int = 1) -> Neighbors:
     """The neighbours of every point: all others nearer than the cutoff.
 

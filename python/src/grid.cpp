@@ -24,6 +24,19 @@ auto pairs(Points const& points, double cutoff, std::optional<BoxValues> const& 
   return array_of_pairs(std::move(found));
 }
 
+using Radii = nb::ndarray<double const, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+auto pairs_of_disks(Points const& centers, Radii const& radius, double factor, double gap, BoxValues const& box,
+                    std::uint64_t threads) {
+  PointPairs found;
+  {
+    nb::gil_scoped_release const released;
+    found = find_pairs_of_disks(box_of(box), {.factor = factor, .gap = gap}, view_of(centers),
+                                {radius.data(), radius.shape(0)}, threads);
+  }
+  return array_of_pairs(std::move(found));
+}
+
 auto neighbor_lists(Points const& points, double cutoff, std::optional<BoxValues> const& box, std::uint64_t threads) {
   NeighbourLists found;
   {
@@ -77,6 +90,8 @@ auto neighbor_sums(Ends const& ends, Indices const& indices, Rows const& values)
 
 void bind_grid(nb::module_& module) {
   module.def("pairs", &pairs, nb::arg("points"), nb::arg("cutoff"), nb::arg("box").none(), nb::arg("threads"));
+  module.def("pairs_of_disks", &pairs_of_disks, nb::arg("centers"), nb::arg("radius"), nb::arg("factor"),
+             nb::arg("gap"), nb::arg("box"), nb::arg("threads"));
   module.def("neighbor_lists", &neighbor_lists, nb::arg("points"), nb::arg("cutoff"), nb::arg("box").none(),
              nb::arg("threads"));
   module.def("neighbor_sums", &neighbor_sums, nb::arg("ends"), nb::arg("indices"), nb::arg("values"));

@@ -128,3 +128,35 @@ def test_arrays_outlive_the_search():
     found = [gridlock.pairs(np.random.default_rng(k).random((100, 2)), 0.1, box=1.0) for k in range(100)]
     again = [gridlock.pairs(np.random.default_rng(k).random((100, 2)), 0.1, box=1.0) for k in range(100)]
     assert all(np.array_equal(a, b) for a, b in zip(found, again))
+
+
+@pytest.mark.parametrize("box", [box for box in BOXES if box is not None])
+@pytest.mark.parametrize("ratio", [1.0, 3.0, 20.0])
+@pytest.mark.parametrize("reach", [{}, {"factor": 1.5}, {"gap": 0.01}])
+def test_pairs_of_disks_are_those_of_brute_force(box, ratio, reach):
+    random = np.random.default_rng(5)
+    points = random.random((300, 2)) * box[:2]
+    radius = np.where(random.random(300) < 0.1, 1.0, 1.0 / ratio) * 0.05 * min(box[:2])
+    contact = reach.get("factor", 1.0) * (radius[:, None] + radius) + reach.get("gap", 0.0)
+    difference = points[:, None] - points
+    if box[2]:
+        difference -= np.array(box[:2]) * np.round(difference / np.array(box[:2]))
+    near = np.argwhere(np.triu(np.hypot(difference[..., 0], difference[..., 1]) < contact, k=1))
+    assert len(near) > 0
+    for threads in (1, 2):
+        assert as_set(gridlock.pairs_of_disks(points, radius, box, threads=threads, **reach)) == {(i, j) for i, j in near.tolist()}
+
+
+def test_pairs_of_disks_take_one_radius_for_all_and_refuse_what_is_none():
+    points = [[0.1, 0.1], [0.2, 0.1]]
+    assert gridlock.pairs_of_disks(points, 0.06, 1.0).tolist() == [[0, 1]]
+    assert gridlock.pairs_of_disks(points, 0.04, 1.0).tolist() == []
+    assert gridlock.pairs_of_disks(np.empty((0, 2)), [], 1.0).shape == (0, 2)
+    for radius in ([0.1], [0.1, -0.1], [0.1, 0.0], [0.1, np.nan], "x", [[0.1, 0.1]], 0.0, None):
+        with pytest.raises(gridlock.Error):
+            gridlock.pairs_of_disks(points, radius, 1.0)
+    for wrong in ({"factor": 0.0}, {"factor": np.inf}, {"gap": -0.1}, {"gap": np.nan}, {"factor": 20.0}):
+        with pytest.raises(gridlock.Error):
+            gridlock.pairs_of_disks(points, 0.06, 1.0, **wrong)
+    with pytest.raises(gridlock.Error, match="there is no box"):
+        gridlock.pairs_of_disks(points, 0.06, None)

@@ -1,6 +1,7 @@
 #include "gridlock/grid/neighbour_lists.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -116,10 +117,10 @@ SearchFrame frame_around(PointsInMemory const& points, double cutoff) {
 /// Sorts and searches; what is found stays in bands.
 class Search {
  public:
-  Search(SearchFrame const& frame, double cutoff, PointsInMemory const& points, std::uint64_t threads)
+  Search(SearchFrame const& frame, double cutoff, PointsInMemory const& points, ThreadPool& pool)
       : box_(frame.box),
         cutoff_(cutoff),
-        pool_(threads),
+        pool_(pool),
         points_(sorted_for_cutoff(frame.box, frame.origin, cutoff, points, pool_)) {
     ends_ = bands_of(points_, pool_);
     bands_.resize(ends_.size() - 1);
@@ -143,6 +144,27 @@ class Search {
     });
     return pairs;
   }
+
+  /// The rows of the points that are nearer to a point in the box, good until `found` is used again.
+  /// Contract: no cutoff above that of the search.
+  std::span<std::uint32_t const> near(Vector place, double cutoff, Found& found) const {
+    CellLayout const& layout = points_.layout();
+    RowBlocks const blocks(layout, [&](std::size_t cell) { return points_.first_of(cell); });
+    Vector const p = layout.image_in_cell(place);
+    RowBlock const block = blocks.around(layout.column_of(p.x), layout.row_of(p.y));
+    if (block.candidates == 0) return {};
+    std::uint32_t* const rows = found.room_for(block.candidates + neighbour_slack);
+    std::size_t const count = find_neighbours({.x = points_.x(),
+                                               .y = points_.y(),
+                                               .size = points_.size(),
+                                               .p = p,
+                                               .squared_cutoff = cutoff * cutoff,
+                                               .left_out = points_.size(),
+                                               .box = block.is_at_edge && box_.is_periodic() ? &box_ : nullptr},
+                                              block.ranges(), rows);
+    return {rows, count};
+  }
+  [[nodiscard]] SortedPoints const& points() const { return points_; }
 
   NeighbourLists lists(std::size_t count) {
     search<Half::no>();
@@ -186,7 +208,7 @@ class Search {
 
   Box box_;
   double cutoff_;
-  ThreadPool pool_;
+  ThreadPool& pool_;
   SortedPoints points_;
   std::vector<int> ends_;
   std::vector<Band> bands_;
@@ -205,23 +227,215 @@ SearchFrame frame_of(double cutoff, PointsInMemory const& points) {
   return frame_around(points, cutoff);
 }
 
+/// Disks that share a grid of cells.
+struct SizeClass {
+  double largest_radius = 0.0;
+  std::vector<std::uint32_t> members;  ///< empty where it is all disks
+  std::vector<double> x, y;
+  PointsInMemory all;
+
+  [[nodiscard]] PointsInMemory centres() const {
+    return members.empty() ? all : PointsInMemory{.x = x.data(), .y = y.data(), .count = members.size()};
+  }
+  [[nodiscard]] std::uint32_t disk(std::size_t member) const {
+    return members.empty() ? static_cast<std::uint32_t>(member) : members[member];
+  }
+};
+
+/// As few classes as will do, the largest disks first: in each the largest disk is less than twice as large as the smallest, or nine of its cells hold few
+/// disks.
+std::vector<SizeClass> classes_of(Box const& box, DiskReach const& reach, PointsInMemory const& centres,
+                                  std::span<double const> radius) {
+  constexpr double few_disks = 64.0;
+  constexpr std::size_t most_halvings = 63;
+  double const largest = std::ranges::max(radius);
+  auto const halvings_of = [&](double r) {
+    return std::min(static_cast<std::size_t>(std::ilogb(largest / r)), most_halvings);
+  };
+  std::array<double, most_halvings + 1> largest_of{};
+  std::array<std::size_t, most_halvings + 1> count_of{};
+  for (double const r : radius) {
+    std::size_t const halvings = halvings_of(r);
+    largest_of[halvings] = std::max(largest_of[halvings], r);
+    ++count_of[halvings];
+  }
+  std::vector<SizeClass> classes;
+  std::array<std::size_t, most_halvings + 1> class_of{};
+  std::size_t count = 0;
+  for (std::size_t halvings = 0; halvings <= most_halvings; ++halvings) {
+    if (count_of[halvings] == 0) continue;
+    if (!classes.empty()) {
+      double const cutoff = 2.0 * reach.factor * classes.back().largest_radius + reach.gap;
+      double const disks = static_cast<double>(count + count_of[halvings]);
+      if (9.0 * cutoff * cutoff * disks > few_disks * box.area()) count = 0;
+    }
+    if (count == 0)
+      classes.push_back({.largest_radius = largest_of[halvings], .members = {}, .x = {}, .y = {}, .all = centres});
+    count += count_of[halvings];
+    class_of[halvings] = classes.size() - 1;
+  }
+  if (classes.size() == 1) return classes;
+  for (std::uint32_t i = 0; i < centres.count; ++i) {
+    SizeClass& like_disks = classes[class_of[halvings_of(radius[i])]];
+    like_disks.members.push_back(i);
+    like_disks.x.push_back(centres.x[i * centres.stride]);
+    like_disks.y.push_back(centres.y[i * centres.stride]);
+  }
+  return classes;
+}
+
+void require_radii(std::span<double const> radius, DiskReach const& reach, std::size_t count) {
+  if (radius.size() != count) {
+    throw Error({.what = std::to_string(radius.size()) + " radii of " + std::to_string(count) + " disks",
+                 .hint = "give one of each for every disk"});
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (has_bounded_magnitude(radius[i]) && radius[i] > 0.0) continue;
+    throw Error({.what = "disk " + std::to_string(i) + " has radius " + std::to_string(radius[i]),
+                 .hint = "use radii from 1e-60 to 1e60"});
+  }
+  bool const is_reach =
+      std::isfinite(reach.factor) && reach.factor > 0.0 && std::isfinite(reach.gap) && reach.gap >= 0.0;
+  if (!is_reach) {
+    throw Error({.what = "a reach of " + std::to_string(reach.factor) + " times the distance at contact and " +
+                         std::to_string(reach.gap),
+                 .hint = "use a factor above 0 and a gap of at least 0"});
+  }
+}
+
+/// Keeps the pairs of disks that are near enough.
+class NearPairs {
+ public:
+  NearPairs(Box const& box, DiskReach const& reach, PointsInMemory const& centres, std::span<double const> radius)
+      : box_(box), reach_(reach), centres_(centres), radius_(radius) {}
+
+  void make_room_for(std::size_t more) {
+    if (pairs_.size() < count_ + more) pairs_.resize(std::max(count_ + more, 2 * pairs_.size()));
+  }
+  /// Contract: there is room.
+  void add(std::uint32_t i, std::uint32_t j) {
+    double const contact = reach_.factor * (radius_[i] + radius_[j]) + reach_.gap;
+    // Which pairs are near enough no processor guesses: without a branch.
+    pairs_[count_] = {i, j};
+    count_ += squared_length(box_.displacement(at(i), at(j))) < contact * contact ? 1 : 0;
+  }
+  /// Puts those of another behind them.
+  void append(NearPairs const& other) {
+    make_room_for(other.count_);
+    std::copy_n(other.pairs_.begin(), other.count_, pairs_.begin() + static_cast<std::ptrdiff_t>(count_));
+    count_ += other.count_;
+  }
+  [[nodiscard]] PointPairs pairs() const {
+    PointPairs pairs;
+    pairs.indices.resize(2 * count_);
+    for (std::size_t k = 0; k < count_; ++k) {
+      pairs.indices[k] = pairs_[k].first;
+      pairs.indices[count_ + k] = pairs_[k].second;
+    }
+    return pairs;
+  }
+
+ private:
+  struct Pair {
+    std::uint32_t first, second;
+  };
+  [[nodiscard]] Vector at(std::uint32_t i) const {
+    return {centres_.x[i * centres_.stride], centres_.y[i * centres_.stride]};
+  }
+  Box box_;
+  DiskReach reach_;
+  PointsInMemory centres_;
+  std::span<double const> radius_;
+  UninitializedArray<Pair> pairs_;
+  std::size_t count_ = 0;
+};
+
+/// Those that search(part, parts, pairs) finds for each part of the work, in the order of the parts.
+template <class SearchPart>
+void add_in_parts(ThreadPool& pool, NearPairs const& none, NearPairs& all, SearchPart search) {
+  if (pool.size() == 1) {
+    search(0, 1, all);
+    return;
+  }
+  std::size_t const parts = 8 * pool.size();
+  std::vector<NearPairs> found(parts, none);
+  pool.for_each(parts, [&](std::size_t part) { search(part, parts, found[part]); });
+  for (NearPairs const& part : found) all.append(part);
+}
+
 }  // namespace
 
+PointPairs find_pairs_of_disks(Box const& box, DiskReach const& reach, PointsInMemory const& centres,
+                               std::span<double const> radius, std::uint64_t threads) {
+  require_radii(radius, reach, centres.count);
+  NearPairs const none(box, reach, centres, radius);
+  NearPairs all = none;
+  if (centres.count == 0) return all.pairs();
+  ThreadPool pool(threads);
+  std::vector<SizeClass> const classes = classes_of(box, reach, centres, radius);
+  auto const reach_of = [&](SizeClass const& a, SizeClass const& b) {
+    return reach.factor * (a.largest_radius + b.largest_radius) + reach.gap;
+  };
+  SearchFrame const frame = frame_of(box, reach_of(classes.front(), classes.front()), centres);
+  double const most =
+      box.is_periodic() ? 0.5 * std::min(box.width(), box.height()) : std::numeric_limits<double>::max();
+  // A hair more: whether a pair is near enough is decided in the end, from the coordinates as they were given.
+  auto const cutoff_of = [&](SizeClass const& a, SizeClass const& b) {
+    return std::min(most, reach_of(a, b) * (1.0 + 1e-9));
+  };
+  std::vector<std::unique_ptr<Search>> searches;
+  for (SizeClass const& like_disks : classes) {
+    searches.push_back(std::make_unique<Search>(frame, cutoff_of(like_disks, like_disks), like_disks.centres(), pool));
+    PointPairs const pairs = searches.back()->pairs();
+    add_in_parts(pool, none, all, [&](std::size_t part, std::size_t parts, NearPairs& near) {
+      std::size_t const end = (part + 1) * pairs.size() / parts;
+      near.make_room_for(end - part * pairs.size() / parts);
+      for (std::size_t k = part * pairs.size() / parts; k < end; ++k) {
+        near.add(like_disks.disk(pairs.first()[k]), like_disks.disk(pairs.second()[k]));
+      }
+    });
+  }
+  for (std::size_t small = 1; small < classes.size(); ++small) {
+    SortedPoints const& seeking = searches[small]->points();
+    for (std::size_t large = 0; large < small; ++large) {
+      Search const& found_among = *searches[large];
+      double const cutoff = cutoff_of(classes[small], classes[large]);
+      add_in_parts(pool, none, all, [&](std::size_t part, std::size_t parts, NearPairs& near) {
+        Found rows;
+        std::size_t const end = (part + 1) * seeking.size() / parts;
+        for (std::size_t row = part * seeking.size() / parts; row < end; ++row) {
+          std::uint32_t const seeker = classes[small].disk(seeking.index(row));
+          auto const found = found_among.near({seeking.x()[row], seeking.y()[row]}, cutoff, rows);
+          near.make_room_for(found.size());
+          for (std::uint32_t const other : found) {
+            near.add(seeker, classes[large].disk(found_among.points().index(other)));
+          }
+        }
+      });
+    }
+  }
+  return all.pairs();
+}
+
 PointPairs find_pairs(Box const& box, double cutoff, PointsInMemory const& points, std::uint64_t threads) {
-  return Search(frame_of(box, cutoff, points), cutoff, points, threads).pairs();
+  ThreadPool pool(threads);
+  return Search(frame_of(box, cutoff, points), cutoff, points, pool).pairs();
 }
 
 NeighbourLists find_neighbour_lists(Box const& box, double cutoff, PointsInMemory const& points,
                                     std::uint64_t threads) {
-  return Search(frame_of(box, cutoff, points), cutoff, points, threads).lists(points.count);
+  ThreadPool pool(threads);
+  return Search(frame_of(box, cutoff, points), cutoff, points, pool).lists(points.count);
 }
 
 PointPairs find_pairs(double cutoff, PointsInMemory const& points, std::uint64_t threads) {
-  return Search(frame_of(cutoff, points), cutoff, points, threads).pairs();
+  ThreadPool pool(threads);
+  return Search(frame_of(cutoff, points), cutoff, points, pool).pairs();
 }
 
 NeighbourLists find_neighbour_lists(double cutoff, PointsInMemory const& points, std::uint64_t threads) {
-  return Search(frame_of(cutoff, points), cutoff, points, threads).lists(points.count);
+  ThreadPool pool(threads);
+  return Search(frame_of(cutoff, points), cutoff, points, pool).lists(points.count);
 }
 
 }  // namespace gridlock

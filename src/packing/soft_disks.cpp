@@ -71,7 +71,8 @@ std::vector<Contact> find_contacts(Packing const& packing, double largest_gap) {
   if (packing.size() > 1) {
     require_room_for_images(packing.box, cutoff);
     PointPairs const pairs =
-        find_pairs(packing.box, cutoff, {.x = packing.x.data(), .y = packing.y.data(), .count = packing.size()});
+        find_pairs_of_disks(packing.box, {.factor = factor},
+                            {.x = packing.x.data(), .y = packing.y.data(), .count = packing.size()}, packing.radius);
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       auto const [i, j] = std::minmax(pairs.first()[k], pairs.second()[k]);
       Vector const d = packing.box.displacement({packing.x[i], packing.y[i]}, {packing.x[j], packing.y[j]});

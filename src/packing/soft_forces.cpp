@@ -136,14 +136,12 @@ void SoftForces::build(Packing const& packing) {
   owners_.clear();
   if (disks < 2) return;
   bool const is_half = pool_.size() == 1;
-  PointPairs const pairs = find_pairs(packing.box, largest + skin_,
-                                      {.x = packing.x.data(), .y = packing.y.data(), .count = disks}, pool_.size());
+  PointPairs const pairs =
+      find_pairs_of_disks(packing.box, {.gap = skin_}, {.x = packing.x.data(), .y = packing.y.data(), .count = disks},
+                          packing.radius, pool_.size());
   auto const for_each_near_pair = [&](auto visit) {
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       auto const [i, j] = std::minmax(pairs.first()[k], pairs.second()[k]);
-      double const cutoff = packing.radius[i] + packing.radius[j] + skin_;
-      Vector const d = packing.box.displacement({packing.x[i], packing.y[i]}, {packing.x[j], packing.y[j]});
-      if (squared_length(d) >= cutoff * cutoff) continue;
       visit(i, j);
       if (!is_half) visit(j, i);
     }

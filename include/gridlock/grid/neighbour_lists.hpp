@@ -56,6 +56,30 @@ PointPairs find_pairs(Box const& box, double cutoff, PointsInMemory const& point
 NeighbourLists find_neighbour_lists(Box const& box, double cutoff, PointsInMemory const& points,
                                     std::uint64_t threads = 1);
 
+/// How near two disks must be: |separation| < factor · (R_i + R_j) + gap.
+struct DiskReach {
+  double factor = 1.0;
+  double gap = 0.0;
+};
+
+/// All pairs of disks that are so near, the minimum image in a periodic box; radius[i] is that of the disk at point i.
+///
+/// Disks of like size share a grid of cells, and a small disk looks for large ones in theirs, so that few large disks among many small ones cost what as many
+/// small ones do (hierarchical grids: Krijgsman, Ogarko and Luding 2014, doi:10.1007/s40571-014-0020-9). The order of the
+/// pairs is a function of the disks alone.
+/// Errors: those of find_pairs() for the largest pair; as many radii as points, positive and finite; a reach that is no positive finite number.
+/// Cost: that of find_pairs() for equal disks; docs/reference/performance.md.
+///
+/// ```cpp
+/// std::vector<double> const x{0.0, 5.5, 6.3};
+/// std::vector<double> const y{0.0, 0.0, 0.0};
+/// std::vector<double> const radius{5.0, 0.4, 0.4};
+/// PointPairs const pairs = find_pairs_of_disks(Box(20.0, 20.0, Edge::periodic), {.gap = 0.2}, {.x = x.data(), .y = y.data(), .count = 3}, radius);
+/// // Two pairs: the large disk and the first small one are 0.1 apart, the two small ones touch.
+/// ```
+PointPairs find_pairs_of_disks(Box const& box, DiskReach const& reach, PointsInMemory const& centres,
+                               std::span<double const> radius, std::uint64_t threads = 1);
+
 /// The same for points without a box, wherever they are.
 PointPairs find_pairs(double cutoff, PointsInMemory const& points, std::uint64_t threads = 1);
 NeighbourLists find_neighbour_lists(double cutoff, PointsInMemory const& points, std::uint64_t threads = 1);

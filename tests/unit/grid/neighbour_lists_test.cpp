@@ -105,5 +105,85 @@ TEST(NeighbourLists, RefuseWhatCannotBeSearched) {
   EXPECT_THROW(find_neighbour_lists(0.1, points.view()), Error);
 }
 
+struct DisksInMemory {
+  Points centres;
+  std::vector<double> radius;
+};
+
+/// One disk in ten is large, one in seven half as large as the others.
+DisksInMemory scattered_disks(std::size_t count, Box const& box, double smallest, double ratio, std::uint64_t seed) {
+  DisksInMemory disks{.centres = scattered(count, box, seed), .radius = {}};
+  for (std::size_t i = 0; i < count; ++i) {
+    disks.radius.push_back(smallest * (i % 10 == 3 ? ratio : i % 7 == 0 ? 0.5 : 1.0));
+  }
+  return disks;
+}
+
+PairSet all_pairs_of(Box const& box, DiskReach const& reach, DisksInMemory const& disks) {
+  PairSet pairs;
+  auto const at = [&](std::size_t i) { return Vector{disks.centres.x[i], disks.centres.y[i]}; };
+  for (std::uint32_t i = 0; i < disks.radius.size(); ++i) {
+    for (std::uint32_t j = i + 1; j < disks.radius.size(); ++j) {
+      double const contact = reach.factor * (disks.radius[i] + disks.radius[j]) + reach.gap;
+      if (squared_length(box.displacement(at(i), at(j))) < contact * contact) pairs.emplace(i, j);
+    }
+  }
+  return pairs;
+}
+
+TEST(PairsOfDisks, AreThoseOfBruteForceForAnySizesOnAnyNumberOfThreads) {
+  std::size_t pairs = 0;
+  for (Box const& box : {Box(1.0, 1.0, Edge::periodic), Box(3.0, 0.9, Edge::periodic), Box(1.0, 2.0, Edge::wall)}) {
+    for (std::size_t const count : {0U, 1U, 2U, 40U, 1000U}) {
+      for (double const ratio : {1.0, 1.4, 3.0, 10.0, 50.0}) {
+        SCOPED_TRACE(testing::Message() << box.width() << " × " << box.height() << ", " << count << ", 1:" << ratio);
+        DisksInMemory const disks = scattered_disks(count, box, 0.2 / ratio / 2.0, ratio, count);
+        for (DiskReach const& reach : {DiskReach{}, DiskReach{.factor = 1.7}, DiskReach{.factor = 0.5, .gap = 0.01}}) {
+          PairSet const expected = all_pairs_of(box, reach, disks);
+          PointPairs const found = find_pairs_of_disks(box, reach, disks.centres.view(), disks.radius);
+          EXPECT_EQ(pairs_of(found), expected);
+          pairs += expected.size();
+          for (std::uint64_t const threads : {2U, 5U}) {
+            PointPairs const more = find_pairs_of_disks(box, reach, disks.centres.view(), disks.radius, threads);
+            EXPECT_TRUE(std::ranges::equal(more.indices, found.indices)) << threads << " threads";
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(pairs, 100'000U);
+}
+
+TEST(PairsOfDisks, WhoseRimsTouchAreNone) {
+  std::vector<double> const x{1.0, 3.0};
+  std::vector<double> const y{1.0, 1.0};
+  std::vector<double> const radius{1.5, 0.5};
+  PointsInMemory const centres{.x = x.data(), .y = y.data(), .count = 2};
+  Box const box(8.0, 8.0, Edge::periodic);
+  EXPECT_EQ(find_pairs_of_disks(box, {}, centres, radius).size(), 0U);
+  EXPECT_EQ(find_pairs_of_disks(box, {.gap = 1e-15}, centres, radius).size(), 1U);
+  EXPECT_EQ(find_pairs_of_disks(box, {.factor = 1.0 + 1e-15}, centres, radius).size(), 1U);
+  // A distance of half the box is allowed, and no more.
+  EXPECT_EQ(find_pairs_of_disks(box, {.factor = 4.0 / 3.0}, centres, radius).size(), 1U);
+  EXPECT_THROW((void)find_pairs_of_disks(box, {.factor = 1.34}, centres, radius), Error);
+}
+
+TEST(PairsOfDisks, RefuseWhatIsNoDiskAndNoReach) {
+  std::vector<double> const x{1.0, 3.0};
+  PointsInMemory const centres{.x = x.data(), .y = x.data(), .count = 2};
+  Box const box(8.0, 8.0, Edge::wall);
+  double const nan = std::numeric_limits<double>::quiet_NaN();
+  double const infinity = std::numeric_limits<double>::infinity();
+  for (std::vector<double> const& radius : {std::vector{1.0}, std::vector{1.0, 0.0}, std::vector{1.0, -1.0},
+                                            std::vector{nan, 1.0}, std::vector{infinity, 1.0}}) {
+    EXPECT_THROW((void)find_pairs_of_disks(box, {}, centres, radius), Error);
+  }
+  std::vector<double> const radius{1.0, 1.0};
+  for (DiskReach const& reach : {DiskReach{.factor = 0.0}, DiskReach{.factor = nan}, DiskReach{.gap = -0.1},
+                                 DiskReach{.gap = nan}, DiskReach{.factor = infinity}}) {
+    EXPECT_THROW((void)find_pairs_of_disks(box, reach, centres, radius), Error);
+  }
+}
+
 }  // namespace
 }  // namespace gridlock
