@@ -284,25 +284,6 @@ std::vector<SizeClass> classes_of(Box const& box, DiskReach const& reach, Points
   return classes;
 }
 
-void require_radii(std::span<double const> radius, DiskReach const& reach, std::size_t count) {
-  if (radius.size() != count) {
-    throw Error({.what = std::to_string(radius.size()) + " radii of " + std::to_string(count) + " disks",
-                 .hint = "give one of each for every disk"});
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    if (has_bounded_magnitude(radius[i]) && radius[i] > 0.0) continue;
-    throw Error({.what = "disk " + std::to_string(i) + " has radius " + std::to_string(radius[i]),
-                 .hint = "use radii from 1e-60 to 1e60"});
-  }
-  bool const is_reach =
-      std::isfinite(reach.factor) && reach.factor > 0.0 && std::isfinite(reach.gap) && reach.gap >= 0.0;
-  if (!is_reach) {
-    throw Error({.what = "a reach of " + std::to_string(reach.factor) + " times the distance at contact and " +
-                         std::to_string(reach.gap),
-                 .hint = "use a factor above 0 and a gap of at least 0"});
-  }
-}
-
 /// Keeps the pairs of disks that are near enough.
 class NearPairs {
  public:
@@ -367,7 +348,9 @@ void add_in_parts(ThreadPool& pool, NearPairs const& none, NearPairs& all, Searc
 
 PointPairs find_pairs_of_disks(Box const& box, DiskReach const& reach, PointsInMemory const& centres,
                                std::span<double const> radius, std::uint64_t threads) {
-  require_radii(radius, reach, centres.count);
+  require_points_in_memory(centres);
+  require_radii(radius, centres.count);
+  require_reach(reach);
   NearPairs const none(box, reach, centres, radius);
   NearPairs all = none;
   if (centres.count == 0) return all.pairs();

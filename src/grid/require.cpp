@@ -84,6 +84,27 @@ void require_search(PointsInMemory const& points, double cutoff) {
   require_points_in_memory(points);
 }
 
+void require_radii(std::span<double const> radius, std::size_t count) {
+  if (radius.size() != count) {
+    throw Error({.what = std::to_string(radius.size()) + " radii of " + std::to_string(count) + " disks",
+                 .hint = "give one of each for every disk"});
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (has_bounded_magnitude(radius[i])) continue;
+    throw Error({.what = "disk " + std::to_string(i) + " has radius " + number_text(radius[i]),
+                 .hint = "use radii from 1e-60 to 1e60"});
+  }
+}
+
+void require_reach(DiskReach const& reach) {
+  bool const is_reach =
+      std::isfinite(reach.factor) && reach.factor > 0.0 && std::isfinite(reach.gap) && reach.gap >= 0.0;
+  if (is_reach) return;
+  throw Error({.what = "a reach of " + number_text(reach.factor) + " times the distance at contact and " +
+                       number_text(reach.gap),
+               .hint = "use a factor above 0 and a gap of at least 0"});
+}
+
 void require_all_moved(std::size_t moved, std::size_t held, std::size_t coordinates) {
   if (moved == held) return;
   throw Error({.what = "there are coordinates for " + std::to_string(coordinates) + " agents, but " +

@@ -35,6 +35,12 @@ void require_points_in_memory(PointsInMemory const& points);
 /// The same, and those of require_bounded_cutoff().
 void require_search(PointsInMemory const& points, double cutoff);
 
+/// Errors: Error for other than `count` radii, and for those outside 10⁻⁶⁰ … 10⁶⁰.
+void require_radii(std::span<double const> radius, std::size_t count);
+
+/// Errors: Error for a factor that is not above 0 and a gap below 0, and for those that are no numbers.
+void require_reach(DiskReach const& reach);
+
 /// Errors: Error where a grid holds more agents than the lists have coordinates for.
 void require_all_moved(std::size_t moved, std::size_t held, std::size_t coordinates);
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 #include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -166,6 +167,19 @@ TEST(PairsOfDisks, WhoseRimsTouchAreNone) {
   // A distance of half the box is allowed, and no more.
   EXPECT_EQ(find_pairs_of_disks(box, {.factor = 4.0 / 3.0}, centres, radius).size(), 1U);
   EXPECT_THROW((void)find_pairs_of_disks(box, {.factor = 1.34}, centres, radius), Error);
+}
+
+TEST(PairsOfDisks, NameTheDiskThatIsNowhere) {
+  std::vector<double> x(2000, 0.5);
+  std::vector<double> radius(2000, 0.001);
+  for (std::size_t i = 0; i < 20; ++i) radius[i * 100] = 0.2;
+  x[1234] = std::numeric_limits<double>::quiet_NaN();
+  try {
+    (void)find_pairs_of_disks(Box(1.0, 1.0, Edge::wall), {}, {.x = x.data(), .y = x.data(), .count = 2000}, radius);
+    FAIL() << "no error";
+  } catch (Error const& error) {
+    EXPECT_NE(std::string(error.what()).find("1234"), std::string::npos) << error.what();
+  }
 }
 
 TEST(PairsOfDisks, RefuseWhatIsNoDiskAndNoReach) {
