@@ -67,15 +67,15 @@ struct DiskReach {
 /// Disks of like size share a grid of cells, and a small disk looks for large ones in theirs, so that few large disks among many small ones cost what as many
 /// small ones do (hierarchical grids: Krijgsman, Ogarko and Luding 2014, doi:10.1007/s40571-014-0020-9). The order of the
 /// pairs is a function of the disks alone.
-/// Errors: those of find_pairs() for the largest pair; as many radii as points, positive and finite; a reach that is no positive finite number.
+/// Errors: those of find_pairs() with the reach of the two largest; Error for other than one radius a disk, radii that are not positive, and a factor that is not.
 /// Cost: that of find_pairs() for equal disks; docs/reference/performance.md.
 ///
 /// ```cpp
 /// std::vector<double> const x{0.0, 5.5, 6.3};
 /// std::vector<double> const y{0.0, 0.0, 0.0};
 /// std::vector<double> const radius{5.0, 0.4, 0.4};
-/// PointPairs const pairs = find_pairs_of_disks(Box(20.0, 20.0, Edge::periodic), {.gap = 0.2}, {.x = x.data(), .y = y.data(), .count = 3}, radius);
-/// // Two pairs: the large disk and the first small one are 0.1 apart, the two small ones touch.
+/// PointPairs const pairs = find_pairs_of_disks(Box(30.0, 30.0, Edge::periodic), {.gap = 0.2}, {.x = x.data(), .y = y.data(), .count = 3}, radius);
+/// std::size_t const near = pairs.size();  // 2: the large disk and the first small one are 0.1 apart, the two small ones touch
 /// ```
 PointPairs find_pairs_of_disks(Box const& box, DiskReach const& reach, PointsInMemory const& centres,
                                std::span<double const> radius, std::uint64_t threads = 1);

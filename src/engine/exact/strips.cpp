@@ -92,7 +92,6 @@ void Strip::copy(Flight const& whole, Index i) {
 void Strip::load(Flight const& whole, StripPlan const& plan, std::size_t self, double time,
                  std::vector<std::uint16_t>& owner, std::vector<Index>& place) {
   plan_ = plan;
-  self_ = self;
   double const height = box_.height() / static_cast<double>(plan.count);
   middle_ = (static_cast<double>(self) + 0.5) * height;
   period_ = box_.is_periodic() ? box_.height() : never;
@@ -223,7 +222,6 @@ struct Strip::Observer {
 };
 
 void Strip::fly(double start, double end) {
-  start_ = start;
   end_ = end;
   Observer observer{*this};
   // What a strip does in a window at the very most: disks that collide without end are left to one thread.

@@ -93,7 +93,6 @@ class alignas(128) Strip final : public Flight {  // no two share a cache line
   void renew_copies(Flight const& whole, double time);
   void copy(Flight const& whole, Index i);
 
-  std::size_t self_ = 0;
   double middle_ = 0.0;
   double period_ = 0.0;          // of heights; infinity between walls
   std::size_t own_ = 0;          // disks; behind them the copies
@@ -104,7 +103,6 @@ class alignas(128) Strip final : public Flight {  // no two share a cache line
   Extent extent_;
 
   // Of the window.
-  double start_ = 0.0;
   double end_ = 0.0;
   Extent been_;
   double lowest_unchecked_ = 0.0;
