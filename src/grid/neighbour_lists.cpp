@@ -262,7 +262,7 @@ std::vector<SizeClass> classes_of(Box const& box, DiskReach const& reach, Points
   std::vector<SizeClass> classes;
   std::array<std::size_t, most_halvings + 1> class_of{};
   std::size_t count = 0;
-  for (std::size_t halvings = 0; halvings <= most_halvings; ++halvings) {
+  for (std::size_t halvings = 0; halvings < count_of.size(); ++halvings) {
     if (count_of[halvings] == 0) continue;
     if (!classes.empty()) {
       double const cutoff = 2.0 * reach.factor * classes.back().largest_radius + reach.gap;
