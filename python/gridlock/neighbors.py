@@ -129,8 +129,8 @@ def pairs_of_disks(
     :raises Error: for centres that are not finite, radii that are not positive, and a reach or a box that cannot be searched.
 
     >>> pairs_of_disks([[0.0, 0.0], [5.5, 0.0], [6.3, 0.0]], [5.0, 0.4, 0.4], box=30.0, gap=0.2)
-    array([[1, 2],
-           [1, 0]], dtype=uint32)
+    array([[0, 1],
+           [1, 2]], dtype=uint32)
     """
     points = as_points(centers)
     hint = "use an array of shape (N,): the radius of each disk"
