@@ -150,7 +150,7 @@ void ExactEngine::advance(State& state, Counters& counters, StopCondition const&
     throw RunFailure("no two disks can ever collide, so the collisions asked for would never come");
   }
   while (!stop_condition.is_reached(state.clock, counters.pair_collisions)) {
-    double const target = std::min(next_step_time_, stop_condition.time);
+    double const target = next_target(state.clock, stop_condition);
     bool is_at_target = false;
     try {
       is_at_target = dynamics_->run(target - start_time_, stop_condition.pair_collisions, audit_every_, counters,
@@ -165,15 +165,32 @@ void ExactEngine::advance(State& state, Counters& counters, StopCondition const&
       leave_at_last_event(state, is_interrupted ? std::nextafter(target, state.clock.time) : target);
       return;
     }
-    state.clock.time = target;
-    if (target == next_step_time_) {
-      ++state.clock.step;
-      next_step_time_ += duration_;
-      if (stop_condition.stops_here()) break;
-    }
+    if (pass_steps_until(target, state.clock) && stop_condition.stops_here()) break;
   }
   dynamics_->write(state.clock.time - start_time_, state);
   left_.remember(state);
+}
+
+/// The end of the next step; where threads share the work, that of the last one in the window of time that they fly apart.
+double ExactEngine::next_target(Clock const& clock, StopCondition const& stop_condition) const {
+  double const end_of_window = clock.time + dynamics_->window();
+  double target = next_step_time_;
+  for (std::uint64_t step = clock.step + 1; step < stop_condition.step && target + duration_ <= end_of_window; ++step) {
+    target += duration_;
+  }
+  return std::min(target, stop_condition.time);
+}
+
+/// Moves the clock on to this time; says whether a step ends there.
+bool ExactEngine::pass_steps_until(double time, Clock& clock) {
+  clock.time = time;
+  bool ends_step = false;
+  while (next_step_time_ <= time) {
+    ends_step = next_step_time_ == time;
+    ++clock.step;
+    next_step_time_ += duration_;
+  }
+  return ends_step;
 }
 
 std::uint64_t ExactEngine::made_audits() const {
@@ -185,7 +202,12 @@ std::uint64_t ExactEngine::audits_for_missed_events() const {
 }
 
 void ExactEngine::leave_at_last_event(State& state, double latest) {
-  state.clock.time = std::min(start_time_ + dynamics_->last_event(), latest);
+  // As one thread would leave it, which comes to each step by itself.
+  while (next_step_time_ - start_time_ < dynamics_->last_event()) {
+    ++state.clock.step;
+    next_step_time_ += duration_;
+  }
+  state.clock.time = std::min({start_time_ + dynamics_->last_event(), next_step_time_, latest});
   dynamics_->write_at_last_event(state);
   left_.remember(state);
 }

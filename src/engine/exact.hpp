@@ -53,6 +53,8 @@ class ExactEngine final : public Engine {
   [[nodiscard]] bool is_as_left(State const& state) const;
   void start_from(State const& state);
   void make_dynamics(State const& state);
+  [[nodiscard]] double next_target(Clock const& clock, StopCondition const& stop_condition) const;
+  bool pass_steps_until(double time, Clock& clock);
   /// Up to date at the last event handled, the clock no later than `latest`.
   void leave_at_last_event(State& state, double latest);
 

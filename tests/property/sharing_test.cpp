@@ -9,6 +9,7 @@
 #include <numbers>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/exact/dynamics.hpp"
@@ -93,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(
                     SharingCase{"dense_lists_walls", 0.74, 20, 160, Edge::wall, 1.0, 3.0, exact::Lists::always},
                     SharingCase{"mixture", 0.65, 20, 200, Edge::periodic, 0.7},
                     SharingCase{"unequal_lists", 0.45, 20, 240, Edge::wall, 0.4, 4.0, exact::Lists::always}),
-    [](auto const& info) { return info.param.name; });
+    [](auto const& scene) { return scene.param.name; });
 
 TEST_P(SharingProperty, HasTheSameBitsWithAnyNumberOfThreads) {
   for (std::size_t const threads : {2, 3}) {
@@ -166,6 +167,46 @@ TEST(Sharing, EndsWhereItIsAskedTo) {
   EXPECT_TRUE(many.dynamics.run(4.0, all, 0, many.counters));
   EXPECT_TRUE(one.dynamics.run(4.0, all, 0, one.counters));
   expect_same(one, many, 4.0);
+}
+
+// Threads fly many steps at once: where a run stops must not tell.
+TEST(Sharing, StopsAtTheSameStepAndTimeWithAnyNumberOfThreads) {
+  State one = start({"dilute", 0.30, 20, 400});
+  State many = one;
+  std::unique_ptr<Engine> const engine_of_one = make_engine({.kind = "exact", .time_step = 0.02, .threads = 1}, one);
+  std::unique_ptr<Engine> const engine_of_many = make_engine({.kind = "exact", .time_step = 0.02, .threads = 2}, many);
+  Counters of_one;
+  Counters of_many;
+  auto const expect_same_stop = [&](StopCondition const& stop_condition, std::string const& what) {
+    SCOPED_TRACE(what);
+    int asked_one = 0;
+    int asked_many = 0;
+    StopCondition stop_of_one = stop_condition;
+    StopCondition stop_of_many = stop_condition;
+    stop_of_one.should_continue = [&] { return ++asked_one > 0; };
+    stop_of_many.should_continue = [&] { return ++asked_many > 0; };
+    engine_of_one->advance(one, of_one, stop_of_one);
+    engine_of_many->advance(many, of_many, stop_of_many);
+    EXPECT_EQ(one.clock.step, many.clock.step);
+    EXPECT_EQ(one.clock.time, many.clock.time);
+    EXPECT_EQ(hash(one), hash(many));
+    EXPECT_EQ(of_one.pair_collisions, of_many.pair_collisions);
+    EXPECT_EQ(of_one.pair_virial, of_many.pair_virial);
+    return std::pair{asked_one, asked_many};
+  };
+  auto const [asked_one, asked_many] = expect_same_stop({.step = 151}, "a step");
+  EXPECT_LT(asked_many, asked_one / 2);  // threads did share the work
+  for (std::uint64_t const more : {1, 2, 7, 40}) {
+    expect_same_stop({.step = one.clock.step + more}, "some steps");
+    expect_same_stop({.time = one.clock.time + 0.0101 * static_cast<double>(more)}, "a time");
+    expect_same_stop({.pair_collisions = of_one.pair_collisions + 991 * more}, "collisions");
+    expect_same_stop({.step = one.clock.step + 1}, "the rest of a step");
+  }
+  int left = 3;
+  engine_of_many->advance(many, of_many, {.step = one.clock.step + 100, .should_continue = [&] { return --left > 0; }});
+  EXPECT_GT(many.clock.step, one.clock.step);
+  EXPECT_LT(many.clock.step, one.clock.step + 100);
+  expect_same_stop({.step = one.clock.step + 100}, "after a word to stop");
 }
 
 // Many disks of a lattice with few speeds collide at the very same time: whose virial is added first is left to one thread.

@@ -35,9 +35,10 @@ struct StopCondition {
   std::uint64_t step = std::numeric_limits<std::uint64_t>::max();             ///< state.clock.step to reach
   double time = std::numeric_limits<double>::infinity();                      ///< state.clock.time to reach
   std::uint64_t pair_collisions = std::numeric_limits<std::uint64_t>::max();  ///< counters.pair_collisions to reach
-  /// Asked after every step, and by exact, whose step may hold any number of collisions, within it as well: where the
-  /// answer is no, the engine stops there. Counters and whole steps are up to date then, time and disks only when advance()
-  /// has returned. Empty: never asked. Must not throw.
+  /// Asked after every step, and by exact, whose step may hold any number of collisions, within it as well; where exact
+  /// has several threads, which fly some steps at once, now and then. Where the answer is no, the engine stops there.
+  /// Counters and whole steps are up to date then, time and disks only when advance() has returned. Empty: never asked.
+  /// Must not throw.
   std::function<bool()> should_continue = {};
 
   /// Whether a run that has come so far has come to its end.

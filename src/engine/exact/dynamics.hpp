@@ -117,6 +117,8 @@ class Dynamics final : public Flight {
   /// Whether audits look for missed collisions too.
   [[nodiscard]] bool looks_for_missed_events() const;
 
+  /// For how long strips of the box fly apart before they are compared; 0 while one thread does all.
+  [[nodiscard]] double window() const;
   /// Windows of time in which threads shared the work, and how many of them one of them had to repeat.
   struct WindowCount {
     std::uint64_t flown = 0;

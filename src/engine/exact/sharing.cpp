@@ -36,6 +36,8 @@ bool Dynamics::share_epoch(double hits_per_time, bool is_sort_due) {
   return true;
 }
 
+double Dynamics::window() const { return strips_ != nullptr ? strips_->plan().window : 0.0; }
+
 /// Keeps wrong copies a diameter or three away from those that count.
 void Dynamics::adapt_caution(double slack) {
   if (slack < 0.8) sharing_.caution *= 1.0 + 0.03 * (0.8 - slack);

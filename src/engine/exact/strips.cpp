@@ -12,15 +12,15 @@ namespace {
 constexpr double never = std::numeric_limits<double>::infinity();
 
 /// In a window each disk is hit about so often: in a longer one wrong copies come further, in shorter ones copies are renewed more often.
-constexpr double window_hits = 5.0;
+constexpr double window_hits = 3.0;
 /// How deep wrong copies come: some diameters at once, and so many for each hit of a disk. Measured are 4 + 1.2 per hit at φ = .70 and .85,
 /// and 3.5 + 2.2 at .30, where mean free paths are half a diameter.
 constexpr double diameters_at_once = 3.0;
 constexpr double diameters_per_hit = 1.2;
 constexpr double paths_per_hit = 2.4;
 /// How near to each other disks on both sides of a border come that have been further apart: some diameters and mean free paths.
-constexpr double diameters_checked = 2.5;
-constexpr double paths_in_window = 9.0;
+constexpr double diameters_checked = 1.5;
+constexpr double paths_in_window = 11.0;
 /// How far disks come in an epoch.
 constexpr double paths_in_epoch = 17.0;
 /// What a strip costs beside its disks' flight, as part of it: copies of records, comparisons, waiting.
@@ -115,9 +115,11 @@ void Strip::load(Flight const& whole, StripPlan const& plan, std::size_t self, d
   take_part(whole, original_);
   extent_ = {};
   marks_.assign(size_, 0);
+  heights_.resize(own_);
   double const hair = 1e-6 * plan.checked;  // less than what the strips beside take, for heights are rounded
   for (Index i = 0; i < own_; ++i) {
     double const y = height_of(i, time);
+    heights_[i] = y;
     extent_.include(y);
     bool const is_copied_below = std::abs(y + height) <= deepest - hair;
     bool const is_copied_above = std::abs(y - height) <= deepest - hair;
@@ -137,18 +139,18 @@ void Strip::load(Flight const& whole, StripPlan const& plan, std::size_t self, d
 
 void Strip::prepare(Flight const& whole, Extent const& below, Extent const& above, double time) {
   double const hair = 1e-6 * plan_.checked;
+  been_ = {};
+  lowest_unchecked_ = never;
+  highest_unchecked_ = -never;
   for (Index i = 0; i < own_; ++i) {
-    double const height = height_of(i, time);
+    double const height = heights_[i];
     bool const is_near_below = (marks_[i] & copied_below) != 0 && height <= below.highest + plan_.checked - hair;
     bool const is_near_above = (marks_[i] & copied_above) != 0 && height >= above.lowest - plan_.checked + hair;
     marks_[i] = static_cast<std::uint8_t>((marks_[i] & (copied_below | copied_above)) |
                                           (is_near_below ? checked_below : 0) | (is_near_above ? checked_above : 0));
+    note(i, height);
   }
   renew_copies(whole, time);
-  been_ = {};
-  lowest_unchecked_ = never;
-  highest_unchecked_ = -never;
-  for (Index i = 0; i < own_; ++i) note(i, time);
   is_wrong_ = false;
   for (std::vector<Counted>& counted : counted_) counted.clear();
   moves_ = 0;
@@ -180,8 +182,7 @@ void Strip::renew_copies(Flight const& whole, double time) {
   }
 }
 
-void Strip::note(Index i, double time) {
-  double const height = height_of(i, time);
+void Strip::note(Index i, double height) {
   been_.include(height);
   if ((marks_[i] & checked_below) == 0) lowest_unchecked_ = std::min(lowest_unchecked_, height);
   if ((marks_[i] & checked_above) == 0) highest_unchecked_ = std::max(highest_unchecked_, height);
@@ -197,8 +198,8 @@ struct Strip::Observer {
     bool const is_j_own = is_own(j);
     if (!is_i_own && !is_j_own) return;
     if (is_i_own && is_j_own) {
-      strip.note(i, strip.now_);
-      strip.note(j, strip.now_);
+      strip.note(i, strip.height_of(i, strip.now_));
+      strip.note(j, strip.height_of(j, strip.now_));
       strip.own_hits_ += 2;
       strip.counted_[0].push_back({strip.now_, virial});
       return;
@@ -206,7 +207,7 @@ struct Strip::Observer {
     Index const own = is_i_own ? i : j;
     Index const copy = is_i_own ? j : i;
     if ((strip.marks_[copy] & is_checked) == 0) strip.is_wrong_ = true;
-    strip.note(own, strip.now_);
+    strip.note(own, strip.height_of(own, strip.now_));
     ++strip.own_hits_;
     // Of the two strips that see it one counts it.
     if (strip.disks_[own].id_index < strip.disks_[copy].id_index) strip.counted_[0].push_back({strip.now_, virial});
@@ -217,7 +218,7 @@ struct Strip::Observer {
     strip.counted_[1 + static_cast<std::size_t>(wall)].push_back({strip.now_, impulse});
   }
   void border_reached(Index i) {
-    if (is_own(i)) strip.note(i, strip.now_);
+    if (is_own(i)) strip.note(i, strip.height_of(i, strip.now_));
   }
 };
 
@@ -248,8 +249,9 @@ bool Strip::agrees_with(std::vector<Strip> const& strips, std::vector<std::uint1
                         std::vector<Index> const& place) {
   extent_ = {};
   for (Index i = 0; i < own_; ++i) {
-    note(i, end_);
-    extent_.include(height_of(i, end_));
+    heights_[i] = height_of(i, end_);
+    note(i, heights_[i]);
+    extent_.include(heights_[i]);
   }
   slack_ = never;
   for (auto i = static_cast<Index>(own_); i < size_; ++i) {
@@ -368,6 +370,7 @@ bool Strips::count_window(double start, double end, Counters& counters) {
   std::vector<std::uint8_t> is_in_order(slices, 0);
   Counters sum = counters;
   for (std::size_t kind = 0; kind < Strip::kinds_of_counts; ++kind) {
+    if (std::ranges::all_of(strips_, [&](Strip const& strip) { return strip.has_none(kind); })) continue;
     // Each thread merges a slice of the window.
     threads_.for_each(slices, [&](std::size_t slice) {
       auto const time_at = [&](std::size_t k) {

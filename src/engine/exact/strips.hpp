@@ -65,6 +65,7 @@ class alignas(128) Strip final : public Flight {  // no two share a cache line
   static constexpr std::size_t kinds_of_counts = 5;  ///< collisions, and hits of each wall
   /// Those from `start` on and before `end`, in the order of time.
   [[nodiscard]] std::span<Counted const> counted(std::size_t kind, double start, double end) const;
+  [[nodiscard]] bool has_none(std::size_t kind) const { return counted_[kind].empty(); }
   [[nodiscard]] std::uint64_t moves() const { return moves_; }
   [[nodiscard]] std::uint64_t own_hits() const { return own_hits_; }
   [[nodiscard]] std::uint64_t events_made() const { return calendar_.made(); }
@@ -89,7 +90,7 @@ class alignas(128) Strip final : public Flight {  // no two share a cache line
 
   [[nodiscard]] double height_of(Index i, double time) const;
   [[nodiscard]] double depth_of(Index copy, double time) const;
-  void note(Index i, double time);
+  void note(Index i, double height);
   void renew_copies(Flight const& whole, double time);
   void copy(Flight const& whole, Index i);
 
@@ -98,6 +99,7 @@ class alignas(128) Strip final : public Flight {  // no two share a cache line
   std::size_t own_ = 0;          // disks; behind them the copies
   std::vector<Index> original_;  // in the whole
   std::vector<std::uint8_t> marks_;
+  std::vector<double> heights_;  // of its disks where a window begins or ends
   std::vector<Index> renewed_;
   StripPlan plan_;
   Extent extent_;
