@@ -1,26 +1,38 @@
 #include "engine/exact/calendar.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <limits>
 
 namespace gridlock::exact {
 
 namespace {
 
-constexpr std::uint64_t per_bucket = 8;
+/// At most, and at least half as many; void ones are some of them.
+constexpr std::uint64_t per_bucket = 24;
 constexpr std::uint64_t most_buckets = std::uint64_t{1} << 30;
+/// Whether an event falls into the open group decides how it is kept. Next events of few disks nearly all do where groups are large, those of
+/// many disks nearly never where groups are small, and a processor guesses either right.
+constexpr std::uint64_t few_disks = 3000;
+constexpr std::uint32_t bits_of_large_group = 11;
+constexpr std::uint32_t bits_of_small_group = 6;
+/// More than that are sorted by comparing them two by two.
+constexpr std::size_t most_ranked = 64;
 
 }  // namespace
 
 void Calendar::open(double length, std::uint64_t expected, std::uint64_t disks) {
+  bucket_bits_ = disks <= few_disks ? bits_of_large_group : bits_of_small_group;
+  bucket_mask_ = (1U << bucket_bits_) - 1U;
   // A power of two of buckets in an epoch whose length is one, so that the bucket of a time is found without rounding.
   std::uint64_t const buckets =
-      std::bit_ceil(std::clamp<std::uint64_t>(expected / per_bucket, std::uint64_t{1} << bucket_bits_, most_buckets));
+      std::bit_ceil(std::clamp<std::uint64_t>(expected / per_bucket, std::uint64_t{bucket_mask_} + 1, most_buckets));
   length_ = length;
   buckets_per_time_ = static_cast<double>(buckets) / length;
   made_ = 0;
   tails_.assign(buckets >> bucket_bits_, Tail{});
-  bucket_heads_.assign(std::size_t{1} << bucket_bits_, none);
+  bucket_heads_.assign(std::size_t{bucket_mask_} + 1, none);
   // Room for each disk's event and two void ones, so that it never grows: growing would need it twice for a short time.
   // What is not used is not touched, and costs nothing.
   chunks_.reserve(3 * disks / chunk_size + tails_.size());
@@ -65,20 +77,19 @@ void Calendar::add_to_group(std::uint32_t group, double time, Index disk) {
 }
 
 bool Calendar::open_next_bucket(MovingDisk const* disks) {
-  std::uint32_t const buckets = 1U << bucket_bits_;
   due_count_ = 0;
   cursor_ = 0;
   for (;;) {
     if (is_open_) {
       ++open_bucket_;
-      if (open_bucket_ % buckets == 0 && !open_next_group()) return false;
+      if ((open_bucket_ & bucket_mask_) == 0 && !open_next_group()) return false;
     }
     is_open_ = true;
-    std::uint32_t& head = bucket_heads_[open_bucket_ % buckets];
+    std::uint32_t& head = bucket_heads_[open_bucket_ & bucket_mask_];
     for (std::uint32_t place = head; place != none; place = dealt_[place].next) {
-      if (due_count_ == due_.size()) due_.resize(2 * due_.size() + 16);
+      if (due_count_ == found_.size()) make_room_for_found();
       // Whether an event is void is a coin toss, so it is overwritten rather than branched around.
-      due_[due_count_] = dealt_[place];
+      found_[due_count_] = dealt_[place];
       due_count_ += disks[dealt_[place].disk].event_time == dealt_[place].time ? 1 : 0;
     }
     head = none;
@@ -88,19 +99,33 @@ bool Calendar::open_next_bucket(MovingDisk const* disks) {
   return true;
 }
 
+void Calendar::make_room_for_found() {
+  found_.resize(2 * found_.size() + 64);
+  due_.resize(found_.size());
+}
+
 void Calendar::sort_due(MovingDisk const* disks) {
-  auto const order = [disks](ScheduledEvent const& a, ScheduledEvent const& b) { return is_before(a, b, disks); };
-  ScheduledEvent* const first = due_.data();
-  if (due_count_ > 32) {
-    std::sort(first, first + due_count_, order);
-    return;
+  if (due_count_ <= most_ranked && rank_due()) return;
+  std::copy_n(found_.begin(), due_count_, due_.begin());
+  std::sort(due_.data(), due_.data() + due_count_,
+            [disks](ScheduledEvent const& a, ScheduledEvent const& b) { return is_before(a, b, disks); });
+}
+
+/// Puts each event at its place, which is how many are earlier. Says no where two have the same time.
+bool Calendar::rank_due() {
+  constexpr double never = std::numeric_limits<double>::infinity();
+  std::array<double, most_ranked> times;
+  std::array<std::uint64_t, most_ranked> ranks;
+  std::size_t const batches = (due_count_ + times_per_batch - 1) / times_per_batch;
+  std::fill_n(times.begin() + static_cast<std::ptrdiff_t>((batches - 1) * times_per_batch), times_per_batch, never);
+  for (std::size_t k = 0; k < due_count_; ++k) times[k] = found_[k].time;
+  count_earlier_(times.data(), batches, ranks.data());
+  std::uint64_t sum = 0;
+  for (std::size_t k = 0; k < due_count_; ++k) {
+    due_[ranks[k]] = found_[k];
+    sum += ranks[k];
   }
-  for (std::size_t k = 1; k < due_count_; ++k) {
-    ScheduledEvent const inserted = first[k];
-    std::size_t place = k;
-    for (; place > 0 && order(inserted, first[place - 1]); --place) first[place] = first[place - 1];
-    first[place] = inserted;
-  }
+  return sum == due_count_ * (due_count_ - 1) / 2;
 }
 
 bool Calendar::open_next_group() {

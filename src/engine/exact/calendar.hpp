@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/exact/count_earlier.hpp"
 #include "engine/exact/moving_disk.hpp"
 #include "gridlock/core/detail/large_array.hpp"
 
@@ -70,6 +71,11 @@ class Calendar {
     }
   }
 
+  /// The disk of the event so many after the next one, as far as it is in the open bucket; else no_disk.
+  [[nodiscard]] Index disk_after_next(std::size_t events) const {
+    return cursor_ + events < due_count_ ? due_[cursor_ + events].disk : no_disk;
+  }
+
   /// Which bucket of the epoch is open.
   [[nodiscard]] std::uint32_t open_bucket() const { return open_bucket_; }
 
@@ -78,7 +84,7 @@ class Calendar {
   void for_each_ahead(std::uint32_t ahead, Visit visit) const {
     std::uint32_t const bucket = open_bucket_ + ahead;
     if (bucket >> bucket_bits_ != open_group_) return;
-    std::uint32_t place = bucket_heads_[bucket & ((1U << bucket_bits_) - 1)];
+    std::uint32_t place = bucket_heads_[bucket & bucket_mask_];
     for (; place != none; place = dealt_[place].next) visit(dealt_[place].disk, dealt_[place].time);
   }
 
@@ -87,7 +93,6 @@ class Calendar {
 
  private:
   static constexpr std::uint32_t none = 0xFFFFFFFFU;
-  static constexpr std::uint32_t bucket_bits_ = 9;  // buckets per group: the open one fits in the second cache
   static constexpr std::uint32_t chunk_size = 31;
 
   struct Chunk {
@@ -100,7 +105,7 @@ class Calendar {
     return disks[a.disk].id_index < disks[b.disk].id_index;
   }
   void deal(ScheduledEvent event, std::uint32_t bucket) {
-    std::uint32_t& head = bucket_heads_[bucket & ((1U << bucket_bits_) - 1)];
+    std::uint32_t& head = bucket_heads_[bucket & bucket_mask_];
     event.next = head;
     head = static_cast<std::uint32_t>(dealt_.size());
     dealt_.push_back(event);
@@ -109,7 +114,9 @@ class Calendar {
   void add_to_group(std::uint32_t group, double time, Index disk);
   void pop_late(MovingDisk const* disks);
   bool open_next_bucket(MovingDisk const* disks);
+  void make_room_for_found();
   void sort_due(MovingDisk const* disks);
+  bool rank_due();
   bool open_next_group();
   std::uint32_t new_chunk(std::uint32_t next);
 
@@ -123,6 +130,8 @@ class Calendar {
   double length_ = 0.0;
   double buckets_per_time_ = 0.0;
   std::uint64_t made_ = 0;
+  std::uint32_t bucket_bits_ = 0;  // a group has so many buckets, as a power of two
+  std::uint32_t bucket_mask_ = 0;  // one less
   std::uint32_t open_group_ = 0;
   std::uint32_t open_bucket_ = 0;
   bool is_open_ = false;     // whether open_slice_ has been opened
@@ -131,7 +140,9 @@ class Calendar {
   std::vector<std::uint32_t> free_chunks_;
   std::vector<std::uint32_t> bucket_heads_;
   std::vector<ScheduledEvent> dealt_;
-  std::vector<ScheduledEvent> due_;  // the open bucket, sorted: the first due_count_, of which cursor_ is the next
+  CountEarlier count_earlier_ = count_earlier_kernel(target());
+  std::vector<ScheduledEvent> found_;  // in the open bucket, in no order
+  std::vector<ScheduledEvent> due_;    // the open bucket, sorted: the first due_count_, of which cursor_ is the next
   std::size_t due_count_ = 0;
   std::size_t cursor_ = 0;
   std::vector<ScheduledEvent> late_;  // a heap of those made for the open bucket after it was opened

@@ -79,9 +79,10 @@ inline Prediction earlier_of(Prediction const& best, double earliest, unsigned f
     return first;
   }
   // Which of the two is earlier is a coin toss: no branch may depend on it, or the processor could not begin with
-  // the next prediction meanwhile.
-  Index const choice[2] = {best.partner, names[std::countr_zero(firsts | 0x80U)]};
-  return {std::min(earliest, best.time), choice[earliest < best.time ? 1 : 0]};
+  // the next prediction meanwhile. Compilers do not make one of bits.
+  Index const other = names[std::countr_zero(firsts | 0x80U)];
+  Index const is_other = 0U - static_cast<Index>(earliest < best.time);
+  return {std::min(earliest, best.time), best.partner ^ ((best.partner ^ other) & is_other)};
 }
 
 }  // namespace gridlock::exact

@@ -33,8 +33,15 @@ constexpr double most_distances_in_epoch = 4.0;
 constexpr double moderate_speed = 4.0;
 constexpr double least_diameters_in_epoch = 2.0;
 
-/// Disks of no more than this many bytes stay in the second cache by themselves.
-constexpr std::size_t largest_cached = std::size_t{1} << 20;
+/// Disks of no more than so many bytes stay in the first cache or the second by themselves.
+constexpr std::size_t largest_in_first_cache = std::size_t{3} << 16;
+constexpr std::size_t largest_in_second_cache = std::size_t{1} << 20;
+
+Fetching fetching_for(std::size_t disks) {
+  std::size_t const bytes = disks * sizeof(MovingDisk);
+  if (bytes <= largest_in_first_cache) return Fetching::nothing;
+  return bytes <= largest_in_second_cache ? Fetching::near : Fetching::far;
+}
 
 bool are_all_equal(std::span<double const> values) {
   return std::ranges::all_of(values, [&](double value) { return value == values.front(); });
@@ -56,7 +63,7 @@ Dynamics::Dynamics(State const& state, DynamicsOptions const& options) : Flight(
   refresh_prediction_input();
   predict_all(0.0);
   expected_events_ = 32 * size_;
-  fetches_ahead_ = size_ * sizeof(MovingDisk) > largest_cached;
+  fetching_ = fetching_for(size_);
   open_calendar();
 }
 

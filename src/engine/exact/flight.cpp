@@ -1,8 +1,12 @@
 #include "engine/exact/flight.hpp"
 
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <numeric>
 #include <utility>
+
+#include "engine/exact/candidates.hpp"
 
 namespace gridlock::exact {
 
@@ -42,7 +46,7 @@ void Flight::take_part(Flight const& whole, std::span<Index const> disks) {
   disks_.push_back(whole.disks_[whole.size_]);
   equal_radius_ = whole.equal_radius_;
   equal_mass_ = whole.equal_mass_;
-  fetches_ahead_ = whole.fetches_ahead_;
+  fetching_ = whole.fetching_;
   now_ = whole.now_;
   epoch_length_ = whole.epoch_length_;
   longest_epoch_ = whole.longest_epoch_;
@@ -132,9 +136,9 @@ void Flight::sort_disks_by_cell(double time) {
 
 /// Keeps the pipeline fed with the disks of a bucket to come, and moving: about two events are scheduled for each one
 /// handled.
-void Flight::fetch_ahead() {
-  constexpr std::uint32_t buckets_ahead = 8;
-  constexpr std::uint64_t most_waiting = 16;
+void Flight::fetch_far() {
+  constexpr std::uint32_t buckets_ahead = 2;
+  constexpr std::uint64_t most_waiting = 48;
   if (calendar_.open_bucket() != seen_bucket_) {
     seen_bucket_ = calendar_.open_bucket();
     std::uint64_t entered = 0;
@@ -147,6 +151,37 @@ void Flight::fetch_ahead() {
     pipeline_.step(prediction_input_, grid_of_disk, size_);
     pipeline_.step(prediction_input_, grid_of_disk, size_);
   } while (pipeline_.waiting() > most_waiting);
+}
+
+/// Asks for what the next events but one to four need. Of disks around, only those on lists: in cells so many may be that they would keep
+/// one another out.
+void Flight::fetch_near() {
+  PredictionInput const& s = prediction_input_;
+  // Of a border the last disk is asked for, which is cheaper than a branch.
+  auto const with_partner = [this](Index i) {
+    return std::array{i, std::min(disks_[i].partner, static_cast<Index>(size_ - 1))};
+  };
+  if (Index const later = calendar_.disk_after_next(3); later != no_disk) {
+    for (Index const i : with_partner(later)) {
+      prefetch_near(&disks_[i]);
+      if (s.neighbours != nullptr) {
+        prefetch_near(&s.neighbours[i]);
+        prefetch_near(&s.places[i]);
+      } else {
+        prefetch_near(&cells_[i]);
+      }
+    }
+  }
+  Index const soon = calendar_.disk_after_next(1);
+  if (soon == no_disk) return;
+  for (Index const i : with_partner(soon)) {
+    if (s.neighbours != nullptr) {
+      for (std::size_t k = 0; k < batch; ++k) prefetch_near(&disks_[s.neighbours[i].disks[k]]);
+    } else {
+      Index const* run = first_slot_around(s, i);
+      for (int row = 0; row < 3; ++row, run += s.row_stride) prefetch_near(run);
+    }
+  }
 }
 
 void Flight::cross_into_next_cell(Index i, Side side) {

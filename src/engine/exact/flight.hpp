@@ -25,6 +25,13 @@ enum class Lists {
   never,
 };
 
+/// What of events to come is asked for, so that it is in the first cache when they are due.
+enum class Fetching {
+  nothing,  ///< all is there
+  near,     ///< all is in the second cache
+  far,      ///< it is in memory
+};
+
 /// Disks of like size, in a grid of cells as wide as the largest of them needs.
 struct SizeClass {
   double largest_radius;
@@ -80,7 +87,7 @@ class Flight {
     ScheduledEvent const due = *next;
     calendar_.pop(next, disks_.data());
     now_ = due.time;
-    if (fetches_ahead_) fetch_ahead();
+    fetch_for_events_to_come();
     return due;
   }
   /// Handles the event that disk i waits for, now. The observer is told what happened to whom:
@@ -143,7 +150,7 @@ class Flight {
 
   LargeArray<Image> image_;
 
-  bool fetches_ahead_ = false;  // the disks are too many for the cache
+  Fetching fetching_ = Fetching::nothing;
   std::uint32_t seen_bucket_ = 0;
   FetchPipeline pipeline_;
   double now_ = 0.0;           // time of the last event, in this epoch
@@ -179,7 +186,12 @@ class Flight {
   Growth growth_;
 
  private:
-  void fetch_ahead();
+  void fetch_for_events_to_come() {
+    if (fetching_ == Fetching::far) fetch_far();
+    if (fetching_ == Fetching::near) fetch_near();
+  }
+  void fetch_far();
+  void fetch_near();
   template <class Observer>
   void collide(Index i, Index j, Observer& observer);
   template <class Observer>

@@ -158,10 +158,10 @@ GRIDLOCK_AVX512 inline Prediction border_of(PredictionInput const& s, Index i, d
   return grows && !s.is_periodic ? predict_border_growing(s, i, now) : predict_border_packed(s, i, now);
 }
 
-/// The first of `best` and the contacts with the candidates.
+/// The first of `best` and the contacts with the candidates. Called, it would take 2 % longer.
 template <bool grows>
-GRIDLOCK_AVX512 inline Prediction earliest_of(PredictionInput const& s, Index i, double now,
-                                              Candidates const& candidates, Prediction best) {
+GRIDLOCK_AVX512 [[gnu::always_inline]] inline Prediction earliest_of(PredictionInput const& s, Index i, double now,
+                                                                     Candidates const& candidates, Prediction best) {
   MovingDisk const& self = s.disks[i];
   bool const needs_images = s.needs_images(i);
   double const radius = s.radius_of(i);
