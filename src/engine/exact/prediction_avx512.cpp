@@ -43,11 +43,12 @@ GRIDLOCK_AVX512 inline bool collect(PredictionInput const& s, Index i, Index apa
   __m512i const other = _mm512_set1_epi32(static_cast<int>(apart));
   __m512i const nobody = _mm512_set1_epi32(static_cast<int>(s.nobody));
   if (s.neighbours != nullptr) {
+    // The last of the sixteen is not a name but their number. Without the one that is apart few disks of a mixture need a second batch.
     __m512i const names = _mm512_load_si512(s.neighbours[i].disks);
-    __mmask16 const is_apart = _mm512_cmpeq_epi32_mask(names, other);
-    // The last of the sixteen is not a name but their number.
-    _mm512_store_si512(candidates.disks, _mm512_mask_mov_epi32(names, is_apart | 0x8000U, nobody));
-    candidates.count = s.neighbours[i].count;
+    auto const others = static_cast<__mmask16>(_mm512_cmpneq_epi32_mask(names, other) & 0x7FFFU);
+    _mm512_store_si512(candidates.disks, _mm512_mask_compress_epi32(nobody, others, names));
+    candidates.count = s.neighbours[i].count -
+                       (Neighbours::most - static_cast<unsigned>(std::popcount(static_cast<unsigned>(others))));
     return s.neighbours[i].has_all();
   }
   if (s.capacity != slots_per_cell) [[unlikely]]
