@@ -161,7 +161,7 @@ GRIDLOCK_AVX512 inline Prediction border_of(PredictionInput const& s, Index i, d
 
 /// The first of `best` and the contacts with the candidates. Called, it would take 2 % longer.
 template <bool grows>
-GRIDLOCK_AVX512 [[gnu::always_inline]] inline Prediction earliest_of(PredictionInput const& s, Index i, double now,
+[[gnu::always_inline]] GRIDLOCK_AVX512 inline Prediction earliest_of(PredictionInput const& s, Index i, double now,
                                                                      Candidates const& candidates, Prediction best) {
   MovingDisk const& self = s.disks[i];
   bool const needs_images = s.needs_images(i);
