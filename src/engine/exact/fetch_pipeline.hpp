@@ -62,9 +62,14 @@ class FetchPipeline {
   static void fetch(PredictionInput const& s, Index disk) {
     prefetch(&s.disks[disk]);
     prefetch(&s.cells[disk]);
+    fetch_radius(s, disk);
+    if (s.mass != nullptr) prefetch(&s.mass[disk]);
     if (s.neighbours == nullptr) return;
     prefetch(&s.neighbours[disk]);
     prefetch(&s.places[disk]);
+  }
+  static void fetch_radius(PredictionInput const& s, std::size_t disk) {
+    if (s.radius != nullptr) prefetch(&s.radius[disk]);
   }
   static void fetch_partner(PredictionInput const& s, Entry& entry) {
     MovingDisk const& disk = s.disks[entry.disk];
@@ -102,7 +107,11 @@ class FetchPipeline {
   static void fetch_neighbours(PredictionInput const& s, Entry const& entry) {
     for (Index const i : {entry.disk, entry.partner}) {
       // Few lists have more; the names behind the last are those of the spare disk.
-      for (std::uint32_t k = 0; k < 8; ++k) prefetch(&s.disks[s.neighbours[i].disks[k]]);
+      for (std::uint32_t k = 0; k < 8; ++k) {
+        Index const disk = s.neighbours[i].disks[k];
+        prefetch(&s.disks[disk]);
+        fetch_radius(s, disk);
+      }
     }
   }
   template <class GridOf>
@@ -121,6 +130,7 @@ class FetchPipeline {
           std::size_t const disk = std::min<std::size_t>(cell[k], last_disk);
           if (s.neighbours == nullptr) {
             prefetch(&s.disks[disk]);
+            fetch_radius(s, disk);
           } else {
             prefetch(&s.places[disk]);
           }

@@ -81,6 +81,7 @@ void Flight::refresh_prediction_input() {
                        .cells = cells_.data(),
                        .radius = radius_.empty() ? nullptr : radius_.data(),
                        .equal_radius = equal_radius_,
+                       .mass = mass_.empty() ? nullptr : mass_.data(),
                        .slots = grid.slots(),
                        .row_stride = grid.row_stride(),
                        .capacity = grid.capacity(),

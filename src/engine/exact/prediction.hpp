@@ -21,6 +21,7 @@ struct PredictionInput {
   Cell const* cells;     ///< of each disk
   double const* radius;  ///< of each disk; nullptr while all are equal
   double equal_radius;
+  double const* mass;  ///< of each disk; nullptr while all are equal: not read, but fetched for collisions to come
   Index const* slots;  ///< of SlotGrid, where there are no lists
   std::size_t row_stride;
   std::size_t capacity;
