@@ -83,7 +83,7 @@ TEST_P(CalendarProperty, HandsEventsOutInTheOrderOfTimeAndId) {
   };
   Calendar calendar;
   calendar.open(length, c.expected, c.disks);
-  std::set<std::pair<double, Index>> pending;  // what a calendar stands for
+  std::set<std::pair<double, Index>> pending;  // what a calendar holds
   auto const schedule = [&](Index i, double time) {
     pending.erase({disks[i].event_time, disks[i].id_index});
     disks[i].event_time = time;
