@@ -64,7 +64,7 @@ double median(std::vector<double> values) {
 
 void measure(double packing_fraction, std::uint64_t n, bool is_crystal, std::uint64_t threads) {
   bool const are_many = n > 500'000;
-  int const rounds = are_many ? 3 : 5;
+  int const rounds = are_many ? 11 : 41;
   double const melting = are_many ? 12.0 : 30.0;    // collisions a disk
   double const collisions = are_many ? 8.0 : 20.0;  // of a disk in a round
   State const begin = start(packing_fraction, n, is_crystal);
