@@ -82,14 +82,42 @@ void add_other_programs(CLI::App& app) {
   }
 }
 
-ExitCode run_command_line(int argc, char** argv) {
+void set_program_name(int argc, char** argv) {
   if (argc > 0) cli::set_program_name(std::filesystem::path(argv[0]).filename().string());
-  CLI::App app{"gridlock: simulates many agents that interact only with nearby neighbours", cli::program_name()};
+}
+
+/// What every program of Gridlock has around its commands.
+void set_up_app(CLI::App& app, std::string const& name) {
   // Looked up for every command, so that a wrong name of instructions is refused before anything runs.
-  app.set_version_flag("--version", fmt::format("gridlock {}, instructions: {}", version(), to_text(target())));
+  app.set_version_flag("--version", fmt::format("{} {}, instructions: {}", name, version(), to_text(target())));
   app.get_formatter()->label("SUBCOMMAND", "COMMAND");
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::help);
+}
+
+/// Parses the words, which carries out the command. Errors: Error for words that mean none.
+void parse(CLI::App& app, std::vector<std::string> const& words, bool lists_other_programs) {
+  try {
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 takes them from the end
+  } catch (CLI::ParseError const& error) {
+    bool const is_version = dynamic_cast<CLI::CallForVersion const*>(&error) != nullptr;
+    if (lists_other_programs && !is_version && app.get_subcommands().empty()) add_other_programs(app);
+    if (error.get_exit_code() == 0) {  // --help and --version
+      app.exit(error);
+      return;
+    }
+    throw Error(cli::usage_problem(app, error, words.empty() ? "" : words.front()));
+  }
+}
+
+std::vector<std::string> words_of(int argc, char** argv) {
+  return without_help({argv + std::min(argc, 1), argv + argc});
+}
+
+ExitCode run_command_line(int argc, char** argv) {
+  set_program_name(argc, argv);
+  CLI::App app{"gridlock: simulates many agents that interact only with nearby neighbours", cli::program_name()};
+  set_up_app(app, "gridlock");
   ExitCode exit_code = ExitCode::good;
   cli::add_run(app, exit_code);
   cli::add_resume(app, exit_code);
@@ -107,19 +135,29 @@ ExitCode run_command_line(int argc, char** argv) {
     app.add_subcommand(name, documentation)->group("Commands of the Python package");
   }
   app.footer(fmt::format("Start with:  {} explain", cli::program_name()));
-  std::vector<std::string> const words = without_help({argv + std::min(argc, 1), argv + argc});
+  std::vector<std::string> const words = words_of(argc, argv);
   hand_over(app, words);
-  try {
-    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 takes them from the end
-  } catch (CLI::ParseError const& error) {
-    bool const is_version = dynamic_cast<CLI::CallForVersion const*>(&error) != nullptr;
-    if (!is_version && app.get_subcommands().empty()) add_other_programs(app);
-    if (error.get_exit_code() == 0) {  // --help and --version
-      app.exit(error);
-      return ExitCode::good;
-    }
-    throw Error(cli::usage_problem(app, error, words.empty() ? "" : words.front()));
+  parse(app, words, true);
+  return exit_code;
+}
+
+/// The commands that several processes carry out together.
+ExitCode run_command_line_of_crew(int argc, char** argv, cli::CrewOptions const& crew) {
+  set_program_name(argc, argv);
+  CLI::App app{"gridlock-mpi: Gridlock on many machines; start it with mpirun or srun", cli::program_name()};
+  set_up_app(app, "gridlock-mpi");
+  ExitCode exit_code = ExitCode::good;
+  cli::add_sweep(app, exit_code, &crew);
+  refuse_empty_values(app);
+  for (CLI::App* const command : app.get_subcommands({})) command->group("Commands");
+  app.footer("All other commands are those of gridlock.");
+  std::vector<std::string> const words = words_of(argc, argv);
+  bool const is_command = !words.empty() && !words.front().starts_with('-');
+  if (is_command && !has_command(app, words.front())) {
+    throw Error({.what = fmt::format("{} has no command \"{}\"", cli::program_name(), words.front()),
+                 .hint = fmt::format("it has sweep; all others are those of gridlock: gridlock {}", words.front())});
   }
+  parse(app, words, false);
   return exit_code;
 }
 
@@ -133,29 +171,51 @@ ExitCode after_printing(ExitCode exit_code) {
   return exit_code == ExitCode::good ? ExitCode::run_failed : exit_code;
 }
 
-ExitCode guarded_command_line(int argc, char** argv) {
-  try {
-    return run_command_line(argc, argv);
-  } catch (gridlock::Error const& error) {
-    for (gridlock::Problem const& problem : error.problems()) {
-      fmt::print(stderr, "error: {}\n", gridlock::to_text(problem));
+/// What a command died of, printed and handed on.
+struct Failure {
+  ExitCode exit_code = ExitCode::good;
+  std::string text;
+};
+
+Failure failure_of(std::exception const& error) {
+  if (auto const* const input = dynamic_cast<gridlock::Error const*>(&error)) {
+    std::string text;
+    for (gridlock::Problem const& problem : input->problems()) {
+      text += fmt::format("{}error: {}", text.empty() ? "" : "\n", gridlock::to_text(problem));
     }
-    return ExitCode::bad_input;
-  } catch (std::bad_alloc const&) {
-    fmt::print(stderr, "error: not enough memory\n  hint: use fewer disks; a run needs about 200 bytes for each\n");
-    return ExitCode::run_failed;
-  } catch (std::system_error const& error) {
-    // Of printing; after_printing() says so.
-    if (std::ferror(stdout) == 0) fmt::print(stderr, "error: {}\n", error.what());
-    return ExitCode::run_failed;
+    return {ExitCode::bad_input, text};
+  }
+  if (dynamic_cast<std::bad_alloc const*>(&error) != nullptr) {
+    return {ExitCode::run_failed,
+            "error: not enough memory\n  hint: use fewer disks; a run needs about 200 bytes for each"};
+  }
+  // Of printing; after_printing() says so.
+  bool const is_of_printing = dynamic_cast<std::system_error const*>(&error) != nullptr && std::ferror(stdout) != 0;
+  return {ExitCode::run_failed, is_of_printing ? "" : fmt::format("error: {}", error.what())};
+}
+
+/// Carries out a command and prints what it dies of.
+template <class Command>
+Failure guarded(Command command) {
+  try {
+    return {command(), ""};
   } catch (std::exception const& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
-    return ExitCode::run_failed;
+    Failure failure = failure_of(error);
+    if (!failure.text.empty()) fmt::print(stderr, "{}\n", failure.text);
+    return failure;
   }
 }
 
 }  // namespace
 
-int command_line(int argc, char** argv) { return static_cast<int>(after_printing(guarded_command_line(argc, argv))); }
+int command_line(int argc, char** argv) {
+  return static_cast<int>(after_printing(guarded([&] { return run_command_line(argc, argv); }).exit_code));
+}
+
+int cli::command_line_of_crew(int argc, char** argv, CrewOptions const& crew, std::string& failure) {
+  Failure const end = guarded([&] { return run_command_line_of_crew(argc, argv, crew); });
+  failure = end.text;
+  return static_cast<int>(after_printing(end.exit_code));
+}
 
 }  // namespace gridlock

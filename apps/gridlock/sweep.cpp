@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <memory>
@@ -13,6 +14,7 @@
 #include "pictures.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
+#include "workspace/sweep_crew.hpp"
 
 namespace gridlock::cli {
 
@@ -25,6 +27,7 @@ struct SweepOptions {
   std::string shard;
   bool draws = true;
   bool is_quiet = false;
+  SweepCrew* crew = nullptr;
 };
 
 /// "2/8" as a shard.
@@ -67,18 +70,23 @@ ExitCode sweep(SweepOptions const& options) {
   gridlock::SweepResult result;
   {
     ProgressLine line;
-    result = gridlock::run_sweep(plan, {.directory = directory,
-                                        .overwrites = options.output.overwrites,
-                                        .shard = shard,
-                                        .threads = options.threads,
-                                        .on_progress = [&](gridlock::SweepProgress const& progress) {
-                                          if (!options.is_quiet) {
-                                            line.show(progress.fraction, progress.seconds,
-                                                      fmt::format("{} of {} runs", progress.finished, progress.all));
-                                          }
-                                          return !StopSignals::is_stop_asked();
-                                        }});
+    result =
+        gridlock::run_sweep(plan, {.directory = directory,
+                                   .overwrites = options.output.overwrites,
+                                   .shard = shard,
+                                   .threads = options.threads,
+                                   .on_progress =
+                                       [&](gridlock::SweepProgress const& progress) {
+                                         if (!options.is_quiet) {
+                                           line.show(progress.fraction, progress.seconds,
+                                                     fmt::format("{} of {} runs", progress.finished, progress.all));
+                                         }
+                                         return !StopSignals::is_stop_asked();
+                                       },
+                                   .crew = options.crew});
   }
+  // The leader has the results and says what came out.
+  if (options.crew != nullptr && !options.crew->leads()) return ExitCode::good;
   if (!options.is_quiet) {
     for (std::string const& note : result.notes) fmt::print(stderr, "note: {}\n", note);
   }
@@ -108,19 +116,28 @@ ExitCode sweep(SweepOptions const& options) {
 
 }  // namespace
 
-void add_sweep(CLI::App& app, ExitCode& exit_code) {
+void add_sweep(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew) {
   CLI::App* const verb = app.add_subcommand("sweep", "Run every combination of the values listed under [sweep]");
   auto const options = std::make_shared<SweepOptions>();
   options->configuration.add_to(*verb);
   options->output.add_to(*verb, "results/<name of FILE>");
-  verb->add_option("-j,--threads", options->threads, "Runs at a time; left out: one for each core")
+  verb->add_option("-j,--threads", options->threads,
+                   crew == nullptr ? "Runs at a time; left out: one for each core"
+                                   : "Runs at a time in each rank; left out: one")
       ->check(whole_number(1, 4096));
-  verb->add_option("--shard", options->shard, "Make only part I of N, for one of N jobs; gridlock collect joins them")
-      ->type_name("I/N");
+  if (crew == nullptr) {
+    verb->add_option("--shard", options->shard, "Make only part I of N, for one of N jobs; gridlock collect joins them")
+        ->type_name("I/N");
+  } else {
+    options->crew = &crew->crew;
+  }
   verb->add_flag("--pictures,!--no-pictures", options->draws,
                  "Draw the results against what varies, as gridlock plot DIR does");
   verb->add_flag("-q,--quiet", options->is_quiet, "Print errors only");
-  verb->callback([options, &exit_code] { exit_code = sweep(*options); });
+  verb->callback([options, &exit_code, crew] {
+    if (crew != nullptr) crew->set_runs_at_a_time(std::max(1U, options->threads));
+    exit_code = sweep(*options);
+  });
 }
 
 }  // namespace gridlock::cli

@@ -2,13 +2,16 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "gridlock/io/settings_file.hpp"
+#include "gridlock/workspace/sweep.hpp"
 
 namespace gridlock::cli {
 
@@ -19,10 +22,17 @@ enum class ExitCode : int {
   bad_input = 2,   ///< the user's input cannot be used; nothing was written
 };
 
+/// The processes that carry out a sweep together, and how they are told from how many runs at a time each makes.
+struct CrewOptions {
+  SweepCrew& crew;
+  std::function<void(std::size_t)> set_runs_at_a_time;
+};
+
 /// Each adds its command to the command line; parsing it runs the command and leaves how it ended in `exit_code`.
 void add_run(CLI::App& app, ExitCode& exit_code);
 void add_resume(CLI::App& app, ExitCode& exit_code);
-void add_sweep(CLI::App& app, ExitCode& exit_code);
+/// With a crew, processes of which this is one carry it out together.
+void add_sweep(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew = nullptr);
 void add_collect(CLI::App& app, ExitCode& exit_code);
 void add_check(CLI::App& app, ExitCode& exit_code);
 void add_explain(CLI::App& app, ExitCode& exit_code);
@@ -30,6 +40,10 @@ void add_info(CLI::App& app, ExitCode& exit_code);
 void add_export(CLI::App& app, ExitCode& exit_code);
 void add_movie(CLI::App& app, ExitCode& exit_code);
 void add_contacts(CLI::App& app, ExitCode& exit_code);
+
+/// The command line of one of several processes that carry out a command together. `failure` is what it printed of its end; empty where it
+/// ended well. Returns the exit code.
+int command_line_of_crew(int argc, char** argv, CrewOptions const& crew, std::string& failure);
 
 /// The name the program was started by, for messages that say what to type; "gridlock" before it is known.
 std::string const& program_name();

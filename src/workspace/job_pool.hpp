@@ -9,6 +9,7 @@
 #include <functional>
 #include <mutex>
 #include <numeric>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -48,16 +49,27 @@ class JobPool {
       tbb::task_group group;
       for (int member = 0; member < arena.max_concurrency(); ++member) {
         group.run([&] {
-          for (std::size_t next = next_++; next < order_.size() && !is_stopped_; next = next_++) {
+          while (auto const run = take()) {
             // While it waits for work of its own, it must not take up another run, which might wait for this one.
-            tbb::this_task_arena::isolate([&] { carry_out(order_[next]); });
-            ++finished_;
-            report(order_[next], 1.0);
+            tbb::this_task_arena::isolate([&] { carry_out(*run); });
+            finish(*run);
           }
         });
       }
       group.wait();
     });
+  }
+
+  /// The longest run that nobody has taken; nothing where there is none, or no further one is to begin.
+  [[nodiscard]] std::optional<std::size_t> take() {
+    std::size_t const next = next_++;
+    return next < order_.size() && !is_stopped_ ? std::optional(order_[next]) : std::nullopt;
+  }
+
+  /// Notes that a run has ended.
+  void finish(std::size_t run) {
+    ++finished_;
+    report(run, 1.0);
   }
 
   [[nodiscard]] bool is_stopped() const { return is_stopped_; }

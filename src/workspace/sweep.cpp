@@ -13,10 +13,12 @@
 #include "gridlock/workspace/run_directory.hpp"
 #include "simulation/memory.hpp"
 #include "workspace/job_pool.hpp"
+#include "workspace/sweep_crew.hpp"
 #include "workspace/sweep_directory.hpp"
 #include "workspace/sweep_plan.hpp"
 #include "workspace/sweep_setup.hpp"
 #include "workspace/sweep_tables.hpp"
+#include "workspace/sweep_worker.hpp"
 
 namespace gridlock {
 
@@ -25,13 +27,27 @@ namespace {
 /// The rest is for what the estimates leave out.
 constexpr double share_of_memory = 0.8;
 
-SweepOutcome outcome_of(RunRecord const& record) {
-  return {.has_begun = true,
-          .status = record.status,
-          .message = record.failure,
-          .state_hash = record.state_hash,
-          .seconds = record.seconds,
-          .results = record.results};
+/// The memory that a process may use: several on one machine share it.
+double memory_for(SweepSettings const& settings) {
+  double const processes = settings.crew == nullptr ? 1.0 : static_cast<double>(settings.crew->processes_on_machine());
+  return share_of_memory * free_memory() / processes;
+}
+
+MakeRun making(SweepWorker const& worker) {
+  return [&worker](CrewJob const& job, ReportShare const& report) {
+    auto const outcome = worker.make(job.run, job.prospect, report);
+    return outcome ? encode(*outcome) : std::string();
+  };
+}
+
+/// Makes what the leader hands out; the leader alone has results.
+SweepResult help_with(SweepPlan const& plan, SweepSettings const& settings) {
+  SweepDirectory const directory(plan, settings);
+  MemoryBudget memory(memory_for(settings));
+  SweepWorker const worker(plan, settings, directory, memory);
+  settings.crew->meet(hash_of(plan), "");
+  settings.crew->help(making(worker));
+  return {};
 }
 
 /// A sweep being carried out.
@@ -41,8 +57,9 @@ class SweepInProgress {
       : plan_(plan),
         settings_(settings),
         directory_(plan, settings),
-        memory_(share_of_memory * free_memory()),
+        memory_(memory_for(settings)),
         setup_(plan, settings, directory_, memory_),
+        worker_(plan, settings, directory_, memory_),
         outcomes_(setup_.outcomes()) {}
 
   void run() {
@@ -51,6 +68,7 @@ class SweepInProgress {
     DirectoryLock const lock(settings_.directory, settings_.shard ? Sharing::with_others : Sharing::alone);
     directory_.forget_old_results();
     write_plan(plan_, settings_.directory);
+    if (settings_.crew != nullptr) settings_.crew->meet(hash_of(plan_), "");
     carry_out_all();
   }
 
@@ -75,32 +93,33 @@ class SweepInProgress {
              settings_.on_progress(
                  {.finished = ours - open.size() + finished, .all = ours, .fraction = fraction, .seconds = seconds});
     });
+    if (settings_.crew != nullptr) {
+      carry_out_with(*settings_.crew, job_pool, open);
+      return;
+    }
     job_pool.run_all(settings_.threads, [&](std::size_t k) {
       std::size_t const run = open[k];
-      outcomes_[run] = carry_out(run, job_pool, [&, k](double share) { return job_pool.report(k, share); });
+      auto outcome =
+          worker_.make(run, setup_.prospects()[run], [&, k](double share) { return job_pool.report(k, share); });
+      if (outcome) outcomes_[run] = std::move(*outcome);
     });
   }
 
-  SweepOutcome carry_out(std::size_t run, JobPool const& job_pool, std::function<bool(double)> const& report) {
-    Prospect const& prospect = setup_.prospects()[run];
-    RunHooks const hooks{.on_progress = [&](Progress const& progress) { return report(progress.fraction); },
-                         .on_event = {},
-                         .threads = prospect.threads};
-    try {
-      // Others that share the directory may have been faster.
-      if (auto const summary = directory_.recorded(run); summary && is_finished(outcome_of(*summary))) {
-        return outcome_of(*summary);
-      }
-      MemoryBudget::Part const memory(memory_, prospect.bytes);
-      if (job_pool.is_stopped()) return outcomes_[run];
-      if (directory_.is_there(run)) return outcome_of(resume_in(directory_.directory_of(run), hooks));
-      SettingsFile settings = plan_.runs[run].settings;
-      // What is recorded is what is used.
-      if (prospect.takes_threads) settings.set(fmt::format("engine.threads={}", prospect.threads));
-      return outcome_of(run_in(directory_.directory_of(run), set_up(settings), hooks));
-    } catch (std::exception const& error) {
-      return {.has_begun = true, .status = RunStatus::failed, .message = reason_of(error), .results = {}};
-    }
+  void carry_out_with(SweepCrew& crew, JobPool& job_pool, std::vector<std::size_t> const& open) {
+    std::vector<std::size_t> job_of(plan_.runs.size(), 0);
+    for (std::size_t k = 0; k < open.size(); ++k) job_of[open[k]] = k;
+    crew.lead({.next = [&]() -> std::optional<CrewJob> {
+                 auto const k = job_pool.take();
+                 if (!k) return std::nullopt;
+                 return CrewJob{.run = open[*k], .prospect = setup_.prospects()[open[*k]]};
+               },
+               .make = making(worker_),
+               .report = [&](std::uint64_t run, double share) { return job_pool.report(job_of[run], share); },
+               .finish =
+                   [&](std::uint64_t run, std::string const& outcome) {
+                     if (!outcome.empty()) outcomes_[run] = decode_outcome(outcome);
+                     job_pool.finish(job_of[run]);
+                   }});
   }
 
   SweepPlan const& plan_;
@@ -108,12 +127,14 @@ class SweepInProgress {
   SweepDirectory directory_;
   MemoryBudget memory_;
   SweepSetup setup_;
+  SweepWorker worker_;
   std::vector<SweepOutcome> outcomes_;
 };
 
 }  // namespace
 
 SweepResult run_sweep(SweepPlan const& plan, SweepSettings const& settings) {
+  if (settings.crew != nullptr && !settings.crew->leads()) return help_with(plan, settings);
   SweepInProgress sweep(plan, settings);
   sweep.run();
   SweepResult result = result_of(plan, sweep.outcomes());

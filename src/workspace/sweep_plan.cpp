@@ -137,11 +137,24 @@ std::filesystem::path directory_of(std::filesystem::path const& sweep, SweepRun 
   return sweep / "runs" / run.name;
 }
 
-void write_plan(SweepPlan const& plan, std::filesystem::path const& directory) {
+namespace {
+
+std::string text_of(SweepPlan const& plan) {
   Json json{{"keys", plan.keys}, {"base", plan.base}, {"runs", Json::array()}};
   for (SweepRun const& run : plan.runs) json["runs"].push_back({{"name", run.name}, {"values", run.values}});
+  return json.dump(1) + '\n';
+}
+
+}  // namespace
+
+void write_plan(SweepPlan const& plan, std::filesystem::path const& directory) {
   record_result(directory / sweep_plan_name);
-  write_file(directory / sweep_plan_name, json.dump(1) + '\n');
+  write_file(directory / sweep_plan_name, text_of(plan));
+}
+
+std::uint64_t hash_of(SweepPlan const& plan) {
+  std::string const text = text_of(plan);
+  return XXH3_64bits(text.data(), text.size());
 }
 
 SweepPlan read_plan(std::filesystem::path const& directory) {

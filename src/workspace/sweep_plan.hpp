@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -21,6 +22,9 @@ std::filesystem::path directory_of(std::filesystem::path const& sweep, SweepRun 
 
 /// Writes keys, base settings, names and values of a plan into a directory as plan.json.
 void write_plan(SweepPlan const& plan, std::filesystem::path const& directory);
+
+/// The same for plans with the same runs.
+std::uint64_t hash_of(SweepPlan const& plan);
 
 /// Reads what write_plan() wrote; the runs have no settings to run them with. A plan may come from a stranger: every name
 /// is the one that sweep_run_name() gives, so that no path made of it leads out of the directory.

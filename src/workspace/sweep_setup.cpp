@@ -111,7 +111,8 @@ void SweepSetup::share_out_threads() {
     if (prospects_[run].work > 0.0) left -= std::min(left, prospects_[run].threads);
     if (prospects_[run].takes_threads) takers.push_back(run);
   }
-  if (takers.empty()) return;
+  // What other processes leave is not known here.
+  if (takers.empty() || settings_.crew != nullptr) return;
   std::ranges::stable_sort(takers, std::ranges::greater{}, [&](std::size_t run) { return prospects_[run].work; });
   for (std::size_t k = 0; k < takers.size(); ++k) {
     prospects_[takers[k]].threads += left / takers.size() + (k < left % takers.size() ? 1 : 0);

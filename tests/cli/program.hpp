@@ -77,6 +77,7 @@ class Process {
     _exit(127);
   }
 
+  [[nodiscard]] pid_t id() const { return id_; }
   void signal(int number) const { kill(id_, number); }
 
   /// Waits for the end; what the process used goes to `usage` where that is given.

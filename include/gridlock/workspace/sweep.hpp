@@ -58,6 +58,9 @@ struct Shard {
   std::size_t count = 1;
 };
 
+/// Processes that carry out one sweep together, as the program `gridlock-mpi` makes one of the ranks of MPI.
+class SweepCrew;
+
 /// How a sweep is carried out.
 struct SweepSettings {
   std::filesystem::path directory;
@@ -66,6 +69,7 @@ struct SweepSettings {
   unsigned threads = 0;        ///< runs at a time; 0: one for each core that the process may use
   /// Called from any thread, one call at a time; returning false stops every run after its present chunk.
   std::function<bool(SweepProgress const&)> on_progress;
+  SweepCrew* crew = nullptr;  ///< others that take part; left out: this process alone
 };
 
 /// What a sweep leaves behind, besides one run directory in runs/ for each run.

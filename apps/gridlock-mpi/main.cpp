@@ -1,0 +1,41 @@
+// The commands of Gridlock that many ranks carry out together: mpirun -n 8 gridlock-mpi sweep FILE -o DIR
+#include <mpi.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "gridlock/terminal.hpp"
+#include "gridlock/verbs.hpp"
+#include "mpi_crew.hpp"
+
+namespace {
+
+/// Rank 0 speaks for all.
+void be_silent() {
+  for (std::FILE* const stream : {stdout, stderr}) {
+    if (std::freopen("/dev/null", "w", stream) == nullptr) std::fclose(stream);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // The thread that began talks to other ranks; threads that make runs do not.
+  int granted = 0;
+  if (MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &granted) != MPI_SUCCESS) return EXIT_FAILURE;
+  int exit_code = EXIT_FAILURE;
+  {
+    gridlock::mpi::MpiCrew crew(gridlock::cli::StopSignals::is_stop_asked);
+    if (!crew.leads()) be_silent();
+    std::string failure;
+    exit_code = gridlock::cli::command_line_of_crew(
+        argc, argv, {.crew = crew, .set_runs_at_a_time = [&](std::size_t count) { crew.set_runs_at_a_time(count); }},
+        failure);
+    // Others wait for a rank that has failed: to begin, or for its part of the work.
+    if (!failure.empty() && !crew.has_met()) crew.meet(0, failure);
+    if (crew.is_working()) MPI_Abort(MPI_COMM_WORLD, exit_code);
+  }
+  MPI_Finalize();
+  return exit_code;
+}

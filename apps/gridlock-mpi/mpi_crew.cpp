@@ -1,0 +1,294 @@
+#include "mpi_crew.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstring>
+#include <deque>
+#include <optional>
+#include <string_view>
+#include <thread>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "gridlock/core/error.hpp"
+#include "slots.hpp"
+
+namespace gridlock::mpi {
+
+namespace {
+
+/// What a message says; the first five go to the leader.
+enum Tag : int {
+  ready,    // a rank makes runs, and how many at a time
+  outcome,  // a run has ended: its number, and how
+  share,    // how far a run is
+  asks_to_stop,
+  leaves,  // the last message of a rank
+  job,
+  stop,
+  release,  // no further run comes
+};
+
+using namespace std::chrono_literals;
+
+/// Ranks wait asleep: a processor that asks without pause would be lost to the runs of others.
+constexpr auto nap = 2ms;
+constexpr auto between_reports = 500ms;
+constexpr std::size_t longest_failure = 2000;
+
+void wait_asleep(MPI_Request& request) {
+  for (int is_done = 0; is_done == 0;) {
+    MPI_Test(&request, &is_done, MPI_STATUS_IGNORE);
+    if (is_done == 0) std::this_thread::sleep_for(nap);
+  }
+}
+
+/// How a rank comes to the meeting.
+struct Arrival {
+  std::uint64_t plan_hash = 0;
+  std::array<char, longest_failure> failure{};  // empty: it is ready
+};
+
+void send(int to, Tag tag, void const* data, std::size_t bytes) {
+  MPI_Send(data, static_cast<int>(bytes), MPI_BYTE, to, tag, MPI_COMM_WORLD);
+}
+template <class Value>
+void send(int to, Tag tag, Value const& value) {
+  static_assert(std::is_trivially_copyable_v<Value>);
+  send(to, tag, &value, sizeof(Value));
+}
+
+struct Message {
+  int from;
+  Tag tag;
+  std::vector<char> bytes;
+
+  template <class Value>
+  [[nodiscard]] Value value() const {
+    Value value;
+    std::memcpy(&value, bytes.data(), std::min(sizeof(Value), bytes.size()));
+    return value;
+  }
+};
+
+/// A message that has come, from any rank.
+std::optional<Message> receive() {
+  int has_come = 0;
+  MPI_Status status;
+  MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &has_come, &status);
+  if (has_come == 0) return std::nullopt;
+  int bytes = 0;
+  MPI_Get_count(&status, MPI_BYTE, &bytes);
+  Message message{.from = status.MPI_SOURCE,
+                  .tag = static_cast<Tag>(status.MPI_TAG),
+                  .bytes = std::vector<char>(static_cast<std::size_t>(bytes))};
+  MPI_Recv(message.bytes.data(), bytes, MPI_BYTE, message.from, message.tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+  return message;
+}
+
+/// Says now and then that it is time.
+class Clock {
+ public:
+  bool is_due() {
+    auto const now = std::chrono::steady_clock::now();
+    if (now < next_) return false;
+    next_ = now + between_reports;
+    return true;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point next_;
+};
+
+/// The leader at work.
+class Leading {
+ public:
+  Leading(CrewLead const& lead, Slots& slots, std::function<bool()> const& is_stop_asked, int ranks)
+      : lead_(lead), slots_(slots), is_stop_asked_(is_stop_asked), ranks_(ranks) {
+    for (std::size_t k = 0; k < slots.count(); ++k) free_.push_back(0);
+  }
+
+  void run() {
+    while (true) {
+      bool has_news = false;
+      while (auto const message = receive()) {
+        take(*message);
+        has_news = true;
+      }
+      while (auto const done = slots_.take_done()) {
+        finish(0, done->run, done->outcome);
+        has_news = true;
+      }
+      if (clock_.is_due()) report_own();
+      hand_out();
+      if (working_ == 0 && has_none_left_) break;
+      if (!has_news) std::this_thread::sleep_for(nap);
+    }
+    for (int rank = 1; rank < ranks_; ++rank) send(rank, release, nullptr, 0);
+    // What they have said before they heard of it.
+    for (int left = 1; left < ranks_;) {
+      auto const message = receive();
+      if (!message) std::this_thread::sleep_for(nap);
+      if (message && message->tag == leaves) ++left;
+    }
+  }
+
+ private:
+  void take(Message const& message) {
+    switch (message.tag) {
+      case ready:
+        for (auto k = message.value<std::uint64_t>(); k > 0; --k) free_.push_back(message.from);
+        break;
+      case outcome: {
+        std::size_t const head = sizeof(std::uint64_t);
+        finish(message.from, message.value<std::uint64_t>(),
+               std::string(message.bytes.begin() + static_cast<std::ptrdiff_t>(head), message.bytes.end()));
+        break;
+      }
+      case share: {
+        auto const share = message.value<Slots::Share>();
+        note(lead_.report(share.run, share.share));
+        break;
+      }
+      case asks_to_stop:
+        note(false);
+        break;
+      default:
+        break;
+    }
+  }
+
+  void finish(int rank, std::uint64_t run, std::string const& outcome) {
+    lead_.finish(run, outcome);
+    --working_;
+    free_.push_back(rank);
+  }
+
+  /// Also where nothing moves a stop is seen.
+  void report_own() {
+    for (Slots::Share const& share : slots_.shares()) note(lead_.report(share.run, share.share));
+    note(!is_stop_asked_());
+  }
+
+  void note(bool continues) {
+    if (continues || is_stopping_) return;
+    is_stopping_ = true;
+    slots_.stop();
+    for (int rank = 1; rank < ranks_; ++rank) send(rank, stop, nullptr, 0);
+  }
+
+  void hand_out() {
+    if (is_stopping_) has_none_left_ = true;
+    while (!free_.empty() && !has_none_left_) {
+      auto const next = lead_.next();
+      if (!next) {
+        has_none_left_ = true;
+        break;
+      }
+      int const rank = free_.front();
+      free_.pop_front();
+      ++working_;
+      if (rank == 0) {
+        slots_.give(*next);
+      } else {
+        send(rank, job, *next);
+      }
+    }
+  }
+
+  CrewLead const& lead_;
+  Slots& slots_;
+  std::function<bool()> const& is_stop_asked_;
+  int ranks_;
+  Clock clock_;
+  std::deque<int> free_;  // the rank of each slot that makes no run, the one that has waited longest first
+  std::size_t working_ = 0;
+  bool is_stopping_ = false;
+  bool has_none_left_ = false;
+};
+
+}  // namespace
+
+MpiCrew::MpiCrew(std::function<bool()> is_stop_asked) : is_stop_asked_(std::move(is_stop_asked)) {
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks_);
+  MPI_Comm here = MPI_COMM_NULL;
+  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
+  int ranks_here = 1;
+  MPI_Comm_size(here, &ranks_here);
+  MPI_Comm_free(&here);
+  ranks_here_ = static_cast<std::size_t>(ranks_here);
+}
+
+void MpiCrew::meet(std::uint64_t plan_hash, std::string const& failure) {
+  has_met_ = true;
+  Arrival own{.plan_hash = plan_hash};
+  failure.copy(own.failure.data(), longest_failure - 1);
+  std::vector<Arrival> all(static_cast<std::size_t>(leads() ? ranks_ : 0));
+  MPI_Request request = MPI_REQUEST_NULL;
+  MPI_Igather(&own, sizeof(Arrival), MPI_BYTE, all.data(), sizeof(Arrival), MPI_BYTE, 0, MPI_COMM_WORLD, &request);
+  wait_asleep(request);
+  std::array<char, longest_failure> verdict{};
+  if (leads()) {
+    std::string text;
+    for (std::size_t rank = 0; rank < all.size() && text.empty(); ++rank) {
+      std::string_view const why = all[rank].failure.data();
+      if (!why.empty()) {
+        text = fmt::format("rank {} cannot take part: {}", rank, why);
+      } else if (all[rank].plan_hash != plan_hash) {
+        text = fmt::format("rank {} has read another plan\n  hint: all ranks must see the same files", rank);
+      }
+    }
+    text.copy(verdict.data(), longest_failure - 1);
+  }
+  MPI_Ibcast(verdict.data(), longest_failure, MPI_BYTE, 0, MPI_COMM_WORLD, &request);
+  wait_asleep(request);
+  // Who has failed knows it.
+  if (verdict.front() != '\0' && failure.empty()) throw RunFailure(verdict.data());
+  is_working_ = verdict.front() == '\0';
+}
+
+void MpiCrew::lead(CrewLead const& lead) {
+  Slots slots(runs_at_a_time_, lead.make);
+  Leading(lead, slots, is_stop_asked_, ranks_).run();
+  is_working_ = false;
+}
+
+void MpiCrew::help(MakeRun const& make) {
+  Slots slots(runs_at_a_time_, make);
+  send(0, ready, std::uint64_t{slots.count()});
+  Clock clock;
+  bool has_asked_to_stop = false;
+  for (bool is_released = false; !is_released;) {
+    bool has_news = false;
+    while (auto const message = receive()) {
+      has_news = true;
+      if (message->tag == job) slots.give(message->value<CrewJob>());
+      if (message->tag == stop) slots.stop();
+      if (message->tag == release) is_released = true;
+    }
+    while (auto const done = slots.take_done()) {
+      has_news = true;
+      std::string text(sizeof done->run, '\0');
+      std::memcpy(text.data(), &done->run, sizeof done->run);
+      text += done->outcome;
+      send(0, outcome, text.data(), text.size());
+    }
+    if (is_stop_asked_() && !has_asked_to_stop) {
+      has_asked_to_stop = true;
+      send(0, asks_to_stop, nullptr, 0);
+    }
+    if (clock.is_due()) {
+      for (Slots::Share const& of_run : slots.shares()) send(0, share, of_run);
+    }
+    if (!has_news) std::this_thread::sleep_for(nap);
+  }
+  send(0, leaves, nullptr, 0);
+  is_working_ = false;
+}
+
+}  // namespace gridlock::mpi

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "workspace/sweep_crew.hpp"
+
+namespace gridlock::mpi {
+
+/// Threads that make runs, so that the thread that talks to the other processes has time for them.
+class Slots {
+ public:
+  struct Done {
+    std::uint64_t run;
+    std::string outcome;
+  };
+  struct Share {
+    std::uint64_t run;
+    double share;
+  };
+
+  Slots(std::size_t count, MakeRun make);
+  /// Waits for the runs that are being made.
+  ~Slots();
+  Slots(Slots const&) = delete;
+  Slots& operator=(Slots const&) = delete;
+
+  [[nodiscard]] std::size_t count() const { return threads_.size(); }
+  void give(CrewJob const& job);
+  /// A run that has ended and that nobody has asked for yet.
+  std::optional<Done> take_done();
+  /// How far the runs are that are being made.
+  [[nodiscard]] std::vector<Share> shares();
+  /// Runs stop after their present chunk.
+  void stop() { is_stopped_ = true; }
+
+ private:
+  void work();
+
+  MakeRun make_;
+  std::mutex mutex_;
+  std::condition_variable is_changed_;
+  std::deque<CrewJob> jobs_;
+  std::deque<Done> done_;
+  std::vector<Share> shares_;
+  bool is_closed_ = false;
+  std::atomic<bool> is_stopped_ = false;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace gridlock::mpi

@@ -1,0 +1,220 @@
+// A sweep that several ranks of MPI carry out together, through the programs themselves.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "cli/program.hpp"
+#include "cli/sweeps.hpp"
+
+namespace {
+
+using namespace gridlock::test;
+
+std::vector<std::string> operator+(std::vector<std::string> words, std::vector<std::string> const& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+/// mpirun, whoever starts it, on more ranks than cores.
+Process mpirun(Workplace const& workplace, std::vector<std::string> const& arguments) {
+  setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
+  setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+  // With the address sanitizer: what Open MPI itself leaks at its end.
+  setenv("ASAN_OPTIONS", "detect_leaks=0", 1);
+  return {GRIDLOCK_MPIEXEC, std::vector<std::string>{"--oversubscribe"} + arguments, workplace.path()};
+}
+
+Process start(Workplace const& workplace, int ranks, std::vector<std::string> const& arguments) {
+  return mpirun(workplace, std::vector<std::string>{"-n", std::to_string(ranks), GRIDLOCK_MPI_PROGRAM} + arguments);
+}
+
+Outcome on_ranks(Workplace const& workplace, int ranks, std::vector<std::string> const& arguments) {
+  return start(workplace, ranks, arguments).wait();
+}
+
+std::vector<std::string> sweep_into(std::string const& directory, std::string const& file = "s.toml") {
+  return {"sweep", file, "--no-pictures", "-o", directory};
+}
+
+std::size_t occurrences(std::string const& text, std::string const& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+/// The processes that another one has started.
+std::vector<pid_t> children_of(pid_t process) {
+  std::string const id = std::to_string(process);
+  std::istringstream names(text_of("/proc/" + id + "/task/" + id + "/children"));
+  std::vector<pid_t> children;
+  for (pid_t child = 0; names >> child;) children.push_back(child);
+  return children;
+}
+
+/// The ranks, as soon as they are all there.
+std::vector<pid_t> ranks_of(Process const& process, std::size_t count) {
+  auto const end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  std::vector<pid_t> ranks;
+  while (ranks.size() < count && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    ranks = children_of(process.id());
+  }
+  return ranks;
+}
+
+class MpiSweep : public ::testing::Test {
+ protected:
+  void expect_same_tables(std::string const& one, std::string const& other) const {
+    EXPECT_EQ(rows_of(workplace_ / one), rows_of(workplace_ / other));
+    EXPECT_EQ(text_of(workplace_ / (one + "/means.csv")), text_of(workplace_ / (other + "/means.csv")));
+  }
+  /// A sweep of some seconds.
+  void write_long_one() const { write(workplace_ / "s.toml", sweep_toml("0.3, 0.5, 0.6, 0.7", "300000")); }
+
+  Workplace workplace_;
+};
+
+TEST_F(MpiSweep, HasTheTablesOfOneProcessOnAnyNumberOfRanks) {
+  write(workplace_ / "s.toml", sweep_toml("0.3, 0.5, 0.6"));
+  expect_good(in(workplace_, sweep_into("alone")));
+  for (int const ranks : {1, 2, 3, 8}) {
+    std::string const directory = "ranks" + std::to_string(ranks);
+    Outcome const outcome = on_ranks(workplace_, ranks, sweep_into(directory));
+    expect_good(outcome);
+    EXPECT_EQ(occurrences(outcome.out, "6 of 6 runs finished"), 1U) << outcome.out;
+    expect_same_tables("alone", directory);
+  }
+  expect_good(on_ranks(workplace_, 2, sweep_into("threads") + std::vector<std::string>{"-j", "2"}));
+  expect_same_tables("alone", "threads");
+}
+
+TEST_F(MpiSweep, MakesEveryRunOnce) {
+  write(workplace_ / "s.toml", sweep_toml("0.2, 0.3, 0.4, 0.5, 0.6", "20"));
+  expect_good(on_ranks(workplace_, 4, sweep_into("out")));
+  for (fs::directory_entry const& run : fs::directory_iterator(workplace_ / "out/runs")) {
+    EXPECT_EQ(occurrences(text_of(run.path() / "run.log"), "state hash"), 1U) << text_of(run.path() / "run.log");
+  }
+}
+
+TEST_F(MpiSweep, AgainKeepsWhatIsFinished) {
+  write(workplace_ / "s.toml", sweep_toml("0.3, 0.5"));
+  expect_good(in(workplace_, sweep_into("out")));
+  auto const kept = fs::last_write_time(workplace_ / "out/runs/packing_fraction=0.3_seed=1/summary.json");
+  write(workplace_ / "s.toml", sweep_toml("0.3, 0.4, 0.5"));
+  expect_good(on_ranks(workplace_, 3, sweep_into("out")));
+  EXPECT_EQ(fs::last_write_time(workplace_ / "out/runs/packing_fraction=0.3_seed=1/summary.json"), kept);
+  expect_good(in(workplace_, sweep_into("afresh")));
+  expect_same_tables("out", "afresh");
+  expect_good(on_ranks(workplace_, 2, sweep_into("out") + std::vector<std::string>{"--overwrite"}));
+  EXPECT_NE(fs::last_write_time(workplace_ / "out/runs/packing_fraction=0.3_seed=1/summary.json"), kept);
+}
+
+TEST_F(MpiSweep, RefusesWhatCannotBeUsedAndSaysItOnce) {
+  write(workplace_ / "s.toml", sweep_toml("0.3") + "[engine]\nkin = \"exact\"\n");
+  std::vector<std::pair<std::vector<std::string>, std::string>> const refused{
+      {sweep_into("out"), "did you mean kind?"},
+      {{"sweep", "nothing.toml"}, "nothing.toml"},
+      {{"run", "s.toml"}, "hint: it has sweep; all others are those of gridlock: gridlock run"},
+      {{"sweep", "s.toml", "--shard", "1/2"}, "no option --shard"}};
+  for (auto const& [arguments, reason] : refused) {
+    Outcome const outcome = on_ranks(workplace_, 3, arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+    EXPECT_EQ(occurrences(outcome.err, "error: "), 1U) << outcome.err;
+    EXPECT_NE(outcome.err.find(reason), std::string::npos) << outcome.err;
+    EXPECT_FALSE(fs::exists(workplace_ / "out"));
+  }
+}
+
+TEST_F(MpiSweep, RefusesADirectoryInWhichAnotherProcessWorks) {
+  write_long_one();
+  Process const other = start(workplace_, 2, sweep_into("out"));
+  wait_for(workplace_ / "out/plan.json");
+  fs::create_directories(workplace_ / "elsewhere");
+  Outcome const outcome =
+      Process(GRIDLOCK_PROGRAM, {"sweep", workplace_ / "s.toml", "-o", workplace_ / "out"}, workplace_ / "elsewhere")
+          .wait();
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("another process is working in"), std::string::npos) << outcome.err;
+  other.signal(SIGTERM);
+  other.wait();
+}
+
+TEST_F(MpiSweep, ARunThatFailsDoesNotEndTheOthers) {
+  write(workplace_ / "s.toml", sweep_toml("0.3, 0.5, 0.95"));
+  // Nothing can be written where this one is to go.
+  fs::create_directories(workplace_ / "out/runs");
+  write(workplace_ / "out/runs/packing_fraction=0.5_seed=2", "in the way");
+  Outcome const outcome = on_ranks(workplace_, 3, sweep_into("out"));
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_NE(outcome.out.find("3 of 6 runs finished"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.err.find("3 of 6 runs failed"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("packing_fraction=0.5_seed=2"), std::string::npos) << outcome.err;
+  fs::remove(workplace_ / "out/runs/packing_fraction=0.5_seed=2");
+  EXPECT_NE(on_ranks(workplace_, 2, sweep_into("out")).out.find("4 of 6 runs finished"), std::string::npos);
+}
+
+TEST_F(MpiSweep, RefusesRanksThatReadDifferentFiles) {
+  write(workplace_ / "one.toml", sweep_toml("0.3"));
+  write(workplace_ / "other.toml", sweep_toml("0.5"));
+  auto const beside = [&](std::string const& first, std::string const& second) {
+    return mpirun(workplace_, std::vector<std::string>{"-n", "1", GRIDLOCK_MPI_PROGRAM} + sweep_into("out", first) +
+                                  std::vector<std::string>{":", "-n", "1", GRIDLOCK_MPI_PROGRAM} +
+                                  sweep_into("out", second))
+        .wait();
+  };
+  Outcome const mixed = beside("one.toml", "other.toml");
+  EXPECT_NE(mixed.exit_code, 0);
+  EXPECT_NE(mixed.err.find("rank 1 has read another plan"), std::string::npos) << mixed.err;
+  Outcome const missing = beside("one.toml", "missing.toml");
+  EXPECT_NE(missing.exit_code, 0);
+  EXPECT_NE(missing.err.find("rank 1 cannot take part"), std::string::npos) << missing.err;
+  Outcome const alone = beside("missing.toml", "one.toml");
+  EXPECT_EQ(alone.exit_code, 2);
+  EXPECT_EQ(occurrences(alone.err, "error: "), 1U) << alone.err;
+}
+
+TEST_F(MpiSweep, SavesItselfWhenAskedToStopAndContinuesOnAnotherNumberOfRanks) {
+  write_long_one();
+  expect_good(in(workplace_, sweep_into("alone")));
+  Process const first = start(workplace_, 3, sweep_into("out"));
+  wait_for(workplace_ / "out/plan.json");
+  first.signal(SIGTERM);
+  EXPECT_EQ(first.wait().exit_code, 1);
+  // One rank hears of it and tells the others.
+  for (std::size_t const rank : {0U, 1U}) {
+    Process const second = start(workplace_, 2, sweep_into("out"));
+    auto const ranks = ranks_of(second, 2);
+    ASSERT_EQ(ranks.size(), 2U);
+    std::this_thread::sleep_for(std::chrono::milliseconds(600));
+    kill(ranks[rank], SIGTERM);
+    Outcome const outcome = second.wait();
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+    EXPECT_NE(outcome.err.find("the same command continues them"), std::string::npos) << outcome.err;
+  }
+  expect_good(on_ranks(workplace_, 4, sweep_into("out")));
+  expect_same_tables("alone", "out");
+}
+
+TEST_F(MpiSweep, EndsWhereARankIsKilledAndContinuesToTheSameTables) {
+  write_long_one();
+  expect_good(in(workplace_, sweep_into("alone")));
+  for (int const milliseconds : {300, 400, 500}) {
+    Process const process = start(workplace_, 3, sweep_into("out"));
+    auto const ranks = ranks_of(process, 3);
+    ASSERT_EQ(ranks.size(), 3U);
+    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+    kill(ranks[static_cast<std::size_t>(milliseconds / 100) % 3], SIGKILL);
+    Outcome const outcome = process.wait();
+    EXPECT_NE(outcome.exit_code, 0);
+    EXPECT_NE(outcome.err.find("signal 9"), std::string::npos) << outcome.err;
+  }
+  expect_good(on_ranks(workplace_, 2, sweep_into("out")));
+  expect_same_tables("alone", "out");
+}
+
+}  // namespace
