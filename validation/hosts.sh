@@ -1,0 +1,65 @@
+#!/usr/bin/env bash
+# A sweep on eight ranks of four hosts, which are network namespaces of this machine and know each other by TCP alone, against the same
+# sweep by one process; then again with a rank killed on the way, and with a whole host. Needs root, MPI and the programs in build/.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+directory=$PWD/results/hosts
+program=$PWD/build/apps/gridlock/gridlock
+mpi_program=$PWD/build/apps/gridlock-mpi/gridlock-mpi
+[[ $EUID -eq 0 ]] || { echo "only root can make network namespaces" >&2; exit 2; }
+[[ -x $mpi_program ]] || { echo "there is no $mpi_program; ./dev install mpi and build again" >&2; exit 2; }
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+
+hosts=(1 2 3 4)
+clean_up() {
+  for host in "${hosts[@]}"; do ip netns del "gridlock$host" 2>/dev/null || true; done
+  ip link del gridlock0 2>/dev/null || true
+}
+trap clean_up EXIT
+clean_up
+ip link add gridlock0 type bridge
+ip link set gridlock0 up
+for host in "${hosts[@]}"; do
+  ip netns add "gridlock$host"
+  ip link add "gridlock-$host" type veth peer name eth0 netns "gridlock$host"
+  ip link set "gridlock-$host" master gridlock0 up
+  ip -n "gridlock$host" address add "10.9.0.$host/24" dev eth0
+  ip -n "gridlock$host" link set eth0 up
+  ip -n "gridlock$host" link set lo up
+  ip netns exec "gridlock$host" tc qdisc add dev eth0 root netem delay 1ms loss 0.5% 2>/dev/null ||
+    echo "host $host: no delay and no loss, for this kernel has no netem"
+done
+
+rm -rf "$directory"
+mkdir -p "$directory"
+# In place of ssh.
+cat >"$directory/agent" <<'AGENT'
+#!/usr/bin/env bash
+host=${1##*.}
+shift
+exec ip netns exec "gridlock$host" unshare --uts bash -c "hostname host$host; $*"
+AGENT
+chmod +x "$directory/agent"
+
+# sweep_on_hosts DIRECTORY
+sweep_on_hosts() {
+  "$directory/agent" 10.9.0.1 exec mpirun --mca plm_rsh_agent "$directory/agent" --mca btl tcp,self \
+    --mca btl_tcp_if_include 10.9.0.0/24 --mca oob_tcp_if_include 10.9.0.0/24 --mca odls_base_sigkill_timeout 20 --oversubscribe \
+    --host 10.9.0.1:2,10.9.0.2:2,10.9.0.3:2,10.9.0.4:2 -n 8 "$mpi_program" sweep scenes/density_sweep.toml \
+    --set run.steps=40000 --set observe.every=100 --no-pictures --quiet -o "$1"
+}
+# kill_soon PATTERN SIGNAL: the newest process of it
+kill_soon() { sleep 4; pkill "-$2" --newest --full "$1"; }
+same() { cmp "$directory/$1/means.csv" "$directory/alone/means.csv" && echo "$1: the same means as one process"; }
+
+"$program" sweep scenes/density_sweep.toml --set run.steps=40000 --set observe.every=100 --no-pictures --quiet -o "$directory/alone"
+sweep_on_hosts "$directory/hosts"
+same hosts
+for victim in "gridlock-mpi sweep" orted; do
+  name=${victim%% *}
+  kill_soon "$victim" KILL &
+  ! sweep_on_hosts "$directory/$name" >"$directory/$name.log" 2>&1 || { echo "$name was not killed in time" >&2; exit 1; }
+  wait
+  sweep_on_hosts "$directory/$name"
+  same "$name"
+done
