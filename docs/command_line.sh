@@ -17,7 +17,7 @@ cat <<'PAGE'
 | 2 | The input cannot be used. Nothing was written. |
 
 Messages go to the standard error stream, results to the standard output. Ctrl-C and SIGTERM stop a run, a sweep or the study
-after a checkpoint; `gridlock resume`, or the same command again, continues it
+after a checkpoint, SIGUSR1 a run or a sweep; `gridlock resume`, or the same command again, continues it
 ([stop and continue](../explanation/reliability.md)).
 
 A command that is not on this page is a program of its own: `gridlock greet Anna` runs `gridlock-greet Anna`, the program of that name

@@ -44,7 +44,7 @@ chmod +x "$directory/agent"
 # sweep_on_hosts DIRECTORY
 sweep_on_hosts() {
   "$directory/agent" 10.9.0.1 exec mpirun --mca plm_rsh_agent "$directory/agent" --mca btl tcp,self \
-    --mca btl_tcp_if_include 10.9.0.0/24 --mca oob_tcp_if_include 10.9.0.0/24 --mca odls_base_sigkill_timeout 20 --oversubscribe \
+    --mca btl_tcp_if_include 10.9.0.0/24 --mca oob_tcp_if_include 10.9.0.0/24 --oversubscribe \
     --host 10.9.0.1:2,10.9.0.2:2,10.9.0.3:2,10.9.0.4:2 -n 8 "$mpi_program" sweep scenes/density_sweep.toml \
     --set run.steps=40000 --set observe.every=100 --no-pictures --quiet -o "$1"
 }

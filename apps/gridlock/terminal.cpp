@@ -13,6 +13,8 @@ namespace gridlock::cli {
 namespace {
 
 volatile std::sig_atomic_t signals_received = 0;
+/// SIGUSR1 is what mpirun hands on without killing anybody.
+constexpr int asking_to_stop[] = {SIGINT, SIGTERM, SIGUSR1};
 
 void remember(int signal) {
   signals_received = signals_received + 1;
@@ -34,13 +36,11 @@ void handle(int signal, void (*handler)(int)) {
 
 StopSignals::StopSignals() {
   signals_received = 0;
-  handle(SIGINT, remember);
-  handle(SIGTERM, remember);
+  for (int const signal : asking_to_stop) handle(signal, remember);
 }
 
 StopSignals::~StopSignals() {
-  handle(SIGINT, SIG_DFL);
-  handle(SIGTERM, SIG_DFL);
+  for (int const signal : asking_to_stop) handle(signal, SIG_DFL);
 }
 
 bool StopSignals::is_stop_asked() { return signals_received > 0; }

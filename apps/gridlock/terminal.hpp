@@ -5,7 +5,7 @@
 
 namespace gridlock::cli {
 
-/// Stops work politely: Ctrl-C and SIGTERM are remembered, and the work asks at every chunk. A second signal ends the
+/// Stops work politely: Ctrl-C, SIGTERM and SIGUSR1 are remembered, and the work asks at every chunk. A second signal ends the
 /// program at once.
 class StopSignals {
  public:

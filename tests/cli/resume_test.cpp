@@ -207,4 +207,18 @@ TEST(Run, WhoseFilesWereRemovedMeanwhileDoesNotPromiseToBeResumed) {
   EXPECT_EQ(outcome.err.find("gridlock resume"), std::string::npos) << outcome.err;
 }
 
+TEST(Run, SavesItselfAtEverySignalThatAsksItToStop) {
+  for (int const signal : {SIGINT, SIGTERM, SIGUSR1}) {
+    Workplace const workplace;
+    write(workplace / "a.toml", "disks.count = 64\n");
+    Process const process(GRIDLOCK_PROGRAM,
+                          {"run", "a.toml", "-o", "out", "--no-pictures", "--set", "run.steps=100_000_000"},
+                          workplace.path());
+    wait_for(workplace / "out/run.log");
+    process.signal(signal);
+    EXPECT_EQ(process.wait().exit_code, 1) << signal;
+    EXPECT_TRUE(fs::exists(workplace / "out/checkpoint.gridlock")) << signal;
+  }
+}
+
 }  // namespace

@@ -181,10 +181,13 @@ TEST_F(MpiSweep, RefusesRanksThatReadDifferentFiles) {
 TEST_F(MpiSweep, SavesItselfWhenAskedToStopAndContinuesOnAnotherNumberOfRanks) {
   write_long_one();
   expect_good(in(workplace_, sweep_into("alone")));
-  Process const first = start(workplace_, 3, sweep_into("out"));
-  wait_for(workplace_ / "out/plan.json");
-  first.signal(SIGTERM);
-  EXPECT_EQ(first.wait().exit_code, 1);
+  for (int const signal : {SIGTERM, SIGUSR1}) {
+    Process const first = start(workplace_, 3, sweep_into("out"));
+    ASSERT_EQ(ranks_of(first, 3).size(), 3U);
+    std::this_thread::sleep_for(std::chrono::milliseconds(600));
+    first.signal(signal);
+    EXPECT_EQ(first.wait().exit_code, 1);
+  }
   // One rank hears of it and tells the others.
   for (std::size_t const rank : {0U, 1U}) {
     Process const second = start(workplace_, 2, sweep_into("out"));
