@@ -36,7 +36,7 @@ void add_resume(CLI::App& app, ExitCode& exit_code) {
   auto const options = std::make_shared<ResumeOptions>();
   verb->add_option("DIR", options->directory, "Directory of the run")->required();
   verb->add_option("-j,--threads", options->threads,
-                   "Threads of the engine tiled and of models; 0: one for each core; left out: as configured")
+                   "Threads of exact, tiled and models; 0: one for each core; left out: as configured")
       ->check(whole_number(0, 1024));
   verb->add_option("--steps", options->length.steps, "New length of the run in steps, counted from its start")
       ->type_name("N")

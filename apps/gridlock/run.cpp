@@ -48,7 +48,7 @@ void add_run(CLI::App& app, ExitCode& exit_code) {
   options->configuration.add_to(*verb);
   options->output.add_to(*verb, "results/<name of FILE>");
   verb->add_option("-j,--threads", options->threads,
-                   "Threads of the engine tiled and of models, as engine.threads; 0: one for each core")
+                   "Threads of exact, tiled and models, as engine.threads; 0: one for each core")
       ->check(whole_number(0, 1024));
   options->run_output.add_to(*verb);
   verb->callback([options, &exit_code] { exit_code = run(*options); });
