@@ -35,6 +35,8 @@ int main(int argc, char** argv) {
     // Others wait for a rank that has failed: to begin, or for its part of the work.
     if (!failure.empty() && !crew.has_met()) crew.meet(0, failure);
     if (crew.is_working()) MPI_Abort(MPI_COMM_WORLD, exit_code);
+    // mpirun ends with the first code that is not 0, which is to be that of the rank that speaks.
+    if (!crew.leads()) exit_code = EXIT_SUCCESS;
   }
   MPI_Finalize();
   return exit_code;

@@ -171,27 +171,26 @@ ExitCode after_printing(ExitCode exit_code) {
   return exit_code == ExitCode::good ? ExitCode::run_failed : exit_code;
 }
 
-/// What a command died of, printed and handed on.
+/// What a command died of; no text where it has not.
 struct Failure {
   ExitCode exit_code = ExitCode::good;
   std::string text;
+  bool is_of_printing = false;  ///< after_printing() says so
 };
 
 Failure failure_of(std::exception const& error) {
   if (auto const* const input = dynamic_cast<gridlock::Error const*>(&error)) {
     std::string text;
     for (gridlock::Problem const& problem : input->problems()) {
-      text += fmt::format("{}error: {}", text.empty() ? "" : "\n", gridlock::to_text(problem));
+      text += (text.empty() ? "" : "\nerror: ") + gridlock::to_text(problem);
     }
     return {ExitCode::bad_input, text};
   }
   if (dynamic_cast<std::bad_alloc const*>(&error) != nullptr) {
-    return {ExitCode::run_failed,
-            "error: not enough memory\n  hint: use fewer disks; a run needs about 200 bytes for each"};
+    return {ExitCode::run_failed, "not enough memory\n  hint: use fewer disks; a run needs about 200 bytes for each"};
   }
-  // Of printing; after_printing() says so.
-  bool const is_of_printing = dynamic_cast<std::system_error const*>(&error) != nullptr && std::ferror(stdout) != 0;
-  return {ExitCode::run_failed, is_of_printing ? "" : fmt::format("error: {}", error.what())};
+  bool const is_of_system = dynamic_cast<std::system_error const*>(&error) != nullptr;
+  return {ExitCode::run_failed, error.what(), is_of_system && std::ferror(stdout) != 0};
 }
 
 /// Carries out a command and prints what it dies of.
@@ -201,7 +200,7 @@ Failure guarded(Command command) {
     return {command(), ""};
   } catch (std::exception const& error) {
     Failure failure = failure_of(error);
-    if (!failure.text.empty()) fmt::print(stderr, "{}\n", failure.text);
+    if (!failure.is_of_printing) fmt::print(stderr, "error: {}\n", failure.text);
     return failure;
   }
 }

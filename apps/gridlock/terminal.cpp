@@ -4,25 +4,40 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
+#include <ctime>
 
 namespace gridlock::cli {
 
 namespace {
 
-volatile std::sig_atomic_t signals_received = 0;
 /// SIGUSR1 is what mpirun hands on without killing anybody.
 constexpr int asking_to_stop[] = {SIGINT, SIGTERM, SIGUSR1};
 
+/// When the first one came, in milliseconds; 0: none has come.
+std::atomic<std::int64_t> time_of_first = 0;
+static_assert(std::atomic<std::int64_t>::is_always_lock_free, "a handler of signals may not wait");
+
+/// A scheduler tells all processes of a job to stop, and mpirun tells its ranks once more.
+constexpr std::int64_t same_request = 500;
+
+std::int64_t milliseconds_now() {
+  struct timespec now = {};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::int64_t{now.tv_sec} * 1000 + now.tv_nsec / 1'000'000;
+}
+
 void remember(int signal) {
-  signals_received = signals_received + 1;
+  std::int64_t const now = milliseconds_now();
+  std::int64_t first = 0;
+  if (time_of_first.compare_exchange_strong(first, now) || now - first < same_request) return;
   // The next one is meant seriously.
-  if (signals_received > 1) {
-    std::signal(signal, SIG_DFL);
-    std::raise(signal);
-  }
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
 }
 
 void handle(int signal, void (*handler)(int)) {
@@ -35,7 +50,7 @@ void handle(int signal, void (*handler)(int)) {
 }  // namespace
 
 StopSignals::StopSignals() {
-  signals_received = 0;
+  time_of_first = 0;
   for (int const signal : asking_to_stop) handle(signal, remember);
 }
 
@@ -43,7 +58,7 @@ StopSignals::~StopSignals() {
   for (int const signal : asking_to_stop) handle(signal, SIG_DFL);
 }
 
-bool StopSignals::is_stop_asked() { return signals_received > 0; }
+bool StopSignals::is_stop_asked() { return time_of_first != 0; }
 
 ProgressLine::ProgressLine() : is_terminal_(isatty(STDERR_FILENO) == 1), last_time_(Clock::now()) {}
 

@@ -5,8 +5,8 @@
 
 namespace gridlock::cli {
 
-/// Stops work politely: Ctrl-C, SIGTERM and SIGUSR1 are remembered, and the work asks at every chunk. A second signal ends the
-/// program at once.
+/// Stops work politely: Ctrl-C, SIGTERM and SIGUSR1 are remembered, and the work asks at every chunk. A signal
+/// half a second later or more ends the program at once.
 class StopSignals {
  public:
   StopSignals();

@@ -221,4 +221,20 @@ TEST(Run, SavesItselfAtEverySignalThatAsksItToStop) {
   }
 }
 
+TEST(Run, EndsAtOnceWhenItIsAskedToStopAgain) {
+  Workplace const workplace;
+  // A step takes seconds.
+  write(workplace / "a.toml",
+        "disks = { count = 250_000, packing_fraction = 0.7 }\nengine = { grid = \"linked\", cells = 10 }\n");
+  Process const process(GRIDLOCK_PROGRAM, {"run", "a.toml", "-o", "out", "--no-pictures", "--set", "run.steps=1_000"},
+                        workplace.path());
+  wait_for(workplace / "out/run.log");
+  // Two signals that come together are one request.
+  process.signal(SIGTERM);
+  process.signal(SIGTERM);
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  process.signal(SIGTERM);
+  EXPECT_EQ(process.wait().exit_code, 128 + SIGTERM);
+}
+
 }  // namespace

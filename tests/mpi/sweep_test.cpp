@@ -172,7 +172,7 @@ TEST_F(MpiSweep, RefusesRanksThatReadDifferentFiles) {
   EXPECT_NE(mixed.err.find("rank 1 has read another plan"), std::string::npos) << mixed.err;
   Outcome const missing = beside("one.toml", "missing.toml");
   EXPECT_NE(missing.exit_code, 0);
-  EXPECT_NE(missing.err.find("rank 1 cannot take part"), std::string::npos) << missing.err;
+  EXPECT_NE(missing.err.find("error: rank 1 cannot take part: cannot"), std::string::npos) << missing.err;
   Outcome const alone = beside("missing.toml", "one.toml");
   EXPECT_EQ(alone.exit_code, 2);
   EXPECT_EQ(occurrences(alone.err, "error: "), 1U) << alone.err;
@@ -188,6 +188,16 @@ TEST_F(MpiSweep, SavesItselfWhenAskedToStopAndContinuesOnAnotherNumberOfRanks) {
     first.signal(signal);
     EXPECT_EQ(first.wait().exit_code, 1);
   }
+  // A scheduler asks all processes of a job, and mpirun its ranks once more.
+  Process const twice = start(workplace_, 2, sweep_into("out"));
+  auto const asked_twice = ranks_of(twice, 2);
+  ASSERT_EQ(asked_twice.size(), 2U);
+  std::this_thread::sleep_for(std::chrono::milliseconds(600));
+  for (pid_t const rank : asked_twice) kill(rank, SIGTERM);
+  twice.signal(SIGTERM);
+  Outcome const of_twice = twice.wait();
+  EXPECT_EQ(of_twice.exit_code, 1);
+  EXPECT_NE(of_twice.err.find("the same command continues them"), std::string::npos) << of_twice.err;
   // One rank hears of it and tells the others.
   for (std::size_t const rank : {0U, 1U}) {
     Process const second = start(workplace_, 2, sweep_into("out"));
