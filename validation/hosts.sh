@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # A sweep on eight ranks of four hosts, which are network namespaces of this machine and know each other by TCP alone, against the same
-# sweep by one process; then again with a rank killed on the way, and with a whole host. Needs root, MPI and the programs in build/.
+# sweep by one process; then again with a rank killed meanwhile, and with a whole host. Needs root, MPI and the programs in build/.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 directory=$PWD/results/hosts
