@@ -1,5 +1,6 @@
-// The commands of Gridlock that many ranks carry out together: mpirun -n 8 gridlock-mpi sweep FILE -o DIR
+// The commands of Gridlock that many ranks carry out together: mpirun -n 8 gridlock-mpi run FILE -o DIR
 #include <mpi.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
@@ -8,8 +9,23 @@
 #include "gridlock/terminal.hpp"
 #include "gridlock/verbs.hpp"
 #include "mpi_crew.hpp"
+#include "mpi_ranks.hpp"
 
 namespace {
+
+/// Says what ends a rank in the middle of a run, also where it is silent otherwise.
+class LastWords {
+ public:
+  LastWords() : standard_error_(dup(STDERR_FILENO)) {}
+
+  void operator()(int rank, std::string const& why) const {
+    dprintf(standard_error_, "error: rank %d: %s\n  hint: all ranks end; gridlock-mpi resume continues the run\n", rank,
+            why.c_str());
+  }
+
+ private:
+  int standard_error_;
+};
 
 /// Rank 0 speaks for all.
 void be_silent() {
@@ -26,11 +42,20 @@ int main(int argc, char** argv) {
   if (MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &granted) != MPI_SUCCESS) return EXIT_FAILURE;
   int exit_code = EXIT_FAILURE;
   {
-    gridlock::mpi::MpiCrew crew(gridlock::cli::StopSignals::is_stop_asked);
+    using gridlock::cli::StopSignals;
+    gridlock::mpi::MpiCrew crew(StopSignals::is_stop_asked);
+    LastWords const last_words;
+    gridlock::mpi::MpiRanks ranks(crew.processes_on_machine(),
+                                  {.is_stop_asked = StopSignals::is_stop_asked,
+                                   .ask_to_stop = StopSignals::ask_to_stop,
+                                   .complain = [&](std::string const& why) { last_words(crew.rank(), why); }});
     if (!crew.leads()) be_silent();
     std::string failure;
     exit_code = gridlock::cli::command_line_of_crew(
-        argc, argv, {.crew = crew, .set_runs_at_a_time = [&](std::size_t count) { crew.set_runs_at_a_time(count); }},
+        argc, argv,
+        {.crew = crew,
+         .set_runs_at_a_time = [&](std::size_t count) { crew.set_runs_at_a_time(count); },
+         .ranks = ranks},
         failure);
     // Others wait for a rank that has failed: to begin, or for its part of the work.
     if (!failure.empty() && !crew.has_met()) crew.meet(0, failure);

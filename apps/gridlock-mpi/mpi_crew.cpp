@@ -255,7 +255,7 @@ void MpiCrew::meet(std::uint64_t plan_hash, std::string const& failure) {
 void MpiCrew::lead(CrewLead const& lead) {
   Slots slots(runs_at_a_time_, lead.make);
   Leading(lead, slots, is_stop_asked_, ranks_).run();
-  is_working_ = false;
+  part();
 }
 
 void MpiCrew::help(MakeRun const& make) {
@@ -288,7 +288,7 @@ void MpiCrew::help(MakeRun const& make) {
     if (!has_news) std::this_thread::sleep_for(nap);
   }
   send(0, leaves, nullptr, 0);
-  is_working_ = false;
+  part();
 }
 
 }  // namespace gridlock::mpi

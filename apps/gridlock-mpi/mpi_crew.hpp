@@ -27,6 +27,7 @@ class MpiCrew final : public SweepCrew {
   [[nodiscard]] bool leads() const override { return rank_ == 0; }
   [[nodiscard]] std::size_t processes_on_machine() const override { return ranks_here_; }
   void meet(std::uint64_t plan_hash, std::string const& failure) override;
+  void part() override { is_working_ = false; }
   void lead(CrewLead const& lead) override;
   void help(MakeRun const& make) override;
 

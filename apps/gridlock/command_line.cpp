@@ -147,6 +147,8 @@ ExitCode run_command_line_of_crew(int argc, char** argv, cli::CrewOptions const&
   CLI::App app{"gridlock-mpi: Gridlock on many machines; start it with mpirun or srun", cli::program_name()};
   set_up_app(app, "gridlock-mpi");
   ExitCode exit_code = ExitCode::good;
+  cli::add_run(app, exit_code, &crew);
+  cli::add_resume(app, exit_code, &crew);
   cli::add_sweep(app, exit_code, &crew);
   refuse_empty_values(app);
   for (CLI::App* const command : app.get_subcommands({})) command->group("Commands");
@@ -155,7 +157,8 @@ ExitCode run_command_line_of_crew(int argc, char** argv, cli::CrewOptions const&
   bool const is_command = !words.empty() && !words.front().starts_with('-');
   if (is_command && !has_command(app, words.front())) {
     throw Error({.what = fmt::format("{} has no command \"{}\"", cli::program_name(), words.front()),
-                 .hint = fmt::format("it has sweep; all others are those of gridlock: gridlock {}", words.front())});
+                 .hint = fmt::format("it has run, resume and sweep; all others are those of gridlock: gridlock {}",
+                                     words.front())});
   }
   parse(app, words, false);
   return exit_code;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "gridlock/workspace/run_directory.hpp"
+#include "on_ranks.hpp"
 #include "run_output.hpp"
 #include "verbs.hpp"
 
@@ -18,9 +19,10 @@ struct ResumeOptions {
   RunOutput run_output;
 };
 
-ExitCode resume(ResumeOptions& options) {
+ExitCode resume(ResumeOptions& options, Ranks* ranks) {
   gridlock::RunHooks hooks = options.run_output.hooks();
   hooks.threads = options.threads;
+  hooks.ranks = ranks;
   gridlock::RunLength const& length = options.length;
   bool const lengthens = length.steps || length.time || length.collisions_per_disk;
   return options.run_output.finish(lengthens ? gridlock::lengthen_in(options.directory, length, hooks)
@@ -30,13 +32,16 @@ ExitCode resume(ResumeOptions& options) {
 
 }  // namespace
 
-void add_resume(CLI::App& app, ExitCode& exit_code) {
+void add_resume(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew) {
   CLI::App* const verb = app.add_subcommand(
       "resume", "Continue a run that was interrupted or killed, or make a run longer, with the same bits");
   auto const options = std::make_shared<ResumeOptions>();
   verb->add_option("DIR", options->directory, "Directory of the run")->required();
-  verb->add_option("-j,--threads", options->threads,
-                   "Threads of exact, tiled and models; 0: one for each core; left out: as configured")
+  verb->add_option(
+          "-j,--threads", options->threads,
+          crew == nullptr
+              ? "Threads of exact, tiled and models; 0: one for each core; left out: as configured"
+              : "Threads of each rank; 0: the cores divided among the ranks of a machine; left out: as configured")
       ->check(whole_number(0, 1024));
   verb->add_option("--steps", options->length.steps, "New length of the run in steps, counted from its start")
       ->type_name("N")
@@ -46,7 +51,9 @@ void add_resume(CLI::App& app, ExitCode& exit_code) {
                    "New length in collisions of each disk")
       ->type_name("C");
   options->run_output.add_to(*verb);
-  verb->callback([options, &exit_code] { exit_code = resume(*options); });
+  verb->callback([options, &exit_code, crew] {
+    exit_code = carry_out(crew, [&](Ranks* ranks) { return resume(*options, ranks); });
+  });
 }
 
 }  // namespace gridlock::cli

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "gridlock/workspace/run_directory.hpp"
+#include "on_ranks.hpp"
 #include "run_output.hpp"
 #include "verbs.hpp"
 
@@ -21,37 +22,47 @@ struct RunOptions {
   std::optional<unsigned> threads;
 };
 
-ExitCode run(RunOptions& options) {
+ExitCode run(RunOptions& options, Ranks* ranks) {
   gridlock::SettingsFile settings = options.configuration.read();
   if (options.threads) {
     std::string const number = std::to_string(*options.threads);
     settings.set("engine.threads", number, {.file = "--threads", .source_line = number});
   }
   gridlock::Setup setup = gridlock::set_up(
-      settings, {.on_slow_start = [](double seconds) {
-        fmt::print(stderr, "note: the random start takes about {:.0f} s; Ctrl-C stops it, and nothing is written yet\n",
-                   seconds);
-        return true;
-      }});
+      settings, {.on_slow_start =
+                     [](double seconds) {
+                       fmt::print(
+                           stderr,
+                           "note: the random start takes about {:.0f} s; Ctrl-C stops it, and nothing is written yet\n",
+                           seconds);
+                       return true;
+                     },
+                 .ranks = ranks});
   auto const directory =
       options.output.directory_for(std::filesystem::path(options.configuration.file).stem().string());
   gridlock::open_run_directory(directory, options.output.overwrites);
-  return options.run_output.finish(gridlock::run_in(directory, std::move(setup), options.run_output.hooks()),
-                                   directory);
+  gridlock::RunHooks hooks = options.run_output.hooks();
+  hooks.ranks = ranks;
+  return options.run_output.finish(gridlock::run_in(directory, std::move(setup), hooks), directory);
 }
 
 }  // namespace
 
-void add_run(CLI::App& app, ExitCode& exit_code) {
-  CLI::App* const verb = app.add_subcommand("run", "Run one simulation");
+void add_run(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew) {
+  CLI::App* const verb =
+      app.add_subcommand("run", crew == nullptr ? "Run one simulation"
+                                                : "Run one simulation of disks, engine.kind = \"tiled\", on all ranks");
   auto const options = std::make_shared<RunOptions>();
   options->configuration.add_to(*verb);
   options->output.add_to(*verb, "results/<name of FILE>");
   verb->add_option("-j,--threads", options->threads,
-                   "Threads of exact, tiled and models, as engine.threads; 0: one for each core")
+                   crew == nullptr
+                       ? "Threads of exact, tiled and models, as engine.threads; 0: one for each core"
+                       : "Threads of each rank, as engine.threads; 0: the cores divided among the ranks of a machine")
       ->check(whole_number(0, 1024));
   options->run_output.add_to(*verb);
-  verb->callback([options, &exit_code] { exit_code = run(*options); });
+  verb->callback(
+      [options, &exit_code, crew] { exit_code = carry_out(crew, [&](Ranks* ranks) { return run(*options, ranks); }); });
 }
 
 }  // namespace gridlock::cli

@@ -60,6 +60,11 @@ StopSignals::~StopSignals() {
 
 bool StopSignals::is_stop_asked() { return time_of_first != 0; }
 
+void StopSignals::ask_to_stop() {
+  std::int64_t none = 0;
+  time_of_first.compare_exchange_strong(none, milliseconds_now());
+}
+
 ProgressLine::ProgressLine() : is_terminal_(isatty(STDERR_FILENO) == 1), last_time_(Clock::now()) {}
 
 ProgressLine::~ProgressLine() {

@@ -15,6 +15,8 @@ class StopSignals {
   StopSignals& operator=(StopSignals const&) = delete;
 
   [[nodiscard]] static bool is_stop_asked();
+  /// As a signal does.
+  static void ask_to_stop();
 };
 
 /// Shows how far the work has come, on standard error: one line redrawn a few times a second on a terminal, a plain line

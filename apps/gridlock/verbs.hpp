@@ -13,6 +13,10 @@
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/workspace/sweep.hpp"
 
+namespace gridlock {
+class Ranks;
+}
+
 namespace gridlock::cli {
 
 /// Exit code of a command.
@@ -22,16 +26,18 @@ enum class ExitCode : int {
   bad_input = 2,   ///< the user's input cannot be used; nothing was written
 };
 
-/// The processes that carry out a sweep together, and how they are told from how many runs at a time each makes.
+/// The processes that carry out a command together: how those of a sweep are told how many runs at a time each makes, and
+/// those of one run.
 struct CrewOptions {
   SweepCrew& crew;
   std::function<void(std::size_t)> set_runs_at_a_time;
+  Ranks& ranks;
 };
 
 /// Each adds its command to the command line; parsing it runs the command and leaves how it ended in `exit_code`.
-void add_run(CLI::App& app, ExitCode& exit_code);
-void add_resume(CLI::App& app, ExitCode& exit_code);
 /// With a crew, processes of which this is one carry it out together.
+void add_run(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew = nullptr);
+void add_resume(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew = nullptr);
 void add_sweep(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew = nullptr);
 void add_collect(CLI::App& app, ExitCode& exit_code);
 void add_check(CLI::App& app, ExitCode& exit_code);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "engine/turn.hpp"
@@ -14,30 +15,54 @@
 
 namespace gridlock {
 
+/// The place of each row in the order of the Ids.
+inline std::vector<std::uint32_t> id_indices(Disks const& disks) {
+  std::vector<std::uint32_t> const by_id = rows_in_order(disks.ids());
+  std::vector<std::uint32_t> id_index(by_id.size());
+  for (std::uint32_t n = 0; n < by_id.size(); ++n) id_index[by_id[n]] = n;
+  return id_index;
+}
+
+inline DiskInTurn disk_in_turn(Disks const& disks, std::uint32_t row, std::vector<std::uint32_t> const& id_index) {
+  return {.position = position(disks, row),
+          .velocity = velocity(disks, row),
+          .radius = disks.column<Radius>()[row],
+          .mass = disks.column<Mass>()[row],
+          .image_x = disks.column<ImageX>()[row],
+          .image_y = disks.column<ImageY>()[row],
+          .id_index = id_index[row],
+          .row_in_state = row};
+}
+
+/// What has become of a disk.
+inline void write_back(DiskInTurn const& disk, Disks& to) {
+  std::size_t const row = disk.row_in_state;
+  to.column<X>()[row] = disk.position.x;
+  to.column<Y>()[row] = disk.position.y;
+  to.column<VelocityX>()[row] = disk.velocity.x;
+  to.column<VelocityY>()[row] = disk.velocity.y;
+  to.column<ImageX>()[row] = disk.image_x;
+  to.column<ImageY>()[row] = disk.image_y;
+}
+
 /// The disks of a state side by side, in an order of the engine's own, while they take their turns.
 class HotDisks {
  public:
   /// `order[k]` is the row of the state that comes to row k.
   HotDisks(State const& state, std::span<std::uint32_t const> order) : disks_(order.size()) {
-    Disks const& from = state.agents;
-    std::vector<std::uint32_t> const by_id = rows_in_order(from.ids());
-    std::vector<std::uint32_t> id_index(by_id.size());
-    for (std::uint32_t n = 0; n < by_id.size(); ++n) id_index[by_id[n]] = n;
-    for (std::size_t k = 0; k < order.size(); ++k) {
-      std::uint32_t const row = order[k];
-      disks_[k] = {.position = position(from, row),
-                   .velocity = velocity(from, row),
-                   .radius = from.column<Radius>()[row],
-                   .mass = from.column<Mass>()[row],
-                   .image_x = from.column<ImageX>()[row],
-                   .image_y = from.column<ImageY>()[row],
-                   .id_index = id_index[row],
-                   .row_in_state = row};
-    }
+    std::vector<std::uint32_t> const id_index = id_indices(state.agents);
+    for (std::size_t k = 0; k < order.size(); ++k) disks_[k] = disk_in_turn(state.agents, order[k], id_index);
   }
+
+  /// Those given.
+  explicit HotDisks(LargeArray<DiskInTurn>&& disks) : disks_(std::move(disks)) {}
 
   [[nodiscard]] std::size_t size() const { return disks_.size(); }
   [[nodiscard]] DiskInTurn const& operator[](std::size_t k) const { return disks_[k]; }
+  [[nodiscard]] DiskInTurn& operator[](std::size_t k) { return disks_[k]; }
+  /// Valid until the next one is added.
+  [[nodiscard]] std::span<DiskInTurn> all() { return disks_; }
+  void add(DiskInTurn const& disk) { disks_.push_back(disk); }
 
   TurnView view(Box const& box, EngineSettings const& settings, double duration) {
     return {.box = box,
@@ -48,22 +73,7 @@ class HotDisks {
   }
 
   void write_back(State& state) const {
-    Disks& to = state.agents;
-    auto const x = to.column<X>();
-    auto const y = to.column<Y>();
-    auto const velocity_x = to.column<VelocityX>();
-    auto const velocity_y = to.column<VelocityY>();
-    auto const image_x = to.column<ImageX>();
-    auto const image_y = to.column<ImageY>();
-    for (DiskInTurn const& disk : disks_) {
-      std::size_t const row = disk.row_in_state;
-      x[row] = disk.position.x;
-      y[row] = disk.position.y;
-      velocity_x[row] = disk.velocity.x;
-      velocity_y[row] = disk.velocity.y;
-      image_x[row] = disk.image_x;
-      image_y[row] = disk.image_y;
-    }
+    for (DiskInTurn const& disk : disks_) gridlock::write_back(disk, state.agents);
   }
 
  private:

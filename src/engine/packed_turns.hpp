@@ -67,7 +67,7 @@ struct TurnConstants {
         fits_one_block(std::max(layout.cell_width(), layout.cell_height()) <= widest_for_four(radii.smallest)),
         inner_columns(static_cast<unsigned>(std::max(0, layout.columns() - 2))),
         inner_rows(static_cast<unsigned>(std::max(0, layout.rows() - 2))) {
-    std::ptrdiff_t const stride = &grid.block_at(0, 1) - &grid.block_at(0, 0);
+    std::ptrdiff_t const stride = grid.blocks_in_row();
     std::size_t k = 0;
     for (int const row : {-1, 0, 1}) {
       for (int const column : {-1, 0, 1}) {
@@ -191,12 +191,12 @@ class PackedTurns {
   static constexpr std::size_t own = 4;
 
   [[nodiscard]] Around around_of(Block const& home) const {
-    Block const* const below = &grid_.block_at(0, grid_.row_below(home.row));
-    Block const* const here = &grid_.block_at(0, home.row);
-    Block const* const above = &grid_.block_at(0, grid_.row_above(home.row));
-    int const left = grid_.column_left_of(home.column);
-    int const middle = home.column;
-    int const right = grid_.column_right_of(home.column);
+    Block const* const below = &grid_.block_at(home.column, grid_.row_below(home.row));
+    Block const* const here = &grid_.block_at(home.column, home.row);
+    Block const* const above = &grid_.block_at(home.column, grid_.row_above(home.row));
+    int const left = grid_.column_left_of(home.column) - home.column;
+    constexpr int middle = 0;
+    int const right = grid_.column_right_of(home.column) - home.column;
     return {below + left, below + middle, below + right,  here + left,  here + middle,
             here + right, above + left,   above + middle, above + right};
   }

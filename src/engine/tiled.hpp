@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "engine/tiled/steps.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/cell_layout.hpp"
@@ -26,7 +27,10 @@ class TiledEngine final : public Engine {
   void require_valid(State const& state) const override;
 
  private:
+  /// Whether other processes share the steps; each of them has its own threads.
+  [[nodiscard]] bool has_ranks() const;
   void lay_out(State const& state);
+  [[nodiscard]] tiled::TurnRule rule_of(State const& state) const;
 
   EngineSettings settings_;
   double duration_;

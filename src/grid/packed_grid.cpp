@@ -19,20 +19,34 @@ constexpr std::size_t most_blocks = std::size_t{1} << 30;
 }  // namespace
 
 PackedGrid::PackedGrid(CellLayout const& layout, std::size_t agents)
-    : layout_(layout), stride_(static_cast<std::size_t>(layout.columns()) + 1) {
-  std::size_t const blocks = stride_ * (static_cast<std::size_t>(layout.rows()) + 1);
-  if (blocks > most_blocks) {
-    throw Error({.what = "a packed grid of " + std::to_string(layout.columns()) + " × " +
-                         std::to_string(layout.rows()) + " cells cannot be made",
-                 .hint = "use at most " + std::to_string(most_blocks) + " cells",
-                 .key = "engine.cells"});
-  }
+    : PackedGrid(layout, {.end_column = layout.columns(), .end_row = layout.rows()}, agents) {}
+
+PackedGrid::PackedGrid(CellLayout const& layout, CellWindow const& window, std::size_t agents)
+    : layout_(layout), window_(window) {
   int const columns = layout.columns();
   int const rows = layout.rows();
-  left_of_first_ = layout.is_periodic() ? columns - 1 : columns;
-  right_of_last_ = layout.is_periodic() ? 0 : columns;
-  below_first_ = layout.is_periodic() ? rows - 1 : rows;
-  above_last_ = layout.is_periodic() ? 0 : rows;
+  bool const has_all_columns = window.end_column - window.first_column >= columns;
+  bool const has_all_rows = window.end_row - window.first_row >= rows;
+  if (has_all_columns) window_.first_column = 0, window_.end_column = columns;
+  if (has_all_rows) window_.first_row = 0, window_.end_row = rows;
+  assert(layout.is_periodic() || (window_.first_column >= 0 && window_.end_column <= columns &&
+                                  window_.first_row >= 0 && window_.end_row <= rows));
+  stride_ = static_cast<std::size_t>(window_.end_column - window_.first_column) + 1;
+  first_ = window_.first_row * static_cast<std::ptrdiff_t>(stride_) + window_.first_column;
+  blocks_of_cells_ = stride_ * (static_cast<std::size_t>(window_.end_row - window_.first_row) + 1);
+  if (blocks_of_cells_ > most_blocks) {
+    throw Error(
+        {.what = "a packed grid of " + std::to_string(columns) + " × " + std::to_string(rows) + " cells cannot be made",
+         .hint = "use at most " + std::to_string(most_blocks) + " cells",
+         .key = "engine.cells"});
+  }
+  auto const beyond = [&](int at_wall, int around, int next, bool has_all) {
+    return !layout.is_periodic() ? at_wall : has_all ? around : next;
+  };
+  left_of_first_ = beyond(window_.end_column, columns - 1, -1, has_all_columns);
+  right_of_last_ = beyond(window_.end_column, 0, columns, has_all_columns);
+  below_first_ = beyond(window_.end_row, rows - 1, -1, has_all_rows);
+  above_last_ = beyond(window_.end_row, 0, rows, has_all_rows);
   double const longer = std::max(layout.cell_width(), layout.cell_height());
   locals_per_length_ = 1.0 / longer;
   local_width_ = static_cast<float>(layout.cell_width() / longer);
@@ -40,11 +54,16 @@ PackedGrid::PackedGrid(CellLayout const& layout, std::size_t agents)
   Block empty{.x = {}, .y = {}, .agent = {}, .next = none, .count = 0, .marks = 0, .column = 0, .row = 0};
   empty.x.fill(nowhere);
   empty.y.fill(nowhere);
-  blocks_.reserve(agents == 0 ? blocks : most_blocks_for(agents));
-  for (int row = 0; row <= rows; ++row) {
-    for (int column = 0; column <= columns; ++column) {
-      empty.column = column;
-      empty.row = row;
+  blocks_.reserve(agents == 0 ? blocks_of_cells_ : most_blocks_for(agents));
+  // A cell has the number that it has in the box; those of empty ones beside the window are of no cell in it.
+  auto const in_box = [&](int index, int end, int all) {
+    if (index == end) return all;
+    return index < 0 ? index + all : index >= all ? index - all : index;
+  };
+  for (int row = window_.first_row; row <= window_.end_row; ++row) {
+    for (int column = window_.first_column; column <= window_.end_column; ++column) {
+      empty.column = in_box(column, window_.end_column, columns);
+      empty.row = in_box(row, window_.end_row, rows);
       blocks_.push_back(empty);
     }
   }
@@ -75,8 +94,7 @@ void PackedGrid::grow(std::size_t agents) {
 
 std::size_t PackedGrid::most_blocks_for(std::size_t agents) const {
   // A cell of n > 4 agents has at most n/4 further blocks, so the blocks never move while threads move agents.
-  std::size_t const cells = stride_ * (static_cast<std::size_t>(layout_.rows()) + 1);
-  return cells + agents / slots + 1;
+  return blocks_of_cells_ + agents / slots + 1;
 }
 
 PackedGrid::CellPoint PackedGrid::cell_point_of(Vector p) const {
@@ -85,6 +103,7 @@ PackedGrid::CellPoint PackedGrid::cell_point_of(Vector p) const {
 }
 
 void PackedGrid::put(std::size_t agent, CellPoint const& cell_point) {
+  assert(stores(cell_point.column, cell_point.row));
   std::size_t const base_index = base_of(cell_point);
   std::size_t index = base_index;
   if (blocks_[base_index].count == slots) {
@@ -102,7 +121,7 @@ void PackedGrid::put(std::size_t agent, CellPoint const& cell_point) {
 void PackedGrid::take_out(std::size_t agent) {
   std::uint32_t const place = place_[agent];
   Block& hole = blocks_[place / slots];
-  Block& base = blocks_[static_cast<std::size_t>(hole.row) * stride_ + static_cast<std::size_t>(hole.column)];
+  Block& base = blocks_[index_of(hole.column, hole.row)];
   Block& top = base.next == none ? base : blocks_[base.next];
   // The last agent of the only block that may have room fills the hole.
   std::uint32_t const last = --top.count;
@@ -174,7 +193,7 @@ void PackedGrid::move_all(std::span<double const> x, std::span<double const> y) 
 
 bool PackedGrid::is_consistent() const {
   std::size_t found = 0;
-  for (std::size_t base = 0; base < stride_ * (static_cast<std::size_t>(layout_.rows()) + 1); ++base) {
+  for (std::size_t base = 0; base < blocks_of_cells_; ++base) {
     std::size_t position = 0;
     for (std::size_t index = base; index != none; index = blocks_[index].next, ++position) {
       Block const& block = blocks_[index];

@@ -43,27 +43,43 @@ Tiling::Tiling(CellLayout const& layout, int cells_of_tile) {
 }
 
 std::vector<Tiling::Round> Tiling::rounds(std::size_t threads) const {
-  std::vector<std::uint32_t> const piece = pieces(threads);
+  std::vector<Round> all;
+  for (Round& round : rounds_of_colours({.end_column = columns_, .end_row = rows_}, threads)) {
+    if (!round.empty()) all.push_back(std::move(round));
+  }
+  return all;
+}
+
+std::vector<Tiling::Round> Tiling::rounds(Rectangle const& own, std::size_t threads) const {
+  auto [first, none, second, third, fourth] = rounds_of_colours(own, threads);
+  assert(none.empty());  // nothing comes before colour 0, so nothing is left of it
+  return {std::move(first), std::move(second), std::move(third), std::move(fourth)};
+}
+
+std::array<Tiling::Round, Tiling::colours + 1> Tiling::rounds_of_colours(Rectangle const& own,
+                                                                         std::size_t threads) const {
+  std::array<Round, colours + 1> all;
+  if (own.tiles() == 0) return all;
+  std::vector<std::uint32_t> const piece = pieces(own, threads);
   std::vector<bool> const is_left = left_to_later_rounds(piece);
-  std::vector<Round> all(1);
-  all[0].resize(1 + static_cast<std::size_t>(std::ranges::max(piece)));
   std::array<Part, colours> left;
   for (std::uint32_t const tile : in_order_of_memory()) {
+    if (piece[tile] == elsewhere) continue;
     if (is_left[tile]) {
       left[colour_of(tile)].push_back(tile);
     } else {
+      if (all[0].size() <= piece[tile]) all[0].resize(piece[tile] + std::size_t{1});
       all[0][piece[tile]].push_back(tile);
     }
   }
-  for (Part const& tiles : left) {
-    if (tiles.empty()) continue;
-    Round& round = all.emplace_back();
+  for (std::size_t colour = 0; colour < colours; ++colour) {
+    Part const& tiles = left[colour];
     std::size_t const parts = std::min(tiles.size(), 4 * threads);
     for (std::size_t part = 0; part < parts; ++part) {
       auto const at = [&](std::size_t k) {
         return tiles.begin() + static_cast<std::ptrdiff_t>(tiles.size() * k / parts);
       };
-      round.emplace_back(at(part), at(part + 1));
+      all[colour + 1].emplace_back(at(part), at(part + 1));
     }
   }
   return all;
@@ -87,34 +103,41 @@ std::size_t Tiling::colour_of(std::uint32_t tile) const {
   return colour;
 }
 
-std::vector<std::uint32_t> Tiling::pieces(std::size_t threads) const {
+std::vector<std::uint32_t> Tiling::pieces(Rectangle const& own, std::size_t threads) const {
   // Some pieces for each thread, so that none waits long for the last one, but each of many rows.
   constexpr std::size_t most_pieces_of_thread = 4;
   constexpr std::size_t rows_of_piece = 8;
+  std::size_t const columns = own.end_column - own.first_column;
+  std::size_t const rows = own.end_row - own.first_row;
+  std::size_t const tiles = own.tiles();
   std::size_t const count =
-      threads == 1 ? 1 : threads * std::clamp<std::size_t>(rows_ / (rows_of_piece * threads), 1, most_pieces_of_thread);
-  std::vector<std::uint32_t> piece(tiles_.size(), 0);
-  if (count == 1) return piece;
+      threads == 1 ? 1 : threads * std::clamp<std::size_t>(rows / (rows_of_piece * threads), 1, most_pieces_of_thread);
+  std::vector<std::uint32_t> piece(tiles_.size(), elsewhere);
+  auto const tile_at = [&](std::size_t n) {
+    return number_of(own.first_column + n % columns, own.first_row + n / columns);
+  };
+  if (count == 1) {
+    for (std::size_t n = 0; n < tiles; ++n) piece[tile_at(n)] = 0;
+    return piece;
+  }
   // Cuts in the tiles row after row. What is left to later rounds lies on one side of a cut or on both, so they are moved
   // until the first round has as much to do in every piece.
   std::vector<std::size_t> cut(count + 1);
-  for (std::size_t k = 0; k <= count; ++k) cut[k] = tiles_.size() * k / count;
+  for (std::size_t k = 0; k <= count; ++k) cut[k] = tiles * k / count;
   for (int attempt = 0; attempt < 8; ++attempt) {
     for (std::size_t k = 0; k < count; ++k) {
-      for (std::size_t n = cut[k]; n < cut[k + 1]; ++n) {
-        piece[number_of(n % columns_, n / columns_)] = static_cast<std::uint32_t>(k);
-      }
+      for (std::size_t n = cut[k]; n < cut[k + 1]; ++n) piece[tile_at(n)] = static_cast<std::uint32_t>(k);
     }
     std::vector<bool> const is_left = left_to_later_rounds(piece);
     std::vector<std::size_t> inside(count, 0);
-    for (std::size_t tile = 0; tile < tiles_.size(); ++tile) inside[piece[tile]] += is_left[tile] ? 0 : 1;
+    for (std::size_t n = 0; n < tiles; ++n) inside[piece[tile_at(n)]] += is_left[tile_at(n)] ? 0 : 1;
     auto const all_inside = static_cast<double>(std::reduce(inside.begin(), inside.end()));
     double so_far = 0.0;
     for (std::size_t k = 1; k < count; ++k) {
       so_far += static_cast<double>(inside[k - 1]);
       double const too_many = so_far - all_inside * static_cast<double>(k) / static_cast<double>(count);
       double const at = static_cast<double>(cut[k]) - 0.5 * too_many;
-      cut[k] = std::clamp(static_cast<std::size_t>(std::max(0.0, at)), cut[k - 1], tiles_.size());
+      cut[k] = std::clamp(static_cast<std::size_t>(std::max(0.0, at)), cut[k - 1], tiles);
     }
   }
   return piece;
@@ -122,18 +145,10 @@ std::vector<std::uint32_t> Tiling::pieces(std::size_t threads) const {
 
 template <class Is>
 bool Tiling::any_before(std::uint32_t tile, Is is) const {
-  Place const place = place_of(tile);
   std::size_t const first_of_colour = first_of_[colour_of(tile)];
-  auto const any_near = [this](std::size_t at, std::size_t count, auto const& is_at) {
-    return is_at(at) || ((at > 0 || is_periodic_) && is_at((at + count - 1) % count)) ||
-           ((at + 1 < count || is_periodic_) && is_at((at + 1) % count));
-  };
-  return any_near(place.row, rows_, [&](std::size_t row) {
-    return any_near(place.column, columns_, [&](std::size_t column) {
-      std::uint32_t const other = number_of(column, row);
-      return other < first_of_colour && is(other);
-    });
-  });
+  bool is_any = false;
+  for_each_around(tile, [&](std::uint32_t other) { is_any = is_any || (other < first_of_colour && is(other)); });
+  return is_any;
 }
 
 std::vector<bool> Tiling::left_to_later_rounds(std::vector<std::uint32_t> const& piece) const {

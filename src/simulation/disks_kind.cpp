@@ -314,6 +314,9 @@ class DisksKind final : public ModelKind {
   [[nodiscard]] bool uses_threads(Configuration const& configuration) const override {
     return engine_record(configuration.engine.kind).uses_threads;
   }
+  [[nodiscard]] bool uses_ranks(Configuration const& configuration) const override {
+    return engine_record(configuration.engine.kind).uses_ranks && configuration.protocol.empty();
+  }
   [[nodiscard]] bool ends_within_steps(Configuration const& configuration) const override {
     return !engine_record(configuration.engine.kind).has_time_step;
   }
@@ -425,6 +428,10 @@ void DisksKind::build(Setup& setup, SetupOptions const& options) const {
   resolve(configuration);
   EngineSettings settings = configuration.engine;
   settings.threads = options.threads.value_or(settings.threads);
+  if (options.ranks != nullptr) {
+    settings.threads = threads_of(configuration, options.threads, options.ranks);
+    settings.ranks = options.ranks;
+  }
   EngineRecord const& record = engine_record(settings.kind);
   if (!configuration.protocol.empty()) {
     setup.simulation = prepared_simulation(configuration, settings, std::move(state));

@@ -16,7 +16,7 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::array<std::string_view, 24> kind_texts{"unused_setting",
+constexpr std::array<std::string_view, 25> kind_texts{"unused_setting",
                                                       "misleading_rule",
                                                       "note_of_model",
                                                       "frames_beyond_end",
@@ -39,6 +39,7 @@ constexpr std::array<std::string_view, 24> kind_texts{"unused_setting",
                                                       "packing_not_jammed",
                                                       "packing_unstable",
                                                       "audited",
+                                                      "traffic_counted",
                                                       "ended"};
 
 EventValue const* find(Event const& event, std::string_view name) {
@@ -196,7 +197,13 @@ std::string to_text(Event const& event) {
     case EventKind::resumed:
       return fmt::format("gridlock {} continues from step {} of {}", of.word("version"), event.step, of.word("file"));
     case EventKind::threads_chosen:
-      return fmt::format("on {} thread{}", of.count("threads"), of.count("threads") == 1 ? "" : "s");
+      return fmt::format("on {}{} thread{}{}",
+                         of.count("ranks") > 1 ? fmt::format("{} ranks, ", of.count("ranks")) : "", of.count("threads"),
+                         of.count("threads") == 1 ? "" : "s", of.count("ranks") > 1 ? " each" : "");
+    case EventKind::traffic_counted:
+      return fmt::format("rank {} sent {} messages of {:.3g} MB in all, and waited {:.3g} s for others",
+                         of.count("rank"), of.count("messages_sent"),
+                         static_cast<double>(of.count("bytes_sent")) * 1e-6, of.number("seconds_waiting"));
     case EventKind::lengthened:
       return fmt::format("lengthened to {}", of.word("length"));
     case EventKind::equilibration_fitted:

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/resources.hpp"
+#include "engine/ranks.hpp"
 #include "simulation/memory.hpp"
 
 namespace gridlock {
@@ -23,10 +24,12 @@ double steps_of(RunSettings const& run, double duration_of_step) {
 
 bool uses_threads(Configuration const& configuration) { return configuration.kind().uses_threads(configuration); }
 
-std::uint64_t threads_of(Configuration const& configuration, std::optional<std::uint64_t> asked_for) {
+std::uint64_t threads_of(Configuration const& configuration, std::optional<std::uint64_t> asked_for,
+                         Ranks const* ranks) {
   if (!uses_threads(configuration)) return 1;
   std::uint64_t const threads = asked_for.value_or(configuration.engine.threads);
-  return threads > 0 ? threads : usable_cores();
+  if (threads > 0) return threads;
+  return std::max<std::uint64_t>(1, usable_cores() / (ranks == nullptr ? 1 : ranks->count_on_machine()));
 }
 
 Expectation expectation_of(Setup const& setup) {

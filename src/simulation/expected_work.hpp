@@ -18,7 +18,8 @@ Expectation expectation_of(Setup const& setup);
 /// Whether more threads than one are of any use to a run.
 bool uses_threads(Configuration const& configuration);
 
-/// The threads a run is carried out by, where it may be asked for others than the configured ones.
-std::uint64_t threads_of(Configuration const& configuration, std::optional<std::uint64_t> asked_for = std::nullopt);
+/// The threads a run is carried out by in each of its processes, where it may be asked for others than the configured ones.
+std::uint64_t threads_of(Configuration const& configuration, std::optional<std::uint64_t> asked_for = std::nullopt,
+                         Ranks const* ranks = nullptr);
 
 }  // namespace gridlock

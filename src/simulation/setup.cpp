@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/saturating.hpp"
+#include "engine/ranks.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/simulation/world_simulation.hpp"
 #include "simulation/check.hpp"
@@ -18,6 +19,22 @@ namespace gridlock {
 namespace {
 
 constexpr std::uint64_t default_steps = 10'000;
+
+void require_use_of_ranks(Configuration const& configuration, SetupOptions const& options) {
+  if (options.ranks == nullptr || options.ranks->count() == 1 || configuration.kind().uses_ranks(configuration)) return;
+  bool const is_of_disks = configuration.model.kind == "disks";
+  std::string const what = !is_of_disks ? fmt::format("the model \"{}\"", configuration.model.kind)
+                           : configuration.protocol.empty()
+                               ? fmt::format("the engine \"{}\"", configuration.engine.kind)
+                               : std::string("a run with a [[protocol]]");
+  throw Error(
+      {.what = fmt::format("{} cannot be shared by {} ranks", what, options.ranks->count()),
+       .hint =
+           "disks with engine.kind = \"tiled\" can; gridlock run carries out all others, and gridlock-mpi sweep many",
+       .key = !is_of_disks                     ? "model.kind"
+              : configuration.protocol.empty() ? "engine.kind"
+                                               : "protocol"});
+}
 
 }  // namespace
 
@@ -52,6 +69,7 @@ Setup set_up(Configuration configuration, SetupOptions const& options) {
   setup.configuration = std::move(configuration);
   // What is run is decided: the settings of other models would only fill its resolved configuration.
   setup.configuration.models.keep_only(setup.configuration.model.kind);
+  require_use_of_ranks(setup.configuration, options);
   RunSettings& run = setup.configuration.run;
   if (!run.steps && !run.time && !run.collisions_per_disk) {
     run.steps = setup.configuration.protocol.empty() ? default_steps : 0;

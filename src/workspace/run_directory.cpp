@@ -14,6 +14,7 @@
 #include <set>
 #include <utility>
 
+#include "engine/ranks.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/target.hpp"
 #include "gridlock/io/settings_file.hpp"
@@ -75,8 +76,23 @@ std::optional<double> packing_fraction_of(Frame const& frame) {
   return area / frame.box.area();
 }
 
+/// What the ranks of a run have sent, and how long each has waited.
+Json to_json(std::vector<Traffic> const& ranks) {
+  Json json = Json::array();
+  for (Traffic const& rank : ranks) {
+    json.push_back(
+        {{"messages_sent", rank.messages}, {"bytes_sent", rank.bytes}, {"seconds_waiting", rank.seconds_waiting}});
+  }
+  return json;
+}
+
+/// Nothing for a run of one process.
+std::vector<Traffic> traffic_of(Ranks const* ranks) {
+  return ranks == nullptr || ranks->count() == 1 ? std::vector<Traffic>() : ranks->traffic_of_ranks();
+}
+
 std::string summary_json(Configuration const& configuration, std::uint64_t start_hash, RunRecord const& record,
-                         Frame const& frame) {
+                         Frame const& frame, std::vector<Traffic> const& ranks) {
   Json json;
   json["gridlock"] = version();
   json["status"] = to_text(record.status);
@@ -96,6 +112,7 @@ std::string summary_json(Configuration const& configuration, std::uint64_t start
   json["timing"] = {{"seconds", record.seconds},
                     {"agent_steps_per_second", record.agent_steps_per_second()},
                     {"target", to_text(target())}};
+  if (!ranks.empty()) json["timing"]["ranks"] = to_json(ranks);
   json["counters"] = to_json(record.counts);
   for (auto const& [name, estimate, unit] : record.results) {
     // A model may call what it observes "time" or "seed".
@@ -108,7 +125,7 @@ std::string summary_json(Configuration const& configuration, std::uint64_t start
 }
 
 void write_results(std::filesystem::path const& directory, Configuration const& configuration, std::uint64_t start_hash,
-                   RunRecord const& record, Frame const& frame) {
+                   RunRecord const& record, Frame const& frame, std::vector<Traffic> const& ranks) {
   // Last to come and first to go, so that a directory with a summary is a complete one.
   std::error_code ignored;
   std::filesystem::remove(directory / summary_name, ignored);
@@ -122,7 +139,7 @@ void write_results(std::filesystem::path const& directory, Configuration const& 
     record_result(directory / "final.xyz");
     write_xyz(frame, directory / "final.xyz");
   }
-  write_file(directory / summary_name, summary_json(configuration, start_hash, record, frame));
+  write_file(directory / summary_name, summary_json(configuration, start_hash, record, frame, ranks));
 }
 
 /// When the next checkpoint is due.
@@ -262,11 +279,7 @@ class RunInDirectory {
   }
 
   RunRecord carry_out() {
-    std::uint64_t const threads = threads_of(setup_.configuration, hooks_.threads);
-    log_.write({.kind = EventKind::threads_chosen,
-                .severity = Severity::info,
-                .step = simulation_.clock().step,
-                .values = {{"threads", threads}}});
+    log_.write(processors_event());
     CheckpointClock checkpoints(setup_.configuration.checkpoint);
     RunStatus const status =
         run_.advance(hooks_.on_progress, {.is_due = [&](std::uint64_t steps) { return checkpoints.is_due(steps); },
@@ -282,7 +295,8 @@ class RunInDirectory {
     if (status == RunStatus::interrupted) save();
     RunRecord record = run_.record();
     try {
-      write_results(directory_, setup_.configuration, start_hash_, record, simulation_.frame());
+      write_results(directory_, setup_.configuration, start_hash_, record, simulation_.frame(),
+                    traffic_of(hooks_.ranks));
     } catch (RunFailure const& failure) {
       // A full disk ends the run first and keeps its results out next: the first reason is the one to tell.
       if (record.failure.empty()) throw;
@@ -295,6 +309,7 @@ class RunInDirectory {
     remove_leftovers(directory_);
     for (Event const& note : simulation_.notes()) log_.write(note);
     if (auto const audits = audit_event(simulation_)) log_.write(*audits);
+    log_traffic();
     log_.write({.kind = EventKind::ended,
                 .severity = Severity::info,
                 .step = record.clock.step,
@@ -321,6 +336,29 @@ class RunInDirectory {
     if (!difference) return;
     throw Error({.what = fmt::format("its configuration is not the one of this directory: {}",
                                      to_text(*difference, "the checkpoint", configuration_name))});
+  }
+
+  /// What carries the run out.
+  [[nodiscard]] Event processors_event() const {
+    Event event{.kind = EventKind::threads_chosen,
+                .severity = Severity::info,
+                .step = simulation_.clock().step,
+                .values = {{"threads", threads_of(setup_.configuration, hooks_.threads, hooks_.ranks)}}};
+    if (hooks_.ranks != nullptr) event.values.emplace_back("ranks", std::uint64_t{hooks_.ranks->count()});
+    return event;
+  }
+
+  void log_traffic() {
+    std::vector<Traffic> const ranks = traffic_of(hooks_.ranks);
+    for (std::size_t rank = 0; rank < ranks.size(); ++rank) {
+      log_.write({.kind = EventKind::traffic_counted,
+                  .severity = Severity::info,
+                  .step = simulation_.clock().step,
+                  .values = {{"rank", std::uint64_t{rank}},
+                             {"messages_sent", ranks[rank].messages},
+                             {"bytes_sent", ranks[rank].bytes},
+                             {"seconds_waiting", ranks[rank].seconds_waiting}}});
+    }
   }
 
   void save() {
@@ -435,7 +473,7 @@ RunRecord continue_in(std::filesystem::path const& directory, std::optional<RunL
     if (!is_finished && are_same(old.run, *length)) length.reset();
   }
   if (length) set_length(file, *length);
-  Setup setup = set_up(file, {.threads = hooks.threads});
+  Setup setup = set_up(file, {.threads = hooks.threads, .ranks = hooks.ranks});
   Configuration configuration = setup.configuration;
   bool const starts_from_file = !setup.start_file.empty();
   RunInDirectory run(directory, std::move(setup), resolved(configuration, starts_from_file), hooks);

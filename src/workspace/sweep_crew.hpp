@@ -29,7 +29,8 @@ struct CrewLead {
   std::function<void(std::uint64_t run, std::string const& outcome)> finish;
 };
 
-/// Processes that carry out one sweep together. One of them leads: it opens the directory, hands out the runs and writes the tables.
+/// Processes that carry out one command together, most of all a sweep. One of them leads: it opens the directory, hands out the
+/// runs and writes the tables.
 class SweepCrew {
  public:
   virtual ~SweepCrew() = default;
@@ -41,6 +42,8 @@ class SweepCrew {
   /// Every process calls it once, when it is ready for runs of the plan with this hash, or when it cannot take part: `failure` then says why.
   /// Returns where all are ready for the same plan. Errors: RunFailure for another's failure, and for another plan.
   virtual void meet(std::uint64_t plan_hash, std::string const& failure) = 0;
+  /// No other process waits for this one any more.
+  virtual void part() = 0;
   /// Of the leader: every run is made by some process, and all of them are let go.
   virtual void lead(CrewLead const& lead) = 0;
   /// Of the others: makes what the leader hands out, until it lets this process go.

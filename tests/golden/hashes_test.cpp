@@ -14,92 +14,49 @@
 #include <string>
 #include <vector>
 
+#include "golden/scenes.hpp"
 #include "golden/table.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/validate.hpp"
-#include "gridlock/lattice/start.hpp"
 #include "gridlock/simulation/setup.hpp"
+#include "thread_ranks.hpp"
 
 namespace gridlock {
 namespace {
 
-struct Scene {
-  std::string name;
-  Box box;
-  DisksSettings disks;
-  VelocitySettings velocities;
-  EngineSettings engine;
-  double time = 1.0;
-};
-
-std::vector<Scene> scenes() {
-  Box const walls(1.0, 1.0, Edge::wall);
-  Box const periodic(1.0, 1.0, Edge::periodic);
-  return {
-      {.name = "paper",
-       .box = walls,
-       .disks = {.count = 841, .packing_fraction = 0.7},
-       .engine = {.cells = 10},
-       .time = 0.5},
-      {.name = "triangular",
-       .box = walls,
-       .disks = {.count = 400, .packing_fraction = 0.8, .start = StartKind::triangular},
-       .engine = {.contact = CollisionRule::approaching}},
-      {.name = "mixture",
-       .box = periodic,
-       .disks = {.count = 200,
-                 .packing_fraction = 0.4,
-                 .start = StartKind::random,
-                 .species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = 1.4, .mass = 1.96}}},
-       .velocities = {.kind = VelocityKind::maxwell}},
-      {.name = "rectangle",
-       .box = Box(3.0, 0.7, Edge::periodic),
-       .disks = {.count = 150, .packing_fraction = 0.6, .start = StartKind::triangular},
-       .engine = {.time_step = 0.3, .substeps = 2}},
-      {.name = "gas", .box = walls, .disks = {.count = 100, .packing_fraction = 0.02}, .time = 10.0},
-      {.name = "few", .box = periodic, .disks = {.count = 4, .packing_fraction = 0.4}, .time = 20.0},
-      // Enough disks for many tiles of each colour; in the second one some cells hold more disks than a block.
-      {.name = "crowd",
-       .box = walls,
-       .disks = {.count = 10'000, .packing_fraction = 0.65, .start = StartKind::triangular},
-       .time = 0.05},
-      {.name = "large_and_small",
-       .box = periodic,
-       .disks = {.count = 4'000,
-                 .packing_fraction = 0.3,
-                 .start = StartKind::random,
-                 .species = {{.fraction = 0.9}, {.fraction = 0.1, .size_ratio = 4.0, .mass = 16.0}}},
-       .time = 0.05},
-  };
-}
-
-constexpr std::uint64_t seed = 20;
+using golden::Scene;
+using golden::scenes;
 
 /// Settings that must not change a bit.
 struct Variant {
   std::uint64_t threads = 0;
   GridKind grid = GridKind::packed;
+  std::size_t ranks = 1;
 };
 
 std::vector<Variant> variants_of(std::string const& engine) {
-  if (engine == "tiled") return {{.threads = 1}, {.threads = 2}, {.threads = 3}, {.threads = 8}};
+  if (engine == "tiled") {
+    return {{.threads = 1}, {.threads = 2}, {.threads = 3}, {.threads = 8}, {.threads = 1, .ranks = 3}};
+  }
   if (engine == "stepped") return {{.grid = GridKind::packed}, {.grid = GridKind::linked}};
   return {{}};
 }
 
 Hashes run(Scene const& scene, std::string const& engine, Variant const& variant) {
-  State state = make_start(scene.box, scene.disks, seed);
-  draw_velocities(state, scene.velocities);
-  std::string const start = fmt::format("{:016x}", hash(state));
+  State state = golden::start_of(scene);
+  std::string const start = golden::hash_text(state);
   EngineSettings settings = scene.engine;
   settings.kind = engine;
   settings.threads = variant.threads;
   settings.grid = variant.grid;
   Counters counters;
-  make_engine(settings, state)->advance(state, counters, {.time = scene.time});
+  test::ThreadRanks(variant.ranks).run([&](Ranks& ranks) {
+    settings.ranks = &ranks;
+    make_engine(settings, state)->advance(state, counters, {.time = scene.time});
+  });
   EXPECT_NO_THROW(validate(state));
   EXPECT_GT(counters.pair_collisions, 0U) << "a scene in which nothing happens proves nothing";
-  return {start, fmt::format("{:016x}", hash(state))};
+  return {start, golden::hash_text(state)};
 }
 
 struct Row {
@@ -127,7 +84,7 @@ TEST_P(Golden, GivesTheBitsOfTheTable) {
   Hashes const now = run(row.scene, row.engine, variants.front());
   for (Variant const& variant : variants) {
     EXPECT_EQ(run(row.scene, row.engine, variant).end, now.end)
-        << variant.threads << " threads, grid " << static_cast<int>(variant.grid);
+        << variant.threads << " threads, " << variant.ranks << " ranks, grid " << static_cast<int>(variant.grid);
   }
   HashTable("hashes.csv").expect({row.scene.name, row.engine}, now);
 }

@@ -118,6 +118,9 @@ enum class CollisionRule { always, approaching };
 /// into cache lines. Both give the same bits.
 enum class GridKind { linked, packed };
 
+/// Processes that carry out a run together, of which this one leads; see src/engine/ranks.hpp.
+class Ranks;
+
 /// The settings `[engine]`.
 struct EngineSettings {
   std::string kind = "stepped";
@@ -129,6 +132,7 @@ struct EngineSettings {
   std::uint64_t audit_every = 0;  ///< pair collisions between two audits of the exact engine; 0: never
   GridKind grid = GridKind::packed;
   std::uint64_t threads = 0;  ///< of the engines exact and tiled; 0: all cores
+  Ranks* ranks = nullptr;     ///< that share the steps of tiled with this process; nothing that a file can set
 };
 void describe(EngineSettings& settings, SettingVisitor& visitor);
 /// Of them the threads alone, which is all that other models use.
@@ -150,6 +154,7 @@ struct EngineRecord {
   std::string_view documentation;  ///< what it is, in words that follow its name
   bool has_time_step = true;       ///< false: it goes from event to event, and a run can end within a step
   bool uses_threads = false;
+  bool uses_ranks = false;                    ///< EngineSettings::ranks
   double bytes_per_disk = 0.0;                ///< at the peak of a run, all of the program counted
   double bytes_per_disk_of_threads = 0.0;     ///< what more than one thread add to that peak
   double bytes_per_disk_of_checkpoint = 0.0;  ///< what a checkpoint adds to that peak

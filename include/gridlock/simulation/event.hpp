@@ -47,6 +47,7 @@ enum class EventKind {
   packing_not_jammed,      ///< soft disks press where the stage ends, and are not jammed
   packing_unstable,        ///< the packing gives way to a shear
   audited,
+  traffic_counted,  ///< what one of several ranks has sent, and how long it has waited
   ended,
 };
 

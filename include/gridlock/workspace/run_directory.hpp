@@ -52,6 +52,7 @@ struct RunHooks {
   OnProgress on_progress;
   std::function<void(Event const&)> on_event;  ///< called for every line of run.log
   std::optional<std::uint64_t> threads;        ///< in place of engine.threads; left out: as configured
+  Ranks* ranks = nullptr;                      ///< those of the set-up, SetupOptions::ranks
 };
 
 /// Runs a set-up in a directory of its own, which holds from the first step on

@@ -179,5 +179,46 @@ TEST(PackedGrid, AgentsOnTheEdgesOfCellsAreWhereTheLayoutSaysTheyAre) {
   }
 }
 
+/// Whatever lies in the window is where the whole box has it, and the rest seems empty.
+void expect_window_of_whole(Edge edge, CellWindow const& window) {
+  CellLayout const layout(Box(12.0, 9.0, edge), 12, 9);
+  PackedGrid whole(layout, 200);
+  PackedGrid part(layout, window, 200);
+  RandomStream random(1, 0, 0, Purpose::start_position);
+  for (std::size_t i = 0; i < 200; ++i) {
+    double const x = 12.0 * random.uniform();
+    Vector const p{x, 9.0 * random.uniform()};
+    whole.insert(i, p);
+    if (part.stores(layout.column_of(p.x), layout.row_of(p.y))) part.insert(i, p);
+  }
+  ASSERT_TRUE(part.is_consistent());
+  ASSERT_GT(part.size(), 0U);
+  for (int row = 0; row < 9; ++row) {
+    for (int column = 0; column < 12; ++column) {
+      int const cell = row * 12 + column;
+      EXPECT_EQ(in_cell(part, cell), part.stores(column, row) ? in_cell(whole, cell) : Agents{});
+    }
+  }
+}
+
+TEST(PackedGrid, StoresAWindowOfTheCellsUnderTheNumbersOfTheWholeBox) {
+  expect_window_of_whole(Edge::wall, {.first_column = 3, .end_column = 7, .first_row = 2, .end_row = 9});
+  expect_window_of_whole(Edge::periodic, {.first_column = -2, .end_column = 5, .first_row = -1, .end_row = 4});
+  expect_window_of_whole(Edge::periodic, {.first_column = 8, .end_column = 14, .first_row = 6, .end_row = 11});
+  expect_window_of_whole(Edge::periodic, {.first_column = -3, .end_column = 12, .first_row = 0, .end_row = 3});
+}
+
+TEST(PackedGrid, TheCellsBesideOneInAWindowAreThoseOfTheBox) {
+  CellLayout const layout(Box(12.0, 9.0, Edge::periodic), 12, 9);
+  PackedGrid const grid(layout, {.first_column = -1, .end_column = 5, .first_row = 7, .end_row = 10}, 1);
+  EXPECT_EQ(grid.block_at(grid.column_left_of(0), 8).column, 11);
+  EXPECT_EQ(grid.block_at(0, grid.row_above(8)).row, 0);
+  PackedGrid const at_wall(CellLayout(Box(12.0, 9.0, Edge::wall), 12, 9),
+                           {.first_column = 0, .end_column = 5, .first_row = 7, .end_row = 9}, 1);
+  EXPECT_EQ(at_wall.block_at(at_wall.column_left_of(0), 8).count, 0);
+  EXPECT_EQ(at_wall.block_at(at_wall.column_left_of(0), 8).column, 12);
+  EXPECT_EQ(at_wall.block_at(1, at_wall.row_above(8)).row, 9);
+}
+
 }  // namespace
 }  // namespace gridlock

@@ -53,6 +53,7 @@ class CrewOfThreads {
     [[nodiscard]] bool leads() const override { return rank_ == 0; }
     [[nodiscard]] std::size_t processes_on_machine() const override { return crew_.members_.size(); }
     void meet(std::uint64_t /*plan_hash*/, std::string const& /*failure*/) override {}
+    void part() override {}
     void lead(CrewLead const& lead) override {
       while (auto const job = lead.next()) {
         EXPECT_TRUE(lead.report(job->run, 0.5));

@@ -19,6 +19,14 @@
 
 namespace gridlock {
 
+/// A rectangle of cells. Around a periodic box it may begin below 0 or end beyond the last column or row.
+struct CellWindow {
+  int first_column = 0, end_column = 0;
+  int first_row = 0, end_row = 0;
+
+  friend bool operator==(CellWindow const&, CellWindow const&) = default;
+};
+
 /// The same cells as LinkedGrid, laid out for vector instructions: the agents of a cell are side by side in one
 /// cache line, with their positions inside the cell, so that four distances cost one instruction each and most
 /// neighbours are dismissed without a look at the population.
@@ -38,6 +46,9 @@ namespace gridlock {
 /// Places inside a cell are single precision, in units of the longer side of a cell: 1e-7 of a cell. They only say who
 /// may be near; whoever visits the candidates measures the distance that counts in double precision. A distance
 /// between cells knows nothing of the edges of the box, so a periodic box costs nothing.
+///
+/// A grid may store a window of the cells alone, as if the others were empty. Cells keep the numbers that they have in the
+/// whole box.
 ///
 /// Insert, erase and move cost O(1) whatever the size of the cell. Memory: 64 bytes for each cell and each further four
 /// agents, 4 bytes for each agent.
@@ -68,6 +79,8 @@ class PackedGrid {
   PackedGrid() = default;
   /// With room for agents 0 … agents − 1: asking for it at once takes half the memory that asking for it later does.
   explicit PackedGrid(CellLayout const& layout, std::size_t agents = 0);
+  /// Stores the cells of a window, all columns or rows where it has as many. Contract: it lies within walls.
+  PackedGrid(CellLayout const& layout, CellWindow const& window, std::size_t agents);
   /// Holds every point given, agent i at (x[i], y[i]).
   /// Errors: Error for lists of different lengths, and for coordinates that are not finite.
   PackedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y);
@@ -75,9 +88,7 @@ class PackedGrid {
   [[nodiscard]] CellLayout const& layout() const { return layout_; }
   [[nodiscard]] std::size_t size() const { return size_; }
   /// Blocks behind the first ones of the cells, those included that are no longer in use.
-  [[nodiscard]] std::size_t further_blocks() const {
-    return blocks_.size() - stride_ * (static_cast<std::size_t>(layout_.rows()) + 1);
-  }
+  [[nodiscard]] std::size_t further_blocks() const { return blocks_.size() - blocks_of_cells_; }
   [[nodiscard]] bool contains(std::size_t agent) const { return agent < place_.size() && place_[agent] != none; }
   [[nodiscard]] int cell_of(std::size_t agent) const {
     Block const& block = block_of(agent);
@@ -125,9 +136,11 @@ class PackedGrid {
     if (block.count > 0) gridlock::prefetch(place_.data() + block.agent[block.count - 1]);
   }
   /// For insert(): the cell of a point.
-  void prefetch_cell_of(Vector p) const { gridlock::prefetch(&block_at(layout_.column_of(p.x), layout_.row_of(p.y))); }
+  void prefetch_cell_of(Vector p) const {
+    gridlock::prefetch(&blocks_[index_of(layout_.column_of(p.x), layout_.row_of(p.y))]);
+  }
   void prefetch_second_block_of(Vector p) const {
-    Block const& block = block_at(layout_.column_of(p.x), layout_.row_of(p.y));
+    Block const& block = blocks_[index_of(layout_.column_of(p.x), layout_.row_of(p.y))];
     if (block.next != none) gridlock::prefetch(&blocks_[block.next]);
   }
 
@@ -158,6 +171,13 @@ class PackedGrid {
     for_each_block(base_of(cell), [&](Block const& block) {
       for (std::uint32_t s = 0; s < block.count; ++s) visit(static_cast<std::size_t>(block.agent[s]));
     });
+  }
+
+  /// Whether the window has a cell.
+  [[nodiscard]] bool stores(int column, int row) const {
+    return stored(column, window_.first_column, window_.end_column, layout_.columns()) <
+               window_.end_column - window_.first_column &&
+           stored(row, window_.first_row, window_.end_row, layout_.rows()) < window_.end_row - window_.first_row;
   }
 
   /// Calls visit(agent) for every agent of the block of cells around `cell`, the 3×3 block for reach 1, 1.
@@ -195,15 +215,19 @@ class PackedGrid {
   [[nodiscard]] Block const& block_of(std::size_t agent) const { return blocks_[place_[agent] / slots]; }
   [[nodiscard]] Block& block_of(std::size_t agent) { return blocks_[place_[agent] / slots]; }
   [[nodiscard]] std::uint32_t slot_of(std::size_t agent) const { return place_[agent] % slots; }
+  /// Contract: the cell is in the window, or one of the empty ones beside it.
   [[nodiscard]] Block const& block_at(int column, int row) const {
-    return blocks_[static_cast<std::size_t>(row) * stride_ + static_cast<std::size_t>(column)];
+    return blocks_[static_cast<std::size_t>(row * static_cast<std::ptrdiff_t>(stride_) + column - first_)];
   }
   [[nodiscard]] Block& block_at(int column, int row) {
     return const_cast<Block&>(std::as_const(*this).block_at(column, row));
   }
   [[nodiscard]] Block const& next_of(Block const& block) const { return blocks_[block.next]; }
   [[nodiscard]] Block& next_of(Block& block) { return blocks_[block.next]; }
-  /// The column and the row on either side, those of an empty cell beyond a wall.
+  /// How far the blocks of two rows are apart.
+  [[nodiscard]] std::ptrdiff_t blocks_in_row() const { return static_cast<std::ptrdiff_t>(stride_); }
+  /// The column and the row on either side, for block_at(): those of an empty cell beyond a wall, and beyond 0 or the last
+  /// one where the window goes on there.
   [[nodiscard]] int column_left_of(int column) const { return column == 0 ? left_of_first_ : column - 1; }
   [[nodiscard]] int column_right_of(int column) const {
     return column + 1 == layout_.columns() ? right_of_last_ : column + 1;
@@ -263,9 +287,25 @@ class PackedGrid {
     std::atomic_flag flag_;
   };
 
+  /// Where in a window an index lies that counts along the whole box; its end for one that does not.
+  static int stored(int index, int first, int end, int all) {
+    int k = index - first;
+    if (k < 0) {
+      k += all;
+    } else if (k >= all) {
+      k -= all;
+    }
+    return std::min(k, end - first);
+  }
+  /// The first block of a cell of the box, or of an empty one for a cell outside the window.
+  [[nodiscard]] std::size_t index_of(int column, int row) const {
+    int const c = stored(column, window_.first_column, window_.end_column, layout_.columns());
+    int const r = stored(row, window_.first_row, window_.end_row, layout_.rows());
+    return static_cast<std::size_t>(r) * stride_ + static_cast<std::size_t>(c);
+  }
   [[nodiscard]] std::size_t base_of(int cell) const {
     int const row = cell / layout_.columns();
-    return static_cast<std::size_t>(row) * stride_ + static_cast<std::size_t>(cell - row * layout_.columns());
+    return index_of(cell - row * layout_.columns(), row);
   }
 
   template <class Visit>
@@ -302,7 +342,7 @@ class PackedGrid {
   };
   [[nodiscard]] CellPoint cell_point_of(Vector p) const;
   [[nodiscard]] std::size_t base_of(CellPoint const& cell_point) const {
-    return static_cast<std::size_t>(cell_point.row) * stride_ + static_cast<std::size_t>(cell_point.column);
+    return index_of(cell_point.column, cell_point.row);
   }
   void put(std::size_t agent, CellPoint const& cell_point);
   void take_out(std::size_t agent);
@@ -312,7 +352,10 @@ class PackedGrid {
   void drop_second_block(Block& base);
 
   CellLayout layout_;
+  CellWindow window_;
   std::size_t stride_ = 0;
+  std::ptrdiff_t first_ = 0;  ///< what block_at() would give the first block
+  std::size_t blocks_of_cells_ = 0;
   int left_of_first_ = 0, right_of_last_ = 0, below_first_ = 0, above_last_ = 0;
   double locals_per_length_ = 1.0;
   float local_width_ = 1.0F;

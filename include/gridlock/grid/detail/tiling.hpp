@@ -34,6 +34,23 @@ class Tiling {
   [[nodiscard]] std::vector<Tile> const& tiles() const { return tiles_; }
   /// The tiles of a colour are first_of(colour) … first_of(colour + 1) − 1.
   [[nodiscard]] std::size_t first_of(std::size_t colour) const { return first_of_[colour]; }
+  /// Tiles side by side, and one above the other.
+  [[nodiscard]] std::size_t columns() const { return columns_; }
+  [[nodiscard]] std::size_t rows() const { return rows_; }
+  [[nodiscard]] std::uint32_t number_of(std::size_t column, std::size_t row) const;
+  /// Calls visit(number) for the tiles around one and for itself; around a small periodic box for some more than once.
+  template <class Visit>
+  void for_each_around(std::uint32_t tile, Visit visit) const {
+    Place const place = place_of(tile);
+    auto const near = [this](std::size_t at, std::size_t count, auto visit_at) {
+      visit_at(at);
+      if (at > 0 || is_periodic_) visit_at((at + count - 1) % count);
+      if (at + 1 < count || is_periodic_) visit_at((at + 1) % count);
+    };
+    near(place.row, rows_, [&](std::size_t row) {
+      near(place.column, columns_, [&](std::size_t column) { visit(number_of(column, row)); });
+    });
+  }
 
   /// Numbers of tiles, to be visited one after the other.
   using Part = std::vector<std::uint32_t>;
@@ -48,19 +65,35 @@ class Tiling {
   /// colour by colour. In a small system, or for many threads, those are nearly all of colours 1 to 3.
   [[nodiscard]] std::vector<Round> rounds(std::size_t threads) const;
 
+  /// A rectangle of tiles, which one of several processes takes care of.
+  struct Rectangle {
+    std::size_t first_column = 0, end_column = 0;
+    std::size_t first_row = 0, end_row = 0;
+
+    [[nodiscard]] std::size_t tiles() const { return (end_column - first_column) * (end_row - first_row); }
+  };
+  /// The rounds of the tiles of a rectangle, always as many as there are colours and some of them empty: after each of them
+  /// the processes tell each other what they have changed. Tiles that must come after one of another process are left to
+  /// later rounds.
+  [[nodiscard]] std::vector<Round> rounds(Rectangle const& own, std::size_t threads) const;
+
  private:
+  /// The piece of a tile that another process takes care of.
+  static constexpr std::uint32_t elsewhere = 0xffff'ffff;
+
   /// Where a tile is among the tiles.
   struct Place {
     std::size_t column, row;
   };
-  [[nodiscard]] std::uint32_t number_of(std::size_t column, std::size_t row) const;
   [[nodiscard]] Place place_of(std::uint32_t tile) const;
   [[nodiscard]] std::size_t colour_of(std::uint32_t tile) const;
   /// Whether is(other) for one of a lower colour among the eight around a tile.
   template <class Is>
   [[nodiscard]] bool any_before(std::uint32_t tile, Is is) const;
-  /// The piece each tile is in: as many tiles in each, row after row.
-  [[nodiscard]] std::vector<std::uint32_t> pieces(std::size_t threads) const;
+  /// The piece each tile is in: as many of those that are not elsewhere in each, row after row.
+  [[nodiscard]] std::vector<std::uint32_t> pieces(Rectangle const& own, std::size_t threads) const;
+  /// The first round, and for each colour what is left of it, in parts.
+  [[nodiscard]] std::array<Round, colours + 1> rounds_of_colours(Rectangle const& own, std::size_t threads) const;
   /// Which tiles must come after a tile of another piece, or after one of these.
   [[nodiscard]] std::vector<bool> left_to_later_rounds(std::vector<std::uint32_t> const& piece) const;
   /// All tiles such that the order of colours is kept and a row is visited again soon.

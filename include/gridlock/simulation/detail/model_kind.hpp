@@ -57,6 +57,8 @@ class ModelKind {
                                                       std::string_view key) const = 0;
   /// Whether more threads than one are of any use.
   [[nodiscard]] virtual bool uses_threads(Configuration const& configuration) const = 0;
+  /// Whether several processes can share a run, SetupOptions::ranks.
+  [[nodiscard]] virtual bool uses_ranks(Configuration const& /*configuration*/) const { return false; }
   /// Whether a run can end within a step.
   [[nodiscard]] virtual bool ends_within_steps(Configuration const& /*configuration*/) const { return false; }
   /// Whether a run can be given a length in collisions.

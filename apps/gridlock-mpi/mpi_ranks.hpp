@@ -1,0 +1,67 @@
+#pragma once
+
+#include <mpi.h>
+
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/ranks.hpp"
+
+namespace gridlock::mpi {
+
+/// How the ranks of a run hear of the world around them, and how they wait for each other.
+struct RanksHooks {
+  std::function<bool()> is_stop_asked;               ///< this process
+  std::function<void()> ask_to_stop;                 ///< as if it had been asked
+  std::function<void(std::string const&)> complain;  ///< says why all ranks end
+  // For a simulator of clusters:
+  bool waits_in_mpi = false;                                            ///< at full speed
+  std::function<void(std::uint64_t turns, std::size_t bytes)> on_work;  ///< that were taken, sent or received
+};
+
+/// The ranks of MPI_COMM_WORLD, for one run that they share. Messages have a communicator of their own.
+class MpiRanks final : public Ranks {
+ public:
+  MpiRanks(std::size_t count_on_machine, RanksHooks hooks);
+  ~MpiRanks() override;
+
+  [[nodiscard]] std::size_t rank() const override { return rank_; }
+  [[nodiscard]] std::size_t count() const override { return count_; }
+  void send(std::size_t to, Bytes message) override;
+  Bytes receive(std::size_t from) override;
+  std::vector<Bytes> gather_for_all(Bytes own) override;
+  void note_turns(std::uint64_t turns) override { note_work(turns, 0); }
+  [[nodiscard]] Traffic traffic() const override { return traffic_; }
+  [[nodiscard]] double seconds() const override { return MPI_Wtime(); }
+  [[nodiscard]] std::size_t count_on_machine() const override { return count_on_machine_; }
+  [[nodiscard]] bool is_stop_asked() const override { return hooks_.is_stop_asked(); }
+  void ask_to_stop() override { hooks_.ask_to_stop(); }
+  [[noreturn]] void abandon(std::string const& why) override;
+
+ private:
+  struct Sending {
+    MPI_Request request;
+    Bytes message;
+  };
+
+  void note_work(std::uint64_t turns, std::size_t bytes) const {
+    if (hooks_.on_work) hooks_.on_work(turns, bytes);
+  }
+  void forget_sent();
+  void wait_for(MPI_Request& request);
+  int wait_for_message(int from);
+
+  MPI_Comm ranks_communicator_ = MPI_COMM_NULL;
+  std::size_t rank_ = 0;
+  std::size_t count_ = 1;
+  std::size_t count_on_machine_;
+  RanksHooks hooks_;
+  std::deque<Sending> sending_;  ///< what may not have left yet, the oldest first
+  std::size_t bytes_sending_ = 0;
+  Traffic traffic_;
+};
+
+}  // namespace gridlock::mpi

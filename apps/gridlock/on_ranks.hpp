@@ -1,0 +1,14 @@
+#pragma once
+
+#include <functional>
+
+#include "verbs.hpp"
+
+namespace gridlock::cli {
+
+/// Carries out a command of one run: with a crew rank 0 does, and the others help it until it has ended. `work` is given the
+/// ranks, or none without a crew.
+/// Errors: those of `work`; RunFailure where another rank cannot take part.
+ExitCode carry_out(CrewOptions const* crew, std::function<ExitCode(Ranks*)> const& work);
+
+}  // namespace gridlock::cli

@@ -1,0 +1,86 @@
+// Steps of `tiled` on the ranks of a simulated cluster. The engine itself runs, every message is sent, and SimGrid's SMPI says how long that would take;
+// what ranks compute takes as long as turns and bytes of messages cost on a real core. Built and started by simulated_ranks.py.
+//
+//     smpirun -np RANKS … gridlock_bench_simulated_ranks DISKS STEPS NANOSECONDS_OF_TURN NANOSECONDS_OF_BYTE
+//
+// Prints ranks, disks, the simulated seconds of a step, messages and bytes of a rank and step with what is handed out and gathered, and the hash of the
+// last state.
+
+#include <fmt/format.h>
+#include <mpi.h>
+#include <smpi/smpi.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+#include "engine/tiled/on_ranks.hpp"
+#include "gridlock-mpi/mpi_ranks.hpp"
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/lattice/start.hpp"
+
+namespace {
+
+void lead(gridlock::Ranks& ranks, std::size_t disks, std::uint64_t steps) {
+  gridlock::State state = gridlock::make_start(gridlock::Box(1.0, 1.0, gridlock::Edge::periodic),
+                                               {.count = disks, .packing_fraction = 0.7}, 20);
+  gridlock::draw_velocities(state, {});
+  gridlock::EngineSettings const settings{.kind = "tiled", .threads = 1, .ranks = &ranks};
+  auto const engine = gridlock::make_engine(settings, state);
+  // The leader looks up when all ranks have taken their first step, and then now and then.
+  double first_seconds = 0.0;
+  double last_seconds = 0.0;
+  std::uint64_t first_step = 0;
+  gridlock::Counters counters;
+  gridlock::StopCondition stop{.step = steps};
+  stop.should_continue = [&] {
+    last_seconds = ranks.seconds();
+    if (first_step == 0) {
+      first_seconds = last_seconds;
+      first_step = state.clock.step;
+    }
+    return true;
+  };
+  engine->advance(state, counters, stop);
+  double messages = 0.0;
+  double bytes = 0.0;
+  for (gridlock::Traffic const& rank : ranks.traffic_of_ranks()) {
+    messages += static_cast<double>(rank.messages);
+    bytes += static_cast<double>(rank.bytes);
+  }
+  double const rank_steps = static_cast<double>(ranks.count() * steps);
+  double const seconds = (last_seconds - first_seconds) / static_cast<double>(steps - first_step);
+  fmt::print("{},{},{:.6g},{:.4g},{:.5g},{:016x}\n", ranks.count(), disks, seconds, messages / rank_steps,
+             bytes / rank_steps, gridlock::hash(state));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  MPI_Init(&argc, &argv);
+  if (argc != 5) {
+    fmt::print(stderr, "usage: gridlock_bench_simulated_ranks DISKS STEPS NANOSECONDS_OF_TURN NANOSECONDS_OF_BYTE\n");
+    MPI_Abort(MPI_COMM_WORLD, EXIT_FAILURE);
+  }
+  double const seconds_of_turn = 1e-9 * std::stod(argv[3]);
+  double const seconds_of_byte = 1e-9 * std::stod(argv[4]);
+  {
+    gridlock::mpi::MpiRanks ranks(1, {.is_stop_asked = [] { return false; },
+                                      .ask_to_stop = [] {},
+                                      .complain = [](std::string const& why) { fmt::print(stderr, "{}\n", why); },
+                                      .waits_in_mpi = true,
+                                      .on_work =
+                                          [&](std::uint64_t turns, std::size_t bytes) {
+                                            smpi_execute(seconds_of_turn * static_cast<double>(turns) +
+                                                         seconds_of_byte * static_cast<double>(bytes));
+                                          }});
+    if (ranks.rank() > 0) {
+      gridlock::tiled::help(ranks);
+    } else {
+      lead(ranks, std::stoul(argv[1]), std::stoul(argv[2]));
+      gridlock::tiled::release_helpers(ranks);
+    }
+  }
+  MPI_Finalize();
+  return EXIT_SUCCESS;
+}

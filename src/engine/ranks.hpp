@@ -1,0 +1,122 @@
+#pragma once
+
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace gridlock {
+
+/// What a rank has sent to others, and how long it has waited for them.
+struct Traffic {
+  std::uint64_t messages = 0;
+  std::uint64_t bytes = 0;
+  double seconds_waiting = 0.0;
+};
+
+/// Processes that carry out one run together. Every function is called from one thread of each; what one rank sends to another
+/// arrives in the order in which it was sent.
+class Ranks {
+ public:
+  Ranks() = default;
+  Ranks(Ranks const&) = delete;
+  Ranks& operator=(Ranks const&) = delete;
+  virtual ~Ranks() = default;
+
+  using Bytes = std::vector<std::byte>;
+
+  /// The number of this process; 0 leads.
+  [[nodiscard]] virtual std::size_t rank() const = 0;
+  [[nodiscard]] virtual std::size_t count() const = 0;
+  /// Sends a message and does not wait until it has arrived.
+  virtual void send(std::size_t to, Bytes message) = 0;
+  /// Waits for the next message of a rank.
+  virtual Bytes receive(std::size_t from) = 0;
+  /// What each rank gives, by rank. All call it.
+  virtual std::vector<Bytes> gather_for_all(Bytes own) = 0;
+
+  /// Of this rank.
+  [[nodiscard]] virtual Traffic traffic() const = 0;
+  /// Seconds since some moment.
+  [[nodiscard]] virtual double seconds() const = 0;
+  /// How many of the ranks share the machine of this one, itself included.
+  [[nodiscard]] virtual std::size_t count_on_machine() const = 0;
+  /// Agents have taken that many turns here: for a simulator of clusters, which has to be told what was computed.
+  virtual void note_turns(std::uint64_t /*turns*/) {}
+  /// Whether this process has been asked to stop.
+  [[nodiscard]] virtual bool is_stop_asked() const = 0;
+  /// Another rank has been asked.
+  virtual void ask_to_stop() = 0;
+  /// Ends all ranks, where this one cannot go on and others wait for it.
+  [[noreturn]] virtual void abandon(std::string const& why) = 0;
+
+  /// What the leader knows of the traffic of each rank: as of the end of the last steps that they took together.
+  [[nodiscard]] std::vector<Traffic> const& traffic_of_ranks() const { return traffic_of_ranks_; }
+  void note_traffic(std::size_t rank, Traffic const& traffic) {
+    if (traffic_of_ranks_.size() <= rank) traffic_of_ranks_.resize(rank + 1);
+    traffic_of_ranks_[rank] = traffic;
+  }
+
+ private:
+  std::vector<Traffic> traffic_of_ranks_;
+};
+
+/// Writes values into a message.
+class MessageWriter {
+ public:
+  template <class Value>
+  void add(Value const& value) {
+    add_all(std::span(&value, 1));
+  }
+  template <class Value, std::size_t extent>
+  void add_all(std::span<Value, extent> values) {
+    static_assert(std::is_trivially_copyable_v<Value>);
+    if (values.empty()) return;
+    std::size_t const begin = bytes_.size();
+    bytes_.resize(begin + values.size_bytes());
+    std::memcpy(bytes_.data() + begin, values.data(), values.size_bytes());
+  }
+  void reserve(std::size_t bytes) { bytes_.reserve(bytes); }
+  [[nodiscard]] Ranks::Bytes take() { return std::move(bytes_); }
+
+ private:
+  Ranks::Bytes bytes_;
+};
+
+/// Reads them in the same order.
+class MessageReader {
+ public:
+  explicit MessageReader(Ranks::Bytes const& bytes) : bytes_(bytes) {}
+
+  template <class Value>
+  [[nodiscard]] Value next() {
+    Value value;
+    read_into(std::span(&value, 1));
+    return value;
+  }
+  template <class Value>
+  void read_into(std::span<Value> values) {
+    static_assert(std::is_trivially_copyable_v<Value>);
+    assert(at_ + values.size_bytes() <= bytes_.size());
+    if (!values.empty()) std::memcpy(static_cast<void*>(values.data()), bytes_.data() + at_, values.size_bytes());
+    at_ += values.size_bytes();
+  }
+  /// As many as are left.
+  template <class Value>
+  [[nodiscard]] std::vector<Value> rest() {
+    std::vector<Value> values((bytes_.size() - at_) / sizeof(Value));
+    read_into(std::span(values));
+    return values;
+  }
+
+ private:
+  Ranks::Bytes const& bytes_;
+  std::size_t at_ = 0;
+};
+
+}  // namespace gridlock

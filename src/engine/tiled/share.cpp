@@ -1,0 +1,530 @@
+#include "engine/tiled/share.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+namespace gridlock::tiled {
+
+namespace {
+
+/// What a rank tells all others of its late disks, before those that others may see.
+struct LateHead {
+  int needed_reach;
+  bool may_jump;
+};
+
+std::vector<std::uint32_t> tiles_of(Tiling const& tiling, Tiling::Rectangle const& rectangle) {
+  std::vector<std::uint32_t> tiles;
+  for (std::size_t row = rectangle.first_row; row < rectangle.end_row; ++row) {
+    for (std::size_t column = rectangle.first_column; column < rectangle.end_column; ++column) {
+      tiles.push_back(tiling.number_of(column, row));
+    }
+  }
+  std::ranges::sort(tiles);
+  return tiles;
+}
+
+/// To the last bit: −0 is not 0.
+std::array<std::uint64_t, 8> bits_of(DiskInTurn const& disk) {
+  return std::bit_cast<std::array<std::uint64_t, 8>>(disk);
+}
+
+CellWindow cells_of(Tiling::Tile const& tile) {
+  return {.first_column = tile.first_column,
+          .end_column = tile.end_column,
+          .first_row = tile.first_row,
+          .end_row = tile.end_row};
+}
+
+/// The cells that the turns of a tile may change.
+CellWindow cells_changed_by(CellLayout const& layout, Tiling::Tile const& tile) {
+  CellWindow window{.first_column = tile.first_column - 1,
+                    .end_column = tile.end_column + 1,
+                    .first_row = tile.first_row - 1,
+                    .end_row = tile.end_row + 1};
+  return within(layout, window);
+}
+
+}  // namespace
+
+Share::Share(Ranks& ranks, TurnRule const& rule, CellLayout const& layout, std::vector<Tiling::Rectangle> division,
+             std::uint64_t threads, LargeArray<DiskInTurn>&& disks)
+    : ranks_(ranks),
+      rule_(rule),
+      layout_(layout),
+      tiling_(layout),
+      division_(std::move(division)),
+      own_(division_[ranks.rank()]),
+      thread_pool_(threads) {
+  // Twice the room of a turn within the ring: hardly ever is a disk faster.
+  constexpr int usual_reach = 2;
+  place(std::move(disks), usual_reach);
+}
+
+/// Puts the disks of this rank in the order of their turns, and asks other ranks for those of the rim.
+void Share::place(LargeArray<DiskInTurn>&& own, int reach) {
+  if (reach != reach_) {
+    reach_ = reach;
+    find_neighbours();
+    find_rounds();
+  }
+  std::vector<std::uint32_t> tiles = tiles_of(tiling_, own_);
+  std::vector<std::uint32_t> const order =
+      CellOfTurn(layout_, tiling_, tiles).order(own.size(), [&](std::size_t k) { return own[k].position; });
+  LargeArray<DiskInTurn> sorted;
+  // And those of the rim, which a rank of many disks has few of.
+  sorted.reserve(own.size() + own.size() / 8 + 256);
+  for (std::uint32_t const k : order) sorted.push_back(own[k]);
+  own = {};
+  // A step may be under way.
+  std::vector<TileResult> results;
+  if (steps_) results = std::move(steps_->results());
+  steps_.emplace(HotDisks(std::move(sorted)), rule_, layout_, tiling_, window_around(layout_, tiling_, own_, reach_),
+                 std::move(tiles));
+  if (!results.empty()) steps_->results() = std::move(results);
+  steps_since_sort_ = 0;
+  CellWindow const own_cells = window_around(layout_, tiling_, own_, 0);
+  for (Neighbour const& neighbour : neighbours_) {
+    send_cells(neighbour.rank, common_cells(layout_, own_cells, neighbour.window));
+  }
+  for (Neighbour const& neighbour : neighbours_) receive_cells(neighbour.rank);
+}
+
+void Share::find_neighbours() {
+  neighbours_.clear();
+  CellWindow const own = window_around(layout_, tiling_, own_, reach_);
+  for (std::size_t rank = 0; rank < division_.size(); ++rank) {
+    CellWindow const window = window_around(layout_, tiling_, division_[rank], reach_);
+    if (rank != ranks_.rank() && overlap(layout_, own, window)) {
+      neighbours_.push_back({.rank = rank,
+                             .own = window_around(layout_, tiling_, division_[rank], 0),
+                             .seen = window_around(layout_, tiling_, division_[rank], 1),
+                             .window = window,
+                             .changed = {},
+                             .ring_before = {}});
+    }
+  }
+}
+
+/// Which tiles come in which round, and before or after others are told of it.
+void Share::find_rounds() {
+  rounds_ = {};
+  std::vector<Tiling::Round> rounds = tiling_.rounds(own_, thread_pool_.size());
+  std::vector<std::uint8_t> const latest = latest_phases(rounds);
+  for (std::size_t k = 1; k < Tiling::colours; ++k) rounds_[k].before_sending = std::move(rounds[k]);
+  for (Tiling::Part& part : rounds[0]) {
+    // What must come first comes first; otherwise the order stays.
+    std::ranges::stable_sort(part, {}, [&](std::uint32_t tile) { return latest[tile]; });
+    fill_rounds(part, latest, rounds[0].size());
+  }
+  for (Neighbour& neighbour : neighbours_) {
+    for (std::size_t k = 0; k < Tiling::colours; ++k) neighbour.changed[k] = cells_of_round(rounds_[k], neighbour.seen);
+  }
+}
+
+/// What tiles of a round may change in a window.
+Share::CellsOfRound Share::cells_of_round(Round const& round, CellWindow const& window) const {
+  CellsOfRound cells;
+  std::vector<int> all;
+  for (Tiling::Part const& part : round.before_sending) {
+    for (std::uint32_t const number : part) {
+      Tiling::Tile const& tile = tiling_.tiles()[number];
+      std::ranges::copy(common_cells(layout_, cells_changed_by(layout_, tile), window), std::back_inserter(all));
+      std::ranges::copy(common_cells(layout_, cells_of(tile), window), std::back_inserter(cells.own));
+    }
+  }
+  for (std::vector<int>* const list : {&all, &cells.own}) {
+    std::ranges::sort(*list);
+    list->erase(std::unique(list->begin(), list->end()), list->end());
+  }
+  std::ranges::set_difference(all, cells.own, std::back_inserter(cells.ring));
+  return cells;
+}
+
+/// When the tiles of the first round must have taken their turns at the latest: 0 before anything is sent, for those that change
+/// cells that others store; k before round k, for those that must come before a tile of that round; and none later than a
+/// tile of the first round that comes after it. Of all tiles.
+std::vector<std::uint8_t> Share::latest_phases(std::vector<Tiling::Round> const& rounds) const {
+  std::vector<std::uint8_t> latest(tiling_.tiles().size(), Tiling::colours);
+  for (std::size_t k = 1; k < rounds.size(); ++k) {
+    for (Tiling::Part const& part : rounds[k]) {
+      for (std::uint32_t const tile : part) latest[tile] = static_cast<std::uint8_t>(k);
+    }
+  }
+  std::vector<bool> is_first(latest.size(), false);
+  for (Tiling::Part const& part : rounds[0]) {
+    for (std::uint32_t const tile : part) is_first[tile] = true;
+  }
+  std::vector<std::uint32_t> tiles = tiles_of(tiling_, own_);
+  std::ranges::reverse(tiles);
+  for (std::uint32_t const tile : tiles) {
+    if (!is_first[tile]) continue;
+    CellWindow const changed = cells_changed_by(layout_, tiling_.tiles()[tile]);
+    bool const is_seen = std::ranges::any_of(
+        neighbours_, [&](Neighbour const& neighbour) { return overlap(layout_, changed, neighbour.seen); });
+    if (is_seen) latest[tile] = 0;
+    // Tiles of higher colours have been looked at.
+    tiling_.for_each_around(tile, [&](std::uint32_t other) {
+      if (other > tile) latest[tile] = std::min(latest[tile], latest[other]);
+    });
+  }
+  return latest;
+}
+
+/// Divides the tiles of one of `parts` parts of the first round among the rounds, so that all rounds take as long on every rank.
+void Share::fill_rounds(Tiling::Part const& part, std::vector<std::uint8_t> const& latest, std::size_t parts) {
+  double const tiles_of_round = static_cast<double>(own_.tiles()) / static_cast<double>(Tiling::colours * parts);
+  auto const seen = std::ranges::find_if(part, [&](std::uint32_t tile) { return latest[tile] > 0; });
+  rounds_[0].before_sending.emplace_back(part.begin(), seen);
+  auto next = seen;
+  for (std::size_t k = 0; k < Tiling::colours; ++k) {
+    double others = k == 0 ? static_cast<double>(rounds_[0].before_sending.back().size()) : 0.0;
+    if (k > 0) {
+      for (Tiling::Part const& left : rounds_[k].before_sending) others += static_cast<double>(left.size());
+      others /= static_cast<double>(parts);
+    }
+    auto const first = next;
+    auto const is_due = [&](std::uint32_t tile) {
+      bool const has_room = others + static_cast<double>(next - first) < tiles_of_round;
+      return latest[tile] <= k + 1 || has_room || k + 1 == Tiling::colours;
+    };
+    while (next != part.end() && is_due(*next)) ++next;
+    rounds_[k].meanwhile.emplace_back(first, next);
+  }
+}
+
+void Share::take_step() {
+  if (steps_since_sort_ == steps_between_sorts) place(own_disks(), reach_);
+  ++steps_since_sort_;
+  steps_->begin_step();
+  late_.clear();
+  for (std::size_t round = 0; round < Tiling::colours; ++round) exchange(round);
+  take_late_turns();
+  find_jump();
+  count_step();
+}
+
+void Share::take_round(Tiling::Round const& round) {
+  thread_pool_.for_each(round.size(), [&](std::size_t part) { steps_->take_part(round[part]); });
+  std::uint64_t turns = 0;
+  for (Tiling::Part const& part : round) {
+    for (std::uint32_t const tile : part) turns += steps_->results()[steps_->place_of(tile)].counters.moves;
+  }
+  ranks_.note_turns(turns);
+  note_late(round);
+}
+
+void Share::exchange(std::size_t round) {
+  for (Neighbour& neighbour : neighbours_) {
+    neighbour.ring_before.clear();
+    copy_cells(neighbour.changed[round].ring, neighbour.ring_before);
+  }
+  take_round(rounds_[round].before_sending);
+  for (Neighbour const& neighbour : neighbours_) {
+    message_.clear();
+    copy_cells(neighbour.changed[round].own, message_);
+    add_changed_cells(neighbour.ring_before, message_);
+    send(neighbour.rank, message_);
+  }
+  take_round(rounds_[round].meanwhile);
+  for (Neighbour const& neighbour : neighbours_) receive_cells(neighbour.rank);
+}
+
+/// Remembers late disks by Id and cell, for messages give disks other rows.
+void Share::note_late(Tiling::Round const& round) {
+  for (Tiling::Part const& part : round) {
+    for (std::uint32_t const tile : part) {
+      std::vector<std::uint32_t>& rows = steps_->results()[steps_->place_of(tile)].too_fast_for_tile;
+      for (std::uint32_t const row : rows) {
+        DiskInTurn const& disk = steps_->disks()[row];
+        late_.push_back({.tile = tile,
+                         .id_index = disk.id_index,
+                         .cell = steps_->grid().cell_of(row),
+                         .rank = static_cast<std::uint32_t>(ranks_.rank()),
+                         .energy = 0.0,
+                         .smallest_mass = disk.mass,
+                         .largest_radius = disk.radius,
+                         .smallest_radius = disk.radius});
+      }
+      rows.clear();
+    }
+  }
+}
+
+namespace {
+
+/// The row of a disk in its cell.
+std::uint32_t row_of(Steps const& steps, LateDisk const& late) {
+  std::uint32_t found = 0;
+  steps.grid().for_each_in_cell(late.cell, [&](std::size_t row) {
+    if (steps.disks()[row].id_index == late.id_index) found = static_cast<std::uint32_t>(row);
+  });
+  return found;
+}
+
+}  // namespace
+
+/// The turns of disks too fast for their tile, in the order of tiles as far as that can matter.
+void Share::take_late_turns() {
+  std::ranges::stable_sort(late_, {}, &LateDisk::tile);
+  for (LateDisk& late : late_) {
+    Vector const v = steps_->disks()[row_of(*steps_, late)].velocity;
+    // A hair more, for what rounds in collisions.
+    late.energy = 0.5 * late.smallest_mass * squared_length(v) * (1.0 + 1e-6);
+  }
+  int needed_reach = 0;
+  std::vector<LateDisk> shared = late_of_all(needed_reach);
+  while (needed_reach > reach_) {
+    place(own_disks(), needed_reach);
+    shared = late_of_all(needed_reach);
+  }
+  show_surroundings(shared);
+  take_waves(shared);
+}
+
+/// Sends to each rank what its late disks may look at here, beyond what it is kept up to date of. Each rank knows from the list of all
+/// which messages there are.
+void Share::show_surroundings(std::vector<LateDisk> const& shared) {
+  auto const cells_for = [&](std::size_t rank, CellWindow const& of_other) {
+    std::vector<int> cells;
+    for (LateDisk const& late : shared) {
+      if (late.rank == rank)
+        std::ranges::copy(common_cells(layout_, zone_of(late), of_other), std::back_inserter(cells));
+    }
+    std::ranges::sort(cells);
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    return cells;
+  };
+  if (reach_ <= 1 || shared.empty()) return;
+  CellWindow const own = window_around(layout_, tiling_, own_, 0);
+  for (Neighbour const& neighbour : neighbours_) {
+    std::vector<int> const cells = cells_for(neighbour.rank, own);
+    if (!cells.empty()) send_cells(neighbour.rank, cells);
+  }
+  for (Neighbour const& neighbour : neighbours_) {
+    if (!cells_for(ranks_.rank(), neighbour.own).empty()) receive_cells(neighbour.rank);
+  }
+}
+
+/// The late disks of all ranks whose turns other ranks may see, in the order of their turns; and how far some late disk may look.
+std::vector<LateDisk> Share::late_of_all(int& needed_reach) {
+  LateGroups const own = groups_of(layout_, late_, reach_);
+  LateHead head{.needed_reach = 0, .may_jump = false};
+  for (LateGroup const& group : own.groups) {
+    head.needed_reach = std::max(head.needed_reach, reach_of(group));
+    head.may_jump = head.may_jump || may_jump(group);
+  }
+  MessageWriter message;
+  message.add(head);
+  for (std::size_t k = 0; k < late_.size(); ++k) {
+    if (!is_seen_by_others(late_[k])) continue;
+    LateDisk seen = late_[k];
+    LateGroup const& group = own.groups[own.group_of[k]];
+    seen.energy = group.energy;
+    seen.smallest_mass = group.smallest_mass;
+    seen.largest_radius = group.largest_radius;
+    seen.smallest_radius = group.smallest_radius;
+    message.add(seen);
+  }
+  std::vector<LateDisk> all;
+  needed_reach = 0;
+  may_jump_ = false;
+  for (Ranks::Bytes const& bytes : ranks_.gather_for_all(message.take())) {
+    MessageReader reader(bytes);
+    auto const of_rank = reader.next<LateHead>();
+    needed_reach = std::max(needed_reach, of_rank.needed_reach);
+    may_jump_ = may_jump_ || of_rank.may_jump;
+    std::vector<LateDisk> const disks = reader.rest<LateDisk>();
+    all.insert(all.end(), disks.begin(), disks.end());
+  }
+  std::ranges::stable_sort(all, {}, &LateDisk::tile);
+  for (LateGroup const& group : groups_of(layout_, all, reach_).groups) {
+    needed_reach = std::max(needed_reach, reach_of(group));
+    may_jump_ = may_jump_ || may_jump(group);
+  }
+  return all;
+}
+
+/// How far any of the group may look, whatever they do to each other.
+int Share::reach_of(LateGroup const& group) const {
+  return steps_->reach(group.largest_radius, 2.0 * group.energy / group.smallest_mass);
+}
+
+bool Share::may_jump(LateGroup const& group) const {
+  return !steps_->is_short_at(2.0 * group.energy / group.smallest_mass, group.smallest_radius);
+}
+
+/// The cells that the turn of a late disk may look at and change.
+CellWindow Share::zone_of(LateDisk const& late) const {
+  int const column = late.cell % layout_.columns();
+  int const row = late.cell / layout_.columns();
+  return within(layout_, {.first_column = column - reach_,
+                          .end_column = column + reach_ + 1,
+                          .first_row = row - reach_,
+                          .end_row = row + reach_ + 1});
+}
+
+bool Share::is_seen_by_others(LateDisk const& late) const {
+  return std::ranges::any_of(
+      neighbours_, [&](Neighbour const& neighbour) { return overlap(layout_, zone_of(late), neighbour.window); });
+}
+
+void Share::take_waves(std::vector<LateDisk> const& shared) {
+  std::vector<std::size_t> const levels = levels_of(layout_, shared, reach_);
+  std::size_t const end = levels.empty() ? 0 : std::ranges::max(levels) + 1;
+  // Its own among those of all ranks come in the same order.
+  std::size_t next = 0;
+  auto const skip_others = [&] {
+    while (next < shared.size() && shared[next].rank != ranks_.rank()) ++next;
+  };
+  skip_others();
+  auto late = late_.begin();
+  for (std::size_t level = 0; level < end; ++level) {
+    for (; late != late_.end(); ++late) {
+      if (next < shared.size() && shared[next].id_index == late->id_index) {
+        if (levels[next] > level) break;
+        ++next;
+        skip_others();
+      }
+      take_late(*late);
+    }
+    tell_of_turns(shared, levels, level);
+  }
+  for (; late != late_.end(); ++late) take_late(*late);
+}
+
+void Share::take_late(LateDisk const& late) {
+  steps_->take_late(row_of(*steps_, late), steps_->results()[steps_->place_of(late.tile)]);
+}
+
+/// Sends to each neighbour what the turns of a level have changed in its window, and receives the same. Each rank knows from
+/// the list of all which messages there are.
+void Share::tell_of_turns(std::vector<LateDisk> const& shared, std::vector<std::size_t> const& levels,
+                          std::size_t level) {
+  CellWindow const own_window = window_around(layout_, tiling_, own_, reach_);
+  auto const cells_of = [&](std::size_t rank, CellWindow const& window) {
+    std::vector<int> cells;
+    for (std::size_t k = 0; k < shared.size(); ++k) {
+      if (levels[k] != level || shared[k].rank != rank) continue;
+      std::vector<int> const more = common_cells(layout_, zone_of(shared[k]), window);
+      cells.insert(cells.end(), more.begin(), more.end());
+    }
+    std::ranges::sort(cells);
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    return cells;
+  };
+  for (Neighbour const& neighbour : neighbours_) {
+    std::vector<int> const cells = cells_of(ranks_.rank(), neighbour.window);
+    if (!cells.empty()) send_cells(neighbour.rank, cells);
+  }
+  for (Neighbour const& neighbour : neighbours_) {
+    if (!cells_of(neighbour.rank, own_window).empty()) receive_cells(neighbour.rank);
+  }
+}
+
+void Share::find_jump() {
+  jump_.reset();
+  if (!may_jump_) return;
+  MessageWriter message;
+  for (std::size_t k = 0; k < steps_->results().size(); ++k) {
+    std::optional<TooFast> const& disk = steps_->results()[k].too_fast;
+    if (!disk) continue;
+    message.add(Jump{.tile = tiles()[k], .row_in_state = disk->row_in_state, .displacement = disk->displacement});
+    break;
+  }
+  for (Ranks::Bytes const& bytes : ranks_.gather_for_all(message.take())) {
+    for (Jump const& jump : MessageReader(bytes).rest<Jump>()) {
+      if (!jump_ || jump.tile < jump_->tile) jump_ = jump;
+    }
+  }
+}
+
+void Share::count_step() {
+  for (TileResult& result : steps_->results()) {
+    Counters const& counters = result.counters;
+    sums_.pair_virial.push_back(counters.pair_virial);
+    if (!layout_.is_periodic()) {
+      sums_.wall_impulses.insert(sums_.wall_impulses.end(), counters.wall_impulse.begin(), counters.wall_impulse.end());
+    }
+    add(sums_.whole_numbers, counters);
+    result.counters = {};
+  }
+}
+
+ShareSums Share::take_sums() { return std::exchange(sums_, {}); }
+
+LargeArray<DiskInTurn> Share::own_disks() const {
+  LargeArray<DiskInTurn> own;
+  own.reserve(steps_->disks().size());
+  for (int const cell :
+       common_cells(layout_, window_around(layout_, tiling_, own_, 0), window_around(layout_, tiling_, own_, 0))) {
+    steps_->grid().for_each_in_cell(cell, [&](std::size_t row) { own.push_back(steps_->disks()[row]); });
+  }
+  return own;
+}
+
+void Share::copy_cells(std::span<int const> cells, CellsMessage& to) const {
+  for (int const cell : cells) {
+    std::size_t const first = to.disks.size();
+    steps_->grid().for_each_in_cell(cell, [&](std::size_t row) {
+      to.disks.push_back(steps_->disks()[row]);
+      to.has_turned.push_back(steps_->has_turned(static_cast<std::uint32_t>(row)) ? 1 : 0);
+    });
+    to.cells.push_back({.cell = cell, .disks = static_cast<std::uint32_t>(to.disks.size() - first)});
+  }
+}
+
+/// Those of the cells that hold something else now.
+void Share::add_changed_cells(CellsMessage const& before, CellsMessage& to) const {
+  DiskInTurn const* old = before.disks.data();
+  for (CellsMessage::Cell const& head : before.cells) {
+    std::uint32_t same = 0;
+    std::uint32_t disks = 0;
+    steps_->grid().for_each_in_cell(head.cell, [&](std::size_t row) {
+      if (disks < head.disks && bits_of(old[disks]) == bits_of(steps_->disks()[row])) ++same;
+      ++disks;
+    });
+    if (disks != head.disks || same != disks) copy_cells(std::span(&head.cell, 1), to);
+    old += head.disks;
+  }
+}
+
+void Share::send_cells(std::size_t to, std::span<int const> cells) {
+  message_.clear();
+  copy_cells(cells, message_);
+  send(to, message_);
+}
+
+void Share::send(std::size_t to, CellsMessage const& cells) {
+  MessageWriter message;
+  message.reserve(16 + cells.cells.size() * sizeof(CellsMessage::Cell) + cells.disks.size() * (sizeof(DiskInTurn) + 1));
+  message.add(std::uint64_t{cells.cells.size()});
+  message.add(std::uint64_t{cells.disks.size()});
+  message.add_all(std::span<CellsMessage::Cell const>(cells.cells));
+  message.add_all(std::span<DiskInTurn const>(cells.disks));
+  message.add_all(std::span<std::uint8_t const>(cells.has_turned));
+  ranks_.send(to, message.take());
+}
+
+void Share::receive_cells(std::size_t from) {
+  Ranks::Bytes const bytes = ranks_.receive(from);
+  MessageReader message(bytes);
+  auto& [heads, disks, has_turned] = message_;
+  heads.resize(message.next<std::uint64_t>());
+  disks.resize(message.next<std::uint64_t>());
+  has_turned.resize(disks.size());
+  message.read_into(std::span(heads));
+  message.read_into(std::span(disks));
+  message.read_into(std::span(has_turned));
+  std::size_t first = 0;
+  for (CellsMessage::Cell const& head : heads) {
+    steps_->replace_cell(head.cell, std::span<DiskInTurn const>(disks).subspan(first, head.disks),
+                         std::span<std::uint8_t const>(has_turned).subspan(first, head.disks));
+    first += head.disks;
+  }
+}
+
+}  // namespace gridlock::tiled

@@ -1,0 +1,146 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/ranks.hpp"
+#include "engine/tiled/division.hpp"
+#include "engine/tiled/late_turns.hpp"
+#include "engine/tiled/steps.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
+
+namespace gridlock::tiled {
+
+/// What the tiles of one rank have counted in some steps. Numbers that round are kept tile by tile and step by step, so that
+/// the leader can add them in the order in which one process does.
+struct ShareSums {
+  Counters whole_numbers;             ///< those that do not round, of all steps
+  std::vector<double> pair_virial;    ///< of each tile in each step
+  std::vector<double> wall_impulses;  ///< four of each tile in each step; none without walls
+};
+
+/// A disk that could have jumped over another.
+struct Jump {
+  std::uint32_t tile;
+  std::uint32_t row_in_state;
+  double displacement;
+};
+
+/// What some cells hold, for another rank.
+struct CellsMessage {
+  struct Cell {
+    std::int32_t cell;
+    std::uint32_t disks;
+  };
+  std::vector<Cell> cells;
+  std::vector<DiskInTurn> disks;  ///< cell by cell
+  std::vector<std::uint8_t> has_turned;
+
+  void clear() {
+    cells.clear();
+    disks.clear();
+    has_turned.clear();
+  }
+};
+
+/// The share that one rank has in the steps of `tiled`: the disks of its tiles, and of the cells around them that others own.
+///
+///     a rank's     ┌ ─ ─ ─ ─ ─ ─ ─ ─ ┐    In a round the tiles of a rank change their own cells and the ring around them. Then
+///     window       │ ┌─────────────┐ │    it sends to each other rank what it has changed of what that one's tiles look at. No cell is
+///                    │ its tiles   │      changed by two ranks in one round.
+///                  │ └─────────────┘ │
+///                  └ ─ ─ ─ ─ ─ ─ ─ ─ ┘    Disks too fast for their tile look `reach_` cells far, the width of the rim.
+///
+/// All ranks construct it and call take_step() together. The bits are those of one process.
+class Share {
+ public:
+  /// `disks` are those in the rectangle of this rank.
+  Share(Ranks& ranks, TurnRule const& rule, CellLayout const& layout, std::vector<Tiling::Rectangle> division,
+        std::uint64_t threads, LargeArray<DiskInTurn>&& disks);
+
+  void take_step();
+
+  /// Of the last step: the first disk that could have jumped over another, in the order of tiles. All ranks know it.
+  [[nodiscard]] std::optional<Jump> const& jump() const { return jump_; }
+
+  /// What has been counted since the last call.
+  [[nodiscard]] ShareSums take_sums();
+  /// The tiles that it counts for, in the order of its sums.
+  [[nodiscard]] std::vector<std::uint32_t> const& tiles() const { return steps_->tiles(); }
+
+  /// The disks in the rectangle of this rank.
+  [[nodiscard]] LargeArray<DiskInTurn> own_disks() const;
+
+ private:
+  /// What is done between two messages to a neighbour.
+  struct Round {
+    Tiling::Round before_sending;  ///< what others may see
+    Tiling::Round meanwhile;       ///< what they cannot, while messages travel
+  };
+  /// Cells that another rank sees and that the tiles of a round may change.
+  struct CellsOfRound {
+    std::vector<int> own;   ///< of these tiles, whose disks all move
+    std::vector<int> ring;  ///< around them, where a disk changes only if it is hit or comes in
+  };
+  struct Neighbour {
+    std::size_t rank;
+    CellWindow own;     ///< the cells of its tiles
+    CellWindow seen;    ///< those and the ring around them, which its tiles look at: kept up to date in every round
+    CellWindow window;  ///< all that it stores: brought up to date where a late disk looks at them
+    std::array<CellsOfRound, Tiling::colours> changed;
+    CellsMessage ring_before;  ///< of the present round
+  };
+
+  void place(LargeArray<DiskInTurn>&& own, int reach);
+  void find_neighbours();
+  void find_rounds();
+  [[nodiscard]] std::vector<std::uint8_t> latest_phases(std::vector<Tiling::Round> const& rounds) const;
+  [[nodiscard]] CellsOfRound cells_of_round(Round const& round, CellWindow const& window) const;
+  void fill_rounds(Tiling::Part const& part, std::vector<std::uint8_t> const& latest, std::size_t parts);
+  void take_round(Tiling::Round const& round);
+  void exchange(std::size_t round);
+  void note_late(Tiling::Round const& round);
+
+  void take_late_turns();
+  [[nodiscard]] std::vector<LateDisk> late_of_all(int& needed_reach);
+  [[nodiscard]] int reach_of(LateGroup const& group) const;
+  [[nodiscard]] bool may_jump(LateGroup const& group) const;
+  void take_waves(std::vector<LateDisk> const& shared);
+  void take_late(LateDisk const& late);
+  void show_surroundings(std::vector<LateDisk> const& shared);
+  void tell_of_turns(std::vector<LateDisk> const& shared, std::vector<std::size_t> const& levels, std::size_t level);
+  [[nodiscard]] CellWindow zone_of(LateDisk const& late) const;
+  [[nodiscard]] bool is_seen_by_others(LateDisk const& late) const;
+  void find_jump();
+  void count_step();
+
+  void copy_cells(std::span<int const> cells, CellsMessage& to) const;
+  void add_changed_cells(CellsMessage const& before, CellsMessage& to) const;
+  void send_cells(std::size_t to, std::span<int const> cells);
+  void send(std::size_t to, CellsMessage const& cells);
+  void receive_cells(std::size_t from);
+
+  Ranks& ranks_;
+  TurnRule rule_;
+  CellLayout layout_;
+  Tiling tiling_;
+  std::vector<Tiling::Rectangle> division_;
+  Tiling::Rectangle own_;
+  ThreadPool thread_pool_;
+  int reach_ = 0;
+  std::vector<Neighbour> neighbours_;
+  std::array<Round, Tiling::colours> rounds_;
+  std::optional<Steps> steps_;
+  std::uint64_t steps_since_sort_ = 0;
+  std::vector<LateDisk> late_;  ///< of its own tiles, in the order of their turns
+  bool may_jump_ = false;       ///< some late disk of any rank
+  std::optional<Jump> jump_;
+  ShareSums sums_;
+  CellsMessage message_;  ///< the one that is written or read
+};
+
+}  // namespace gridlock::tiled

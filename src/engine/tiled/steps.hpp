@@ -1,0 +1,135 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/hot_disks.hpp"
+#include "engine/packed_turns.hpp"
+#include "engine/tiled/fetch_ahead.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
+#include "gridlock/grid/detail/tiling.hpp"
+
+namespace gridlock::tiled {
+
+/// Steps after which the disks are put in the order of their cells again: they drift less than a cell in that time.
+constexpr std::uint64_t steps_between_sorts = 100;
+
+/// What all turns of a run have in common.
+struct TurnRule {
+  Box box;
+  double duration;  ///< of a step
+  std::uint64_t substeps;
+  CollisionRule contact;
+  RadiusRange radii;
+};
+
+/// A disk that could jump over another in a sub-step.
+struct TooFast {
+  std::uint32_t row_in_state;
+  double displacement;  ///< in a sub-step
+};
+
+/// What one tile leaves behind in one step; on a cache line of its own, since threads write to it side by side.
+struct alignas(64) TileResult {
+  Counters counters;
+  std::vector<std::uint32_t> too_fast_for_tile;  ///< rows that wait for the end of the step
+  std::optional<TooFast> too_fast;               ///< the first one
+};
+
+/// The turns of the disks of some tiles, step after step.
+class Steps {
+ public:
+  /// The disks are those of all cells of the window, in any order; turns are taken by those in `tiles`, in growing order.
+  Steps(HotDisks&& disks, TurnRule const& rule, CellLayout const& layout, Tiling const& tiling,
+        CellWindow const& window, std::vector<std::uint32_t> tiles);
+  Steps(Steps const&) = delete;
+  Steps& operator=(Steps const&) = delete;
+
+  void begin_step() { marks_of_turned_ ^= all_slots; }
+
+  /// The disks of these tiles take their turns, but for those too fast for their tile; parts may be taken at once.
+  void take_part(Tiling::Part const& part);
+
+  /// The turn of a disk that was too fast for its tile, and what it adds to the results of that tile.
+  void take_late(std::uint32_t row, TileResult& result);
+
+  /// Of the tiles that take turns, in their order.
+  [[nodiscard]] std::vector<TileResult>& results() { return results_; }
+  [[nodiscard]] std::vector<TileResult> const& results() const { return results_; }
+  [[nodiscard]] std::size_t place_of(std::uint32_t tile) const { return place_of_tile_[tile]; }
+  [[nodiscard]] std::vector<std::uint32_t> const& tiles() const { return tiles_; }
+
+  /// Whether a disk of this speed and radius comes less far in a sub-step than the nearest centre of another may be.
+  [[nodiscard]] bool is_short_at(double squared_speed, double radius) const;
+  /// The cells to each side that a disk of this speed looks at and may move to.
+  [[nodiscard]] int reach(double radius, double squared_speed) const;
+
+  [[nodiscard]] HotDisks const& disks() const { return disks_; }
+  [[nodiscard]] PackedGrid const& grid() const { return grid_; }
+
+  // What other processes need to know of a cell, and tell of it.
+
+  [[nodiscard]] bool has_turned(std::uint32_t row) const;
+  /// From now on a cell holds these disks, and no others.
+  void replace_cell(int cell, std::span<DiskInTurn const> disks, std::span<std::uint8_t const> has_turned);
+
+ private:
+  void take_group(std::span<std::uint32_t const> rows, TileResult& result, FetchAhead& ahead);
+  void insert(DiskInTurn const& disk, bool has_turned);
+  void set_mark(std::uint32_t row, bool has_turned);
+
+  TurnRule rule_;
+  Tiling const& tiling_;
+  HotDisks disks_;
+  TurnView view_;
+  PackedGrid grid_;
+  PackedTurns turns_;
+  Cutoff cutoff_;
+  std::size_t group_size_;
+  /// A disk has the mark of its last turn, from when its tile begins; what a mark says turns around with every step.
+  static constexpr unsigned all_slots = (1U << PackedGrid::slots) - 1U;
+  unsigned marks_of_turned_ = 0;             ///< what the marks are of those that have had their turn
+  std::vector<std::uint32_t> id_indices_;    ///< of DiskInTurn, side by side
+  std::vector<std::uint32_t> free_rows_;     ///< that no disk has any more
+  std::vector<std::uint32_t> rows_of_cell_;  ///< while a cell is replaced
+  std::vector<std::uint32_t> tiles_;
+  std::vector<std::uint32_t> place_of_tile_;  ///< among the tiles that take turns
+  std::vector<TileResult> results_;
+};
+
+/// The order of the cells of a rectangle of tiles: tile by tile, and in a tile row by row.
+class CellOfTurn {
+ public:
+  CellOfTurn(CellLayout const& layout, Tiling const& tiling, std::span<std::uint32_t const> tiles);
+
+  /// Points in this order: order[k] is the number of the one that comes to place k. Contract: all lie in these tiles.
+  template <class Position>
+  [[nodiscard]] std::vector<std::uint32_t> order(std::size_t count, Position position_of) const {
+    auto const turn_of = [&](std::size_t i) {
+      Vector const p = position_of(i);
+      return turns_[index_of(layout_.column_of(p.x), layout_.row_of(p.y))];
+    };
+    std::vector<std::uint32_t> begin(turns_.size() + 1, 0);
+    for (std::size_t i = 0; i < count; ++i) ++begin[turn_of(i) + 1];
+    for (std::size_t cell = 0; cell < turns_.size(); ++cell) begin[cell + 1] += begin[cell];
+    std::vector<std::uint32_t> order(count);
+    for (std::size_t i = 0; i < count; ++i) order[begin[turn_of(i)]++] = static_cast<std::uint32_t>(i);
+    return order;
+  }
+
+ private:
+  [[nodiscard]] std::size_t index_of(int column, int row) const {
+    return static_cast<std::size_t>(row - first_row_) * columns_ + static_cast<std::size_t>(column - first_column_);
+  }
+
+  CellLayout layout_;
+  int first_column_ = 0;
+  int first_row_ = 0;
+  std::size_t columns_ = 0;
+  std::vector<std::uint32_t> turns_;
+};
+
+}  // namespace gridlock::tiled

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/lattice/start.hpp"
+
+namespace gridlock::golden {
+
+struct Scene {
+  std::string name;
+  Box box;
+  DisksSettings disks;
+  VelocitySettings velocities;
+  EngineSettings engine;
+  double time = 1.0;
+};
+
+inline std::vector<Scene> scenes() {
+  Box const walls(1.0, 1.0, Edge::wall);
+  Box const periodic(1.0, 1.0, Edge::periodic);
+  return {
+      {.name = "paper",
+       .box = walls,
+       .disks = {.count = 841, .packing_fraction = 0.7},
+       .engine = {.cells = 10},
+       .time = 0.5},
+      {.name = "triangular",
+       .box = walls,
+       .disks = {.count = 400, .packing_fraction = 0.8, .start = StartKind::triangular},
+       .engine = {.contact = CollisionRule::approaching}},
+      {.name = "mixture",
+       .box = periodic,
+       .disks = {.count = 200,
+                 .packing_fraction = 0.4,
+                 .start = StartKind::random,
+                 .species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = 1.4, .mass = 1.96}}},
+       .velocities = {.kind = VelocityKind::maxwell}},
+      {.name = "rectangle",
+       .box = Box(3.0, 0.7, Edge::periodic),
+       .disks = {.count = 150, .packing_fraction = 0.6, .start = StartKind::triangular},
+       .engine = {.time_step = 0.3, .substeps = 2}},
+      {.name = "gas", .box = walls, .disks = {.count = 100, .packing_fraction = 0.02}, .time = 10.0},
+      {.name = "few", .box = periodic, .disks = {.count = 4, .packing_fraction = 0.4}, .time = 20.0},
+      // Enough disks for many tiles of each colour; in the second one some cells hold more disks than a block.
+      {.name = "crowd",
+       .box = walls,
+       .disks = {.count = 10'000, .packing_fraction = 0.65, .start = StartKind::triangular},
+       .time = 0.05},
+      {.name = "large_and_small",
+       .box = periodic,
+       .disks = {.count = 4'000,
+                 .packing_fraction = 0.3,
+                 .start = StartKind::random,
+                 .species = {{.fraction = 0.9}, {.fraction = 0.1, .size_ratio = 4.0, .mass = 16.0}}},
+       .time = 0.05},
+  };
+}
+
+inline constexpr std::uint64_t seed = 20;
+
+/// How a scene starts.
+inline State start_of(Scene const& scene) {
+  State state = make_start(scene.box, scene.disks, seed);
+  draw_velocities(state, scene.velocities);
+  return state;
+}
+
+inline std::string hash_text(State const& state) { return fmt::format("{:016x}", hash(state)); }
+
+}  // namespace gridlock::golden

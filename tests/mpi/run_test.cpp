@@ -1,0 +1,184 @@
+// One run that several ranks of MPI share, through the programs themselves.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "cli/program.hpp"
+#include "mpi/mpirun.hpp"
+
+namespace {
+
+using namespace gridlock::test;
+
+std::string run_toml(std::string const& steps = "300", std::string const& more = "") {
+  return "[disks]\ncount = 2000\npacking_fraction = 0.6\n[engine]\nkind = \"tiled\"\n[run]\nsteps = " + steps +
+         "\nseed = 4\n[observe]\nevery = 20\nstructure_every = 2\n[trajectory]\nevery = 100\n" + more;
+}
+
+std::vector<std::string> run_into(std::string const& directory) { return {"run", "r.toml", "-q", "-o", directory}; }
+
+std::string state_hash_of(fs::path const& directory) {
+  std::string const summary = text_of(directory / "summary.json");
+  std::string const key = "\"state_hash\": \"";
+  std::size_t const at = summary.find(key);
+  return at == std::string::npos ? "" : summary.substr(at + key.size(), 16);
+}
+
+class MpiRun : public ::testing::Test {
+ protected:
+  /// All but times.
+  void expect_same_results(std::string const& one, std::string const& other) const {
+    ASSERT_NE(state_hash_of(workplace_ / one), "");
+    EXPECT_EQ(state_hash_of(workplace_ / one), state_hash_of(workplace_ / other));
+    for (char const* file : {"series.csv", "final.xyz", "speed_distribution.csv"}) {
+      ASSERT_NE(text_of(workplace_ / (one + "/" + file)), "") << file;
+      EXPECT_EQ(text_of(workplace_ / (one + "/" + file)), text_of(workplace_ / (other + "/" + file))) << file;
+    }
+    for (std::string const& directory : {one, other}) {
+      expect_good(in(workplace_, {"export", directory, "--to", "xyz", "-o", directory + ".xyz"}));
+    }
+    EXPECT_EQ(text_of(workplace_ / (one + ".xyz")), text_of(workplace_ / (other + ".xyz")));
+  }
+  /// A run of some seconds that saves itself often.
+  void write_long_one() const {
+    write(workplace_ / "r.toml", run_toml("30000", "[checkpoint]\nevery_seconds = 0.05\n"));
+  }
+
+  Workplace workplace_;
+};
+
+TEST_F(MpiRun, HasTheFilesOfOneProcessOnAnyNumberOfRanks) {
+  write(workplace_ / "r.toml", run_toml());
+  expect_good(in(workplace_, run_into("alone")));
+  for (int const ranks : {1, 2, 3, 8}) {
+    std::string const directory = "ranks" + std::to_string(ranks);
+    expect_good(on_ranks(workplace_, ranks, run_into(directory)));
+    expect_same_results("alone", directory);
+  }
+  expect_good(on_ranks(workplace_, 2, run_into("threads") + std::vector<std::string>{"-j", "2"}));
+  expect_same_results("alone", "threads");
+}
+
+TEST_F(MpiRun, SaysOnceHowItEndedAndWhatEachRankSent) {
+  write(workplace_ / "r.toml", run_toml());
+  Outcome const outcome = on_ranks(workplace_, 3, {"run", "r.toml", "-o", "out"});
+  expect_good(outcome);
+  EXPECT_EQ(occurrences(outcome.out, "finished 300 steps of 2000 agents"), 1U) << outcome.out;
+  std::string const log = text_of(workplace_ / "out/run.log");
+  EXPECT_EQ(occurrences(log, "on 3 ranks, "), 1U) << log;
+  for (int const rank : {0, 1, 2}) {
+    EXPECT_EQ(occurrences(log, "rank " + std::to_string(rank) + " sent "), 1U) << log;
+  }
+  EXPECT_EQ(occurrences(text_of(workplace_ / "out/summary.json"), "\"seconds_waiting\": "), 3U);
+}
+
+TEST_F(MpiRun, RefusesWhatCannotBeUsedAndSaysItOnce) {
+  write(workplace_ / "r.toml", run_toml());
+  write(workplace_ / "wrong.toml", "[engine]\nkin = \"tiled\"\n");
+  write(workplace_ / "exact.toml", "[disks]\ncount = 100\npacking_fraction = 0.3\n[engine]\nkind = \"exact\"\n");
+  write(workplace_ / "model.toml", "[model]\nkind = \"flocking\"\n");
+  expect_good(in(workplace_, run_into("taken")));
+  std::vector<std::pair<std::vector<std::string>, std::string>> const refused{
+      {{"run", "wrong.toml", "-o", "out"}, "did you mean kind?"},
+      {{"run", "nothing.toml", "-o", "out"}, "nothing.toml"},
+      {{"run", "exact.toml", "-o", "out"}, "the engine \"exact\" cannot be shared by 3 ranks"},
+      {{"run", "model.toml", "-o", "out"}, "the model \"flocking\" cannot be shared by 3 ranks"},
+      {{"run", "r.toml", "-o", "taken"}, "taken holds results already"},
+      {{"run", "r.toml", "--shard", "2"}, "no option --shard"},
+      {{"resume", "out"}, "out holds no run"},
+      {{"resume", "taken"}, "the run in taken is finished"}};
+  for (auto const& [arguments, reason] : refused) {
+    Outcome const outcome = on_ranks(workplace_, 3, arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+    EXPECT_EQ(occurrences(outcome.err, "error: "), 1U) << outcome.err;
+    EXPECT_NE(outcome.err.find(reason), std::string::npos) << outcome.err;
+    EXPECT_FALSE(fs::exists(workplace_ / "out"));
+  }
+  // One rank alone carries out whatever gridlock does.
+  expect_good(on_ranks(workplace_, 1, {"run", "exact.toml", "--set", "run.steps=10", "-o", "out"}));
+}
+
+TEST_F(MpiRun, FailsWhereOneProcessDoesAndSaysItOnce) {
+  // Light disks that heavy ones drive become too fast for their sub-steps.
+  write(workplace_ / "r.toml",
+        "[disks]\ncount = 300\npacking_fraction = 0.3\nstart = \"random\"\n"
+        "species = [{fraction = 0.5, mass = 1000.0}, {fraction = 0.5}]\n"
+        "[engine]\nkind = \"tiled\"\ntime_step = 0.5\nsubsteps = 2\n[run]\nsteps = 2000\n");
+  Outcome const one = in(workplace_, run_into("alone"));
+  Outcome const many = on_ranks(workplace_, 3, run_into("out"));
+  EXPECT_EQ(one.exit_code, 1);
+  EXPECT_EQ(many.exit_code, 1);
+  std::string const reason = one.err.substr(0, one.err.find('\n'));
+  EXPECT_NE(reason.find("could jump over a disk"), std::string::npos) << reason;
+  EXPECT_EQ(reason.find("step 0:"), std::string::npos) << "it is to fail later";
+  EXPECT_EQ(occurrences(many.err, reason), 1U) << many.err;
+  EXPECT_EQ(state_hash_of(workplace_ / "alone"), state_hash_of(workplace_ / "out"));
+}
+
+TEST_F(MpiRun, SavesItselfWhenAskedToStopAndContinuesOnAnotherNumberOfRanks) {
+  write_long_one();
+  expect_good(in(workplace_, run_into("alone")));
+  bool is_begun = false;
+  auto const begin_or_continue = [&](int ranks) {
+    Process process = start(workplace_, ranks, is_begun ? std::vector<std::string>{"resume", "out"} : run_into("out"));
+    wait_for(workplace_ / "out/run.log");
+    is_begun = true;
+    return process;
+  };
+  for (int const signal : {SIGTERM, SIGUSR1}) {
+    Process const asked = begin_or_continue(3);
+    ASSERT_EQ(ranks_of(asked, 3).size(), 3U);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    asked.signal(signal);
+    EXPECT_EQ(asked.wait().exit_code, 1);
+  }
+  // One rank hears of it and tells the others.
+  for (std::size_t const rank : {0U, 1U}) {
+    Process const asked = begin_or_continue(2);
+    auto const ranks = ranks_of(asked, 2);
+    ASSERT_EQ(ranks.size(), 2U);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    kill(ranks[rank], SIGTERM);
+    Outcome const outcome = asked.wait();
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+    EXPECT_NE(outcome.err.find("continue with: gridlock-mpi resume out"), std::string::npos) << outcome.err;
+  }
+  expect_good(on_ranks(workplace_, 4, {"resume", "out", "-q"}));
+  expect_same_results("alone", "out");
+}
+
+TEST_F(MpiRun, EndsWhereARankIsKilledAndContinuesToTheSameFiles) {
+  write_long_one();
+  expect_good(in(workplace_, run_into("alone")));
+  for (int const attempt : {0, 1, 2, 3}) {
+    Process const process =
+        start(workplace_, 3, attempt == 0 ? run_into("out") : std::vector<std::string>{"resume", "out", "-q"});
+    wait_for(workplace_ / "out/run.log");
+    auto const ranks = ranks_of(process, 3);
+    ASSERT_EQ(ranks.size(), 3U);
+    std::this_thread::sleep_for(std::chrono::milliseconds(200 + 70 * attempt));
+    kill(ranks[static_cast<std::size_t>(attempt) % 3], SIGKILL);
+    Outcome const outcome = process.wait();
+    EXPECT_NE(outcome.exit_code, 0);
+    EXPECT_NE(outcome.err.find("signal 9"), std::string::npos) << outcome.err;
+  }
+  // What ranks began, one process ends.
+  expect_good(in(workplace_, {"resume", "out", "-q"}));
+  expect_same_results("alone", "out");
+}
+
+TEST_F(MpiRun, MakesARunLonger) {
+  write(workplace_ / "r.toml", run_toml("200"));
+  expect_good(on_ranks(workplace_, 2, run_into("out")));
+  expect_good(on_ranks(workplace_, 3, {"resume", "out", "-q", "--steps", "300"}));
+  write(workplace_ / "r.toml", run_toml("300"));
+  expect_good(in(workplace_, run_into("alone")));
+  EXPECT_EQ(state_hash_of(workplace_ / "alone"), state_hash_of(workplace_ / "out"));
+}
+
+}  // namespace

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "engine/ranks.hpp"
+#include "engine/tiled/on_ranks.hpp"
+
+namespace gridlock::test {
+
+/// Ranks that are threads of one process.
+class ThreadRanks {
+ public:
+  explicit ThreadRanks(std::size_t count) : count_(count) {}
+
+  /// Calls lead(ranks) for rank 0, while the others help.
+  void run(std::function<void(Ranks&)> const& lead) {
+    std::vector<std::thread> threads;
+    for (std::size_t rank = 1; rank < count_; ++rank) {
+      threads.emplace_back([this, rank] {
+        OneRank helper(*this, rank);
+        tiled::help(helper);
+      });
+    }
+    OneRank leader(*this, 0);
+    std::exception_ptr failure;
+    try {
+      lead(leader);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    tiled::release_helpers(leader);
+    for (std::thread& thread : threads) thread.join();
+    if (failure) std::rethrow_exception(failure);
+  }
+
+  /// Messages sent so far.
+  [[nodiscard]] std::size_t messages() const { return messages_; }
+
+ private:
+  class OneRank final : public Ranks {
+   public:
+    OneRank(ThreadRanks& all, std::size_t rank) : all_(all), rank_(rank) {}
+    [[nodiscard]] std::size_t rank() const override { return rank_; }
+    [[nodiscard]] std::size_t count() const override { return all_.count_; }
+    void send(std::size_t to, Bytes message) override { all_.put(rank_, to, std::move(message)); }
+    Bytes receive(std::size_t from) override { return all_.take(from, rank_); }
+    std::vector<Bytes> gather_for_all(Bytes own) override {
+      for (std::size_t to = 0; to < count(); ++to) send(to, own);
+      std::vector<Bytes> all;
+      for (std::size_t from = 0; from < count(); ++from) all.push_back(receive(from));
+      return all;
+    }
+    [[nodiscard]] Traffic traffic() const override { return {}; }
+    [[nodiscard]] double seconds() const override {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+    }
+    [[nodiscard]] std::size_t count_on_machine() const override { return all_.count_; }
+    [[nodiscard]] bool is_stop_asked() const override { return false; }
+    void ask_to_stop() override {}
+    [[noreturn]] void abandon(std::string const& /*why*/) override { std::terminate(); }
+
+   private:
+    ThreadRanks& all_;
+    std::size_t rank_;
+  };
+
+  void put(std::size_t from, std::size_t to, Ranks::Bytes message) {
+    {
+      std::scoped_lock const lock(mutex_);
+      ++messages_;
+      boxes_[{from, to}].push_back(std::move(message));
+    }
+    has_come_.notify_all();
+  }
+  Ranks::Bytes take(std::size_t from, std::size_t to) {
+    std::unique_lock lock(mutex_);
+    std::deque<Ranks::Bytes>& box = boxes_[{from, to}];
+    has_come_.wait(lock, [&] { return !box.empty(); });
+    Ranks::Bytes message = std::move(box.front());
+    box.pop_front();
+    return message;
+  }
+
+  std::size_t count_;
+  std::mutex mutex_;
+  std::condition_variable has_come_;
+  std::map<std::pair<std::size_t, std::size_t>, std::deque<Ranks::Bytes>> boxes_;
+  std::size_t messages_ = 0;
+};
+
+}  // namespace gridlock::test
