@@ -130,19 +130,29 @@ int MpiRanks::wait_for_message(int from) {
   return bytes;
 }
 
+/// Calls a function of MPI that all ranks call, which waits in MPI, or the one that leaves it to us to wait.
+template <class Waiting, class Begun, class... Arguments>
+void MpiRanks::meet(Waiting waiting, Begun begun, Arguments... arguments) {
+  if (hooks_.waits_in_mpi) {
+    waiting(arguments..., ranks_communicator_);
+    return;
+  }
+  MPI_Request request = MPI_REQUEST_NULL;
+  begun(arguments..., ranks_communicator_, &request);
+  Patience patience;
+  for (int is_done = 0; is_done == 0;) {
+    MPI_Test(&request, &is_done, MPI_STATUS_IGNORE);
+    if (is_done == 0) patience.wait();
+  }
+}
+
 std::vector<Ranks::Bytes> MpiRanks::gather_for_all(Bytes own) {
   FirstRound first{.bytes = own.size(), .data = {}};
   if (!own.empty()) std::memcpy(first.data.data(), own.data(), std::min(own.size(), first.data.size()));
   std::vector<FirstRound> of_all(count_);
   double const begin = MPI_Wtime();
-  MPI_Request request = MPI_REQUEST_NULL;
-  if (hooks_.waits_in_mpi) {
-    MPI_Allgather(&first, sizeof first, MPI_BYTE, of_all.data(), sizeof first, MPI_BYTE, ranks_communicator_);
-  } else {
-    MPI_Iallgather(&first, sizeof first, MPI_BYTE, of_all.data(), sizeof first, MPI_BYTE, ranks_communicator_,
-                   &request);
-    wait_for(request);
-  }
+  meet(MPI_Allgather, MPI_Iallgather, &first, static_cast<int>(sizeof first), MPI_BYTE, of_all.data(),
+       static_cast<int>(sizeof first), MPI_BYTE);
   traffic_.seconds_waiting += MPI_Wtime() - begin;
   ++traffic_.messages;
   traffic_.bytes += sizeof first;
@@ -162,17 +172,9 @@ std::vector<Ranks::Bytes> MpiRanks::gather_for_all(Bytes own) {
   // By way of rank 0: Open MPI would hand so many bytes from rank to rank, all around.
   double const second_begin = MPI_Wtime();
   auto const bytes_of_all = static_cast<int>(all.size());
-  if (hooks_.waits_in_mpi) {
-    MPI_Gatherv(own.data(), sizes[rank_], MPI_BYTE, all.data(), sizes.data(), begins.data(), MPI_BYTE, 0,
-                ranks_communicator_);
-    MPI_Bcast(all.data(), bytes_of_all, MPI_BYTE, 0, ranks_communicator_);
-  } else {
-    MPI_Igatherv(own.data(), sizes[rank_], MPI_BYTE, all.data(), sizes.data(), begins.data(), MPI_BYTE, 0,
-                 ranks_communicator_, &request);
-    wait_for(request);
-    MPI_Ibcast(all.data(), bytes_of_all, MPI_BYTE, 0, ranks_communicator_, &request);
-    wait_for(request);
-  }
+  meet(MPI_Gatherv, MPI_Igatherv, own.data(), sizes[rank_], MPI_BYTE, all.data(), sizes.data(), begins.data(), MPI_BYTE,
+       0);
+  meet(MPI_Bcast, MPI_Ibcast, all.data(), bytes_of_all, MPI_BYTE, 0);
   traffic_.seconds_waiting += MPI_Wtime() - second_begin;
   ++traffic_.messages;
   traffic_.bytes += own.size();
@@ -180,14 +182,6 @@ std::vector<Ranks::Bytes> MpiRanks::gather_for_all(Bytes own) {
     messages[rank].assign(all.begin() + begins[rank], all.begin() + begins[rank] + sizes[rank]);
   }
   return messages;
-}
-
-void MpiRanks::wait_for(MPI_Request& request) {
-  Patience patience;
-  for (int is_done = 0; is_done == 0;) {
-    MPI_Test(&request, &is_done, MPI_STATUS_IGNORE);
-    if (is_done == 0) patience.wait();
-  }
 }
 
 void MpiRanks::abandon(std::string const& why) {

@@ -51,7 +51,8 @@ class MpiRanks final : public Ranks {
     if (hooks_.on_work) hooks_.on_work(turns, bytes);
   }
   void forget_sent();
-  void wait_for(MPI_Request& request);
+  template <class Waiting, class Begun, class... Arguments>
+  void meet(Waiting waiting, Begun begun, Arguments... arguments);
   int wait_for_message(int from);
 
   MPI_Comm ranks_communicator_ = MPI_COMM_NULL;

@@ -31,7 +31,7 @@ ExitCode carry_out(CrewOptions const* crew, std::function<ExitCode(Ranks*)> cons
   crew->crew.meet(0, "");
   if (crew->crew.leads()) {
     Lead const lead(*crew);
-    return work(&crew->ranks);
+    return work(crew->ranks.count() > 1 ? &crew->ranks : nullptr);
   }
   // A request to stop is the leader's to carry out.
   StopSignals const signals;

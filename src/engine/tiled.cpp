@@ -82,12 +82,10 @@ TiledEngine::TiledEngine(EngineSettings const& settings, State const& state)
     : settings_(settings),
       duration_(step_duration(settings, state)),
       box_(state.box),
-      thread_pool_(has_ranks() ? 1 : settings.threads) {
+      thread_pool_(settings.ranks != nullptr ? 1 : settings.threads) {
   require_room_for_turns(settings, state);
   lay_out(state);
 }
-
-bool TiledEngine::has_ranks() const { return settings_.ranks != nullptr && settings_.ranks->count() > 1; }
 
 void TiledEngine::require_valid(State const& state) const { require_room_for_turns(settings_, state); }
 
@@ -113,7 +111,7 @@ void TiledEngine::advance(State& state, Counters& counters, StopCondition const&
     box_ = state.box;
     lay_out(state);
   }
-  if (has_ranks()) {
+  if (settings_.ranks != nullptr) {
     tiled::advance_on_ranks(*settings_.ranks, rule_of(state), layout_, settings_.threads, state, counters,
                             stop_condition);
     return;

@@ -28,7 +28,6 @@ class TiledEngine final : public Engine {
 
  private:
   /// Whether other processes share the steps; each of them has its own threads.
-  [[nodiscard]] bool has_ranks() const;
   void lay_out(State const& state);
   [[nodiscard]] tiled::TurnRule rule_of(State const& state) const;
 

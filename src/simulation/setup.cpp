@@ -21,7 +21,7 @@ namespace {
 constexpr std::uint64_t default_steps = 10'000;
 
 void require_use_of_ranks(Configuration const& configuration, SetupOptions const& options) {
-  if (options.ranks == nullptr || options.ranks->count() == 1 || configuration.kind().uses_ranks(configuration)) return;
+  if (options.ranks == nullptr || configuration.kind().uses_ranks(configuration)) return;
   bool const is_of_disks = configuration.model.kind == "disks";
   std::string const what = !is_of_disks ? fmt::format("the model \"{}\"", configuration.model.kind)
                            : configuration.protocol.empty()

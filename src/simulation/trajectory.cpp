@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/saturating.hpp"
+#include "gridlock/core/detail/sorted.hpp"
 #include "gridlock/core/error.hpp"
 #include "simulation/settings_difference.hpp"
 
@@ -110,10 +111,8 @@ FrameSchedule::FrameSchedule(TrajectorySettings const& settings, double time_ste
       (origin_every_ > 0 ? after_origin_ : steps_).push_back(static_cast<std::uint64_t>(steps));
     }
   }
-  for (std::vector<std::uint64_t>* const list : {&steps_, &after_origin_}) {
-    std::ranges::sort(*list);
-    list->erase(std::unique(list->begin(), list->end()), list->end());
-  }
+  sort_and_drop_repeats(steps_);
+  sort_and_drop_repeats(after_origin_);
 }
 
 bool FrameSchedule::is_due(std::uint64_t steps) const {

@@ -88,7 +88,7 @@ Json to_json(std::vector<Traffic> const& ranks) {
 
 /// Nothing for a run of one process.
 std::vector<Traffic> traffic_of(Ranks const* ranks) {
-  return ranks == nullptr || ranks->count() == 1 ? std::vector<Traffic>() : ranks->traffic_of_ranks();
+  return ranks == nullptr ? std::vector<Traffic>() : ranks->traffic_of_ranks();
 }
 
 std::string summary_json(Configuration const& configuration, std::uint64_t start_hash, RunRecord const& record,

@@ -1,12 +1,16 @@
 #pragma once
 
+#include <gtest/gtest.h>
+#include <signal.h>
 #include <sys/types.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdlib>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -51,15 +55,46 @@ inline std::vector<pid_t> children_of(pid_t process) {
   return children;
 }
 
-/// The ranks, as soon as they are all there.
-inline std::vector<pid_t> ranks_of(Process const& process, std::size_t count) {
-  auto const end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  std::vector<pid_t> ranks;
-  while (ranks.size() < count && std::chrono::steady_clock::now() < end) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    ranks = children_of(process.id());
+/// When the newest checkpoint in a directory and those in it was written.
+inline fs::file_time_type time_of_newest_checkpoint(fs::path const& directory) {
+  fs::file_time_type newest = fs::file_time_type::min();
+  std::error_code error;
+  for (fs::recursive_directory_iterator file(directory, error), end; !error && file != end; file.increment(error)) {
+    // Files come and go meanwhile.
+    std::error_code gone;
+    fs::file_time_type const time = fs::last_write_time(file->path(), gone);
+    if (!gone && file->path().extension() == ".gridlock") newest = std::max(newest, time);
   }
-  return ranks;
+  return newest;
+}
+
+/// Several ranks in the middle of a run or sweep in the directory "out".
+struct RanksAtWork {
+  Process process;
+  std::vector<pid_t> ranks;
+
+  /// Sends a signal to one of them after some time.
+  void signal(std::size_t rank, int number, std::chrono::milliseconds after) const {
+    std::this_thread::sleep_for(after);
+    kill(ranks.at(rank), number);
+  }
+};
+
+/// Starts them, and waits until they have written a checkpoint: how long a machine takes to start them is not known, and only
+/// ranks that work heed signals.
+inline RanksAtWork start_and_wait_for_checkpoint(Workplace const& workplace, std::size_t count,
+                                                 std::vector<std::string> const& arguments) {
+  fs::path const directory = workplace / "out";
+  fs::file_time_type const before = time_of_newest_checkpoint(directory);
+  Process const process = start(workplace, static_cast<int>(count), arguments);
+  auto const end = std::chrono::steady_clock::now() + std::chrono::seconds(120);
+  while (time_of_newest_checkpoint(directory) <= before && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_GT(time_of_newest_checkpoint(directory), before) << "no checkpoint has come";
+  RanksAtWork at_work{.process = process, .ranks = children_of(process.id())};
+  EXPECT_EQ(at_work.ranks.size(), count);
+  return at_work;
 }
 
 }  // namespace gridlock::test

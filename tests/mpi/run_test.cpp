@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -14,6 +13,7 @@
 namespace {
 
 using namespace gridlock::test;
+using namespace std::chrono_literals;
 
 std::string run_toml(std::string const& steps = "300", std::string const& more = "") {
   return "[disks]\ncount = 2000\npacking_fraction = 0.6\n[engine]\nkind = \"tiled\"\n[run]\nsteps = " + steps +
@@ -123,28 +123,18 @@ TEST_F(MpiRun, FailsWhereOneProcessDoesAndSaysItOnce) {
 TEST_F(MpiRun, SavesItselfWhenAskedToStopAndContinuesOnAnotherNumberOfRanks) {
   write_long_one();
   expect_good(in(workplace_, run_into("alone")));
-  bool is_begun = false;
-  auto const begin_or_continue = [&](int ranks) {
-    Process process = start(workplace_, ranks, is_begun ? std::vector<std::string>{"resume", "out"} : run_into("out"));
-    wait_for(workplace_ / "out/run.log");
-    is_begun = true;
-    return process;
-  };
+  std::vector<std::string> begin_or_resume = run_into("out");
   for (int const signal : {SIGTERM, SIGUSR1}) {
-    Process const asked = begin_or_continue(3);
-    ASSERT_EQ(ranks_of(asked, 3).size(), 3U);
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    asked.signal(signal);
-    EXPECT_EQ(asked.wait().exit_code, 1);
+    RanksAtWork const asked = start_and_wait_for_checkpoint(workplace_, 3, begin_or_resume);
+    asked.process.signal(signal);
+    EXPECT_EQ(asked.process.wait().exit_code, 1);
+    begin_or_resume = {"resume", "out"};
   }
   // One rank hears of it and tells the others.
   for (std::size_t const rank : {0U, 1U}) {
-    Process const asked = begin_or_continue(2);
-    auto const ranks = ranks_of(asked, 2);
-    ASSERT_EQ(ranks.size(), 2U);
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    kill(ranks[rank], SIGTERM);
-    Outcome const outcome = asked.wait();
+    RanksAtWork const asked = start_and_wait_for_checkpoint(workplace_, 2, begin_or_resume);
+    asked.signal(rank, SIGTERM, 0ms);
+    Outcome const outcome = asked.process.wait();
     EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
     EXPECT_NE(outcome.err.find("continue with: gridlock-mpi resume out"), std::string::npos) << outcome.err;
   }
@@ -155,17 +145,14 @@ TEST_F(MpiRun, SavesItselfWhenAskedToStopAndContinuesOnAnotherNumberOfRanks) {
 TEST_F(MpiRun, EndsWhereARankIsKilledAndContinuesToTheSameFiles) {
   write_long_one();
   expect_good(in(workplace_, run_into("alone")));
-  for (int const attempt : {0, 1, 2, 3}) {
-    Process const process =
-        start(workplace_, 3, attempt == 0 ? run_into("out") : std::vector<std::string>{"resume", "out", "-q"});
-    wait_for(workplace_ / "out/run.log");
-    auto const ranks = ranks_of(process, 3);
-    ASSERT_EQ(ranks.size(), 3U);
-    std::this_thread::sleep_for(std::chrono::milliseconds(200 + 70 * attempt));
-    kill(ranks[static_cast<std::size_t>(attempt) % 3], SIGKILL);
-    Outcome const outcome = process.wait();
+  std::vector<std::string> begin_or_resume = run_into("out");
+  for (std::size_t const attempt : {0U, 1U, 2U, 3U}) {
+    RanksAtWork const at_work = start_and_wait_for_checkpoint(workplace_, 3, begin_or_resume);
+    at_work.signal(attempt % 3, SIGKILL, 20ms * attempt);
+    Outcome const outcome = at_work.process.wait();
     EXPECT_NE(outcome.exit_code, 0);
     EXPECT_NE(outcome.err.find("signal 9"), std::string::npos) << outcome.err;
+    begin_or_resume = {"resume", "out", "-q"};
   }
   // What ranks began, one process ends.
   expect_good(in(workplace_, {"resume", "out", "-q"}));

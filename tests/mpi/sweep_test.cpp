@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "cli/program.hpp"
@@ -14,6 +13,7 @@
 namespace {
 
 using namespace gridlock::test;
+using namespace std::chrono_literals;
 
 std::vector<std::string> sweep_into(std::string const& directory, std::string const& file = "s.toml") {
   return {"sweep", file, "--no-pictures", "-o", directory};
@@ -134,30 +134,22 @@ TEST_F(MpiSweep, SavesItselfWhenAskedToStopAndContinuesOnAnotherNumberOfRanks) {
   write_long_one();
   expect_good(in(workplace_, sweep_into("alone")));
   for (int const signal : {SIGTERM, SIGUSR1}) {
-    Process const first = start(workplace_, 3, sweep_into("out"));
-    ASSERT_EQ(ranks_of(first, 3).size(), 3U);
-    std::this_thread::sleep_for(std::chrono::milliseconds(600));
-    first.signal(signal);
-    EXPECT_EQ(first.wait().exit_code, 1);
+    RanksAtWork const asked = start_and_wait_for_checkpoint(workplace_, 3, sweep_into("out"));
+    asked.process.signal(signal);
+    EXPECT_EQ(asked.process.wait().exit_code, 1);
   }
   // A scheduler asks all processes of a job, and mpirun its ranks once more.
-  Process const twice = start(workplace_, 2, sweep_into("out"));
-  auto const asked_twice = ranks_of(twice, 2);
-  ASSERT_EQ(asked_twice.size(), 2U);
-  std::this_thread::sleep_for(std::chrono::milliseconds(600));
-  for (pid_t const rank : asked_twice) kill(rank, SIGTERM);
-  twice.signal(SIGTERM);
-  Outcome const of_twice = twice.wait();
+  RanksAtWork const twice = start_and_wait_for_checkpoint(workplace_, 2, sweep_into("out"));
+  for (pid_t const rank : twice.ranks) kill(rank, SIGTERM);
+  twice.process.signal(SIGTERM);
+  Outcome const of_twice = twice.process.wait();
   EXPECT_EQ(of_twice.exit_code, 1);
   EXPECT_NE(of_twice.err.find("the same command continues them"), std::string::npos) << of_twice.err;
   // One rank hears of it and tells the others.
   for (std::size_t const rank : {0U, 1U}) {
-    Process const second = start(workplace_, 2, sweep_into("out"));
-    auto const ranks = ranks_of(second, 2);
-    ASSERT_EQ(ranks.size(), 2U);
-    std::this_thread::sleep_for(std::chrono::milliseconds(600));
-    kill(ranks[rank], SIGTERM);
-    Outcome const outcome = second.wait();
+    RanksAtWork const asked = start_and_wait_for_checkpoint(workplace_, 2, sweep_into("out"));
+    asked.signal(rank, SIGTERM, 0ms);
+    Outcome const outcome = asked.process.wait();
     EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
     EXPECT_NE(outcome.err.find("the same command continues them"), std::string::npos) << outcome.err;
   }
@@ -168,13 +160,10 @@ TEST_F(MpiSweep, SavesItselfWhenAskedToStopAndContinuesOnAnotherNumberOfRanks) {
 TEST_F(MpiSweep, EndsWhereARankIsKilledAndContinuesToTheSameTables) {
   write_long_one();
   expect_good(in(workplace_, sweep_into("alone")));
-  for (int const milliseconds : {300, 400, 500}) {
-    Process const process = start(workplace_, 3, sweep_into("out"));
-    auto const ranks = ranks_of(process, 3);
-    ASSERT_EQ(ranks.size(), 3U);
-    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
-    kill(ranks[static_cast<std::size_t>(milliseconds / 100) % 3], SIGKILL);
-    Outcome const outcome = process.wait();
+  for (std::size_t const attempt : {0U, 1U, 2U}) {
+    RanksAtWork const at_work = start_and_wait_for_checkpoint(workplace_, 3, sweep_into("out"));
+    at_work.signal(attempt, SIGKILL, 50ms * attempt);
+    Outcome const outcome = at_work.process.wait();
     EXPECT_NE(outcome.exit_code, 0);
     EXPECT_NE(outcome.err.find("signal 9"), std::string::npos) << outcome.err;
   }

@@ -17,6 +17,7 @@ namespace {
 
 using reference::any_tiled_system;
 using reference::Ended;
+using reference::expect_same;
 using reference::TiledSystem;
 using test::ThreadRanks;
 
@@ -30,34 +31,11 @@ Ended advance_on_ranks(EngineSettings settings, std::size_t ranks, std::uint64_t
   return ended;
 }
 
-void expect_same(Ended const& one, Ended const& many, std::string const& what) {
-  ASSERT_EQ(one.failure, many.failure) << what;
-  ASSERT_EQ(one.hash, many.hash) << what;
-  ASSERT_EQ(one.counters.moves, many.counters.moves) << what;
-  ASSERT_EQ(one.counters.halted_moves, many.counters.halted_moves) << what;
-  ASSERT_EQ(one.counters.pair_collisions, many.counters.pair_collisions) << what;
-  ASSERT_EQ(one.counters.pair_virial, many.counters.pair_virial) << what;
-  ASSERT_EQ(one.counters.wall_hits, many.counters.wall_hits) << what;
-  ASSERT_EQ(one.counters.wall_impulse, many.counters.wall_impulse) << what;
-  ASSERT_EQ(one.counters.distance_checks, many.counters.distance_checks) << what;
-}
-
 TEST(TiledOnRanks, HasTheBitsOfOneProcess) {
-  int with_collisions = 0;
-  for (std::uint64_t seed = 0; seed < 60; ++seed) {
-    TiledSystem const s = any_tiled_system(seed);
-    State const start = s.start();
-    State state = start;
-    Ended const one = reference::advance(s.engine, 1, state, 40);
-    if (one.counters.pair_collisions > 50) ++with_collisions;
-    for (std::size_t const ranks : {2U, 3U, 4U, 9U}) {
-      state = start;
-      Ended const many = advance_on_ranks(s.engine, ranks, 1 + seed % 2, state, 40);
-      ASSERT_NO_FATAL_FAILURE(
-          expect_same(one, many, "seed " + std::to_string(seed) + ", " + std::to_string(ranks) + " ranks"));
-    }
-  }
-  EXPECT_GT(with_collisions, 30) << "most systems must do something";
+  reference::expect_same_of_any_system({2, 3, 4, 9}, "ranks",
+                                       [](TiledSystem const& s, std::size_t ranks, State& state, std::uint64_t step) {
+                                         return advance_on_ranks(s.engine, ranks, 1 + s.scene.seed % 2, state, step);
+                                       });
 }
 
 TEST(TiledOnRanks, HasTheBitsOfOneProcessInRunsOfManySteps) {

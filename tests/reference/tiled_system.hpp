@@ -1,9 +1,12 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <string>
+#include <vector>
 
 #include "gridlock/core/random.hpp"
 #include "gridlock/engine/engine.hpp"
@@ -59,6 +62,40 @@ inline Ended advance(EngineSettings settings, std::uint64_t threads, State& stat
   }
   ended.hash = hash(state);
   return ended;
+}
+
+inline void expect_same(Ended const& one, Ended const& many, std::string const& what) {
+  ASSERT_EQ(one.failure, many.failure) << what;
+  ASSERT_EQ(one.hash, many.hash) << what;
+  ASSERT_EQ(one.counters.moves, many.counters.moves) << what;
+  ASSERT_EQ(one.counters.halted_moves, many.counters.halted_moves) << what;
+  ASSERT_EQ(one.counters.pair_collisions, many.counters.pair_collisions) << what;
+  ASSERT_EQ(one.counters.pair_virial, many.counters.pair_virial) << what;
+  ASSERT_EQ(one.counters.wall_hits, many.counters.wall_hits) << what;
+  ASSERT_EQ(one.counters.wall_impulse, many.counters.wall_impulse) << what;
+  ASSERT_EQ(one.counters.distance_checks, many.counters.distance_checks) << what;
+}
+
+/// Sixty systems end as one thread of one process ends them, whatever the number of threads or ranks;
+/// `advance_on(system, number, state, step)` moves one on.
+template <class AdvanceOn>
+void expect_same_of_any_system(std::vector<std::size_t> const& numbers, std::string const& of, AdvanceOn advance_on) {
+  constexpr std::uint64_t steps = 40;
+  int with_collisions = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    TiledSystem const s = any_tiled_system(seed);
+    State const start = s.start();
+    State state = start;
+    Ended const one = advance(s.engine, 1, state, steps);
+    if (one.counters.pair_collisions > 50) ++with_collisions;
+    for (std::size_t const number : numbers) {
+      state = start;
+      Ended const many = advance_on(s, number, state, steps);
+      ASSERT_NO_FATAL_FAILURE(
+          expect_same(one, many, "seed " + std::to_string(seed) + ", " + std::to_string(number) + " " + of));
+    }
+  }
+  EXPECT_GT(with_collisions, 30) << "most systems must do something";
 }
 
 }  // namespace gridlock::reference

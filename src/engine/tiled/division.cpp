@@ -53,7 +53,7 @@ std::vector<Tiling::Rectangle> divide(Tiling const& tiling, std::span<std::uint6
   std::size_t const columns = tiling.columns();
   std::size_t const rows = tiling.rows();
   // An empty tile is work, too.
-  auto const weight_of = [&](std::size_t column, std::size_t row) { return disks[row * columns + column] + 1; };
+  auto const weight_of = [&](std::size_t column, std::size_t row) { return disks[tiling.number_of(column, row)] + 1; };
   double const shape = static_cast<double>(rows) / static_cast<double>(columns);
   auto const strips = static_cast<std::size_t>(std::clamp(std::round(std::sqrt(static_cast<double>(ranks) * shape)),
                                                           1.0, static_cast<double>(std::min(ranks, rows))));

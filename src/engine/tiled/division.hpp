@@ -14,7 +14,7 @@ namespace gridlock::tiled {
 /// beyond the number of tiles have none.
 ///
 ///     ┌────┬──┬───┐
-///     │ 3  │4 │ 5 │    `disks` has a number for each tile, row after row
+///     │ 3  │4 │ 5 │    `disks` has a number for each tile
 ///     ├──┬─┴──┼───┤
 ///     │0 │ 1  │ 2 │
 ///     └──┴────┴───┘

@@ -98,44 +98,35 @@ void receive_disks(Ranks& ranks, std::size_t from, Visit visit) {
   }
 }
 
-/// The place of the tile of each column or row of cells, among tiles side by side.
-std::vector<std::uint32_t> tile_columns(CellLayout const& layout, Tiling const& tiling) {
-  std::vector<std::uint32_t> of_column(static_cast<std::size_t>(layout.columns()));
-  for (std::size_t k = 0; k < tiling.columns(); ++k) {
-    Tiling::Tile const& tile = tiling.tiles()[tiling.number_of(k, 0)];
-    std::fill(of_column.begin() + tile.first_column, of_column.begin() + tile.end_column,
-              static_cast<std::uint32_t>(k));
-  }
-  return of_column;
-}
-std::vector<std::uint32_t> tile_rows(CellLayout const& layout, Tiling const& tiling) {
-  std::vector<std::uint32_t> of_row(static_cast<std::size_t>(layout.rows()));
-  for (std::size_t k = 0; k < tiling.rows(); ++k) {
-    Tiling::Tile const& tile = tiling.tiles()[tiling.number_of(0, k)];
-    std::fill(of_row.begin() + tile.first_row, of_row.begin() + tile.end_row, static_cast<std::uint32_t>(k));
-  }
-  return of_row;
+/// For each column or row of cells the one of tiles that it is in, by where those end.
+template <class EndOf>
+std::vector<std::size_t> tiles_of_cells(std::size_t tiles, EndOf end_of) {
+  std::vector<std::size_t> tile_of_cell;
+  for (std::size_t k = 0; k < tiles; ++k) tile_of_cell.resize(static_cast<std::size_t>(end_of(k)), k);
+  return tile_of_cell;
 }
 
-/// Where disks are among tiles, row after row of tiles.
+/// The tile of a point.
 class TileFinder {
  public:
   TileFinder(CellLayout const& layout, Tiling const& tiling)
       : layout_(layout),
-        columns_(tiling.columns()),
-        of_column_(tile_columns(layout, tiling)),
-        of_row_(tile_rows(layout, tiling)) {}
+        tiling_(tiling),
+        column_of_(tiles_of_cells(tiling.columns(),
+                                  [&](std::size_t k) { return tiling.tiles()[tiling.number_of(k, 0)].end_column; })),
+        row_of_(tiles_of_cells(tiling.rows(),
+                               [&](std::size_t k) { return tiling.tiles()[tiling.number_of(0, k)].end_row; })) {}
 
-  [[nodiscard]] std::size_t place_of(Vector p) const {
-    return of_row_[static_cast<std::size_t>(layout_.row_of(p.y))] * columns_ +
-           of_column_[static_cast<std::size_t>(layout_.column_of(p.x))];
+  [[nodiscard]] std::uint32_t tile_of(Vector p) const {
+    return tiling_.number_of(column_of_[static_cast<std::size_t>(layout_.column_of(p.x))],
+                             row_of_[static_cast<std::size_t>(layout_.row_of(p.y))]);
   }
 
  private:
   CellLayout const& layout_;
-  std::size_t columns_;
-  std::vector<std::uint32_t> of_column_;
-  std::vector<std::uint32_t> of_row_;
+  Tiling const& tiling_;
+  std::vector<std::size_t> column_of_;
+  std::vector<std::size_t> row_of_;
 };
 
 /// The leader's side of one advance().
@@ -182,34 +173,26 @@ class Leading {
     Disks const& disks = state_.agents;
     TileFinder const finder(layout_, tiling_);
     std::vector<std::uint64_t> disks_of_tile(tiling_.tiles().size(), 0);
-    for (std::size_t i = 0; i < disks.size(); ++i) ++disks_of_tile[finder.place_of(position(disks, i))];
+    for (std::size_t i = 0; i < disks.size(); ++i) ++disks_of_tile[finder.tile_of(position(disks, i))];
     std::vector<Tiling::Rectangle> const division = divide(tiling_, disks_of_tile, ranks_.count());
     MessageWriter message;
     message.add(Command::advance);
     message.add(order_);
     message.add_all(std::span<Tiling::Rectangle const>(division));
     send_to_others(ranks_, message.take());
+    find_places(division);
 
-    std::vector<std::uint32_t> rank_of_tile(tiling_.tiles().size());
-    std::vector<std::size_t> disks_of_rank(ranks_.count(), 0);
-    for (std::size_t rank = 0; rank < division.size(); ++rank) {
-      Tiling::Rectangle const& own = division[rank];
-      for (std::size_t row = own.first_row; row < own.end_row; ++row) {
-        for (std::size_t column = own.first_column; column < own.end_column; ++column) {
-          std::size_t const place = row * tiling_.columns() + column;
-          rank_of_tile[place] = static_cast<std::uint32_t>(rank);
-          disks_of_rank[rank] += disks_of_tile[place];
-        }
-      }
-    }
     std::vector<DiskSender> senders;
     for (std::size_t rank = 0; rank < ranks_.count(); ++rank) senders.emplace_back(ranks_, rank);
+    std::uint64_t own_disks = 0;
+    division[0].for_each_tile(
+        [&](std::size_t column, std::size_t row) { own_disks += disks_of_tile[tiling_.number_of(column, row)]; });
     LargeArray<DiskInTurn> own;
-    own.reserve(disks_of_rank[0]);
+    own.reserve(own_disks);
     std::vector<std::uint32_t> const id_index = id_indices(disks);
     for (std::uint32_t row = 0; row < disks.size(); ++row) {
       DiskInTurn const disk = disk_in_turn(disks, row, id_index);
-      std::uint32_t const rank = rank_of_tile[finder.place_of(disk.position)];
+      std::uint32_t const rank = places_[finder.tile_of(disk.position)].rank;
       if (rank == 0) {
         own.push_back(disk);
       } else {
@@ -218,25 +201,17 @@ class Leading {
     }
     for (std::size_t rank = 1; rank < ranks_.count(); ++rank) senders[rank].end();
     share_.emplace(ranks_, order_.rule(), layout_, division, order_.threads, std::move(own));
-    find_places(division);
   }
 
   /// Where the sums of each tile are, in the order of tiles.
   void find_places(std::vector<Tiling::Rectangle> const& division) {
     places_.resize(tiling_.tiles().size());
+    for (std::uint32_t rank = 0; rank < division.size(); ++rank) {
+      division[rank].for_each_tile(
+          [&](std::size_t column, std::size_t row) { places_[tiling_.number_of(column, row)].rank = rank; });
+    }
     tiles_of_rank_.assign(ranks_.count(), 0);
-    std::vector<std::uint32_t> rank_of(tiling_.tiles().size(), 0);
-    for (std::size_t rank = 0; rank < division.size(); ++rank) {
-      Tiling::Rectangle const& own = division[rank];
-      for (std::size_t row = own.first_row; row < own.end_row; ++row) {
-        for (std::size_t column = own.first_column; column < own.end_column; ++column) {
-          rank_of[tiling_.number_of(column, row)] = static_cast<std::uint32_t>(rank);
-        }
-      }
-    }
-    for (std::size_t tile = 0; tile < places_.size(); ++tile) {
-      places_[tile] = {.rank = rank_of[tile], .place = static_cast<std::uint32_t>(tiles_of_rank_[rank_of[tile]]++)};
-    }
+    for (auto& [rank, place] : places_) place = static_cast<std::uint32_t>(tiles_of_rank_[rank]++);
   }
 
   /// How many steps may be taken before a look at the stop condition.

@@ -6,6 +6,8 @@
 #include <iterator>
 #include <utility>
 
+#include "gridlock/core/detail/sorted.hpp"
+
 namespace gridlock::tiled {
 
 namespace {
@@ -18,11 +20,7 @@ struct LateHead {
 
 std::vector<std::uint32_t> tiles_of(Tiling const& tiling, Tiling::Rectangle const& rectangle) {
   std::vector<std::uint32_t> tiles;
-  for (std::size_t row = rectangle.first_row; row < rectangle.end_row; ++row) {
-    for (std::size_t column = rectangle.first_column; column < rectangle.end_column; ++column) {
-      tiles.push_back(tiling.number_of(column, row));
-    }
-  }
+  rectangle.for_each_tile([&](std::size_t column, std::size_t row) { tiles.push_back(tiling.number_of(column, row)); });
   std::ranges::sort(tiles);
   return tiles;
 }
@@ -58,6 +56,7 @@ Share::Share(Ranks& ranks, TurnRule const& rule, CellLayout const& layout, std::
       tiling_(layout),
       division_(std::move(division)),
       own_(division_[ranks.rank()]),
+      own_cells_(window_around(layout_, tiling_, own_, 0)),
       thread_pool_(threads) {
   // Twice the room of a turn within the ring: hardly ever is a disk faster.
   constexpr int usual_reach = 2;
@@ -68,6 +67,7 @@ Share::Share(Ranks& ranks, TurnRule const& rule, CellLayout const& layout, std::
 void Share::place(LargeArray<DiskInTurn>&& own, int reach) {
   if (reach != reach_) {
     reach_ = reach;
+    window_ = window_around(layout_, tiling_, own_, reach_);
     find_neighbours();
     find_rounds();
   }
@@ -82,23 +82,20 @@ void Share::place(LargeArray<DiskInTurn>&& own, int reach) {
   // A step may be under way.
   std::vector<TileResult> results;
   if (steps_) results = std::move(steps_->results());
-  steps_.emplace(HotDisks(std::move(sorted)), rule_, layout_, tiling_, window_around(layout_, tiling_, own_, reach_),
-                 std::move(tiles));
+  steps_.emplace(HotDisks(std::move(sorted)), rule_, layout_, tiling_, window_, std::move(tiles));
   if (!results.empty()) steps_->results() = std::move(results);
   steps_since_sort_ = 0;
-  CellWindow const own_cells = window_around(layout_, tiling_, own_, 0);
   for (Neighbour const& neighbour : neighbours_) {
-    send_cells(neighbour.rank, common_cells(layout_, own_cells, neighbour.window));
+    send_cells(neighbour.rank, common_cells(layout_, own_cells_, neighbour.window));
   }
   for (Neighbour const& neighbour : neighbours_) receive_cells(neighbour.rank);
 }
 
 void Share::find_neighbours() {
   neighbours_.clear();
-  CellWindow const own = window_around(layout_, tiling_, own_, reach_);
   for (std::size_t rank = 0; rank < division_.size(); ++rank) {
     CellWindow const window = window_around(layout_, tiling_, division_[rank], reach_);
-    if (rank != ranks_.rank() && overlap(layout_, own, window)) {
+    if (rank != ranks_.rank() && overlap(layout_, window_, window)) {
       neighbours_.push_back({.rank = rank,
                              .own = window_around(layout_, tiling_, division_[rank], 0),
                              .seen = window_around(layout_, tiling_, division_[rank], 1),
@@ -136,10 +133,8 @@ Share::CellsOfRound Share::cells_of_round(Round const& round, CellWindow const& 
       std::ranges::copy(common_cells(layout_, cells_of(tile), window), std::back_inserter(cells.own));
     }
   }
-  for (std::vector<int>* const list : {&all, &cells.own}) {
-    std::ranges::sort(*list);
-    list->erase(std::unique(list->begin(), list->end()), list->end());
-  }
+  sort_and_drop_repeats(all);
+  sort_and_drop_repeats(cells.own);
   std::ranges::set_difference(all, cells.own, std::back_inserter(cells.ring));
   return cells;
 }
@@ -211,10 +206,12 @@ void Share::take_round(Tiling::Round const& round) {
   thread_pool_.for_each(round.size(), [&](std::size_t part) { steps_->take_part(round[part]); });
   std::uint64_t turns = 0;
   for (Tiling::Part const& part : round) {
-    for (std::uint32_t const tile : part) turns += steps_->results()[steps_->place_of(tile)].counters.moves;
+    for (std::uint32_t const tile : part) {
+      turns += steps_->result_of(tile).counters.moves;
+      note_late(tile);
+    }
   }
   ranks_.note_turns(turns);
-  note_late(round);
 }
 
 void Share::exchange(std::size_t round) {
@@ -234,24 +231,20 @@ void Share::exchange(std::size_t round) {
 }
 
 /// Remembers late disks by Id and cell, for messages give disks other rows.
-void Share::note_late(Tiling::Round const& round) {
-  for (Tiling::Part const& part : round) {
-    for (std::uint32_t const tile : part) {
-      std::vector<std::uint32_t>& rows = steps_->results()[steps_->place_of(tile)].too_fast_for_tile;
-      for (std::uint32_t const row : rows) {
-        DiskInTurn const& disk = steps_->disks()[row];
-        late_.push_back({.tile = tile,
-                         .id_index = disk.id_index,
-                         .cell = steps_->grid().cell_of(row),
-                         .rank = static_cast<std::uint32_t>(ranks_.rank()),
-                         .energy = 0.0,
-                         .smallest_mass = disk.mass,
-                         .largest_radius = disk.radius,
-                         .smallest_radius = disk.radius});
-      }
-      rows.clear();
-    }
+void Share::note_late(std::uint32_t tile) {
+  std::vector<std::uint32_t>& rows = steps_->result_of(tile).too_fast_for_tile;
+  for (std::uint32_t const row : rows) {
+    DiskInTurn const& disk = steps_->disks()[row];
+    late_.push_back({.tile = tile,
+                     .id_index = disk.id_index,
+                     .cell = steps_->grid().cell_of(row),
+                     .rank = static_cast<std::uint32_t>(ranks_.rank()),
+                     .energy = 0.0,
+                     .smallest_mass = disk.mass,
+                     .largest_radius = disk.radius,
+                     .smallest_radius = disk.radius});
   }
+  rows.clear();
 }
 
 namespace {
@@ -281,32 +274,45 @@ void Share::take_late_turns() {
     place(own_disks(), needed_reach);
     shared = late_of_all(needed_reach);
   }
-  show_surroundings(shared);
+  show_neighbourhoods(shared);
   take_waves(shared);
 }
 
-/// Sends to each rank what its late disks may look at here, beyond what it is kept up to date of. Each rank knows from the list of all
-/// which messages there are.
-void Share::show_surroundings(std::vector<LateDisk> const& shared) {
-  auto const cells_for = [&](std::size_t rank, CellWindow const& of_other) {
-    std::vector<int> cells;
-    for (LateDisk const& late : shared) {
-      if (late.rank == rank)
-        std::ranges::copy(common_cells(layout_, zone_of(late), of_other), std::back_inserter(cells));
-    }
-    std::ranges::sort(cells);
-    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-    return cells;
-  };
-  if (reach_ <= 1 || shared.empty()) return;
-  CellWindow const own = window_around(layout_, tiling_, own_, 0);
+/// Sends to each rank what its late disks may look at here, beyond what it is kept up to date of.
+void Share::show_neighbourhoods(std::vector<LateDisk> const& shared) {
+  if (reach_ <= 1) return;
+  exchange_zones([&](Neighbour const& neighbour) { return cells_of_zones(shared, neighbour.rank, own_cells_); },
+                 [&](Neighbour const& neighbour) { return cells_of_zones(shared, ranks_.rank(), neighbour.own); });
+}
+
+/// Sends to each neighbour what the turns of these late disks have changed in its window, and receives the same.
+void Share::tell_of_turns(std::vector<LateDisk> const& taken) {
+  exchange_zones([&](Neighbour const& neighbour) { return cells_of_zones(taken, ranks_.rank(), neighbour.window); },
+                 [&](Neighbour const& neighbour) { return cells_of_zones(taken, neighbour.rank, window_); });
+}
+
+/// Sends cells to each neighbour and receives some of it, where there are any: each rank knows from the list of all late
+/// disks which messages there are.
+template <class CellsSent, class CellsReceived>
+void Share::exchange_zones(CellsSent cells_sent, CellsReceived cells_received) {
   for (Neighbour const& neighbour : neighbours_) {
-    std::vector<int> const cells = cells_for(neighbour.rank, own);
+    std::vector<int> const cells = cells_sent(neighbour);
     if (!cells.empty()) send_cells(neighbour.rank, cells);
   }
   for (Neighbour const& neighbour : neighbours_) {
-    if (!cells_for(ranks_.rank(), neighbour.own).empty()) receive_cells(neighbour.rank);
+    if (!cells_received(neighbour).empty()) receive_cells(neighbour.rank);
   }
+}
+
+/// The cells of a window in the zones of the late disks of a rank.
+std::vector<int> Share::cells_of_zones(std::vector<LateDisk> const& late, std::size_t rank,
+                                       CellWindow const& window) const {
+  std::vector<int> cells;
+  for (LateDisk const& disk : late) {
+    if (disk.rank == rank) std::ranges::copy(common_cells(layout_, zone_of(disk), window), std::back_inserter(cells));
+  }
+  sort_and_drop_repeats(cells);
+  return cells;
 }
 
 /// The late disks of all ranks whose turns other ranks may see, in the order of their turns; and how far some late disk may look.
@@ -391,39 +397,16 @@ void Share::take_waves(std::vector<LateDisk> const& shared) {
       }
       take_late(*late);
     }
-    tell_of_turns(shared, levels, level);
+    std::vector<LateDisk> taken;
+    for (std::size_t k = 0; k < shared.size(); ++k) {
+      if (levels[k] == level) taken.push_back(shared[k]);
+    }
+    tell_of_turns(taken);
   }
   for (; late != late_.end(); ++late) take_late(*late);
 }
 
-void Share::take_late(LateDisk const& late) {
-  steps_->take_late(row_of(*steps_, late), steps_->results()[steps_->place_of(late.tile)]);
-}
-
-/// Sends to each neighbour what the turns of a level have changed in its window, and receives the same. Each rank knows from
-/// the list of all which messages there are.
-void Share::tell_of_turns(std::vector<LateDisk> const& shared, std::vector<std::size_t> const& levels,
-                          std::size_t level) {
-  CellWindow const own_window = window_around(layout_, tiling_, own_, reach_);
-  auto const cells_of = [&](std::size_t rank, CellWindow const& window) {
-    std::vector<int> cells;
-    for (std::size_t k = 0; k < shared.size(); ++k) {
-      if (levels[k] != level || shared[k].rank != rank) continue;
-      std::vector<int> const more = common_cells(layout_, zone_of(shared[k]), window);
-      cells.insert(cells.end(), more.begin(), more.end());
-    }
-    std::ranges::sort(cells);
-    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-    return cells;
-  };
-  for (Neighbour const& neighbour : neighbours_) {
-    std::vector<int> const cells = cells_of(ranks_.rank(), neighbour.window);
-    if (!cells.empty()) send_cells(neighbour.rank, cells);
-  }
-  for (Neighbour const& neighbour : neighbours_) {
-    if (!cells_of(neighbour.rank, own_window).empty()) receive_cells(neighbour.rank);
-  }
-}
+void Share::take_late(LateDisk const& late) { steps_->take_late(row_of(*steps_, late), steps_->result_of(late.tile)); }
 
 void Share::find_jump() {
   jump_.reset();
@@ -459,8 +442,7 @@ ShareSums Share::take_sums() { return std::exchange(sums_, {}); }
 LargeArray<DiskInTurn> Share::own_disks() const {
   LargeArray<DiskInTurn> own;
   own.reserve(steps_->disks().size());
-  for (int const cell :
-       common_cells(layout_, window_around(layout_, tiling_, own_, 0), window_around(layout_, tiling_, own_, 0))) {
+  for (int const cell : common_cells(layout_, own_cells_, own_cells_)) {
     steps_->grid().for_each_in_cell(cell, [&](std::size_t row) { own.push_back(steps_->disks()[row]); });
   }
   return own;

@@ -103,7 +103,7 @@ class Share {
   void fill_rounds(Tiling::Part const& part, std::vector<std::uint8_t> const& latest, std::size_t parts);
   void take_round(Tiling::Round const& round);
   void exchange(std::size_t round);
-  void note_late(Tiling::Round const& round);
+  void note_late(std::uint32_t tile);
 
   void take_late_turns();
   [[nodiscard]] std::vector<LateDisk> late_of_all(int& needed_reach);
@@ -111,8 +111,12 @@ class Share {
   [[nodiscard]] bool may_jump(LateGroup const& group) const;
   void take_waves(std::vector<LateDisk> const& shared);
   void take_late(LateDisk const& late);
-  void show_surroundings(std::vector<LateDisk> const& shared);
-  void tell_of_turns(std::vector<LateDisk> const& shared, std::vector<std::size_t> const& levels, std::size_t level);
+  void show_neighbourhoods(std::vector<LateDisk> const& shared);
+  void tell_of_turns(std::vector<LateDisk> const& taken);
+  template <class CellsSent, class CellsReceived>
+  void exchange_zones(CellsSent cells_sent, CellsReceived cells_received);
+  [[nodiscard]] std::vector<int> cells_of_zones(std::vector<LateDisk> const& late, std::size_t rank,
+                                                CellWindow const& window) const;
   [[nodiscard]] CellWindow zone_of(LateDisk const& late) const;
   [[nodiscard]] bool is_seen_by_others(LateDisk const& late) const;
   void find_jump();
@@ -130,8 +134,10 @@ class Share {
   Tiling tiling_;
   std::vector<Tiling::Rectangle> division_;
   Tiling::Rectangle own_;
+  CellWindow own_cells_;  ///< of its tiles
   ThreadPool thread_pool_;
   int reach_ = 0;
+  CellWindow window_;  ///< `reach_` cells around those of its tiles
   std::vector<Neighbour> neighbours_;
   std::array<Round, Tiling::colours> rounds_;
   std::optional<Steps> steps_;

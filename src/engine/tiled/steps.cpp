@@ -59,7 +59,7 @@ void Steps::take_part(Tiling::Part const& part) {
       return pending;
     });
     ahead.aim(tile(k + 1), tile(k + 2), update_order.size());
-    TileResult& result = results_[place_of_tile_[part[k]]];
+    TileResult& result = result_of(part[k]);
     update_order.for_each_group([&](std::span<std::uint32_t const> rows) {
       for (std::size_t first = 0; first < rows.size(); first += group_size_) {
         take_group(rows.subspan(first, std::min(group_size_, rows.size() - first)), result, ahead);

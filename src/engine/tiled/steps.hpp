@@ -59,7 +59,7 @@ class Steps {
   /// Of the tiles that take turns, in their order.
   [[nodiscard]] std::vector<TileResult>& results() { return results_; }
   [[nodiscard]] std::vector<TileResult> const& results() const { return results_; }
-  [[nodiscard]] std::size_t place_of(std::uint32_t tile) const { return place_of_tile_[tile]; }
+  [[nodiscard]] TileResult& result_of(std::uint32_t tile) { return results_[place_of_tile_[tile]]; }
   [[nodiscard]] std::vector<std::uint32_t> const& tiles() const { return tiles_; }
 
   /// Whether a disk of this speed and radius comes less far in a sub-step than the nearest centre of another may be.

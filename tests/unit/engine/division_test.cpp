@@ -21,11 +21,7 @@ Tiling tiling_of(int columns, int rows, Edge edge = Edge::wall) {
 std::uint64_t disks_in(Tiling const& tiling, std::vector<std::uint64_t> const& disks,
                        Tiling::Rectangle const& rectangle) {
   std::uint64_t sum = 0;
-  for (std::size_t row = rectangle.first_row; row < rectangle.end_row; ++row) {
-    for (std::size_t column = rectangle.first_column; column < rectangle.end_column; ++column) {
-      sum += disks[row * tiling.columns() + column];
-    }
-  }
+  rectangle.for_each_tile([&](std::size_t column, std::size_t row) { sum += disks[tiling.number_of(column, row)]; });
   return sum;
 }
 
@@ -37,11 +33,7 @@ TEST(Division, GivesEveryTileToOneRank) {
     std::vector<Tiling::Rectangle> const division = divide(tiling, disks, ranks);
     ASSERT_EQ(division.size(), ranks);
     for (Tiling::Rectangle const& own : division) {
-      for (std::size_t row = own.first_row; row < own.end_row; ++row) {
-        for (std::size_t column = own.first_column; column < own.end_column; ++column) {
-          ++owners[row * tiling.columns() + column];
-        }
-      }
+      own.for_each_tile([&](std::size_t column, std::size_t row) { ++owners[tiling.number_of(column, row)]; });
     }
     EXPECT_EQ(std::ranges::count(owners, 1), static_cast<std::ptrdiff_t>(owners.size())) << ranks << " ranks";
   }
@@ -55,8 +47,9 @@ TEST(Division, FollowsTheDisksAndNotTheArea) {
   std::uint64_t all = 0;
   for (std::size_t row = 0; row < tiling.rows() / 4; ++row) {
     for (std::size_t column = 0; column < tiling.columns() / 4; ++column) {
-      disks[row * tiling.columns() + column] = 100 + random.below(50);
-      all += disks[row * tiling.columns() + column];
+      std::uint64_t& of_tile = disks[tiling.number_of(column, row)];
+      of_tile = 100 + random.below(50);
+      all += of_tile;
     }
   }
   for (std::size_t const ranks : {2U, 4U, 6U}) {

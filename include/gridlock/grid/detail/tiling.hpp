@@ -71,6 +71,13 @@ class Tiling {
     std::size_t first_row = 0, end_row = 0;
 
     [[nodiscard]] std::size_t tiles() const { return (end_column - first_column) * (end_row - first_row); }
+    /// Calls visit(column, row) for each tile.
+    template <class Visit>
+    void for_each_tile(Visit visit) const {
+      for (std::size_t row = first_row; row < end_row; ++row) {
+        for (std::size_t column = first_column; column < end_column; ++column) visit(column, row);
+      }
+    }
   };
   /// The rounds of the tiles of a rectangle, always as many as there are colours and some of them empty: after each of them
   /// the processes tell each other what they have changed. Tiles that must come after one of another process are left to
