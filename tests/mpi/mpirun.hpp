@@ -40,6 +40,16 @@ inline Outcome on_ranks(Workplace const& workplace, int ranks, std::vector<std::
   return start(workplace, ranks, arguments).wait();
 }
 
+/// How a run or sweep ends after a signal to mpirun. After SIGTERM mpirun kills its ranks within a second, whether they have
+/// saved themselves or not; what they have of before is good then.
+inline void expect_stopped_by(int signal, Outcome const& outcome) {
+  if (signal == SIGTERM) {
+    EXPECT_NE(outcome.exit_code, 0);
+  } else {
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  }
+}
+
 inline std::size_t occurrences(std::string const& text, std::string const& part) {
   std::size_t count = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
