@@ -9,7 +9,6 @@
 #include "gridlock/terminal.hpp"
 #include "gridlock/verbs.hpp"
 #include "mpi_crew.hpp"
-#include "mpi_ranks.hpp"
 
 namespace {
 
@@ -18,7 +17,9 @@ class LastWords {
  public:
   LastWords() : standard_error_(dup(STDERR_FILENO)) {}
 
-  void operator()(int rank, std::string const& why) const {
+  void operator()(std::string const& why) const {
+    int rank = 0;
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     dprintf(standard_error_, "error: rank %d: %s\n  hint: all ranks end; gridlock-mpi resume continues the run\n", rank,
             why.c_str());
   }
@@ -37,25 +38,23 @@ void be_silent() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // The thread that began talks to other ranks; threads that make runs do not.
+  // The thread that began talks to other ranks; of a sweep whose runs have several ranks those that make runs, too.
   int granted = 0;
-  if (MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &granted) != MPI_SUCCESS) return EXIT_FAILURE;
+  if (MPI_Init_thread(&argc, &argv, MPI_THREAD_MULTIPLE, &granted) != MPI_SUCCESS) return EXIT_FAILURE;
   int exit_code = EXIT_FAILURE;
   {
     using gridlock::cli::StopSignals;
-    gridlock::mpi::MpiCrew crew(StopSignals::is_stop_asked);
     LastWords const last_words;
-    gridlock::mpi::MpiRanks ranks(crew.processes_on_machine(),
-                                  {.is_stop_asked = StopSignals::is_stop_asked,
-                                   .ask_to_stop = StopSignals::ask_to_stop,
-                                   .complain = [&](std::string const& why) { last_words(crew.rank(), why); }});
+    gridlock::mpi::MpiCrew crew(
+        {.is_stop_asked = StopSignals::is_stop_asked, .ask_to_stop = StopSignals::ask_to_stop, .complain = last_words});
     if (!crew.leads()) be_silent();
     std::string failure;
     exit_code = gridlock::cli::command_line_of_crew(
         argc, argv,
         {.crew = crew,
          .set_runs_at_a_time = [&](std::size_t count) { crew.set_runs_at_a_time(count); },
-         .ranks = ranks},
+         .set_ranks_of_run = [&](std::size_t count) { crew.set_ranks_of_run(count); },
+         .has_threads_that_send = granted == MPI_THREAD_MULTIPLE},
         failure);
     // Others wait for a rank that has failed: to begin, or for its part of the work.
     if (!failure.empty() && !crew.has_met()) crew.meet(0, failure);

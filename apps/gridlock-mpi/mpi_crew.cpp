@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/tiled/on_ranks.hpp"
 #include "gridlock/core/error.hpp"
 #include "slots.hpp"
 
@@ -107,8 +108,8 @@ class Clock {
 /// The leader at work.
 class Leading {
  public:
-  Leading(CrewLead const& lead, Slots& slots, std::function<bool()> const& is_stop_asked, int ranks)
-      : lead_(lead), slots_(slots), is_stop_asked_(is_stop_asked), ranks_(ranks) {
+  Leading(CrewLead const& lead, Slots& slots, std::function<bool()> const& is_stop_asked, std::vector<int> others)
+      : lead_(lead), slots_(slots), is_stop_asked_(is_stop_asked), others_(std::move(others)) {
     for (std::size_t k = 0; k < slots.count(); ++k) free_.push_back(0);
   }
 
@@ -128,9 +129,9 @@ class Leading {
       if (working_ == 0 && has_none_left_) break;
       if (!has_news) std::this_thread::sleep_for(nap);
     }
-    for (int rank = 1; rank < ranks_; ++rank) send(rank, release, nullptr, 0);
+    for (int const rank : others_) send(rank, release, nullptr, 0);
     // What they have said before they heard of it.
-    for (int left = 1; left < ranks_;) {
+    for (std::size_t left = 0; left < others_.size();) {
       auto const message = receive();
       if (!message) std::this_thread::sleep_for(nap);
       if (message && message->tag == leaves) ++left;
@@ -178,7 +179,7 @@ class Leading {
     if (continues || is_stopping_) return;
     is_stopping_ = true;
     slots_.stop();
-    for (int rank = 1; rank < ranks_; ++rank) send(rank, stop, nullptr, 0);
+    for (int const rank : others_) send(rank, stop, nullptr, 0);
   }
 
   void hand_out() {
@@ -203,7 +204,7 @@ class Leading {
   CrewLead const& lead_;
   Slots& slots_;
   std::function<bool()> const& is_stop_asked_;
-  int ranks_;
+  std::vector<int> others_;  // that make runs
   Clock clock_;
   std::deque<int> free_;  // the rank of each slot that makes no run, the one that has waited longest first
   std::size_t working_ = 0;
@@ -213,7 +214,7 @@ class Leading {
 
 }  // namespace
 
-MpiCrew::MpiCrew(std::function<bool()> is_stop_asked) : is_stop_asked_(std::move(is_stop_asked)) {
+MpiCrew::MpiCrew(RanksHooks hooks) : hooks_(std::move(hooks)) {
   MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
   MPI_Comm_size(MPI_COMM_WORLD, &ranks_);
   MPI_Comm here = MPI_COMM_NULL;
@@ -222,6 +223,10 @@ MpiCrew::MpiCrew(std::function<bool()> is_stop_asked) : is_stop_asked_(std::move
   MPI_Comm_size(here, &ranks_here);
   MPI_Comm_free(&here);
   ranks_here_ = static_cast<std::size_t>(ranks_here);
+}
+
+void MpiCrew::set_ranks_of_run(std::size_t count) {
+  ranks_of_run_ = static_cast<int>(std::min(count, static_cast<std::size_t>(ranks_)));
 }
 
 void MpiCrew::meet(std::uint64_t plan_hash, std::string const& failure) {
@@ -250,15 +255,36 @@ void MpiCrew::meet(std::uint64_t plan_hash, std::string const& failure) {
   // Who has failed knows it.
   if (verdict.front() != '\0' && failure.empty()) throw RunFailure(verdict.data());
   is_working_ = verdict.front() == '\0';
+  if (is_working_ && ranks_of_run_ > 1) form_groups();
+}
+
+void MpiCrew::form_groups() {
+  MPI_Comm group = MPI_COMM_NULL;
+  MPI_Comm_split(MPI_COMM_WORLD, rank_ / ranks_of_run_, rank_, &group);
+  group_.emplace(group, ranks_here_, hooks_);
+  MPI_Comm_free(&group);
+}
+
+/// The others of a group return from their help.
+void MpiCrew::let_group_go() {
+  if (ranks() != nullptr) tiled::release_helpers(*ranks());
 }
 
 void MpiCrew::lead(CrewLead const& lead) {
+  std::vector<int> others;
+  for (int rank = ranks_of_run_; rank < ranks_; rank += ranks_of_run_) others.push_back(rank);
   Slots slots(runs_at_a_time_, lead.make);
-  Leading(lead, slots, is_stop_asked_, ranks_).run();
+  Leading(lead, slots, hooks_.is_stop_asked, std::move(others)).run();
+  let_group_go();
   part();
 }
 
 void MpiCrew::help(MakeRun const& make) {
+  if (ranks() != nullptr && ranks()->rank() > 0) {
+    tiled::help(*ranks());
+    part();
+    return;
+  }
   Slots slots(runs_at_a_time_, make);
   send(0, ready, std::uint64_t{slots.count()});
   Clock clock;
@@ -278,7 +304,7 @@ void MpiCrew::help(MakeRun const& make) {
       text += done->outcome;
       send(0, outcome, text.data(), text.size());
     }
-    if (is_stop_asked_() && !has_asked_to_stop) {
+    if (hooks_.is_stop_asked() && !has_asked_to_stop) {
       has_asked_to_stop = true;
       send(0, asks_to_stop, nullptr, 0);
     }
@@ -288,6 +314,7 @@ void MpiCrew::help(MakeRun const& make) {
     if (!has_news) std::this_thread::sleep_for(nap);
   }
   send(0, leaves, nullptr, 0);
+  let_group_go();
   part();
 }
 

@@ -4,39 +4,54 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
+#include <optional>
 #include <string>
 
+#include "mpi_ranks.hpp"
 #include "workspace/sweep_crew.hpp"
 
 namespace gridlock::mpi {
 
-/// The ranks of MPI_COMM_WORLD; rank 0 leads. One thread of each rank calls MPI.
+/// The ranks of MPI_COMM_WORLD; rank 0 leads. Groups of them may share runs: the first of a group makes a run, and the others
+/// help it.
+///
+///     ranks of a run: 3      0 1 2 │ 3 4 5 │ 6 7       0, 3 and 6 make runs
+///
+/// One thread of each rank takes orders; only threads that make runs with others call MPI beside it.
 class MpiCrew final : public SweepCrew {
  public:
-  /// `is_stop_asked` is asked a few hundred times a second; where one rank is asked to stop, all stop.
-  explicit MpiCrew(std::function<bool()> is_stop_asked);
+  /// `hooks.is_stop_asked` is called a few hundred times a second; where one rank is asked to stop, all stop.
+  explicit MpiCrew(RanksHooks hooks);
 
   [[nodiscard]] int rank() const { return rank_; }
   /// Runs at a time in each rank, before lead() or help().
   void set_runs_at_a_time(std::size_t count) { runs_at_a_time_ = count; }
+  /// Before meet().
+  void set_ranks_of_run(std::size_t count);
   /// Whether other ranks wait for this one.
   [[nodiscard]] bool is_working() const { return is_working_; }
   [[nodiscard]] bool has_met() const { return has_met_; }
 
   [[nodiscard]] bool leads() const override { return rank_ == 0; }
   [[nodiscard]] std::size_t processes_on_machine() const override { return ranks_here_; }
+  [[nodiscard]] std::size_t ranks_of_run() const override { return static_cast<std::size_t>(ranks_of_run_); }
+  [[nodiscard]] Ranks* ranks() override { return group_ && group_->count() > 1 ? &*group_ : nullptr; }
   void meet(std::uint64_t plan_hash, std::string const& failure) override;
   void part() override { is_working_ = false; }
   void lead(CrewLead const& lead) override;
   void help(MakeRun const& make) override;
 
  private:
-  std::function<bool()> is_stop_asked_;
+  void form_groups();
+  void let_group_go();
+
+  RanksHooks hooks_;
   int rank_ = 0;
   int ranks_ = 1;
   std::size_t ranks_here_ = 1;
   std::size_t runs_at_a_time_ = 1;
+  int ranks_of_run_ = 1;
+  std::optional<MpiRanks> group_;
   bool has_met_ = false;
   bool is_working_ = false;
 };

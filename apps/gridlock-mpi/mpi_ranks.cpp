@@ -55,9 +55,9 @@ static_assert(sizeof(FirstRound) == bytes_of_first_round);
 
 }  // namespace
 
-MpiRanks::MpiRanks(std::size_t count_on_machine, RanksHooks hooks)
+MpiRanks::MpiRanks(MPI_Comm communicator, std::size_t count_on_machine, RanksHooks hooks)
     : count_on_machine_(count_on_machine), hooks_(std::move(hooks)) {
-  MPI_Comm_dup(MPI_COMM_WORLD, &ranks_communicator_);
+  MPI_Comm_dup(communicator, &ranks_communicator_);
   int number = 0;
   MPI_Comm_rank(ranks_communicator_, &number);
   rank_ = static_cast<std::size_t>(number);
@@ -130,15 +130,15 @@ int MpiRanks::wait_for_message(int from) {
   return bytes;
 }
 
-/// Calls a function of MPI that all ranks call, which waits in MPI, or the one that leaves it to us to wait.
-template <class Waiting, class Begun, class... Arguments>
-void MpiRanks::meet(Waiting waiting, Begun begun, Arguments... arguments) {
+/// Calls a function of MPI that all ranks call, which waits in MPI, or the one that returns at once and is asked again and again.
+template <class Blocking, class Nonblocking, class... Arguments>
+void MpiRanks::meet(Blocking blocking, Nonblocking nonblocking, Arguments... arguments) {
   if (hooks_.waits_in_mpi) {
-    waiting(arguments..., ranks_communicator_);
+    blocking(arguments..., ranks_communicator_);
     return;
   }
   MPI_Request request = MPI_REQUEST_NULL;
-  begun(arguments..., ranks_communicator_, &request);
+  nonblocking(arguments..., ranks_communicator_, &request);
   Patience patience;
   for (int is_done = 0; is_done == 0;) {
     MPI_Test(&request, &is_done, MPI_STATUS_IGNORE);

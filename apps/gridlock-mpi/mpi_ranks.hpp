@@ -22,10 +22,10 @@ struct RanksHooks {
   std::function<void(std::uint64_t turns, std::size_t bytes)> on_work;  ///< that were taken, sent or received
 };
 
-/// The ranks of MPI_COMM_WORLD, for one run that they share. Messages have a communicator of their own.
+/// The ranks of a communicator, for runs that they share. Messages have a communicator of their own.
 class MpiRanks final : public Ranks {
  public:
-  MpiRanks(std::size_t count_on_machine, RanksHooks hooks);
+  MpiRanks(MPI_Comm communicator, std::size_t count_on_machine, RanksHooks hooks);
   ~MpiRanks() override;
 
   [[nodiscard]] std::size_t rank() const override { return rank_; }
@@ -51,8 +51,8 @@ class MpiRanks final : public Ranks {
     if (hooks_.on_work) hooks_.on_work(turns, bytes);
   }
   void forget_sent();
-  template <class Waiting, class Begun, class... Arguments>
-  void meet(Waiting waiting, Begun begun, Arguments... arguments);
+  template <class Blocking, class Nonblocking, class... Arguments>
+  void meet(Blocking blocking, Nonblocking nonblocking, Arguments... arguments);
   int wait_for_message(int from);
 
   MPI_Comm ranks_communicator_ = MPI_COMM_NULL;

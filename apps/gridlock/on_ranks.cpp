@@ -1,5 +1,7 @@
 #include "on_ranks.hpp"
 
+#include <limits>
+
 #include "engine/ranks.hpp"
 #include "engine/tiled/on_ranks.hpp"
 #include "terminal.hpp"
@@ -12,31 +14,33 @@ namespace {
 /// Lets the others go, however the work ends.
 class Lead {
  public:
-  explicit Lead(CrewOptions const& crew) : crew_(crew) {}
+  explicit Lead(SweepCrew& crew) : crew_(crew) {}
   ~Lead() {
-    tiled::release_helpers(crew_.ranks);
-    crew_.crew.part();
+    if (crew_.ranks() != nullptr) tiled::release_helpers(*crew_.ranks());
+    crew_.part();
   }
   Lead(Lead const&) = delete;
   Lead& operator=(Lead const&) = delete;
 
  private:
-  CrewOptions const& crew_;
+  SweepCrew& crew_;
 };
 
 }  // namespace
 
-ExitCode carry_out(CrewOptions const* crew, std::function<ExitCode(Ranks*)> const& work) {
-  if (crew == nullptr) return work(nullptr);
-  crew->crew.meet(0, "");
-  if (crew->crew.leads()) {
-    Lead const lead(*crew);
-    return work(crew->ranks.count() > 1 ? &crew->ranks : nullptr);
+ExitCode carry_out(CrewOptions const* options, std::function<ExitCode(Ranks*)> const& work) {
+  if (options == nullptr) return work(nullptr);
+  options->set_ranks_of_run(std::numeric_limits<std::size_t>::max());
+  SweepCrew& crew = options->crew;
+  crew.meet(0, "");
+  if (crew.leads()) {
+    Lead const lead(crew);
+    return work(crew.ranks());
   }
   // A request to stop is the leader's to carry out.
   StopSignals const signals;
-  tiled::help(crew->ranks);
-  crew->crew.part();
+  tiled::help(*crew.ranks());
+  crew.part();
   return ExitCode::good;
 }
 

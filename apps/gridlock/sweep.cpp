@@ -24,6 +24,7 @@ struct SweepOptions {
   ConfigurationOptions configuration;
   OutputOptions output;
   unsigned threads = 0;
+  std::size_t ranks_of_run = 1;
   std::string shard;
   bool draws = true;
   bool is_quiet = false;
@@ -114,6 +115,14 @@ ExitCode sweep(SweepOptions const& options) {
   return ExitCode::run_failed;
 }
 
+/// One thread of a rank takes orders while another one carries out a run with other ranks.
+void require_threads_that_send(CrewOptions const& crew, SweepOptions const& options) {
+  if (options.ranks_of_run == 1 || crew.has_threads_that_send) return;
+  throw gridlock::Error({.what = "this MPI lets only one thread of each rank send messages (no MPI_THREAD_MULTIPLE)",
+                         .hint = "leave it out, so that each run has one rank, or use an MPI built with threads",
+                         .key = "--ranks-per-run"});
+}
+
 }  // namespace
 
 void add_sweep(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew) {
@@ -121,21 +130,29 @@ void add_sweep(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew) {
   auto const options = std::make_shared<SweepOptions>();
   options->configuration.add_to(*verb);
   options->output.add_to(*verb, "results/<name of FILE>");
-  verb->add_option("-j,--threads", options->threads,
-                   crew == nullptr ? "Runs at a time; left out: one for each core"
-                                   : "Runs at a time in each rank; left out: one")
-      ->check(whole_number(1, 4096));
+  CLI::Option* const threads = verb->add_option("-j,--threads", options->threads,
+                                                crew == nullptr ? "Runs at a time; left out: one for each core"
+                                                                : "Runs at a time in each rank; left out: one")
+                                   ->check(whole_number(1, 4096));
   if (crew == nullptr) {
     verb->add_option("--shard", options->shard, "Make only part I of N, for one of N jobs; gridlock collect joins them")
         ->type_name("I/N");
   } else {
     options->crew = &crew->crew;
+    verb->add_option("--ranks-per-run", options->ranks_of_run,
+                     "Ranks that share each run, engine.kind = \"tiled\"; left out: one")
+        ->check(whole_number(1))
+        ->excludes(threads);
   }
   verb->add_flag("--pictures,!--no-pictures", options->draws,
                  "Draw the results against what varies, as gridlock plot DIR does");
   verb->add_flag("-q,--quiet", options->is_quiet, "Print errors only");
   verb->callback([options, &exit_code, crew] {
-    if (crew != nullptr) crew->set_runs_at_a_time(std::max(1U, options->threads));
+    if (crew != nullptr) {
+      require_threads_that_send(*crew, *options);
+      crew->set_runs_at_a_time(std::max(1U, options->threads));
+      crew->set_ranks_of_run(options->ranks_of_run);
+    }
     exit_code = sweep(*options);
   });
 }

@@ -13,10 +13,6 @@
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/workspace/sweep.hpp"
 
-namespace gridlock {
-class Ranks;
-}
-
 namespace gridlock::cli {
 
 /// Exit code of a command.
@@ -26,12 +22,12 @@ enum class ExitCode : int {
   bad_input = 2,   ///< the user's input cannot be used; nothing was written
 };
 
-/// The processes that carry out a command together: how those of a sweep are told how many runs at a time each makes, and
-/// those of one run.
+/// The processes that carry out a command together, and what they are told before they meet.
 struct CrewOptions {
   SweepCrew& crew;
-  std::function<void(std::size_t)> set_runs_at_a_time;
-  Ranks& ranks;
+  std::function<void(std::size_t)> set_runs_at_a_time;  ///< that each makes
+  std::function<void(std::size_t)> set_ranks_of_run;    ///< SweepCrew::ranks_of_run(), all where there are not as many
+  bool has_threads_that_send = false;                   ///< also other threads than the first may call MPI
 };
 
 /// Each adds its command to the command line; parsing it runs the command and leaves how it ended in `exit_code`.

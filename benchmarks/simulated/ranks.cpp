@@ -65,15 +65,16 @@ int main(int argc, char** argv) {
   double const seconds_of_turn = 1e-9 * std::stod(argv[3]);
   double const seconds_of_byte = 1e-9 * std::stod(argv[4]);
   {
-    gridlock::mpi::MpiRanks ranks(1, {.is_stop_asked = [] { return false; },
-                                      .ask_to_stop = [] {},
-                                      .complain = [](std::string const& why) { fmt::print(stderr, "{}\n", why); },
-                                      .waits_in_mpi = true,
-                                      .on_work =
-                                          [&](std::uint64_t turns, std::size_t bytes) {
-                                            smpi_execute(seconds_of_turn * static_cast<double>(turns) +
-                                                         seconds_of_byte * static_cast<double>(bytes));
-                                          }});
+    gridlock::mpi::MpiRanks ranks(MPI_COMM_WORLD, 1,
+                                  {.is_stop_asked = [] { return false; },
+                                   .ask_to_stop = [] {},
+                                   .complain = [](std::string const& why) { fmt::print(stderr, "{}\n", why); },
+                                   .waits_in_mpi = true,
+                                   .on_work =
+                                       [&](std::uint64_t turns, std::size_t bytes) {
+                                         smpi_execute(seconds_of_turn * static_cast<double>(turns) +
+                                                      seconds_of_byte * static_cast<double>(bytes));
+                                       }});
     if (ranks.rank() > 0) {
       gridlock::tiled::help(ranks);
     } else {

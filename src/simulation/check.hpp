@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <string_view>
 #include <vector>
@@ -11,6 +12,9 @@ namespace gridlock {
 /// Refuses what is wrong with a configuration before anything is made of it: tables of models that are not run, settings
 /// with which no run is possible, more memory than there is. Errors: Error.
 void check(Configuration const& configuration, IsGiven const& is_given);
+
+/// Refuses a run that so many ranks cannot share. Errors: Error.
+void require_use_of_ranks(Configuration const& configuration, std::size_t ranks);
 
 /// Refuses a run that cannot come to its end, and frames that cannot be: of a set-up whose simulation is made.
 /// Errors: Error.

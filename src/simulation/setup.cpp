@@ -20,22 +20,6 @@ namespace {
 
 constexpr std::uint64_t default_steps = 10'000;
 
-void require_use_of_ranks(Configuration const& configuration, SetupOptions const& options) {
-  if (options.ranks == nullptr || configuration.kind().uses_ranks(configuration)) return;
-  bool const is_of_disks = configuration.model.kind == "disks";
-  std::string const what = !is_of_disks ? fmt::format("the model \"{}\"", configuration.model.kind)
-                           : configuration.protocol.empty()
-                               ? fmt::format("the engine \"{}\"", configuration.engine.kind)
-                               : std::string("a run with a [[protocol]]");
-  throw Error(
-      {.what = fmt::format("{} cannot be shared by {} ranks", what, options.ranks->count()),
-       .hint =
-           "disks with engine.kind = \"tiled\" can; gridlock run carries out all others, and gridlock-mpi sweep many",
-       .key = !is_of_disks                     ? "model.kind"
-              : configuration.protocol.empty() ? "engine.kind"
-                                               : "protocol"});
-}
-
 }  // namespace
 
 bool makes_start(double attempts, std::string const& key, SetupOptions const& options, std::vector<Event>& notes) {
@@ -69,7 +53,7 @@ Setup set_up(Configuration configuration, SetupOptions const& options) {
   setup.configuration = std::move(configuration);
   // What is run is decided: the settings of other models would only fill its resolved configuration.
   setup.configuration.models.keep_only(setup.configuration.model.kind);
-  require_use_of_ranks(setup.configuration, options);
+  require_use_of_ranks(setup.configuration, options.ranks == nullptr ? 1 : options.ranks->count());
   RunSettings& run = setup.configuration.run;
   if (!run.steps && !run.time && !run.collisions_per_disk) {
     run.steps = setup.configuration.protocol.empty() ? default_steps : 0;

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/saturating.hpp"
-#include "gridlock/core/detail/sorted.hpp"
+#include "core/sorted.hpp"
 #include "gridlock/core/error.hpp"
 #include "simulation/settings_difference.hpp"
 

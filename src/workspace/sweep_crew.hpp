@@ -10,6 +10,8 @@
 
 namespace gridlock {
 
+class Ranks;
+
 /// A run for one of the processes of a crew to make.
 struct CrewJob {
   std::uint64_t run = 0;  ///< its number in the plan
@@ -38,6 +40,11 @@ class SweepCrew {
   [[nodiscard]] virtual bool leads() const = 0;
   /// How many of the crew share the memory of this machine.
   [[nodiscard]] virtual std::size_t processes_on_machine() const = 0;
+
+  /// How many processes share each run; the last group may have fewer.
+  [[nodiscard]] virtual std::size_t ranks_of_run() const { return 1; }
+  /// Those that share runs with this process, after meet(); none where it makes them alone.
+  [[nodiscard]] virtual Ranks* ranks() { return nullptr; }
 
   /// Every process calls it once, when it is ready for runs of the plan with this hash, or when it cannot take part: `failure` then says why.
   /// Returns where all are ready for the same plan. Errors: RunFailure for another's failure, and for another plan.

@@ -8,8 +8,10 @@
 #include <new>
 #include <utility>
 
+#include "simulation/check.hpp"
 #include "simulation/expected_work.hpp"
 #include "workspace/job_pool.hpp"
+#include "workspace/sweep_crew.hpp"
 
 namespace gridlock {
 
@@ -67,6 +69,7 @@ void SweepSetup::look_at(std::size_t run) {
     MemoryBudget::Part const memory(memory_, expected_memory(configuration));
     // Only to be looked at.
     Setup const setup = set_up(plan_.runs[run].settings, {.threads = 1});
+    require_use_of_ranks(run, setup.configuration);
     notes_[run] = setup.notes;
     if (auto refusal = directory_.refusal_of(run, setup)) {
       std::scoped_lock const guard(mutex_);
@@ -90,6 +93,15 @@ void SweepSetup::look_at(std::size_t run) {
     errors_[run] = error;
   } catch (std::exception const& error) {
     note_failure(run, error);
+  }
+}
+
+void SweepSetup::require_use_of_ranks(std::size_t run, Configuration const& configuration) const {
+  if (settings_.crew == nullptr) return;
+  try {
+    gridlock::require_use_of_ranks(configuration, settings_.crew->ranks_of_run());
+  } catch (Error const& error) {
+    throw plan_.runs[run].settings.locate(error);
   }
 }
 

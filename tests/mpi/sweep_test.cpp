@@ -45,6 +45,53 @@ TEST_F(MpiSweep, HasTheTablesOfOneProcessOnAnyNumberOfRanks) {
   expect_same_tables("alone", "threads");
 }
 
+/// Runs that ranks can share. In those of the longer step disks become too fast for their sub-steps and the run fails.
+std::string shared_toml(std::string const& steps) {
+  return "[disks]\ncount = 300\npacking_fraction = 0.3\nstart = \"random\"\n"
+         "species = [{fraction = 0.5, mass = 1000.0}, {fraction = 0.5}]\n"
+         "[engine]\nkind = \"tiled\"\nsubsteps = 2\n[run]\nsteps = " +
+         steps +
+         "\n[observe]\nevery = 50\n[checkpoint]\nevery_seconds = 0.01\n"
+         "[sweep]\nengine.time_step = [0.02, 0.5]\nrun.seed = [1, 2]\n";
+}
+
+std::vector<std::string> in_groups_of(int ranks) {
+  return sweep_into("out") + std::vector<std::string>{"--overwrite", "--ranks-per-run", std::to_string(ranks)};
+}
+
+TEST_F(MpiSweep, HasTheTablesOfOneProcessWhereRanksShareRuns) {
+  write(workplace_ / "s.toml", shared_toml("2000"));
+  Outcome const alone = in(workplace_, sweep_into("alone"));
+  ASSERT_NE(alone.out.find("2 of 4 runs finished"), std::string::npos) << alone.out;
+  for (auto const& [ranks, of_run] : std::vector<std::pair<int, int>>{{2, 2}, {5, 2}, {3, 8}}) {
+    Outcome const outcome = on_ranks(workplace_, ranks, in_groups_of(of_run));
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(occurrences(outcome.out, "2 of 4 runs finished"), 1U) << outcome.out << outcome.err;
+    expect_same_tables("alone", "out");
+  }
+}
+
+TEST_F(MpiSweep, WhereRanksShareRunsAnyRankMayBeAskedToStop) {
+  write(workplace_ / "s.toml", shared_toml("100000"));
+  in(workplace_, sweep_into("alone"));
+  auto arguments = in_groups_of(2);
+  // Rank 3 shares the runs of rank 2.
+  RanksAtWork const asked = start_and_wait_for_checkpoint(workplace_, 4, arguments);
+  asked.signal(3, SIGTERM, 100ms);
+  Outcome const outcome = asked.process.wait();
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_NE(outcome.err.find("were stopped early"), std::string::npos) << outcome.err;
+  on_ranks(workplace_, 3, sweep_into("out") + std::vector<std::string>{"--ranks-per-run", "3"});
+  expect_same_tables("alone", "out");
+}
+
+TEST_F(MpiSweep, RefusesToShareRunsThatRanksCannotShare) {
+  write(workplace_ / "s.toml", sweep_toml("0.3"));
+  Outcome const outcome = on_ranks(workplace_, 3, in_groups_of(2));
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_EQ(occurrences(outcome.err, "cannot be shared by 2 ranks"), 1U) << outcome.err;
+}
+
 TEST_F(MpiSweep, MakesEveryRunOnce) {
   write(workplace_ / "s.toml", sweep_toml("0.2, 0.3, 0.4, 0.5, 0.6", "20"));
   expect_good(on_ranks(workplace_, 4, sweep_into("out")));

@@ -14,9 +14,10 @@
 int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);
   {
-    gridlock::mpi::MpiRanks ranks(1, {.is_stop_asked = [] { return false; },
-                                      .ask_to_stop = [] {},
-                                      .complain = [](std::string const& why) { fmt::print(stderr, "{}\n", why); }});
+    gridlock::mpi::MpiRanks ranks(MPI_COMM_WORLD, 1,
+                                  {.is_stop_asked = [] { return false; },
+                                   .ask_to_stop = [] {},
+                                   .complain = [](std::string const& why) { fmt::print(stderr, "{}\n", why); }});
     if (ranks.rank() > 0) {
       gridlock::tiled::help(ranks);
     } else {

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <utility>
 
-#include "gridlock/core/detail/sorted.hpp"
+#include "core/sorted.hpp"
 
 namespace gridlock::tiled {
 
