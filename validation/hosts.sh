@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# A sweep on eight ranks of four hosts, which are network namespaces of this machine and know each other by TCP alone, against the same
-# sweep by one process; then again with a rank killed meanwhile, and with a whole host. Needs root, MPI and the programs in build/.
+# A sweep and a run on eight ranks of four hosts, which are network namespaces of this machine and know each other by TCP alone, against the same
+# by one process; then again with a rank killed meanwhile, and with a whole host. Needs root, MPI and the programs in build/.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 directory=$PWD/results/hosts
@@ -41,25 +41,48 @@ exec ip netns exec "gridlock$host" unshare --uts bash -c "hostname host$host; $*
 AGENT
 chmod +x "$directory/agent"
 
-# sweep_on_hosts DIRECTORY
-sweep_on_hosts() {
+# on_hosts COMMAND [ARGUMENT…]
+on_hosts() {
   "$directory/agent" 10.9.0.1 exec mpirun --mca plm_rsh_agent "$directory/agent" --mca btl tcp,self \
     --mca btl_tcp_if_include 10.9.0.0/24 --mca oob_tcp_if_include 10.9.0.0/24 --oversubscribe \
-    --host 10.9.0.1:2,10.9.0.2:2,10.9.0.3:2,10.9.0.4:2 -n 8 "$mpi_program" sweep scenes/density_sweep.toml \
-    --set run.steps=40000 --set observe.every=100 --no-pictures --quiet -o "$1"
+    --host 10.9.0.1:2,10.9.0.2:2,10.9.0.3:2,10.9.0.4:2 -n 8 "$mpi_program" "$@"
 }
+sweep=(sweep scenes/density_sweep.toml --set run.steps=40000 --set observe.every=100 --no-pictures --quiet)
+sweep_on_hosts() { on_hosts "${sweep[@]}" -o "$1"; }
+run=(run scenes/paper.toml --set engine.kind=tiled --set disks.count=20000 --set run.steps=4000 --set observe.every=100
+  --set checkpoint.every_seconds=0.5 --no-pictures --quiet)
+run_on_hosts() { if [[ -e $1/run.log ]]; then on_hosts resume "$1" --quiet; else on_hosts "${run[@]}" -o "$1"; fi; }
 # kill_soon PATTERN SIGNAL: the newest process of it
 kill_soon() { sleep 4; pkill "-$2" --newest --full "$1"; }
 same() { cmp "$directory/$1/means.csv" "$directory/alone/means.csv" && echo "$1: the same means as one process"; }
+same_run() {
+  cmp "$directory/$1/series.csv" "$directory/run_alone/series.csv"
+  cmp "$directory/$1/final.xyz" "$directory/run_alone/final.xyz"
+  echo "$1: the same series and last state as one process"
+}
+# not_to_the_end SWEEP_OR_RUN NAME VICTIM: what is killed meanwhile fails
+not_to_the_end() {
+  kill_soon "$3" KILL &
+  ! "$1_on_hosts" "$directory/$2" >"$directory/$2.log" 2>&1 || { echo "$2 was not killed in time" >&2; exit 1; }
+  wait
+}
 
-"$program" sweep scenes/density_sweep.toml --set run.steps=40000 --set observe.every=100 --no-pictures --quiet -o "$directory/alone"
+"$program" "${sweep[@]}" -o "$directory/alone"
 sweep_on_hosts "$directory/hosts"
 same hosts
 for victim in "gridlock-mpi sweep" orted; do
   name=${victim%% *}
-  kill_soon "$victim" KILL &
-  ! sweep_on_hosts "$directory/$name" >"$directory/$name.log" 2>&1 || { echo "$name was not killed in time" >&2; exit 1; }
-  wait
+  not_to_the_end sweep "$name" "$victim"
   sweep_on_hosts "$directory/$name"
   same "$name"
+done
+
+"$program" "${run[@]}" -o "$directory/run_alone"
+run_on_hosts "$directory/run"
+same_run run
+for victim in "gridlock-mpi run" orted; do
+  name=run_${victim%% *}
+  not_to_the_end run "$name" "$victim"
+  run_on_hosts "$directory/$name"
+  same_run "$name"
 done
