@@ -20,8 +20,10 @@ class LastWords {
   void operator()(std::string const& why) const {
     int rank = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-    dprintf(standard_error_, "error: rank %d: %s\n  hint: all ranks end; gridlock-mpi resume continues the run\n", rank,
-            why.c_str());
+    dprintf(
+        standard_error_,
+        "error: rank %d: %s\n  hint: all ranks end; gridlock-mpi resume continues a run, the same command a sweep\n",
+        rank, why.c_str());
   }
 
  private:

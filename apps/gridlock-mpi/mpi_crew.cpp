@@ -51,6 +51,7 @@ void wait_asleep(MPI_Request& request) {
 /// How a rank comes to the meeting.
 struct Arrival {
   std::uint64_t plan_hash = 0;
+  std::uint64_t ranks_of_run = 1;
   std::array<char, longest_failure> failure{};  // empty: it is ready
 };
 
@@ -231,7 +232,7 @@ void MpiCrew::set_ranks_of_run(std::size_t count) {
 
 void MpiCrew::meet(std::uint64_t plan_hash, std::string const& failure) {
   has_met_ = true;
-  Arrival own{.plan_hash = plan_hash};
+  Arrival own{.plan_hash = plan_hash, .ranks_of_run = ranks_of_run()};
   failure.copy(own.failure.data(), longest_failure - 1);
   std::vector<Arrival> all(static_cast<std::size_t>(leads() ? ranks_ : 0));
   MPI_Request request = MPI_REQUEST_NULL;
@@ -244,8 +245,9 @@ void MpiCrew::meet(std::uint64_t plan_hash, std::string const& failure) {
       std::string_view const why = all[rank].failure.data();
       if (!why.empty()) {
         text = fmt::format("rank {} cannot take part: {}", rank, why);
-      } else if (all[rank].plan_hash != plan_hash) {
-        text = fmt::format("rank {} has read another plan\n  hint: all ranks must see the same files", rank);
+      } else if (all[rank].plan_hash != plan_hash || all[rank].ranks_of_run != own.ranks_of_run) {
+        text =
+            fmt::format("rank {} has read another plan\n  hint: all ranks must see the same files and options", rank);
       }
     }
     text.copy(verdict.data(), longest_failure - 1);
