@@ -1,4 +1,4 @@
-// The commands of Gridlock that many ranks carry out together: mpirun -n 8 gridlock-mpi run FILE -o DIR
+// The commands of Gridlock that many ranks run together: mpirun -n 8 gridlock-mpi run FILE -o DIR
 #include <mpi.h>
 #include <unistd.h>
 

@@ -267,9 +267,9 @@ void MpiCrew::form_groups() {
   MPI_Comm_free(&group);
 }
 
-/// The others of a group return from their help.
-void MpiCrew::let_group_go() {
-  if (ranks() != nullptr) tiled::release_helpers(*ranks());
+void MpiCrew::part() {
+  if (ranks() != nullptr && ranks()->rank() == 0) tiled::release_helpers(*ranks());
+  is_working_ = false;
 }
 
 void MpiCrew::lead(CrewLead const& lead) {
@@ -277,7 +277,6 @@ void MpiCrew::lead(CrewLead const& lead) {
   for (int rank = ranks_of_run_; rank < ranks_; rank += ranks_of_run_) others.push_back(rank);
   Slots slots(runs_at_a_time_, lead.make);
   Leading(lead, slots, hooks_.is_stop_asked, std::move(others)).run();
-  let_group_go();
   part();
 }
 
@@ -316,7 +315,6 @@ void MpiCrew::help(MakeRun const& make) {
     if (!has_news) std::this_thread::sleep_for(nap);
   }
   send(0, leaves, nullptr, 0);
-  let_group_go();
   part();
 }
 

@@ -23,7 +23,6 @@ class MpiCrew final : public SweepCrew {
   /// `hooks.is_stop_asked` is called a few hundred times a second; where one rank is asked to stop, all stop.
   explicit MpiCrew(RanksHooks hooks);
 
-  [[nodiscard]] int rank() const { return rank_; }
   /// Runs at a time in each rank, before lead() or help().
   void set_runs_at_a_time(std::size_t count) { runs_at_a_time_ = count; }
   /// Before meet().
@@ -37,13 +36,12 @@ class MpiCrew final : public SweepCrew {
   [[nodiscard]] std::size_t ranks_of_run() const override { return static_cast<std::size_t>(ranks_of_run_); }
   [[nodiscard]] Ranks* ranks() override { return group_ && group_->count() > 1 ? &*group_ : nullptr; }
   void meet(std::uint64_t plan_hash, std::string const& failure) override;
-  void part() override { is_working_ = false; }
+  void part() override;
   void lead(CrewLead const& lead) override;
   void help(MakeRun const& make) override;
 
  private:
   void form_groups();
-  void let_group_go();
 
   RanksHooks hooks_;
   int rank_ = 0;

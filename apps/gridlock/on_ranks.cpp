@@ -2,8 +2,6 @@
 
 #include <limits>
 
-#include "engine/ranks.hpp"
-#include "engine/tiled/on_ranks.hpp"
 #include "terminal.hpp"
 #include "workspace/sweep_crew.hpp"
 
@@ -15,10 +13,7 @@ namespace {
 class Lead {
  public:
   explicit Lead(SweepCrew& crew) : crew_(crew) {}
-  ~Lead() {
-    if (crew_.ranks() != nullptr) tiled::release_helpers(*crew_.ranks());
-    crew_.part();
-  }
+  ~Lead() { crew_.part(); }
   Lead(Lead const&) = delete;
   Lead& operator=(Lead const&) = delete;
 
@@ -37,10 +32,9 @@ ExitCode carry_out(CrewOptions const* options, std::function<ExitCode(Ranks*)> c
     Lead const lead(crew);
     return work(crew.ranks());
   }
-  // A request to stop is the leader's to carry out.
+  // The leader answers a request to stop.
   StopSignals const signals;
-  tiled::help(*crew.ranks());
-  crew.part();
+  crew.help({});
   return ExitCode::good;
 }
 

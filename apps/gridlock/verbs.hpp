@@ -22,7 +22,7 @@ enum class ExitCode : int {
   bad_input = 2,   ///< the user's input cannot be used; nothing was written
 };
 
-/// The processes that carry out a command together, and what they are told before they meet.
+/// The processes that run a command together, and what they are told before they meet.
 struct CrewOptions {
   SweepCrew& crew;
   std::function<void(std::size_t)> set_runs_at_a_time;  ///< that each makes

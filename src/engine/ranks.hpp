@@ -19,7 +19,7 @@ struct Traffic {
   double seconds_waiting = 0.0;
 };
 
-/// Processes that carry out one run together. Every function is called from one thread of each; what one rank sends to another
+/// Processes that share one run. Every function is called from one thread of each; what one rank sends to another
 /// arrives in the order in which it was sent.
 class Ranks {
  public:

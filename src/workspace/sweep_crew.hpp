@@ -49,11 +49,11 @@ class SweepCrew {
   /// Every process calls it once, when it is ready for runs of the plan with this hash, or when it cannot take part: `failure` then says why.
   /// Returns where all are ready for the same plan. Errors: RunFailure for another's failure, and for another plan.
   virtual void meet(std::uint64_t plan_hash, std::string const& failure) = 0;
-  /// No other process waits for this one any more.
+  /// Lets those go that help with the runs of this process; nobody waits for it any more.
   virtual void part() = 0;
   /// Of the leader: every run is made by some process, and all of them are let go.
   virtual void lead(CrewLead const& lead) = 0;
-  /// Of the others: makes what the leader hands out, until it lets this process go.
+  /// Of the others: makes what the leader hands out, or helps with the runs of another, until that one lets this process go.
   virtual void help(MakeRun const& make) = 0;
 };
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "cli/program.hpp"
@@ -55,6 +56,25 @@ inline std::size_t occurrences(std::string const& text, std::string const& part)
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
   return count;
 }
+
+/// Refuses each command on three ranks for its reason, says so once, and leaves nothing in "out".
+inline void expect_refused(Workplace const& workplace,
+                           std::vector<std::pair<std::vector<std::string>, std::string>> const& refused) {
+  for (auto const& [arguments, reason] : refused) {
+    Outcome const outcome = on_ranks(workplace, 3, arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+    EXPECT_EQ(occurrences(outcome.err, "error: "), 1U) << outcome.err;
+    EXPECT_NE(outcome.err.find(reason), std::string::npos) << outcome.err;
+    EXPECT_FALSE(fs::exists(workplace / "out"));
+  }
+}
+
+/// Light disks that heavy ones drive: with long time steps they become too fast for their sub-steps. More settings of [engine]
+/// may follow.
+inline constexpr char const* light_among_heavy =
+    "[disks]\ncount = 300\npacking_fraction = 0.3\nstart = \"random\"\n"
+    "species = [{fraction = 0.5, mass = 1000.0}, {fraction = 0.5}]\n"
+    "[engine]\nkind = \"tiled\"\nsubsteps = 2\n";
 
 /// The processes that another one has started.
 inline std::vector<pid_t> children_of(pid_t process) {

@@ -83,32 +83,21 @@ TEST_F(MpiRun, RefusesWhatCannotBeUsedAndSaysItOnce) {
   write(workplace_ / "exact.toml", "[disks]\ncount = 100\npacking_fraction = 0.3\n[engine]\nkind = \"exact\"\n");
   write(workplace_ / "model.toml", "[model]\nkind = \"flocking\"\n");
   expect_good(in(workplace_, run_into("taken")));
-  std::vector<std::pair<std::vector<std::string>, std::string>> const refused{
-      {{"run", "wrong.toml", "-o", "out"}, "did you mean kind?"},
-      {{"run", "nothing.toml", "-o", "out"}, "nothing.toml"},
-      {{"run", "exact.toml", "-o", "out"}, "the engine \"exact\" cannot be shared by 3 ranks"},
-      {{"run", "model.toml", "-o", "out"}, "the model \"flocking\" cannot be shared by 3 ranks"},
-      {{"run", "r.toml", "-o", "taken"}, "taken holds results already"},
-      {{"run", "r.toml", "--shard", "2"}, "no option --shard"},
-      {{"resume", "out"}, "out holds no run"},
-      {{"resume", "taken"}, "the run in taken is finished"}};
-  for (auto const& [arguments, reason] : refused) {
-    Outcome const outcome = on_ranks(workplace_, 3, arguments);
-    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
-    EXPECT_EQ(occurrences(outcome.err, "error: "), 1U) << outcome.err;
-    EXPECT_NE(outcome.err.find(reason), std::string::npos) << outcome.err;
-    EXPECT_FALSE(fs::exists(workplace_ / "out"));
-  }
+  expect_refused(workplace_,
+                 {{{"run", "wrong.toml", "-o", "out"}, "did you mean kind?"},
+                  {{"run", "nothing.toml", "-o", "out"}, "nothing.toml"},
+                  {{"run", "exact.toml", "-o", "out"}, "the engine \"exact\" cannot be shared by 3 ranks"},
+                  {{"run", "model.toml", "-o", "out"}, "the model \"flocking\" cannot be shared by 3 ranks"},
+                  {{"run", "r.toml", "-o", "taken"}, "taken holds results already"},
+                  {{"run", "r.toml", "--shard", "2"}, "no option --shard"},
+                  {{"resume", "out"}, "out holds no run"},
+                  {{"resume", "taken"}, "the run in taken is finished"}});
   // One rank alone carries out whatever gridlock does.
   expect_good(on_ranks(workplace_, 1, {"run", "exact.toml", "--set", "run.steps=10", "-o", "out"}));
 }
 
 TEST_F(MpiRun, FailsWhereOneProcessDoesAndSaysItOnce) {
-  // Light disks that heavy ones drive become too fast for their sub-steps.
-  write(workplace_ / "r.toml",
-        "[disks]\ncount = 300\npacking_fraction = 0.3\nstart = \"random\"\n"
-        "species = [{fraction = 0.5, mass = 1000.0}, {fraction = 0.5}]\n"
-        "[engine]\nkind = \"tiled\"\ntime_step = 0.5\nsubsteps = 2\n[run]\nsteps = 2000\n");
+  write(workplace_ / "r.toml", light_among_heavy + std::string("time_step = 0.5\n[run]\nsteps = 2000\n"));
   Outcome const one = in(workplace_, run_into("alone"));
   Outcome const many = on_ranks(workplace_, 3, run_into("out"));
   EXPECT_EQ(one.exit_code, 1);

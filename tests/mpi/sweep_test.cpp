@@ -47,10 +47,7 @@ TEST_F(MpiSweep, HasTheTablesOfOneProcessOnAnyNumberOfRanks) {
 
 /// Runs that ranks can share. In those of the longer step disks become too fast for their sub-steps and the run fails.
 std::string shared_toml(std::string const& steps) {
-  return "[disks]\ncount = 300\npacking_fraction = 0.3\nstart = \"random\"\n"
-         "species = [{fraction = 0.5, mass = 1000.0}, {fraction = 0.5}]\n"
-         "[engine]\nkind = \"tiled\"\nsubsteps = 2\n[run]\nsteps = " +
-         steps +
+  return light_among_heavy + ("[run]\nsteps = " + steps) +
          "\n[observe]\nevery = 50\n[checkpoint]\nevery_seconds = 0.01\n"
          "[sweep]\nengine.time_step = [0.02, 0.5]\nrun.seed = [1, 2]\n";
 }
@@ -115,18 +112,11 @@ TEST_F(MpiSweep, AgainKeepsWhatIsFinished) {
 
 TEST_F(MpiSweep, RefusesWhatCannotBeUsedAndSaysItOnce) {
   write(workplace_ / "s.toml", sweep_toml("0.3") + "[engine]\nkin = \"exact\"\n");
-  std::vector<std::pair<std::vector<std::string>, std::string>> const refused{
-      {sweep_into("out"), "did you mean kind?"},
-      {{"sweep", "nothing.toml"}, "nothing.toml"},
-      {{"check", "s.toml"}, "hint: it has run, resume and sweep; all others are those of gridlock: gridlock check"},
-      {{"sweep", "s.toml", "--shard", "1/2"}, "no option --shard"}};
-  for (auto const& [arguments, reason] : refused) {
-    Outcome const outcome = on_ranks(workplace_, 3, arguments);
-    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
-    EXPECT_EQ(occurrences(outcome.err, "error: "), 1U) << outcome.err;
-    EXPECT_NE(outcome.err.find(reason), std::string::npos) << outcome.err;
-    EXPECT_FALSE(fs::exists(workplace_ / "out"));
-  }
+  expect_refused(workplace_, {{sweep_into("out"), "did you mean kind?"},
+                              {{"sweep", "nothing.toml"}, "nothing.toml"},
+                              {{"check", "s.toml"},
+                               "hint: it has run, resume and sweep; all others are those of gridlock: gridlock check"},
+                              {{"sweep", "s.toml", "--shard", "1/2"}, "no option --shard"}});
 }
 
 TEST_F(MpiSweep, RefusesADirectoryInWhichAnotherProcessWorks) {

@@ -118,7 +118,7 @@ enum class CollisionRule { always, approaching };
 /// into cache lines. Both give the same bits.
 enum class GridKind { linked, packed };
 
-/// Processes that carry out a run together, of which this one leads; see src/engine/ranks.hpp.
+/// Processes that share a run, of which this one leads; see src/engine/ranks.hpp.
 class Ranks;
 
 /// The settings `[engine]`.

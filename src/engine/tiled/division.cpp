@@ -100,14 +100,14 @@ CellWindow within(CellLayout const& layout, CellWindow window) {
 }
 
 CellWindow window_around(CellLayout const& layout, Tiling const& tiling, Tiling::Rectangle const& rectangle,
-                         int reach) {
+                         int margin) {
   if (rectangle.tiles() == 0) return {};
   Tiling::Tile const& first = tiling.tiles()[tiling.number_of(rectangle.first_column, rectangle.first_row)];
   Tiling::Tile const& last = tiling.tiles()[tiling.number_of(rectangle.end_column - 1, rectangle.end_row - 1)];
-  return within(layout, {.first_column = first.first_column - reach,
-                         .end_column = last.end_column + reach,
-                         .first_row = first.first_row - reach,
-                         .end_row = last.end_row + reach});
+  return within(layout, {.first_column = first.first_column - margin,
+                         .end_column = last.end_column + margin,
+                         .first_row = first.first_row - margin,
+                         .end_row = last.end_row + margin});
 }
 
 bool overlap(CellLayout const& layout, CellWindow const& one, CellWindow const& other) {

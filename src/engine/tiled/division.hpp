@@ -23,8 +23,9 @@ std::vector<Tiling::Rectangle> divide(Tiling const& tiling, std::span<std::uint6
 /// The part of a window that a walled box has, or all columns or rows of a periodic one where it has as many.
 CellWindow within(CellLayout const& layout, CellWindow window);
 
-/// The cells of a rectangle of tiles and `reach` more to each side, as far as the box has them.
-CellWindow window_around(CellLayout const& layout, Tiling const& tiling, Tiling::Rectangle const& rectangle, int reach);
+/// The cells of a rectangle of tiles and `margin` more to each side, as far as the box has them.
+CellWindow window_around(CellLayout const& layout, Tiling const& tiling, Tiling::Rectangle const& rectangle,
+                         int margin);
 
 /// Whether the windows have a cell in common.
 bool overlap(CellLayout const& layout, CellWindow const& one, CellWindow const& other);
