@@ -111,6 +111,7 @@ void PackedGrid::put(std::size_t agent, CellPoint const& cell_point) {
     index = blocks_[base_index].next;
     if (index == none || blocks_[index].count == slots) index = add_block(blocks_[base_index]);
   }
+  blocks_[base_index].marks |= changed;
   Block& block = blocks_[index];
   std::uint32_t const slot = block.count++;
   block.agent[slot] = static_cast<std::uint32_t>(agent);
@@ -123,6 +124,7 @@ void PackedGrid::take_out(std::size_t agent) {
   Block& hole = blocks_[place / slots];
   Block& base = blocks_[index_of(hole.column, hole.row)];
   Block& top = base.next == none ? base : blocks_[base.next];
+  base.marks |= changed;
   // The last agent of the only block that may have room fills the hole.
   std::uint32_t const last = --top.count;
   std::uint32_t const slot = place % slots;

@@ -46,6 +46,20 @@ TEST(Tiled, VisitsInAnOrderThatIsAFunctionOfTheStateAlone) {
   }
 }
 
+TEST(Tiled, KeepsTheOrderOfTurnsOfSlowDisksOnlyWhileItIsRight) {
+  for (std::uint64_t seed = 300; seed < 340; ++seed) {
+    TiledSystem s = any_tiled_system(seed);
+    // A few disks change cells in a step, so that some tiles have the order of the step before and some have not.
+    s.engine.time_step *= seed % 2 == 0 ? 0.01 : 0.1;
+    State whole = s.start();
+    State cut = whole;
+    advance(s.engine, 1 + seed % 3, whole, 90);
+    // An engine keeps nothing from one call to the next.
+    for (std::uint64_t step = 1; step <= 90; ++step) advance(s.engine, 1, cut, step);
+    EXPECT_EQ(hash(whole), hash(cut)) << "seed " << seed << ": " << s.scene;
+  }
+}
+
 TEST(Tiled, KeepsEveryPromiseOfTheRule) {
   for (std::uint64_t seed = 200; seed < 260; ++seed) {
     TiledSystem const s = any_tiled_system(seed);

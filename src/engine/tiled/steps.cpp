@@ -6,7 +6,6 @@
 
 #include "engine/stepped.hpp"
 #include "engine/turn.hpp"
-#include "gridlock/grid/detail/update_order.hpp"
 
 namespace gridlock::tiled {
 
@@ -41,31 +40,80 @@ Steps::Steps(HotDisks&& disks, TurnRule const& rule, CellLayout const& layout, T
       group_size_(goes_around_box(layout, tiling) ? 1 : PackedTurns::largest_batch),
       tiles_(std::move(tiles)),
       place_of_tile_(tiling.tiles().size()),
-      results_(tiles_.size()) {
+      results_(tiles_.size()),
+      kept_orders_(tiles_.size()) {
   id_indices_.reserve(disks_.size());
   for (std::size_t k = 0; k < disks_.size(); ++k) id_indices_.push_back(disks_[k].id_index);
   for (std::size_t k = 0; k < tiles_.size(); ++k) place_of_tile_[tiles_[k]] = static_cast<std::uint32_t>(k);
 }
 
 void Steps::take_part(Tiling::Part const& part) {
-  static thread_local UpdateOrder update_order;
+  static thread_local UpdateOrder found;
   FetchAhead ahead(grid_, view_, id_indices_);
   auto const tile = [&](std::size_t k) { return k < part.size() ? &tiling_.tiles()[part[k]] : nullptr; };
   for (std::size_t k = 0; k < part.size(); ++k) {
-    update_order.find(grid_, *tile(k), id_indices_, [marks = marks_of_turned_](PackedGrid::Block& block) {
-      unsigned const taken = (1U << block.count) - 1U;
-      unsigned const pending = (block.marks ^ marks) & taken;
-      block.marks = static_cast<std::uint16_t>(marks & taken);
-      return pending;
-    });
-    ahead.aim(tile(k + 1), tile(k + 2), update_order.size());
     TileResult& result = result_of(part[k]);
-    update_order.for_each_group([&](std::span<std::uint32_t const> rows) {
-      for (std::size_t first = 0; first < rows.size(); first += group_size_) {
-        take_group(rows.subspan(first, std::min(group_size_, rows.size() - first)), result, ahead);
-      }
-    });
+    KeptOrder& kept = kept_orders_[place_of_tile_[part[k]]];
+    kept.begin_step(has_changed(*tile(k)));
+    bool const is_known = kept.is_kept();
+    if (is_known) {
+      mark_as_turned(*tile(k));
+    } else if (find_order(found, *tile(k)) && kept.is_worth_keeping()) {
+      kept.keep(found);
+    }
+    ahead.aim(tile(k + 1), tile(k + 2), is_known ? kept.size() : found.size());
+    if (is_known) {
+      take_turns(kept, result, ahead);
+    } else {
+      take_turns(found, result, ahead);
+    }
   }
+}
+
+/// Whether a disk has come into a cell of a tile or left one since the order of its turns was found.
+bool Steps::has_changed(Tiling::Tile const& tile) const {
+  for (int row = tile.first_row; row < tile.end_row; ++row) {
+    unsigned marks = 0;
+    for (int column = tile.first_column; column < tile.end_column; ++column) marks |= grid_.block_at(column, row).marks;
+    if ((marks & PackedGrid::changed) != 0) return true;
+  }
+  return false;
+}
+
+void Steps::mark_as_turned(Tiling::Tile const& tile) {
+  auto const mark = [marks = marks_of_turned_](PackedGrid::Block& block) {
+    block.marks = static_cast<std::uint16_t>(marks & ((1U << block.count) - 1U));
+  };
+  for (int row = tile.first_row; row < tile.end_row; ++row) {
+    for (int column = tile.first_column; column < tile.end_column; ++column) {
+      PackedGrid::Block* block = &grid_.block_at(column, row);
+      mark(*block);
+      for (; block->next != PackedGrid::none; mark(*block)) block = &grid_.next_of(*block);
+    }
+  }
+}
+
+/// Finds the order of the turns of a tile. Returns whether it is that of all disks of the tile: those that have come
+/// in this step have had their turn.
+bool Steps::find_order(UpdateOrder& order, Tiling::Tile const& tile) {
+  unsigned turned = 0;
+  order.find(grid_, tile, id_indices_, [&turned, marks = marks_of_turned_](PackedGrid::Block& block) {
+    unsigned const taken = (1U << block.count) - 1U;
+    unsigned const pending = (block.marks ^ marks) & taken;
+    turned |= pending ^ taken;
+    block.marks = static_cast<std::uint16_t>(marks & taken);
+    return pending;
+  });
+  return turned == 0;
+}
+
+template <class Order>
+void Steps::take_turns(Order const& order, TileResult& result, FetchAhead& ahead) {
+  order.for_each_group([&](std::span<std::uint32_t const> rows) {
+    for (std::size_t first = 0; first < rows.size(); first += group_size_) {
+      take_group(rows.subspan(first, std::min(group_size_, rows.size() - first)), result, ahead);
+    }
+  });
 }
 
 /// The turns of disks without a common neighbour.

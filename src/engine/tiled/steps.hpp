@@ -9,8 +9,10 @@
 #include "engine/hot_disks.hpp"
 #include "engine/packed_turns.hpp"
 #include "engine/tiled/fetch_ahead.hpp"
+#include "engine/tiled/kept_order.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/grid/detail/tiling.hpp"
+#include "gridlock/grid/detail/update_order.hpp"
 
 namespace gridlock::tiled {
 
@@ -77,7 +79,12 @@ class Steps {
   void replace_cell(int cell, std::span<DiskInTurn const> disks, std::span<std::uint8_t const> has_turned);
 
  private:
+  template <class Order>
+  void take_turns(Order const& order, TileResult& result, FetchAhead& ahead);
   void take_group(std::span<std::uint32_t const> rows, TileResult& result, FetchAhead& ahead);
+  [[nodiscard]] bool has_changed(Tiling::Tile const& tile) const;
+  void mark_as_turned(Tiling::Tile const& tile);
+  bool find_order(UpdateOrder& order, Tiling::Tile const& tile);
   void insert(DiskInTurn const& disk, bool has_turned);
   void set_mark(std::uint32_t row, bool has_turned);
 
@@ -98,6 +105,7 @@ class Steps {
   std::vector<std::uint32_t> tiles_;
   std::vector<std::uint32_t> place_of_tile_;  ///< among the tiles that take turns
   std::vector<TileResult> results_;
+  std::vector<KeptOrder> kept_orders_;  ///< of the same tiles
 };
 
 /// The order of the cells of a rectangle of tiles: tile by tile, and in a tile row by row.

@@ -159,6 +159,29 @@ TEST(PackedGrid, MarksStayWithTheirAgentsWhileThoseMoveThroughCrowdedCells) {
   }
 }
 
+TEST(PackedGrid, MarksTheCellsThatAgentsComeIntoOrLeave) {
+  PackedGrid grid = four_packed_cells();
+  for (std::size_t agent = 0; agent < 9; ++agent) grid.insert(agent, {0.25, 0.25});
+  auto const changed = [&grid] {
+    std::vector<int> cells;
+    for (int cell = 0; cell < 4; ++cell) {
+      PackedGrid::Block& block = grid.block_at(cell % 2, cell / 2);
+      if ((block.marks & PackedGrid::changed) != 0) cells.push_back(cell);
+      block.marks &= static_cast<std::uint16_t>(~PackedGrid::changed);
+    }
+    return cells;
+  };
+  EXPECT_EQ(changed(), (std::vector<int>{0}));
+  grid.move(8, {0.3, 0.3});
+  EXPECT_EQ(changed(), (std::vector<int>{}));
+  grid.move(2, {0.75, 0.75});
+  EXPECT_EQ(changed(), (std::vector<int>{0, 3}));
+  grid.erase(2);
+  EXPECT_EQ(changed(), (std::vector<int>{3}));
+  grid.rename(8, 2);
+  EXPECT_EQ(changed(), (std::vector<int>{0}));
+}
+
 TEST(PackedGrid, AgentsOnTheEdgesOfCellsAreWhereTheLayoutSaysTheyAre) {
   for (int const columns : {1, 3, 7, 49}) {
     CellLayout const layout(Box(1.0, 2.0, Edge::periodic), columns, 2 * columns + 1);

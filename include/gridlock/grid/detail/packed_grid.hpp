@@ -63,12 +63,14 @@ class PackedGrid {
     std::array<std::uint32_t, slots> agent;
     std::uint32_t next;   ///< the next block of this cell, or none
     std::uint16_t count;  ///< the first `count` slots are taken
-    /// Bit s belongs to the agent in slot s, with which it moves; 0 where there is none. For the caller to write.
+    /// Bit s belongs to the agent in slot s, with which it moves; 0 where there is none. For the caller to write, as is the bit
+    /// `changed`, which is set in the first block of a cell whenever an agent comes into the cell or leaves it.
     std::uint16_t marks;
     std::int32_t column;
     std::int32_t row;
   };
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+  static constexpr std::uint16_t changed = 1U << slots;  ///< of Block::marks
 
   /// A point as seen from a cell, in units of the longer side of a cell.
   struct LocalPoint {
@@ -117,7 +119,9 @@ class PackedGrid {
   /// The agent `from` is called `to` from now on, which nobody is called yet; it stays where it is.
   void rename(std::size_t from, std::size_t to) {
     assert(contains(from) && to < place_.size() && place_[to] == none);
-    block_of(from).agent[slot_of(from)] = static_cast<std::uint32_t>(to);
+    Block& block = block_of(from);
+    block.agent[slot_of(from)] = static_cast<std::uint32_t>(to);
+    blocks_[index_of(block.column, block.row)].marks |= changed;
     place_[to] = std::exchange(place_[from], none);
   }
 
