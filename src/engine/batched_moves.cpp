@@ -203,9 +203,13 @@ class BatchedMoves {
     find_disks();
     for (std::size_t first = 0; first < rows_.size(); first += lanes) aim(first);
     Turns const local = all & local_;
-    Turns const together = look_around(local & far_from_edge_);
+    Turns together = look_around<EdgeOfTurn::is_far>(local & far_from_edge_);
+    if ((local & ~far_from_edge_ & inside_) != 0) {
+      together |= look_around<EdgeOfTurn::may_be_met>(local & ~far_from_edge_ & inside_);
+    }
+    list_candidates();
     find_partners();
-    counters.distance_checks += checks_without_partners_;
+    counters.distance_checks += checks_ * view_.substeps;
     for (Turns left = together & staying_ & ~halted_; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
       t_.disk[l]->position = t_.position[l];
@@ -291,21 +295,36 @@ class BatchedMoves {
     store_local(&t_.local_y[first], rows, grid_.local_height());
     local_ |= bits_of(tag, local) << first;
     far_from_edge_ |= bits_of(tag, inner) << first;
+    inside_ |= bits_of(tag, is_inside(position, {x, y}, radius)) << first;
     staying_ |= bits_of(tag, hn::And(is_from_0_to_1(columns), is_from_0_to_1(rows))) << first;
   }
 
-  /// Whom these turns, which are far from the edge, may meet. Returns those whose cells around fit one block each.
+  /// Whether disks stay within the walls, or in the box, from one point to the other. Every sub-step adds the same
+  /// displacement, so all places are between these two, however they round.
+  HWY_INLINE IsTrue is_inside(Vectors from, Vectors to, Double radius) const {
+    Doubles const tag;
+    TurnConstants const& c = constants_;
+    Double const low = hn::Mul(radius, hn::Set(tag, c.radii_from_edge));
+    Double const high_x = hn::Sub(hn::Set(tag, c.last_x), low);
+    Double const high_y = hn::Sub(hn::Set(tag, c.last_y), low);
+    IsTrue const in_x = hn::And(hn::Ge(hn::Min(from.x, to.x), low), hn::Le(hn::Max(from.x, to.x), high_x));
+    IsTrue const in_y = hn::And(hn::Ge(hn::Min(from.y, to.y), low), hn::Le(hn::Max(from.y, to.y), high_y));
+    return hn::And(in_x, in_y);
+  }
+
+  /// Whom these turns, which come to no edge, may meet. Returns those whose cells around fit one block each and that meet
+  /// nobody across an edge.
+  template <EdgeOfTurn edge>
   HWY_INLINE Turns look_around(Turns turns) {
     constexpr std::size_t registers = TurnConstants::blocks_around / blocks_at_once;
     Floats const tag;
     hn::FixedTag<float, PackedGrid::slots> const cell;
-    auto const& offset = constants_.block_offset;
-    Turns with_candidates = 0;
-    std::uint64_t checks = 0;
+    std::ptrdiff_t const* offset = constants_.block_offsets[0].data();
     for (Turns left = turns; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
       Block const* const here = t_.block[l];
-      if (!constants_.fits_one_block && has_further_blocks(*here)) {
+      if constexpr (edge == EdgeOfTurn::may_be_met) offset = block_offsets_of(l);
+      if (!constants_.fits_one_block && has_further_blocks(*here, offset)) {
         turns &= ~(1U << l);
         continue;
       }
@@ -332,31 +351,41 @@ class BatchedMoves {
       auto const dy = hn::Sub(hn::Load(cell, here->y.data()), hn::Set(cell, t_.sight_y[l]));
       auto const is_near = hn::Le(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Set(cell, t_.limit[l]));
       near |= std::uint64_t{bits_of(cell, is_near) & ~(1U << t_.slot[l])} << 32;
+      if constexpr (edge == EdgeOfTurn::may_be_met) {
+        // Distances are those of the nearest images there.
+        if (constants_.layout.is_periodic() && near != 0) {
+          turns &= ~(1U << l);
+          continue;
+        }
+      }
       t_.near[l] = near;
-      checks += count_of(near);
-      with_candidates |= static_cast<Turns>(near != 0) << l;
+      checks_ += count_of(near);
+      with_candidates_ |= static_cast<Turns>(near != 0) << l;
     }
-    checks_without_partners_ = checks * view_.substeps;
-    list_candidates(with_candidates);
     return turns;
   }
 
   /// Whether a cell around the one of this block has more disks than a block.
-  [[nodiscard]] bool has_further_blocks(Block const& block) const {
+  [[nodiscard]] bool has_further_blocks(Block const& block, std::ptrdiff_t const* offset) const {
     Block const* const first = &std::as_const(grid_).block_at(block.column, block.row);
     std::uint32_t next = PackedGrid::none;
-    for (std::ptrdiff_t const k : constants_.block_offset) next &= first[k].next;
+    for (std::size_t k = 0; k <= TurnConstants::blocks_around; ++k) next &= first[offset[k]].next;
     return next != PackedGrid::none;
   }
 
-  HWY_INLINE void list_candidates(Turns turns) {
+  [[nodiscard]] std::ptrdiff_t const* block_offsets_of(std::size_t l) const {
+    return constants_.block_offsets_at(t_.block[l]->column, t_.block[l]->row).data();
+  }
+
+  HWY_INLINE void list_candidates() {
     std::size_t count = 0;
-    for (Turns left = turns; left != 0; left &= left - 1) {
+    for (Turns left = with_candidates_; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
+      std::ptrdiff_t const* const offset =
+          (far_from_edge_ >> l & 1U) != 0 ? constants_.block_offsets[0].data() : block_offsets_of(l);
       auto const add = [&](std::uint64_t near) HWY_ATTR {
         std::size_t const bit = first_of(near);
-        candidates_.row[count] =
-            t_.block[l][constants_.block_offset[bit / PackedGrid::slots]].agent[bit % PackedGrid::slots];
+        candidates_.row[count] = t_.block[l][offset[bit / PackedGrid::slots]].agent[bit % PackedGrid::slots];
         candidates_.turn[count] = static_cast<std::uint8_t>(l);
       };
       std::uint64_t near = t_.near[l];
@@ -469,9 +498,11 @@ class BatchedMoves {
   std::span<std::uint32_t const> rows_;
   Turns local_ = 0;
   Turns far_from_edge_ = 0;
+  Turns inside_ = 0;   ///< neither at a wall nor across an edge if they meet nobody
   Turns staying_ = 0;  ///< in their cells if they meet nobody
   Turns halted_ = 0;
-  std::uint64_t checks_without_partners_ = 0;
+  Turns with_candidates_ = 0;
+  std::uint64_t checks_ = 0;  ///< in each sub-step
   Turning t_;
   Candidates candidates_;
 };

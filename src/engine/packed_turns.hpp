@@ -66,13 +66,14 @@ struct TurnConstants {
         limit_error(grid.local_limit(0.0)),
         fits_one_block(std::max(layout.cell_width(), layout.cell_height()) <= widest_for_four(radii.smallest)),
         inner_columns(static_cast<unsigned>(std::max(0, layout.columns() - 2))),
-        inner_rows(static_cast<unsigned>(std::max(0, layout.rows() - 2))) {
-    std::ptrdiff_t const stride = grid.blocks_in_row();
+        inner_rows(static_cast<unsigned>(std::max(0, layout.rows() - 2))),
+        radii_from_edge(view.box.is_periodic() ? 0.0 : 1.0),
+        last_x(view.box.is_periodic() ? std::nextafter(view.box.width(), 0.0) : view.box.width()),
+        last_y(view.box.is_periodic() ? std::nextafter(view.box.height(), 0.0) : view.box.height()) {
     std::size_t k = 0;
     for (int const row : {-1, 0, 1}) {
       for (int const column : {-1, 0, 1}) {
         if (row == 0 && column == 0) continue;
-        block_offset[k] = row * stride + column;
         for (std::size_t slot = k * PackedGrid::slots; slot < (k + 1) * PackedGrid::slots; ++slot) {
           shift_x[slot] = -static_cast<float>(column) * grid.local_width();
           shift_y[slot] = -static_cast<float>(row) * grid.local_height();
@@ -80,7 +81,7 @@ struct TurnConstants {
         ++k;
       }
     }
-    block_offset[k] = 0;
+    for (std::size_t kind = 0; kind < kinds_of_cell; ++kind) block_offsets[kind] = block_offsets_of(grid, kind);
   }
 
   TurnView const& view;
@@ -93,14 +94,58 @@ struct TurnConstants {
   bool fits_one_block;     ///< every cell
   unsigned inner_columns;  ///< columns that are not at the edge
   unsigned inner_rows;
+  double radii_from_edge;  ///< that a disk keeps: 1 from walls, 0 where it goes through
+  double last_x;           ///< the coordinates of the upper edges, or the last ones below them where points are wrapped
+  double last_y;
 
-  /// A block among those of the cells around a cell, which is not at the edge, and what is to be added to a point seen from
-  /// that cell to see it from the block's cell; the cell itself is the last one.
   static constexpr std::size_t blocks_around = 8;
-  std::array<std::ptrdiff_t, blocks_around + 1> block_offset;
+  /// Where the blocks of the cells around a cell are, seen from its block; the cell itself is the last one.
+  using BlockOffsets = std::array<std::ptrdiff_t, blocks_around + 1>;
+  /// Of a cell in this column and row; those at an edge of the box have others than the rest.
+  [[nodiscard]] BlockOffsets const& block_offsets_at(int column, int row) const {
+    std::size_t const in_columns = (column == 0 ? at_first : 0U) + (column + 1 == layout.columns() ? at_last : 0U);
+    std::size_t const in_rows = (row == 0 ? at_first : 0U) + (row + 1 == layout.rows() ? at_last : 0U);
+    return block_offsets[in_columns + kinds_of_column * in_rows];
+  }
+
+  static constexpr std::size_t at_first = 1;
+  static constexpr std::size_t at_last = 2;
+  static constexpr std::size_t kinds_of_column = at_first + at_last + 1;
+  static constexpr std::size_t kinds_of_cell = kinds_of_column * kinds_of_column;
+  std::array<BlockOffsets, kinds_of_cell> block_offsets;
+  /// What is to be added to a point seen from a cell to see it from one of the cells around it.
   /// As often as there are slots in a block.
   alignas(64) std::array<float, blocks_around * PackedGrid::slots> shift_x;
   alignas(64) std::array<float, blocks_around * PackedGrid::slots> shift_y;
+
+ private:
+  [[nodiscard]] BlockOffsets block_offsets_of(PackedGrid const& grid, std::size_t kind) const {
+    auto const place = [](std::size_t edges, int count) {
+      return (edges & at_first) != 0 ? 0 : (edges & at_last) != 0 ? count - 1 : 1;
+    };
+    std::size_t const in_columns = kind % kinds_of_column;
+    std::size_t const in_rows = kind / kinds_of_column;
+    int const column = place(in_columns, layout.columns());
+    int const row = place(in_rows, layout.rows());
+    // Away from the edge, whatever the number of cells is: the next one.
+    auto const next = [](bool is_at_edge, int index, int beyond_edge, int step) {
+      return is_at_edge ? beyond_edge - index : step;
+    };
+    std::array const columns{next((in_columns & at_first) != 0, column, grid.column_left_of(0), -1), 0,
+                             next((in_columns & at_last) != 0, column, grid.column_right_of(column), 1)};
+    std::array const rows{next((in_rows & at_first) != 0, row, grid.row_below(0), -1), 0,
+                          next((in_rows & at_last) != 0, row, grid.row_above(row), 1)};
+    BlockOffsets offsets;
+    std::size_t k = 0;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      for (std::size_t c = 0; c < columns.size(); ++c) {
+        if (r == 1 && c == 1) continue;
+        offsets[k++] = rows[r] * grid.blocks_in_row() + columns[c];
+      }
+    }
+    offsets[k] = 0;
+    return offsets;
+  }
 };
 
 /// Turns on a packed grid: the candidates of a disk are found once a turn, and only those it may really meet.
