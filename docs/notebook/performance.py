@@ -15,8 +15,8 @@ import gridlock.plot
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
-def rows():
-    with open(ROOT / "benchmarks/results/paper_rule.csv", encoding="utf-8") as file:
+def rows(results="paper_rule.csv"):
+    with open(ROOT / "benchmarks/results" / results, encoding="utf-8") as file:
         return list(csv.DictReader(line for line in file if not line.startswith("#")))
 
 
@@ -41,6 +41,32 @@ def over_k(count):
             if row["benchmark"] == "paper_rule_over_k" and row["n"] == str(count)]
 
 
+def draw_scaling(file):
+    """Weak and strong scaling on the simulated cluster, and by the formula."""
+    runs = rows("simulated_ranks.csv")
+
+    def curve(scaling, column, disks, count):
+        return [(float(row["ranks"]), float(row[column])) for row in runs if row["scaling"] == scaling and row[disks] == str(count)]
+
+    figure = Figure((7.0, 3.2), layout="constrained")
+    weak, strong = figure.subplots(1, 2, sharey=True)
+    pictures = [
+        (weak, "weak", "disks_of_rank", {100_000: "10⁵ disks a rank", 1_000_000: "10⁶ disks a rank"}, "Weak scaling"),
+        (strong, "strong", "disks", {6_400_000: "6.4·10⁶ disks in all"}, "Strong scaling"),
+    ]
+    for axes, scaling, column, counts, title in pictures:
+        for number, (count, label) in enumerate(counts.items()):
+            for name, how, line in (("efficiency", "simulated", "-"), ("efficiency_by_formula", "formula", ":")):
+                ranks, efficiency = zip(*curve(scaling, name, column, count))
+                gridlock.plot.points(axes, ranks, efficiency, label=f"{label}, {how}", number=number, linestyle=line)
+        axes.set(xscale="log", title=title, xlabel="ranks", ylim=(0, 1.02))
+        axes.set_xticks([4, 16, 64, 256], ["4", "16", "64", "256"], minor=False)
+        axes.minorticks_off()
+        axes.legend(loc="lower left")
+    weak.set_ylabel("share of a step spent on turns")
+    figure.savefig(file, metadata={"Date": None})
+
+
 def main(directory):
     names = {"lists finest k": "linked lists, finest k", "stepped": "stepped", "tiled 1 thread": "tiled"}
     curves = [(f"{label}, φ = {fraction}", over_n(name, fraction)) for name, label in names.items() for fraction in ("0.7", "0.3")]
@@ -50,6 +76,7 @@ def main(directory):
         curves = [(f"N = {count:,}", over_k(count)) for count in (100, 841, 10_000, 100_000, 1_000_000, 10_000_000)]
         draw(directory / "performance_k.svg", curves, "The paper's rule on linked lists, one core, cost against k, φ = 0.7", "cells a side k",
              (100, 200_000), "upper right")
+        draw_scaling(directory / "scaling_ranks.svg")
 
 
 if __name__ == "__main__":
