@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""One run of `tiled` on ranks of MPI beside the same run on threads, and granular disks of LAMMPS on ranks, in turns.
+"""One run of `tiled` on ranks of MPI beside the same run on threads, and granular disks of LAMMPS on ranks, in turns; or flocking agents.
 
-    benchmarks/ranks.py [--sides 316 1000] [--rounds 5]
+    benchmarks/ranks.py [--sides 316 1000] [--rounds 5] [--flocking]
 
-Needs gridlock-mpi and mpirun; LAMMPS (Debian: apt-get install lammps) is left out where it is missing. Writes benchmarks/results/ranks.csv.
+Needs gridlock-mpi and mpirun; LAMMPS (Debian: apt-get install lammps) is left out where it is missing. Writes benchmarks/results/ranks.csv, of
+flocking agents ranks_flocking.csv.
 Seconds are those that each program says its steps took. Bytes and messages are those of a rank and step, the mean of all ranks: of a run and
 one of half the length, so that what is handed out at the start and gathered at the end does not count.
 """
@@ -45,6 +46,27 @@ keep_last = false
 """
 
 
+# Four agents in a square of the radius that they see.
+FLOCK = """
+[model]
+kind = "flocking"
+[flocking]
+count = {count}
+[box]
+edge = "periodic"
+side = {side}
+[run]
+steps = {steps}
+seed = 20
+final_state = false
+[observe]
+every = {steps}
+[checkpoint]
+every_seconds = 0
+keep_last = false
+"""
+
+
 class Runs:
     """Runs of the programs in a directory of their own."""
 
@@ -53,10 +75,11 @@ class Runs:
         self.directory = pathlib.Path(directory)
         self.environment = os.environ | {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 
-    def gridlock(self, side, steps, *, ranks=None, threads=1, time_step=0.1):
+    def gridlock(self, side, steps, *, ranks=None, threads=1, time_step=0.1, flocks=False):
         """What summary.json says of a run; without ranks one of a single process."""
         scene = self.directory / "scene.toml"
-        scene.write_text(SCENE.format(count=side * side, steps=steps, time_step=time_step))
+        template = FLOCK if flocks else SCENE
+        scene.write_text(template.format(count=side * side, side=side / 2, steps=steps, time_step=time_step))
         program = [str(self.apps / "gridlock/gridlock")]
         if ranks:
             program = ["mpirun", "-n", str(ranks), str(self.apps / "gridlock-mpi/gridlock-mpi")]
@@ -81,12 +104,12 @@ def traffic(summary):
     return [sum(rank[key] for rank in ranks) / len(ranks) for key in ("messages_sent", "bytes_sent")]
 
 
-def contestants(runs, side, steps, has_lammps):
+def contestants(runs, side, steps, has_lammps, flocks):
     """What is timed, by name; each gives its seconds and the hash of its last state."""
 
     def of(**how):
         def run():
-            summary = runs.gridlock(side, steps, **how)
+            summary = runs.gridlock(side, steps, flocks=flocks, **how)
             return summary["timing"]["seconds"], summary["state_hash"]
 
         return run
@@ -96,6 +119,10 @@ def contestants(runs, side, steps, has_lammps):
         "2 threads": of(threads=2),
         "1 rank": of(ranks=1),
         "2 ranks": of(ranks=2),
+    }
+    if flocks:
+        return todo
+    todo |= {
         "1 rank, LAMMPS' step": of(ranks=1, time_step=TIME_STEP_AS_IN_LAMMPS),
         "2 ranks, LAMMPS' step": of(ranks=2, time_step=TIME_STEP_AS_IN_LAMMPS),
     }
@@ -105,18 +132,18 @@ def contestants(runs, side, steps, has_lammps):
     return todo
 
 
-def race(runs, results, side, rounds, has_lammps):
+def race(runs, results, side, rounds, has_lammps, flocks):
     disks = side * side
-    steps = max(100, 100_000_000 // disks)
+    steps = max(20, 20_000_000 // disks) if flocks else max(100, 100_000_000 // disks)
     seconds = {}
     hashes = {}
     for _ in range(rounds):
-        _, found = in_turns.timed_in_turns(contestants(runs, side, steps, has_lammps), 1)
+        _, found = in_turns.timed_in_turns(contestants(runs, side, steps, has_lammps, flocks), 1)
         for name, (time, state_hash) in found.items():
             seconds.setdefault(name, []).append(time)
             hashes.setdefault(name, set()).add(state_hash)
-    whole = traffic(runs.gridlock(side, steps, ranks=2))
-    half = traffic(runs.gridlock(side, steps // 2, ranks=2))
+    whole = traffic(runs.gridlock(side, steps, ranks=2, flocks=flocks))
+    half = traffic(runs.gridlock(side, steps // 2, ranks=2, flocks=flocks))
     of_step = [(one - other) / (steps - steps // 2) for one, other in zip(whole, half)]
     for name, times in seconds.items():
         least = min(times)
@@ -139,9 +166,10 @@ def race(runs, results, side, rounds, has_lammps):
 
 
 def main():
-    parser = result_file.parser_of("ranks", __doc__)
+    parser = result_file.parser_of("ranks_flocking" if "--flocking" in sys.argv else "ranks", __doc__)
     parser.add_argument("--sides", nargs="+", type=int, default=[316, 1000], help="of squares of disks")
     parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--flocking", action="store_true", help="agents of the model flocking in place of disks")
     options = parser.parse_args()
     if not shutil.which("mpirun"):
         sys.exit("there is no mpirun: ./dev install mpi")
@@ -150,7 +178,7 @@ def main():
     results.write("name,disks,steps,ns_min,ns_median,speed_up,messages_of_rank_and_step,bytes_of_rank_and_step,state_hash")
     with tempfile.TemporaryDirectory() as directory:
         for side in options.sides:
-            race(Runs(options.build, directory), results, side, options.rounds, has_lammps)
+            race(Runs(options.build, directory), results, side, options.rounds, has_lammps, options.flocking)
 
 
 main()

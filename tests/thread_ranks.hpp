@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/ranks.hpp"
-#include "engine/tiled/on_ranks.hpp"
+#include "gridlock/core/detail/ranks.hpp"
+#include "simulation/help.hpp"
 
 namespace gridlock::test {
 
@@ -29,7 +29,7 @@ class ThreadRanks {
     for (std::size_t rank = 1; rank < count_; ++rank) {
       threads.emplace_back([this, rank] {
         OneRank helper(*this, rank);
-        tiled::help(helper);
+        help(helper);
       });
     }
     OneRank leader(*this, 0);
@@ -39,7 +39,7 @@ class ThreadRanks {
     } catch (...) {
       failure = std::current_exception();
     }
-    tiled::release_helpers(leader);
+    release_helpers(leader);
     for (std::thread& thread : threads) thread.join();
     if (failure) std::rethrow_exception(failure);
   }

@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/tiled/on_ranks.hpp"
 #include "gridlock/core/error.hpp"
+#include "simulation/help.hpp"
 #include "slots.hpp"
 
 namespace gridlock::mpi {
@@ -268,7 +268,7 @@ void MpiCrew::form_groups() {
 }
 
 void MpiCrew::part() {
-  if (ranks() != nullptr && ranks()->rank() == 0) tiled::release_helpers(*ranks());
+  if (ranks() != nullptr && ranks()->rank() == 0) release_helpers(*ranks());
   is_working_ = false;
 }
 
@@ -282,7 +282,7 @@ void MpiCrew::lead(CrewLead const& lead) {
 
 void MpiCrew::help(MakeRun const& make) {
   if (ranks() != nullptr && ranks()->rank() > 0) {
-    tiled::help(*ranks());
+    gridlock::help(*ranks());
     part();
     return;
   }

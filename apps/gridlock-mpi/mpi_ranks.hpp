@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/ranks.hpp"
+#include "gridlock/core/detail/ranks.hpp"
 
 namespace gridlock::mpi {
 

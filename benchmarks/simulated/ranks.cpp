@@ -14,10 +14,10 @@
 #include <cstdlib>
 #include <string>
 
-#include "engine/tiled/on_ranks.hpp"
 #include "gridlock-mpi/mpi_ranks.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/lattice/start.hpp"
+#include "simulation/help.hpp"
 
 namespace {
 
@@ -76,10 +76,10 @@ int main(int argc, char** argv) {
                                                       seconds_of_byte * static_cast<double>(bytes));
                                        }});
     if (ranks.rank() > 0) {
-      gridlock::tiled::help(ranks);
+      gridlock::help(ranks);
     } else {
       lead(ranks, std::stoul(argv[1]), std::stoul(argv[2]));
-      gridlock::tiled::release_helpers(ranks);
+      gridlock::release_helpers(ranks);
     }
   }
   MPI_Finalize();

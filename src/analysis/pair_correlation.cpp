@@ -77,7 +77,7 @@ class Histogram {
   /// Counts all pairs whose first point is in a row of cells from `first` to `end` − 1.
   [[nodiscard]] std::vector<std::uint64_t> count(int first, int end) const {
     CellLayout const& layout = points_.layout();
-    RowBlocks const blocks(layout, [&](std::size_t cell) { return points_.first_of(cell); });
+    RowBlocks const blocks(layout, [&](int column, int row) { return points_.first_of(column, row); });
     std::vector<std::uint64_t> counts(kinds_ * kinds_ * stride_, 0);
     for (int row = first; row < end; ++row) {
       for (int column = 0; column < layout.columns(); ++column) {

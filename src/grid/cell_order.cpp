@@ -44,10 +44,10 @@ void CellOrder::for_each_row_in_cells(std::uint32_t first_cell, std::uint32_t en
 void CellOrder::find_occupied(CellLayout const& layout, Columns const& columns, ThreadPool& thread_pool) {
   std::size_t const agents = columns.ids.size();
   std::size_t const parts = parts_for(thread_pool);
-  cells_.clear(layout, StoredCells::Which::occupied);
+  cells_.clear(numbers_.count(), StoredCells::Which::occupied);
   thread_pool.for_each(parts, [&](std::size_t part) {
     for (std::size_t row = part * agents / parts; row < (part + 1) * agents / parts; ++row) {
-      cells_.add(static_cast<std::size_t>(layout.cell_of({columns.x[row], columns.y[row]})));
+      cells_.add(number_of(layout, columns, row));
     }
   });
   cells_.find_places();
@@ -57,13 +57,14 @@ void CellOrder::count(CellLayout const& layout, Columns const& columns, ThreadPo
   std::size_t const agents = columns.ids.size();
   std::size_t const cells = cells_.count();
   std::size_t const parts = parts_for(thread_pool);
+  cell_.resize(agents);
+  ranges_.resize((agents + rows_per_range - 1) / rows_per_range);
   first_.resize(cells + 1);
   thread_pool.for_each(parts, [&](std::size_t part) {
     for (std::size_t s = part * ranges_.size() / parts; s < (part + 1) * ranges_.size() / parts; ++s) {
       RowRange range{.least = static_cast<std::uint32_t>(cells), .most = 0};
       for (std::size_t row = s * rows_per_range; row < std::min(agents, (s + 1) * rows_per_range); ++row) {
-        auto const number = static_cast<std::size_t>(layout.cell_of({columns.x[row], columns.y[row]}));
-        auto const cell = static_cast<std::uint32_t>(cells_.place_of(number));
+        auto const cell = static_cast<std::uint32_t>(cells_.place_of(number_of(layout, columns, row)));
         cell_[row] = cell;
         range.least = std::min(range.least, cell);
         range.most = std::max(range.most, cell);
@@ -96,18 +97,37 @@ std::uint32_t CellOrder::first_cell(std::size_t part, ThreadPool const& thread_p
 CellLayout CellOrder::sort(CellLayout const& layout, std::span<double const> x, std::span<double const> y,
                            std::span<Id const> ids, ThreadPool& thread_pool, std::optional<CellLayout> const& finer) {
   Columns const columns{x, y, ids};
-  std::size_t const agents = ids.size();
-  std::size_t const parts = parts_for(thread_pool);
-  cell_.resize(agents);
-  rows_.resize(agents);
-  ranges_.resize((agents + rows_per_range - 1) / rows_per_range);
-  cells_.clear(layout, StoredCells::Which::all);
+  numbers_ = CellNumbers(layout);
+  cells_.clear(numbers_.count(), StoredCells::Which::all);
   count(layout, columns, thread_pool);
   bool const is_finer = finer && has_crowd();
   if (is_finer) {
+    numbers_ = CellNumbers(*finer);
     find_occupied(*finer, columns, thread_pool);
     count(*finer, columns, thread_pool);
   }
+  fill(ids, thread_pool);
+  return is_finer ? *finer : layout;
+}
+
+void CellOrder::sort_window(CellLayout const& layout, CellWindow const& window, StoredCells::Which stored,
+                            std::span<double const> x, std::span<double const> y, std::span<Id const> ids,
+                            ThreadPool& thread_pool) {
+  Columns const columns{x, y, ids};
+  numbers_ = CellNumbers(layout, window);
+  if (stored == StoredCells::Which::all) {
+    cells_.clear(numbers_.count(), StoredCells::Which::all);
+  } else {
+    find_occupied(layout, columns, thread_pool);
+  }
+  count(layout, columns, thread_pool);
+  fill(ids, thread_pool);
+}
+
+void CellOrder::fill(std::span<Id const> ids, ThreadPool& thread_pool) {
+  std::size_t const agents = ids.size();
+  std::size_t const parts = parts_for(thread_pool);
+  rows_.resize(agents);
   std::size_t const cells = cells_.count();
   std::exclusive_scan(first_.begin(), first_.end() - 1, first_.begin(), 0U);
   first_[cells] = static_cast<std::uint32_t>(agents);
@@ -136,7 +156,6 @@ CellLayout CellOrder::sort(CellLayout const& layout, std::span<double const> x, 
       k = end - 1;
     }
   });
-  return is_finer ? *finer : layout;
 }
 
 }  // namespace gridlock

@@ -64,7 +64,7 @@ enum class Half { no, yes };
 /// The neighbours of all rows of a band, as rows; with Half::yes those of every pair for one of the two alone.
 template <Half half>
 void search_band(SortedPoints const& points, Box const& box, double cutoff, int first_row, int end_row, Band& band) {
-  RowBlocks const blocks(points.layout(), [&](std::size_t cell) { return points.first_of(cell); });
+  RowBlocks const blocks(points.layout(), [&](int column, int row) { return points.first_of(column, row); });
   bool const has_halves = half == Half::yes && blocks.has_halves();
   points.for_each_cell(first_row, end_row, [&](int column, int cell_row, RowRange rows) {
     RowBlock block = has_halves ? blocks.after(column, cell_row) : blocks.around(column, cell_row);
@@ -149,7 +149,7 @@ class Search {
   /// Contract: no cutoff above that of the search.
   std::span<std::uint32_t const> near(Vector place, double cutoff, Found& found) const {
     CellLayout const& layout = points_.layout();
-    RowBlocks const blocks(layout, [&](std::size_t cell) { return points_.first_of(cell); });
+    RowBlocks const blocks(layout, [&](int column, int row) { return points_.first_of(column, row); });
     Vector const p = layout.image_in_cell(place);
     RowBlock const block = blocks.around(layout.column_of(p.x), layout.row_of(p.y));
     if (block.candidates == 0) return {};

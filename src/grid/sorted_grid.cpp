@@ -71,7 +71,7 @@ double SortedGrid::squared_limit(double cutoff) const {
 void SortedGrid::find_candidates(Vector p, double cutoff, OnAgents const& on_agents) const {
   SortedPoints const& points = *points_;
   CellLayout const& layout = points.layout();
-  RowBlocks const blocks(layout, [&](std::size_t cell) { return points.first_of(cell); });
+  RowBlocks const blocks(layout, [&](int column, int row) { return points.first_of(column, row); });
   p = layout.image_in_cell(p);
   RowBlock const block = blocks.around(layout.column_of(p.x), layout.row_of(p.y));
   RowSearch const search{.x = points.x(),
@@ -91,7 +91,7 @@ void SortedGrid::find_candidates(Vector p, double cutoff, OnAgents const& on_age
 void SortedGrid::find_candidate_pairs(double cutoff, OnPairs const& on_pairs) const {
   SortedPoints const& points = *points_;
   CellLayout const& layout = points.layout();
-  RowBlocks const blocks(layout, [&](std::size_t cell) { return points.first_of(cell); });
+  RowBlocks const blocks(layout, [&](int column, int row) { return points.first_of(column, row); });
   bool const has_halves = blocks.has_halves();
   double const limit = squared_limit(cutoff);
   PairBuffer buffer(on_pairs);

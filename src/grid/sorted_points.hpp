@@ -30,7 +30,7 @@ class SortedPoints {
         index_(points.count),
         x_(points.count),
         y_(points.count) {
-    cells_.clear(layout, StoredCells::Which::all);
+    cells_.clear(static_cast<std::size_t>(layout.count()), StoredCells::Which::all);
     if (!sort(origin, points, pool, finer.has_value()) && finer) sort_crowd(*finer, origin, points, pool);
   }
   /// Points that are known to crowd.
@@ -44,10 +44,14 @@ class SortedPoints {
 
   [[nodiscard]] CellLayout const& layout() const { return layout_; }
   [[nodiscard]] std::size_t first_of(std::size_t cell) const { return first_[cells_.place_of(cell)]; }
+  [[nodiscard]] std::size_t first_of(int column, int row) const {
+    return first_of(static_cast<std::size_t>(row) * static_cast<std::size_t>(layout_.columns()) +
+                    static_cast<std::size_t>(column));
+  }
   /// Calls visit(column, row, its points) for every cell with points in rows of cells first … end − 1, in their order.
   template <class Visit>
   void for_each_cell(int first, int end, Visit visit) const {
-    cells_.for_each_in_rows(layout_, first, end, [&](int column, int row, std::size_t place) {
+    cells_.for_each_in_rows(layout_.columns(), first, end, [&](int column, int row, std::size_t place) {
       RowRange const points{first_[place], first_[place + 1]};
       if (points.first < points.end) visit(column, row, points);
     });
@@ -66,7 +70,7 @@ class SortedPoints {
 
   void sort_crowd(CellLayout const& layout, Vector origin, PointsInMemory const& points, ThreadPool& pool) {
     layout_ = layout;
-    cells_.clear(layout, StoredCells::Which::occupied);
+    cells_.clear(static_cast<std::size_t>(layout.count()), StoredCells::Which::occupied);
     pool.for_each(pool.size(), [&](std::size_t part) {
       for (std::size_t i = part * points.count / pool.size(); i < (part + 1) * points.count / pool.size(); ++i) {
         cells_.add(static_cast<std::size_t>(layout_.cell_of(point(points, i) - origin)));

@@ -96,7 +96,8 @@ void throw_not_alive(std::uint64_t step, Id agent) {
       step, agent));
 }
 
-void throw_bad_step(std::uint64_t step, double cutoff, double time_step) {
+void require_good_step(std::uint64_t step, double cutoff, double time_step) {
+  if (cutoff > 0.0 && time_step > 0.0 && std::isfinite(cutoff) && std::isfinite(time_step)) return;
   throw RunFailure(
       fmt::format("step {}: the model has a cutoff of {} and a time step of {}\n  hint: this is a mistake of the "
                   "model: cutoff() and time_step() have to return finite numbers above 0",

@@ -113,19 +113,16 @@ void check(Configuration const& configuration, IsGiven const& is_given) {
 }
 
 void require_use_of_ranks(Configuration const& configuration, std::size_t ranks) {
-  if (ranks == 1 || configuration.kind().uses_ranks(configuration)) return;
-  bool const is_of_disks = configuration.model.kind == "disks";
-  std::string const what = !is_of_disks ? fmt::format("the model \"{}\"", configuration.model.kind)
-                           : configuration.protocol.empty()
-                               ? fmt::format("the engine \"{}\"", configuration.engine.kind)
-                               : std::string("a run with a [[protocol]]");
-  throw Error(
-      {.what = fmt::format("{} cannot be shared by {} ranks", what, ranks),
-       .hint =
-           "disks with engine.kind = \"tiled\" can; gridlock run carries out all others, and gridlock-mpi sweep many",
-       .key = !is_of_disks                     ? "model.kind"
-              : configuration.protocol.empty() ? "engine.kind"
-                                               : "protocol"});
+  if (ranks == 1) return;
+  std::optional<Problem> problem = configuration.kind().not_shared_by_ranks(configuration);
+  if (!problem) return;
+  problem->what = fmt::format("{} cannot be shared by {} ranks", problem->what, ranks);
+  if (problem->hint.empty()) {
+    problem->hint =
+        "disks with engine.kind = \"tiled\" can, and models whose agents take their turns all at once; gridlock run "
+        "carries out all others, and gridlock-mpi sweep many";
+  }
+  throw Error(*std::move(problem));
 }
 
 void check_end(Setup const& setup) {

@@ -314,8 +314,10 @@ class DisksKind final : public ModelKind {
   [[nodiscard]] bool uses_threads(Configuration const& configuration) const override {
     return engine_record(configuration.engine.kind).uses_threads;
   }
-  [[nodiscard]] bool uses_ranks(Configuration const& configuration) const override {
-    return engine_record(configuration.engine.kind).uses_ranks && configuration.protocol.empty();
+  [[nodiscard]] std::optional<Problem> not_shared_by_ranks(Configuration const& configuration) const override {
+    if (!configuration.protocol.empty()) return Problem{.what = "a run with a [[protocol]]", .key = "protocol"};
+    if (engine_record(configuration.engine.kind).uses_ranks) return {};
+    return Problem{.what = fmt::format("the engine \"{}\"", configuration.engine.kind), .key = "engine.kind"};
   }
   [[nodiscard]] bool ends_within_steps(Configuration const& configuration) const override {
     return !engine_record(configuration.engine.kind).has_time_step;

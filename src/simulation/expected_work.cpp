@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "core/resources.hpp"
-#include "engine/ranks.hpp"
+#include "gridlock/core/detail/ranks.hpp"
 #include "simulation/memory.hpp"
 
 namespace gridlock {

@@ -7,8 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/simulation/register_model.hpp"
+#include "simulation/expected_work.hpp"
 #include "simulation/slow_start.hpp"
 
 namespace gridlock {
@@ -48,6 +50,14 @@ void forget_model(std::string_view name) {
   all_known().remove(name);
 }
 
+std::optional<Problem> ModelKind::not_shared_by_ranks(Configuration const& /*configuration*/) const {
+  return Problem{.what = fmt::format("the model \"{}\"", name()), .key = "model.kind"};
+}
+
+void ModelKind::take_part(Ranks& ranks, MessageReader& /*message*/) const {
+  ranks.abandon(fmt::format("the model {} cannot be shared by ranks", name()));
+}
+
 namespace detail {
 
 void blame_table(std::string_view model, std::function<void()> const& act) {
@@ -78,6 +88,14 @@ std::string AgentsKind::unused_because_of(Configuration const& configuration, st
   return is_used ? "" : fmt::format("model.kind = \"{}\"", name());
 }
 
+std::optional<Problem> AgentsKind::not_shared_by_ranks(Configuration const& configuration) const {
+  if (!can_be_shared_by_ranks()) return ModelKind::not_shared_by_ranks(configuration);
+  if (configuration.model.verify_every == 0) return {};
+  return Problem{.what = "a run with model.verify_every, whose searches are compared with a look at all agents,",
+                 .hint = "leave model.verify_every out, or use gridlock run",
+                 .key = "model.verify_every"};
+}
+
 std::vector<MemoryDemand> AgentsKind::memory(Configuration const& /*configuration*/) const {
   auto const agents = static_cast<double>(agents_at_start());
   return {{fmt::format("{:.0f} agents", agents), fmt::format("{}.count", name()),
@@ -97,10 +115,11 @@ void AgentsKind::build(Setup& setup, SetupOptions const& options) const {
   double const attempts = may_be_slow ? attempts_at_start(box, seed) : 0.0;
   if (!makes_start(attempts, "model.kind", options, setup.notes)) return;
   std::vector<std::string> notes;
-  setup.simulation = make(box, seed,
-                          {.threads = options.threads.value_or(configuration.engine.threads),
-                           .verify_every = configuration.model.verify_every},
-                          configuration.observe, notes);
+  std::uint64_t const threads = options.ranks == nullptr ? options.threads.value_or(configuration.engine.threads)
+                                                         : threads_of(configuration, options.threads, options.ranks);
+  setup.simulation =
+      make(box, seed, {.threads = threads, .verify_every = configuration.model.verify_every, .ranks = options.ranks},
+           configuration.observe, notes);
   for (std::string const& text : notes) {
     setup.notes.push_back({.kind = EventKind::note_of_model, .key = "model.kind", .values = {{"text", text}}});
   }

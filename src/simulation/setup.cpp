@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/saturating.hpp"
-#include "engine/ranks.hpp"
+#include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/simulation/world_simulation.hpp"
 #include "simulation/check.hpp"

@@ -14,7 +14,7 @@
 #include <set>
 #include <utility>
 
-#include "engine/ranks.hpp"
+#include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/target.hpp"
 #include "gridlock/io/settings_file.hpp"

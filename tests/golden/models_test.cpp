@@ -4,54 +4,49 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
-#include <set>
 #include <string>
+#include <type_traits>
 
+#include "golden/model_scenes.hpp"
 #include "golden/table.hpp"
 #include "models/catalyst.hpp"
 #include "models/colloid.hpp"
-#include "models/epidemic.hpp"
-#include "models/flocking.hpp"
+#include "thread_ranks.hpp"
 
 namespace gridlock {
 namespace {
 
-constexpr std::uint64_t seed = 20;
+using golden::hashes_of;
+using golden::periodic;
+using golden::walls;
 
-template <class Model>
-Hashes run(Model const& model, Box const& box, std::uint64_t steps, std::uint64_t threads) {
-  World<Model> world{.box = box, .seed = seed};
-  model.start(world);
-  std::string const start = fmt::format("{:016x}", hash(world));
-  ModelEngine<Model>(model, box, {.threads = threads}).advance(world, {.step = steps});
-  for (std::uint64_t const count : world.events) EXPECT_GT(count, 0U) << "a scene in which nothing happens";
-  return {start, fmt::format("{:016x}", hash(world))};
-}
+constexpr std::uint64_t seed = golden::seed_of_models;
 
 template <class Model>
 void expect_golden(std::string const& scene, Model const& model, Box const& box, std::uint64_t steps) {
-  Hashes const now = run(model, box, steps, 1);
+  Hashes const now = hashes_of(model, box, steps, {.threads = 1});
   for (std::uint64_t const threads : {2, 3, 8}) {
-    EXPECT_EQ(run(model, box, steps, threads).end, now.end) << threads << " threads";
+    EXPECT_EQ(hashes_of(model, box, steps, {.threads = threads}).end, now.end) << threads << " threads";
   }
   HashTable("models.csv").expect({scene, std::string(Model::name)}, now);
 }
 
-Box const walls(1.0, 1.0, Edge::wall);
-Box const periodic(1.0, 1.0, Edge::periodic);
-Box const rectangle(12.0, 9.0, Edge::periodic);
-
-TEST(GoldenModels, Vicsek) { expect_golden("vicsek", Flocking{.count = 600}, rectangle, 100); }
-
-TEST(GoldenModels, Boids) {
-  expect_golden("boids", Flocking{.count = 300, .rule = FlockingRule::boids, .radius = 5.0, .speed = 1.0},
-                Box(100.0, 100.0, Edge::periodic), 100);
+TEST(GoldenModels, ThoseWhoseAgentsTakeTheirTurnsAllAtOnce) {
+  golden::for_each_synchronous_scene([](std::string const& scene, auto const& model, Box const& box,
+                                        std::uint64_t steps) { expect_golden(scene, model, box, steps); });
 }
 
-TEST(GoldenModels, EpidemicWithBirthsAndDeaths) {
-  Epidemic const model{.count = 900, .infected_at_start = 0.1, .radius = 0.05, .speed = 0.3, .turnover_rate = 0.5};
-  expect_golden("walls", model, walls, 100);
-  expect_golden("periodic", model, periodic, 100);
+TEST(GoldenModels, ThoseOnRanksHaveTheSameBits) {
+  for (std::size_t const ranks : {2U, 3U, 6U}) {
+    golden::for_each_synchronous_scene(
+        [&](std::string const& scene, auto const& model, Box const& box, std::uint64_t steps) {
+          SCOPED_TRACE(scene + ", " + std::to_string(ranks) + " ranks");
+          Hashes on_ranks;
+          test::ThreadRanks(ranks).run(
+              [&](Ranks& leader) { on_ranks = hashes_of(model, box, steps, {.threads = 1, .ranks = &leader}); });
+          HashTable("models.csv").expect({scene, std::string(std::remove_cvref_t<decltype(model)>::name)}, on_ranks);
+        });
+  }
 }
 
 TEST(GoldenModels, CatalystWithEveryEvent) {

@@ -10,13 +10,9 @@
 #include <string>
 #include <utility>
 
-namespace gridlock {
+#include "golden/hashes.hpp"
 
-/// The hashes of a scene before the first and after the last step.
-struct Hashes {
-  std::string start;
-  std::string end;
-};
+namespace gridlock {
 
 /// A committed table: scene and engine → hashes. With GRIDLOCK_WRITE_GOLDEN set it takes what it is asked to compare.
 class HashTable {

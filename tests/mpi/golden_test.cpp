@@ -1,7 +1,7 @@
 // The bits of the golden scenes on the ranks of MPI: those of the table that one process has.
 #include <gtest/gtest.h>
 
-#include <map>
+#include <cstddef>
 #include <sstream>
 #include <string>
 
@@ -15,19 +15,23 @@ using namespace gridlock::test;
 
 TEST(MpiGolden, HasTheBitsOfTheTableOnAnyNumberOfRanksAndThreads) {
   Workplace const workplace;
-  gridlock::HashTable table("hashes.csv");
+  gridlock::HashTable disks("hashes.csv");
+  gridlock::HashTable models("models.csv");
   for (int const ranks : {1, 2, 3, 4, 6, 8, 9}) {
     for (char const* const threads : {"1", "2"}) {
       Outcome const outcome = mpirun(workplace, {"-n", std::to_string(ranks), GRIDLOCK_MPI_GOLDEN, threads}).wait();
       expect_good(outcome);
       std::istringstream lines(outcome.out);
-      std::map<std::string, std::string> hashes;
-      for (std::string name, hash; lines >> name >> hash;) hashes[name] = hash;
-      for (gridlock::golden::Scene const& scene : gridlock::golden::scenes()) {
-        SCOPED_TRACE(scene.name + ", " + std::to_string(ranks) + " ranks, " + threads + " threads");
-        std::string const start = gridlock::golden::hash_text(gridlock::golden::start_of(scene));
-        table.expect({scene.name, "tiled"}, {start, hashes[scene.name]});
+      std::size_t scenes_of_models = 0;
+      std::size_t scenes_of_disks = 0;
+      for (std::string scene, engine, start, end; lines >> scene >> engine >> start >> end;) {
+        SCOPED_TRACE(scene + ", " + std::to_string(ranks) + " ranks, " + threads + " threads");
+        bool const is_of_disks = engine == "tiled";
+        ++(is_of_disks ? scenes_of_disks : scenes_of_models);
+        (is_of_disks ? disks : models).expect({scene, engine}, {start, end});
       }
+      EXPECT_EQ(scenes_of_disks, gridlock::golden::scenes().size());
+      EXPECT_EQ(scenes_of_models, 4U);
     }
   }
 }

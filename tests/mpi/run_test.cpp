@@ -20,6 +20,13 @@ std::string run_toml(std::string const& steps = "300", std::string const& more =
          "\nseed = 4\n[observe]\nevery = 20\nstructure_every = 2\n[trajectory]\nevery = 100\n" + more;
 }
 
+/// Births and deaths in every step.
+std::string model_toml(std::string const& steps = "300", std::string const& more = "") {
+  return "[model]\nkind = \"epidemic\"\n[epidemic]\ncount = 3000\nradius = 0.03\nturnover_rate = 0.5\n"
+         "infected_at_start = 0.1\n[run]\nsteps = " +
+         steps + "\nseed = 4\n[observe]\nevery = 20\n[trajectory]\nevery = 100\n" + more;
+}
+
 std::vector<std::string> run_into(std::string const& directory) { return {"run", "r.toml", "-q", "-o", directory}; }
 
 std::string state_hash_of(fs::path const& directory) {
@@ -36,6 +43,8 @@ class MpiRun : public ::testing::Test {
     ASSERT_NE(state_hash_of(workplace_ / one), "");
     EXPECT_EQ(state_hash_of(workplace_ / one), state_hash_of(workplace_ / other));
     for (char const* file : {"series.csv", "final.xyz", "speed_distribution.csv"}) {
+      // Models have no distribution of speeds.
+      if (std::string(file) == "speed_distribution.csv" && !fs::exists(workplace_ / one / file)) continue;
       ASSERT_NE(text_of(workplace_ / (one + "/" + file)), "") << file;
       EXPECT_EQ(text_of(workplace_ / (one + "/" + file)), text_of(workplace_ / (other + "/" + file))) << file;
     }
@@ -64,6 +73,31 @@ TEST_F(MpiRun, HasTheFilesOfOneProcessOnAnyNumberOfRanks) {
   expect_same_results("alone", "threads");
 }
 
+TEST_F(MpiRun, HasTheFilesOfOneProcessForModelsToo) {
+  write(workplace_ / "r.toml", model_toml());
+  expect_good(in(workplace_, run_into("alone")));
+  for (int const ranks : {1, 2, 3, 8}) {
+    std::string const directory = "ranks" + std::to_string(ranks);
+    expect_good(on_ranks(workplace_, ranks, run_into(directory)));
+    expect_same_results("alone", directory);
+  }
+  expect_good(on_ranks(workplace_, 2, run_into("threads") + std::vector<std::string>{"-j", "2"}));
+  expect_same_results("alone", "threads");
+}
+
+TEST_F(MpiRun, StopsAModelAndContinuesItOnAnotherNumberOfRanks) {
+  write(workplace_ / "r.toml", model_toml("3000", "[checkpoint]\nevery_seconds = 0.05\n"));
+  expect_good(in(workplace_, run_into("alone")));
+  RanksAtWork const asked = start_and_wait_for_checkpoint(workplace_, 3, run_into("out"));
+  asked.process.signal(SIGUSR1);
+  expect_stopped_by(SIGUSR1, asked.process.wait());
+  RanksAtWork const killed = start_and_wait_for_checkpoint(workplace_, 2, {"resume", "out"});
+  killed.signal(1, SIGKILL, 20ms);
+  EXPECT_NE(killed.process.wait().exit_code, 0);
+  expect_good(on_ranks(workplace_, 4, {"resume", "out", "-q"}));
+  expect_same_results("alone", "out");
+}
+
 TEST_F(MpiRun, SaysOnceHowItEndedAndWhatEachRankSent) {
   write(workplace_ / "r.toml", run_toml());
   Outcome const outcome = on_ranks(workplace_, 3, {"run", "r.toml", "-o", "out"});
@@ -81,13 +115,15 @@ TEST_F(MpiRun, RefusesWhatCannotBeUsedAndSaysItOnce) {
   write(workplace_ / "r.toml", run_toml());
   write(workplace_ / "wrong.toml", "[engine]\nkin = \"tiled\"\n");
   write(workplace_ / "exact.toml", "[disks]\ncount = 100\npacking_fraction = 0.3\n[engine]\nkind = \"exact\"\n");
-  write(workplace_ / "model.toml", "[model]\nkind = \"flocking\"\n");
+  write(workplace_ / "model.toml", "[model]\nkind = \"catalyst\"\n");
+  write(workplace_ / "verified.toml", "[model]\nkind = \"flocking\"\nverify_every = 5\n");
   expect_good(in(workplace_, run_into("taken")));
   expect_refused(workplace_,
                  {{{"run", "wrong.toml", "-o", "out"}, "did you mean kind?"},
                   {{"run", "nothing.toml", "-o", "out"}, "nothing.toml"},
                   {{"run", "exact.toml", "-o", "out"}, "the engine \"exact\" cannot be shared by 3 ranks"},
-                  {{"run", "model.toml", "-o", "out"}, "the model \"flocking\" cannot be shared by 3 ranks"},
+                  {{"run", "model.toml", "-o", "out"}, "the model \"catalyst\" cannot be shared by 3 ranks"},
+                  {{"run", "verified.toml", "-o", "out"}, "a run with model.verify_every"},
                   {{"run", "r.toml", "-o", "taken"}, "taken holds results already"},
                   {{"run", "r.toml", "--shard", "2"}, "no option --shard"},
                   {{"resume", "out"}, "out holds no run"},

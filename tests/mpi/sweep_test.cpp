@@ -68,6 +68,15 @@ TEST_F(MpiSweep, HasTheTablesOfOneProcessWhereRanksShareRuns) {
   }
 }
 
+TEST_F(MpiSweep, HasTheTablesOfOneProcessWhereRanksShareRunsOfModels) {
+  write(workplace_ / "s.toml",
+        "[model]\nkind = \"epidemic\"\n[epidemic]\ncount = 500\nradius = 0.05\nturnover_rate = 0.3\n"
+        "[run]\nsteps = 200\n[observe]\nevery = 50\n[sweep]\nepidemic.infection_rate = [1.0, 3.0]\n");
+  expect_good(in(workplace_, sweep_into("alone")));
+  expect_good(on_ranks(workplace_, 4, in_groups_of(2)));
+  expect_same_tables("alone", "out");
+}
+
 TEST_F(MpiSweep, WhereRanksShareRunsAnyRankMayBeAskedToStop) {
   write(workplace_ / "s.toml", shared_toml("100000"));
   in(workplace_, sweep_into("alone"));

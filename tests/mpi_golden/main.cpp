@@ -1,4 +1,5 @@
-// The golden scenes by `tiled` on the ranks of MPI: prints the name of each and the hash it ends with.
+// The golden scenes by `tiled` and of synchronous models on the ranks of MPI: prints name, engine or model, and the hashes that each begins
+// and ends with.
 //
 //     mpirun -n 4 gridlock_mpi_golden THREADS
 #include <fmt/format.h>
@@ -6,10 +7,12 @@
 
 #include <cstdlib>
 #include <string>
+#include <type_traits>
 
-#include "engine/tiled/on_ranks.hpp"
+#include "golden/model_scenes.hpp"
 #include "golden/scenes.hpp"
 #include "gridlock-mpi/mpi_ranks.hpp"
+#include "simulation/help.hpp"
 
 int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);
@@ -19,19 +22,26 @@ int main(int argc, char** argv) {
                                    .ask_to_stop = [] {},
                                    .complain = [](std::string const& why) { fmt::print(stderr, "{}\n", why); }});
     if (ranks.rank() > 0) {
-      gridlock::tiled::help(ranks);
+      gridlock::help(ranks);
     } else {
       for (gridlock::golden::Scene const& scene : gridlock::golden::scenes()) {
         gridlock::State state = gridlock::golden::start_of(scene);
+        std::string const start = gridlock::golden::hash_text(state);
         gridlock::EngineSettings settings = scene.engine;
         settings.kind = "tiled";
         settings.threads = std::stoul(argv[1]);
         settings.ranks = &ranks;
         gridlock::Counters counters;
         gridlock::make_engine(settings, state)->advance(state, counters, {.time = scene.time});
-        fmt::print("{} {}\n", scene.name, gridlock::golden::hash_text(state));
+        fmt::print("{} tiled {} {}\n", scene.name, start, gridlock::golden::hash_text(state));
       }
-      gridlock::tiled::release_helpers(ranks);
+      gridlock::golden::for_each_synchronous_scene(
+          [&](std::string const& scene, auto const& model, gridlock::Box const& box, std::uint64_t steps) {
+            auto const [start, end] =
+                gridlock::golden::hashes_of(model, box, steps, {.threads = std::stoul(argv[1]), .ranks = &ranks});
+            fmt::print("{} {} {} {}\n", scene, std::remove_cvref_t<decltype(model)>::name, start, end);
+          });
+      gridlock::release_helpers(ranks);
     }
   }
   MPI_Finalize();

@@ -97,10 +97,10 @@ RC_GTEST_PROP(CellOrder, IsThatOfTheCellsAndInACellThatOfTheIdsHoweverManyShareO
     // Stored or not, every cell knows where its rows begin, and those with rows are visited once, in their order.
     for (int cell = 0; cell <= used.count(); ++cell) {
       auto const first = std::ranges::lower_bound(expected, cell, {}, cell_of) - expected.begin();
-      RC_ASSERT(order.first_of(static_cast<std::size_t>(cell)) == static_cast<std::size_t>(first));
+      RC_ASSERT(order.first_of(cell % used.columns(), cell / used.columns()) == static_cast<std::size_t>(first));
     }
     std::size_t next = 0;
-    order.for_each_cell(used, 0, used.rows(), [&](int column, int row, std::size_t first, std::size_t end) {
+    order.for_each_cell(0, order.cell_rows(), [&](int column, int row, std::size_t first, std::size_t end) {
       RC_ASSERT(first == next && end > first);
       for (; next < end; ++next) RC_ASSERT(cell_of(expected[next]) == row * used.columns() + column);
     });

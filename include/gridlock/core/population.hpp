@@ -166,6 +166,16 @@ class Population {
     }
   }
 
+  /// Becomes agents with these Ids and values, and leaves its own there. No Id is found: for a part of a population, of which
+  /// another one knows the names. Contract: one value in each column for each Id (asserted).
+  void become(LargeArray<Id>& ids, AllValues& rows) {
+    assert(rows.size() == ids.size());
+    slots_.clear();
+    free_slots_.clear();
+    std::swap(ids_, ids);
+    std::swap(rows_, rows);
+  }
+
   /// Serializes agents, the order of their rows, and the names that are used up, so that the agents born afterwards get the
   /// same Ids. Errors: Error where what is restored is no population.
   void serialize(Archive& archive) {

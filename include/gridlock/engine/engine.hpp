@@ -118,7 +118,7 @@ enum class CollisionRule { always, approaching };
 /// into cache lines. Both give the same bits.
 enum class GridKind { linked, packed };
 
-/// Processes that share a run, of which this one leads; see src/engine/ranks.hpp.
+/// Processes that share a run, of which this one leads; see core/detail/ranks.hpp.
 class Ranks;
 
 /// The settings `[engine]`.

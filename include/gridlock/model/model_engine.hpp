@@ -20,8 +20,6 @@
 /// ```
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -35,11 +33,11 @@
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
-#include "gridlock/grid/detail/cell_order.hpp"
-#include "gridlock/grid/detail/row_block.hpp"
 #include "gridlock/grid/detail/tiling.hpp"
 #include "gridlock/grid/detail/update_order.hpp"
+#include "gridlock/model/detail/agents_in_cell_order.hpp"
 #include "gridlock/model/detail/checks.hpp"
+#include "gridlock/model/detail/on_ranks.hpp"
 #include "gridlock/model/mutable_world.hpp"
 #include "gridlock/model/turn.hpp"
 
@@ -49,6 +47,7 @@ namespace gridlock {
 struct ModelEngineSettings {
   std::uint64_t threads = 1;       ///< of a synchronous or tiled model; 0: all cores
   std::uint64_t verify_every = 0;  ///< steps between two in which searches are compared with brute force; 0: never
+  Ranks* ranks = nullptr;          ///< that share the steps with this process, see can_be_shared()
 };
 
 /// Throws Error where agents cannot search that far in the box.
@@ -89,7 +88,10 @@ template <class Model>
 class ModelEngine final : public EngineFor<Model> {
  public:
   ModelEngine(Model model, Box const& box, ModelEngineSettings const& settings)
-      : model_(std::move(model)), settings_(settings), thread_pool_(settings.threads) {
+      : model_(std::move(model)),
+        settings_(settings),
+        thread_pool_(settings.ranks != nullptr ? 1 : settings.threads),
+        order_(thread_pool_) {
     if constexpr (requires { model_.cutoff(); }) require_cutoff_fits(box, model_.cutoff(), Model::name);
   }
 
@@ -103,6 +105,13 @@ class ModelEngine final : public EngineFor<Model> {
   /// Errors: RunFailure where a verified search differs from brute force, where an agent is outside the box, looks
   /// farther than the model says or counts what is not declared, or what the model throws.
   void advance(World<Model>& world, Counters& counters, StopCondition const& stop_condition) override {
+    if constexpr (can_be_shared<Model>()) {
+      if (settings_.ranks != nullptr) {
+        require_inside(world);
+        advance_on_ranks(*settings_.ranks, model_, settings_.threads, world, stop_condition);
+        return;
+      }
+    }
     // Between two calls the world may have become another one.
     bool knows_world = false;
     while (!stop_condition.is_reached(world.clock, counters.pair_collisions)) {
@@ -151,8 +160,6 @@ class ModelEngine final : public EngineFor<Model> {
   }
 
  private:
-  using AllValues = typename World<Model>::Agents::AllValues;
-
   [[nodiscard]] bool is_verified(World<Model> const& world) const {
     return settings_.verify_every > 0 && world.clock.step % settings_.verify_every == 0;
   }
@@ -163,15 +170,13 @@ class ModelEngine final : public EngineFor<Model> {
     if (!knows_world) require_inside(world);
     cutoff_ = cutoff_of(model_, world);
     time_step_ = gridlock::time_step_of(model_, world);
-    if (!(cutoff_ > 0.0 && time_step_ > 0.0 && std::isfinite(cutoff_) && std::isfinite(time_step_))) {
-      throw_bad_step(world.clock.step, cutoff_, time_step_);
-    }
+    require_good_step(world.clock.step, cutoff_, time_step_);
     [[maybe_unused]] CellLayout const before = layout_;
     find_layout(world);
     if constexpr (Model::schedule == Schedule::synchronous) {
-      put_in_cell_order(world);
+      layout_ = order_.sort(world.agents, layout_, finer_layout_);
     } else if constexpr (Model::schedule == Schedule::tiled) {
-      put_in_cell_order(world);
+      order_.sort(world.agents, layout_);
       grid_ = PackedGrid(layout_, world.agents.template column<X>(), world.agents.template column<Y>());
       if (rounds_.empty() || layout_ != before) {
         tiling_ = Tiling(layout_);
@@ -195,73 +200,25 @@ class ModelEngine final : public EngineFor<Model> {
     if constexpr (requires { model_.cells(world); }) {
       layout_ = model_.cells(world);
     } else {
-      // A power of two, so that the cells change seldom while agents come and go.
-      std::size_t const agents = std::bit_ceil(std::max<std::size_t>(16, world.agents.size()));
-      layout_ = layout_for_cutoff(world.box, cutoff_, agents);
+      CellsOfStep const cells = cells_of_step(world.box, cutoff_, world.agents.size());
+      layout_ = cells.layout;
       // The order of the turns of other schedules follows from the cells.
-      if constexpr (Model::schedule == Schedule::synchronous) {
-        finer_layout_ = layout_for_crowd(world.box, cutoff_, agents, layout_);
-      }
+      if constexpr (Model::schedule == Schedule::synchronous) finer_layout_ = cells.finer;
     }
   }
 
-  void put_in_cell_order(World<Model>& world) {
-    auto& agents = world.agents;
-    layout_ = order_.sort(layout_, agents.template column<X>(), agents.template column<Y>(), agents.ids(), thread_pool_,
-                          finer_layout_);
-    std::size_t const count = agents.size();
-    scratch_.resize(count);
-    scratch_ids_.resize(count);
-    values_.resize(count);
-    // The present values go through a scratch set of columns, since nothing can be read and replaced at the same time.
-    agents.exchange(values_);
-    for_each_range_of_rows(count, [&](std::size_t first, std::size_t end) {
-      for (std::size_t row = first; row < end; ++row) {
-        std::size_t const from = order_.rows()[row];
-        scratch_.copy(row, values_, from);
-        scratch_ids_[row] = agents.ids()[from];
-      }
-    });
-    agents.reorder(scratch_ids_, scratch_);
-    for_each_range_of_rows(count, [&](std::size_t first, std::size_t end) { agents.find_again(first, end); });
-  }
-
-  template <class Take>
-  void for_each_range_of_rows(std::size_t rows, Take take) {
-    std::size_t const parts = thread_pool_.size() == 1 ? 1 : 4 * thread_pool_.size();
-    thread_pool_.for_each(parts, [&](std::size_t part) { take(part * rows / parts, (part + 1) * rows / parts); });
-  }
-
   void step_synchronously(World<Model>& world) {
-    values_.resize(world.agents.size());
-    // Bands of whole rows of cells; how many there are changes nothing, since all commands are sorted afterwards.
-    auto const cell_rows = static_cast<std::size_t>(layout_.rows());
-    std::size_t const bands = thread_pool_.size() == 1 ? 1 : std::min(cell_rows, 16 * thread_pool_.size());
-    commands_.resize(bands);
-    thread_pool_.for_each(bands, [&](std::size_t band) {
-      take_turns_of_rows(world, commands_[band], static_cast<int>(band * cell_rows / bands),
-                         static_cast<int>((band + 1) * cell_rows / bands));
-    });
-    world.agents.exchange(values_);
+    order_.begin_turns(world.agents.size());
+    commands_.resize(order_.bands());
+    order_.for_each_turn([&](std::size_t band) { return neighbourhood(world, commands_[band]); },
+                         [&](Neighbourhood<Model>& around, std::size_t row, std::size_t /*band*/) {
+                           order_.copy_present(world.agents, row);
+                           Turn<Model> turn(around, row);
+                           model_.turn(turn);
+                         });
+    world.agents.exchange(order_.next());
     apply_commands<Model>(world, commands_);
   }
-
-  void take_turns_of_rows(World<Model>& world, DeferredCommands<Model>& commands, int first_row, int end_row) {
-    Neighbourhood<Model> around = neighbourhood(world, commands);
-    RowBlocks const blocks(layout_, [&](std::size_t number) { return order_.first_of(number); });
-    // The present values stay readable through the population; what comes after the step is written to values_.
-    order_.for_each_cell(layout_, first_row, end_row,
-                         [&](int column, int cell_row, std::size_t first, std::size_t end) {
-                           around.block = blocks.around(column, cell_row);
-                           for (std::size_t row = first; row < end; ++row) {
-                             copy_present(world, row);
-                             Turn<Model> turn(around, row);
-                             model_.turn(turn);
-                           }
-                         });
-  }
-
-  void copy_present(World<Model> const& world, std::size_t row) { values_.copy(row, world.agents.values(), row); }
 
   /// What the turns of one thread share.
   Neighbourhood<Model> neighbourhood(World<Model>& world, DeferredCommands<Model>& commands,
@@ -269,11 +226,12 @@ class ModelEngine final : public EngineFor<Model> {
     constexpr bool is_synchronous = Model::schedule == Schedule::synchronous;
     return {.world = world,
             .commands = commands,
-            .next = is_synchronous ? &values_ : nullptr,
+            .next = is_synchronous ? &order_.next() : nullptr,
             .grid = is_synchronous ? nullptr : &grid_,
             .counters = counters,
             .cutoff = cutoff_,
             .time_step = time_step_,
+            .population = world.agents.size(),
             .is_verified = is_verified(world)};
   }
 
@@ -366,11 +324,8 @@ class ModelEngine final : public EngineFor<Model> {
   double time_step_ = 0.0;
   CellLayout layout_;
   std::optional<CellLayout> finer_layout_;  ///< synchronous: where agents crowd
-  CellOrder order_;
+  AgentsInCellOrder<Model> order_;
   PackedGrid grid_;
-  AllValues values_;
-  AllValues scratch_;
-  LargeArray<Id> scratch_ids_;
   std::vector<DeferredCommands<Model>> commands_;
   Tiling tiling_;
   std::vector<Tiling::Round> rounds_;             ///< tiled: for the thread pool

@@ -95,6 +95,7 @@ struct Neighbourhood {
   Counters* counters = nullptr;                              ///< sequential, tiled: of these turns
   double cutoff = 0.0;                                       ///< the model's
   double time_step = 0.0;                                    ///< the model's
+  std::size_t population = 0;                                ///< all agents there are
   bool is_verified = false;                                  ///< whether searches are compared with a look at everybody
 
   /// Synchronous: the rows that stand in the block of cells around the agent, and whether it touches an edge.
@@ -127,7 +128,7 @@ class Turn {
   [[nodiscard]] double cutoff() const { return around_.cutoff; }
   [[nodiscard]] double time_step() const { return around_.time_step; }
   /// How many agents there were when the step began.
-  [[nodiscard]] std::size_t population() const { return world().agents.size(); }
+  [[nodiscard]] std::size_t population() const { return around_.population; }
   [[nodiscard]] Vector position() const { return {get<X>(), get<Y>()}; }
 
   template <class Column>

@@ -23,6 +23,7 @@
 #include <functional>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -64,6 +65,7 @@ class AgentsKind : public ModelKind {
   [[nodiscard]] std::string unused_because_of(Configuration const& configuration, std::string_view key) const override;
   [[nodiscard]] std::vector<MemoryDemand> memory(Configuration const& configuration) const override;
   [[nodiscard]] double expected_bytes(Configuration const& configuration, std::size_t agents) const override;
+  [[nodiscard]] std::optional<Problem> not_shared_by_ranks(Configuration const& configuration) const override;
   void build(Setup& setup, SetupOptions const& options) const override;
 
  protected:
@@ -72,6 +74,7 @@ class AgentsKind : public ModelKind {
 
   /// Of the model itself.
   virtual void describe_model(SettingVisitor& visitor) = 0;
+  [[nodiscard]] virtual bool can_be_shared_by_ranks() const { return false; }
   /// How many agents the model starts with, where it says so before, and the bytes that each of them takes at least.
   [[nodiscard]] virtual std::uint64_t agents_at_start() const = 0;
   [[nodiscard]] virtual std::size_t bytes_per_agent() const = 0;
@@ -103,6 +106,13 @@ class ModelKindOf final : public AgentsKind {
   [[nodiscard]] bool uses_threads(Configuration const& /*configuration*/) const override {
     return Model::schedule == Schedule::synchronous || Model::schedule == Schedule::tiled;
   }
+  void take_part(Ranks& ranks, MessageReader& message) const override {
+    if constexpr (can_be_shared<Model>()) {
+      gridlock::take_part(ranks, model_, message);
+    } else {
+      AgentsKind::take_part(ranks, message);
+    }
+  }
   void check(Configuration const& configuration) const override {
     Box const box = make_box(configuration.box);
     blame_table(Model::name, [&] {
@@ -115,6 +125,7 @@ class ModelKindOf final : public AgentsKind {
   void describe_model(SettingVisitor& visitor) override {
     if constexpr (requires { model_.describe(visitor); }) model_.describe(visitor);
   }
+  [[nodiscard]] bool can_be_shared_by_ranks() const override { return can_be_shared<Model>(); }
   [[nodiscard]] std::uint64_t agents_at_start() const override {
     if constexpr (requires { model_.agents_at_start(); }) {
       return model_.agents_at_start();

@@ -13,9 +13,6 @@ namespace gridlock::tiled {
 
 namespace {
 
-/// What the leader asks all ranks to do.
-enum class Command : std::uint64_t { advance, leave };
-
 /// What a rank must know of a run besides its disks.
 struct Order {
   double width, height;
@@ -41,20 +38,6 @@ struct Order {
 constexpr std::size_t disks_of_message = 1 << 15;
 /// Numbers that the leader keeps before it adds them up.
 constexpr std::size_t most_sums = std::size_t{1} << 22;
-/// How long the leader lets all go on before it looks up.
-constexpr double seconds_between_looks = 0.02;
-
-void send_to_others(Ranks& ranks, Ranks::Bytes const& message) {
-  for (std::size_t rank = 1; rank < ranks.count(); ++rank) ranks.send(rank, message);
-}
-
-template <class Value>
-Ranks::Bytes message_of(Value const& value) {
-  MessageWriter message;
-  message.add(value);
-  return message.take();
-}
-
 /// What another rank says of some steps, before its sums.
 struct AnswerHead {
   std::uint64_t is_stop_asked;
@@ -139,10 +122,10 @@ class Leading {
 
   /// All ranks are back from their steps when it returns, whatever the stop condition has thrown.
   void run(StopCondition const& stop_condition) {
-    std::uint64_t steps = 1;
+    StepsBetweenLooks looks(ranks_);
     while (!is_reached(stop_condition)) {
-      double const begin = ranks_.seconds();
-      std::uint64_t const done = take_steps(steps_until(stop_condition, steps));
+      looks.begin();
+      std::uint64_t const done = take_steps(steps_until(stop_condition, looks.steps()));
       if (share_->jump()) break;
       try {
         if (stop_condition.stops_here()) break;
@@ -150,9 +133,7 @@ class Leading {
         failure_ = std::current_exception();
         break;
       }
-      double const seconds = ranks_.seconds() - begin;
-      double const fitting = seconds_between_looks * static_cast<double>(done) / (seconds + 1e-9);
-      steps = static_cast<std::uint64_t>(std::clamp(fitting, 1.0, 100.0));
+      looks.end(done);
     }
     send_to_others(ranks_, message_of(std::uint64_t{0}));
     gather_disks();
@@ -176,7 +157,7 @@ class Leading {
     for (std::size_t i = 0; i < disks.size(); ++i) ++disks_of_tile[finder.tile_of(position(disks, i))];
     std::vector<Tiling::Rectangle> const division = divide(tiling_, disks_of_tile, ranks_.count());
     MessageWriter message;
-    message.add(Command::advance);
+    message.add(TaskOfRanks::steps_of_disks);
     message.add(order_);
     message.add_all(std::span<Tiling::Rectangle const>(division));
     send_to_others(ranks_, message.take());
@@ -305,7 +286,26 @@ class Leading {
   std::vector<std::size_t> tiles_of_rank_;
 };
 
-/// The side of every other rank.
+}  // namespace
+
+void advance_on_ranks(Ranks& ranks, TurnRule const& rule, CellLayout const& layout, std::uint64_t threads, State& state,
+                      Counters& counters, StopCondition const& stop_condition) {
+  if (stop_condition.is_reached(state.clock, counters.pair_collisions)) return;
+  Order const order{.width = rule.box.width(),
+                    .height = rule.box.height(),
+                    .is_periodic = rule.box.is_periodic() ? std::uint64_t{1} : 0,
+                    .duration = rule.duration,
+                    .substeps = rule.substeps,
+                    .contact = static_cast<std::uint64_t>(rule.contact),
+                    .radii = rule.radii,
+                    .columns = static_cast<std::uint64_t>(layout.columns()),
+                    .rows = static_cast<std::uint64_t>(layout.rows()),
+                    .threads = threads};
+  std::optional<Leading> leading;
+  do_or_abandon(ranks, [&] { leading.emplace(ranks, order, state, counters).run(stop_condition); });
+  leading->require_good_end();
+}
+
 void take_part(Ranks& ranks, MessageReader& message) {
   auto const order = message.next<Order>();
   std::vector<Tiling::Rectangle> const division = message.rest<Tiling::Rectangle>();
@@ -330,50 +330,5 @@ void take_part(Ranks& ranks, MessageReader& message) {
   sender.end();
   ranks.send(0, message_of(ranks.traffic()));
 }
-
-/// Others wait for a rank that fails here: they end with it.
-template <class Work>
-void do_or_abandon(Ranks& ranks, Work work) {
-  try {
-    work();
-  } catch (std::bad_alloc const&) {
-    ranks.abandon("not enough memory");
-  } catch (std::exception const& error) {
-    ranks.abandon(error.what());
-  }
-}
-
-}  // namespace
-
-void advance_on_ranks(Ranks& ranks, TurnRule const& rule, CellLayout const& layout, std::uint64_t threads, State& state,
-                      Counters& counters, StopCondition const& stop_condition) {
-  if (stop_condition.is_reached(state.clock, counters.pair_collisions)) return;
-  Order const order{.width = rule.box.width(),
-                    .height = rule.box.height(),
-                    .is_periodic = rule.box.is_periodic() ? std::uint64_t{1} : 0,
-                    .duration = rule.duration,
-                    .substeps = rule.substeps,
-                    .contact = static_cast<std::uint64_t>(rule.contact),
-                    .radii = rule.radii,
-                    .columns = static_cast<std::uint64_t>(layout.columns()),
-                    .rows = static_cast<std::uint64_t>(layout.rows()),
-                    .threads = threads};
-  std::optional<Leading> leading;
-  do_or_abandon(ranks, [&] { leading.emplace(ranks, order, state, counters).run(stop_condition); });
-  leading->require_good_end();
-}
-
-void help(Ranks& ranks) {
-  do_or_abandon(ranks, [&] {
-    while (true) {
-      Ranks::Bytes const bytes = ranks.receive(0);
-      MessageReader message(bytes);
-      if (message.next<Command>() == Command::leave) return;
-      take_part(ranks, message);
-    }
-  });
-}
-
-void release_helpers(Ranks& ranks) { send_to_others(ranks, message_of(Command::leave)); }
 
 }  // namespace gridlock::tiled

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/ranks.hpp"
 #include "engine/tiled/share.hpp"
+#include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/engine/engine.hpp"
 
 namespace gridlock::tiled {
@@ -12,10 +12,7 @@ namespace gridlock::tiled {
 void advance_on_ranks(Ranks& ranks, TurnRule const& rule, CellLayout const& layout, std::uint64_t threads, State& state,
                       Counters& counters, StopCondition const& stop_condition);
 
-/// What every other rank does: takes part in each advance_on_ranks() of the leader until the leader releases it.
-void help(Ranks& ranks);
-
-/// The leader lets all others return from help().
-void release_helpers(Ranks& ranks);
+/// The part of every other rank in it, after TaskOfRanks::steps_of_disks.
+void take_part(Ranks& ranks, MessageReader& message);
 
 }  // namespace gridlock::tiled

@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "engine/ranks.hpp"
 #include "engine/tiled/division.hpp"
 #include "engine/tiled/late_turns.hpp"
 #include "engine/tiled/steps.hpp"
+#include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 
 namespace gridlock::tiled {

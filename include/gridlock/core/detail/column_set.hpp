@@ -21,6 +21,20 @@ class ColumnSet {
     ((values<Columns>()[to] = other.template values<Columns>()[from]), ...);
   }
 
+  /// Calls visit(values) for each column.
+  template <class Visit>
+  void for_each_column(Visit visit) {
+    (visit(values<Columns>()), ...);
+  }
+  template <class Visit>
+  void for_each_column(Visit visit) const {
+    (visit(values<Columns>()), ...);
+  }
+  /// Row `to` becomes these values, one for each column.
+  void put(std::size_t to, std::tuple<typename Columns::type...> const& row) {
+    std::apply([&](auto... value) { ((values<Columns>()[to] = value), ...); }, row);
+  }
+
   template <class Column>
   [[nodiscard]] LargeArray<typename Column::type>& values() {
     static_assert(has<Column>, "these agents have no such column: name it in Population<...>");

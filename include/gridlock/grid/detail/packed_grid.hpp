@@ -15,17 +15,10 @@
 #include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/detail/look_ahead.hpp"
 #include "gridlock/grid/cell_layout.hpp"
+#include "gridlock/grid/detail/cell_window.hpp"
 #include "gridlock/grid/detail/float4.hpp"
 
 namespace gridlock {
-
-/// A rectangle of cells. Around a periodic box it may begin below 0 or end beyond the last column or row.
-struct CellWindow {
-  int first_column = 0, end_column = 0;
-  int first_row = 0, end_row = 0;
-
-  friend bool operator==(CellWindow const&, CellWindow const&) = default;
-};
 
 /// The same cells as LinkedGrid, laid out for vector instructions: the agents of a cell are side by side in one
 /// cache line, with their positions inside the cell, so that four distances cost one instruction each and most

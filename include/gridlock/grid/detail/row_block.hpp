@@ -20,8 +20,8 @@ struct RowBlock {
   [[nodiscard]] std::span<RowRange const> ranges() const { return std::span(rows).first(count); }
 };
 
-/// Collects the blocks around the cells of a layout; `first_of(cell)` is the first row of a cell, and first_of(cell + 1) the
-/// end of its rows.
+/// Collects the blocks around the cells of a layout; `first_of(column, row)` is the first row of a cell, and
+/// first_of(column + 1, row) the end of its rows.
 template <class FirstOf>
 class RowBlocks {
  public:
@@ -72,9 +72,7 @@ class RowBlocks {
 
   /// Columns first … end − 1 of a row of cells.
   void add(RowBlock& block, int row, int first, int end) const {
-    auto const base = static_cast<std::size_t>(row) * static_cast<std::size_t>(layout_.columns());
-    RowRange const range{first_of_(base + static_cast<std::size_t>(first)),
-                         first_of_(base + static_cast<std::size_t>(end))};
+    RowRange const range{first_of_(first, row), first_of_(end, row)};
     block.rows[block.count++] = range;
     block.candidates += range.end - range.first;
   }

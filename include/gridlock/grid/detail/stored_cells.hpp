@@ -11,8 +11,8 @@
 
 namespace gridlock {
 
-/// Which cells of a layout are stored, and the place of each among those: all of them, or the occupied ones alone, so that cells may be
-/// far more than agents.
+/// Which cells of a rectangle are stored, and the place of each among those: all of them, or the occupied ones alone, so that cells may be
+/// far more than agents. Cells have the numbers row · columns + column.
 ///
 ///     cells     0 1 2 3 4 5 6 7        bits  0 1 0 0 1 1 0 0
 ///     occupied    1     4 5            places  0     1 2      place_of(2) = place_of(3) = place_of(4) = 1
@@ -22,10 +22,10 @@ class StoredCells {
  public:
   enum class Which { all, occupied };
 
-  /// All cells of a layout; or none of them, for add() of each that is occupied and find_places() afterwards.
-  void clear(CellLayout const& layout, Which which) {
-    count_ = which == Which::all ? static_cast<std::size_t>(layout.count()) : 0;
-    words_.assign(which == Which::all ? 0 : static_cast<std::size_t>(layout.count()) / 64 + 1, {});
+  /// All of so many cells; or none of them, for add() of each that is occupied and find_places() afterwards.
+  void clear(std::size_t cells, Which which) {
+    count_ = which == Which::all ? cells : 0;
+    words_.assign(which == Which::all ? 0 : cells / 64 + 1, {});
   }
   /// Several threads may add at once.
   void add(std::size_t cell) {
@@ -54,8 +54,7 @@ class StoredCells {
 
   /// Calls visit(column, row, place) for every stored cell in rows of cells first … end − 1, in their order.
   template <class Visit>
-  void for_each_in_rows(CellLayout const& layout, int first, int end, Visit visit) const {
-    int const columns = layout.columns();
+  void for_each_in_rows(int columns, int first, int end, Visit visit) const {
     std::size_t cell = static_cast<std::size_t>(first) * static_cast<std::size_t>(columns);
     std::size_t place = place_of(cell);
     for (int row = first; row < end; ++row) {

@@ -65,7 +65,7 @@ struct FarSearch {
 /// The Id of an agent that is dead or never was.
 [[noreturn, gnu::cold]] void throw_not_alive(std::uint64_t step, Id agent);
 
-/// A cutoff or a time step that is not a finite positive number.
-[[noreturn, gnu::cold]] void throw_bad_step(std::uint64_t step, double cutoff, double time_step);
+/// Throws where a cutoff or a time step is not a finite positive number.
+void require_good_step(std::uint64_t step, double cutoff, double time_step);
 
 }  // namespace gridlock

@@ -23,6 +23,12 @@ struct DeferredCommands {
   std::vector<std::uint32_t> found;  ///< rows of neighbours, a stack: a search within a search comes on top
   std::size_t found_top = 0;
 
+  void append(DeferredCommands const& part) {
+    deaths.insert(deaths.end(), part.deaths.begin(), part.deaths.end());
+    births.insert(births.end(), part.births.begin(), part.births.end());
+    parents.insert(parents.end(), part.parents.begin(), part.parents.end());
+    for (std::size_t k = 0; k < events.size(); ++k) events[k] += part.events[k];
+  }
   void clear() {
     births.clear();
     parents.clear();
@@ -31,6 +37,14 @@ struct DeferredCommands {
   }
 };
 
+/// Removes agents, in this order.
+template <class Agents>
+void remove_agents(Agents& agents, std::span<Id const> ids) {
+  carry_out_with_look_ahead(
+      ids.size(), [&](std::size_t k) { agents.prefetch(ids[k]); }, [&](std::size_t k) { agents.prefetch_row(ids[k]); },
+      [&](std::size_t k) { agents.remove(ids[k]); });
+}
+
 /// Lets everything that was asked for take effect: first the deaths in the order of the Ids, then the births in the
 /// order of their parents' Ids, those of one parent as it asked for them. The state alone decides that order, so that also
 /// the names of the newborn are the same on any number of threads. Contract: an agent asks in one part only.
@@ -38,21 +52,16 @@ template <class Model>
 void apply_commands(World<Model>& world, std::span<DeferredCommands<Model>> parts) {
   DeferredCommands<Model> all;
   for (DeferredCommands<Model>& part : parts) {
-    all.deaths.insert(all.deaths.end(), part.deaths.begin(), part.deaths.end());
-    all.births.insert(all.births.end(), part.births.begin(), part.births.end());
-    all.parents.insert(all.parents.end(), part.parents.begin(), part.parents.end());
-    for (std::size_t k = 0; k < world.events.size(); ++k) world.events[k] += part.events[k];
+    all.append(part);
     part.clear();
   }
+  for (std::size_t k = 0; k < world.events.size(); ++k) world.events[k] += all.events[k];
   std::vector<Id> deaths;
   deaths.reserve(all.deaths.size());
   for (std::size_t const place : rows_in_order(all.deaths)) {
     if (deaths.empty() || deaths.back() != all.deaths[place]) deaths.push_back(all.deaths[place]);
   }
-  carry_out_with_look_ahead(
-      deaths.size(), [&](std::size_t k) { world.agents.prefetch(deaths[k]); },
-      [&](std::size_t k) { world.agents.prefetch_row(deaths[k]); },
-      [&](std::size_t k) { world.agents.remove(deaths[k]); });
+  remove_agents<typename World<Model>::Agents>(world.agents, deaths);
   for (std::size_t const place : rows_in_order(all.parents)) {
     std::apply([&](auto... values) { world.agents.add(values...); }, all.births[place]);
   }

@@ -3,11 +3,13 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "gridlock/core/error.hpp"
 #include "gridlock/core/setting.hpp"
 
 namespace gridlock {
@@ -15,6 +17,8 @@ namespace gridlock {
 struct Configuration;
 struct Setup;
 struct SetupOptions;
+class MessageReader;
+class Ranks;
 
 /// A table of settings, `[name]`.
 struct SettingTable {
@@ -57,8 +61,10 @@ class ModelKind {
                                                       std::string_view key) const = 0;
   /// Whether more threads than one are of any use.
   [[nodiscard]] virtual bool uses_threads(Configuration const& configuration) const = 0;
-  /// Whether several processes can share a run, SetupOptions::ranks.
-  [[nodiscard]] virtual bool uses_ranks(Configuration const& /*configuration*/) const { return false; }
+  /// What of a run several processes cannot share, SetupOptions::ranks, its setting and what to do about it; nothing where they can.
+  [[nodiscard]] virtual std::optional<Problem> not_shared_by_ranks(Configuration const& configuration) const;
+  /// The part of a process that helps with steps of this model, see help(). Contract: one that ranks can share.
+  virtual void take_part(Ranks& ranks, MessageReader& message) const;
   /// Whether a run can end within a step.
   [[nodiscard]] virtual bool ends_within_steps(Configuration const& /*configuration*/) const { return false; }
   /// Whether a run can be given a length in collisions.

@@ -4,8 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <exception>
+#include <new>
 #include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -81,6 +84,21 @@ class MessageWriter {
     bytes_.resize(begin + values.size_bytes());
     std::memcpy(bytes_.data() + begin, values.data(), values.size_bytes());
   }
+  void add_text(std::string_view text) {
+    add(std::uint64_t{text.size()});
+    add_all(std::span<char const>(text));
+  }
+  /// Values at these places of an array.
+  template <class Value>
+  void add_chosen(Value const* values, std::span<std::uint32_t const> places) {
+    static_assert(std::is_trivially_copyable_v<Value>);
+    std::size_t at = bytes_.size();
+    bytes_.resize(at + places.size() * sizeof(Value));
+    for (std::uint32_t const place : places) {
+      std::memcpy(bytes_.data() + at, values + place, sizeof(Value));
+      at += sizeof(Value);
+    }
+  }
   void reserve(std::size_t bytes) { bytes_.reserve(bytes); }
   [[nodiscard]] Ranks::Bytes take() { return std::move(bytes_); }
 
@@ -106,6 +124,17 @@ class MessageReader {
     if (!values.empty()) std::memcpy(static_cast<void*>(values.data()), bytes_.data() + at_, values.size_bytes());
     at_ += values.size_bytes();
   }
+  [[nodiscard]] std::string next_text() {
+    std::string text(next<std::uint64_t>(), '\0');
+    read_into(std::span<char>(text));
+    return text;
+  }
+  template <class Value>
+  [[nodiscard]] std::vector<Value> next_values(std::size_t count) {
+    std::vector<Value> values(count);
+    read_into(std::span(values));
+    return values;
+  }
   /// As many as are left.
   template <class Value>
   [[nodiscard]] std::vector<Value> rest() {
@@ -117,6 +146,62 @@ class MessageReader {
  private:
   Ranks::Bytes const& bytes_;
   std::size_t at_ = 0;
+};
+
+/// What the leader asks all others for: the first number of a message.
+enum class TaskOfRanks : std::uint64_t { leave, steps_of_disks, steps_of_model };
+
+template <class Value>
+Ranks::Bytes message_of(Value const& value) {
+  MessageWriter message;
+  message.add(value);
+  return message.take();
+}
+
+template <class Value>
+Ranks::Bytes message_of_all(std::span<Value const> values) {
+  MessageWriter message;
+  message.add_all(values);
+  return message.take();
+}
+
+inline void send_to_others(Ranks& ranks, Ranks::Bytes const& message) {
+  for (std::size_t rank = 1; rank < ranks.count(); ++rank) ranks.send(rank, message);
+}
+
+/// The leader lets all others go, who wait for what it asks of them.
+inline void release_helpers(Ranks& ranks) { send_to_others(ranks, message_of(TaskOfRanks::leave)); }
+
+/// Others wait for a rank that fails here: they end with it.
+template <class Work>
+void do_or_abandon(Ranks& ranks, Work work) {
+  try {
+    work();
+  } catch (std::bad_alloc const&) {
+    ranks.abandon("not enough memory");
+  } catch (std::exception const& error) {
+    ranks.abandon(error.what());
+  }
+}
+
+/// How many steps the leader lets all take before it looks up: for about 20 ms.
+class StepsBetweenLooks {
+ public:
+  explicit StepsBetweenLooks(Ranks const& ranks) : ranks_(ranks) {}
+
+  [[nodiscard]] std::uint64_t steps() const { return steps_; }
+  void begin() { begin_ = ranks_.seconds(); }
+  void end(std::uint64_t steps_done) {
+    constexpr double seconds_between_looks = 0.02;
+    double const seconds = ranks_.seconds() - begin_;
+    double const fitting = seconds_between_looks * static_cast<double>(steps_done) / (seconds + 1e-9);
+    steps_ = static_cast<std::uint64_t>(fitting < 1.0 ? 1.0 : fitting > 100.0 ? 100.0 : fitting);
+  }
+
+ private:
+  Ranks const& ranks_;
+  std::uint64_t steps_ = 1;
+  double begin_ = 0.0;
 };
 
 }  // namespace gridlock

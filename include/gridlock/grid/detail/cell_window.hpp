@@ -1,0 +1,83 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "gridlock/grid/cell_layout.hpp"
+
+namespace gridlock {
+
+/// A rectangle of cells. Around a periodic box it may begin below 0 or end beyond the last column or row.
+struct CellWindow {
+  int first_column = 0, end_column = 0;
+  int first_row = 0, end_row = 0;
+
+  friend bool operator==(CellWindow const&, CellWindow const&) = default;
+};
+
+/// The part of a window that a walled box has, or all columns or rows of a periodic one where it has as many.
+inline CellWindow within(CellLayout const& layout, CellWindow window) {
+  auto const cut = [&](int& begin, int& end, int all) {
+    if (!layout.is_periodic()) {
+      begin = std::max(0, begin);
+      end = std::min(all, end);
+    } else if (end - begin >= all) {
+      begin = 0;
+      end = all;
+    }
+  };
+  cut(window.first_column, window.end_column, layout.columns());
+  cut(window.first_row, window.end_row, layout.rows());
+  return window;
+}
+
+/// Numbers 0, 1, 2 … for the cells of a window, in the order that the cells have in the whole box.
+///
+///     a window that goes around     ┌──────────┐      columns of the box  0 1 │ 2 … 7 │ 8 9
+///     the box, of columns 8 … 11    │01      23│      of the window       0 1 │       │ 2 3
+class CellNumbers {
+ public:
+  CellNumbers() = default;
+  explicit CellNumbers(CellLayout const& layout)
+      : CellNumbers(layout, {.end_column = layout.columns(), .end_row = layout.rows()}) {}
+  CellNumbers(CellLayout const& layout, CellWindow const& whole_window) {
+    CellWindow const window = within(layout, whole_window);
+    columns_ = side(window.first_column, window.end_column, layout.columns());
+    rows_ = side(window.first_row, window.end_row, layout.rows());
+  }
+
+  [[nodiscard]] int columns() const { return columns_.count(); }
+  [[nodiscard]] int rows() const { return rows_.count(); }
+  [[nodiscard]] std::size_t count() const {
+    return static_cast<std::size_t>(columns()) * static_cast<std::size_t>(rows());
+  }
+  /// The number of a cell of the window; for other columns of its rows how many cells come before.
+  [[nodiscard]] std::size_t number_of(int column, int row) const {
+    return static_cast<std::size_t>(rows_.place_of(row)) * static_cast<std::size_t>(columns()) +
+           static_cast<std::size_t>(columns_.place_of(column));
+  }
+  /// The column of the box, for a column of the window; the same for rows.
+  [[nodiscard]] int column_at(int place) const { return columns_.at(place); }
+  [[nodiscard]] int row_at(int place) const { return rows_.at(place); }
+
+ private:
+  /// Columns or rows 0 … head − 1 and first … end − 1 of the box.
+  struct Side {
+    int head = 0, first = 0, end = 0;
+
+    [[nodiscard]] int count() const { return head + end - first; }
+    [[nodiscard]] int place_of(int k) const { return k < first ? std::min(k, head) : head + std::min(k, end) - first; }
+    [[nodiscard]] int at(int place) const { return place < head ? place : place - head + first; }
+  };
+  static Side side(int begin, int end, int all) {
+    if (end <= begin) return {};
+    if (begin < 0) return {.head = end, .first = begin + all, .end = all};
+    if (end > all) return {.head = end - all, .first = begin, .end = all};
+    return {.head = 0, .first = begin, .end = end};
+  }
+
+  Side columns_;
+  Side rows_;
+};
+
+}  // namespace gridlock

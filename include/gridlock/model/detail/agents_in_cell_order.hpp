@@ -1,0 +1,105 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+
+#include "gridlock/core/detail/large_array.hpp"
+#include "gridlock/core/detail/thread_pool.hpp"
+#include "gridlock/grid/detail/cell_order.hpp"
+#include "gridlock/grid/detail/row_block.hpp"
+#include "gridlock/model/turn.hpp"
+
+namespace gridlock {
+
+/// Agents whose rows are in the order of their cells, and turns that all of them take at the same time.
+template <class Model>
+class AgentsInCellOrder {
+ public:
+  using Agents = typename World<Model>::Agents;
+  using AllValues = typename Agents::AllValues;
+
+  explicit AgentsInCellOrder(ThreadPool& thread_pool) : thread_pool_(thread_pool) {}
+
+  /// The cells that the rows are in the order of.
+  [[nodiscard]] CellLayout const& layout() const { return layout_; }
+
+  /// Puts all agents into the order of their cells, and returns these: where agents crowd those of `finer`, if it is given.
+  CellLayout sort(Agents& agents, CellLayout const& layout, std::optional<CellLayout> const& finer = {}) {
+    layout_ = order_.sort(layout, agents.template column<X>(), agents.template column<Y>(), agents.ids(), thread_pool_,
+                          finer);
+    next_.resize(agents.size());
+    // The present values go through a scratch set of columns, since nothing can be read and replaced at the same time.
+    agents.exchange(next_);
+    put_into_scratch(agents.ids(), next_);
+    agents.reorder(scratch_ids_, scratch_);
+    for_each_range_of_rows(agents.size(), [&](std::size_t first, std::size_t end) { agents.find_again(first, end); });
+    return layout_;
+  }
+  /// Agents in a window of the cells: those with these Ids and the values of next(). No Id of them is found.
+  void sort_window(Agents& agents, LargeArray<Id> const& ids, CellLayout const& layout, CellWindow const& window,
+                   StoredCells::Which stored) {
+    layout_ = layout;
+    order_.sort_window(layout, window, stored, next_.template values<X>(), next_.template values<Y>(), ids,
+                       thread_pool_);
+    put_into_scratch(ids, next_);
+    agents.become(scratch_ids_, scratch_);
+  }
+
+  /// What the agents will be after the step.
+  [[nodiscard]] AllValues& next() { return next_; }
+  [[nodiscard]] AllValues const& next() const { return next_; }
+  void begin_turns(std::size_t agents) { next_.resize(agents); }
+  void copy_present(Agents const& agents, std::size_t row) { next_.copy(row, agents.values(), row); }
+
+  /// Parts of the rows whose turns one thread takes: bands of whole rows of cells. How many there are changes nothing, since
+  /// all commands are sorted afterwards.
+  [[nodiscard]] std::size_t bands() const {
+    auto const cell_rows = static_cast<std::size_t>(order_.cell_rows());
+    return thread_pool_.size() == 1 ? 1 : std::min(cell_rows, 16 * thread_pool_.size());
+  }
+  /// Calls take(neighbourhood, row, band) for each row; neighbourhood_of(band) is what the turns of a band share.
+  template <class NeighbourhoodOf, class Take>
+  void for_each_turn(NeighbourhoodOf neighbourhood_of, Take take) {
+    RowBlocks const blocks(layout_, [&](int column, int row) { return order_.first_of(column, row); });
+    auto const cell_rows = static_cast<std::size_t>(order_.cell_rows());
+    std::size_t const parts = bands();
+    thread_pool_.for_each(parts, [&](std::size_t band) {
+      Neighbourhood<Model> around = neighbourhood_of(band);
+      order_.for_each_cell(static_cast<int>(band * cell_rows / parts), static_cast<int>((band + 1) * cell_rows / parts),
+                           [&](int column, int cell_row, std::size_t first, std::size_t end) {
+                             around.block = blocks.around(column, cell_row);
+                             for (std::size_t row = first; row < end; ++row) take(around, row, band);
+                           });
+    });
+  }
+
+ private:
+  template <class Ids>
+  void put_into_scratch(Ids const& ids, AllValues const& values) {
+    scratch_.resize(ids.size());
+    scratch_ids_.resize(ids.size());
+    for_each_range_of_rows(ids.size(), [&](std::size_t first, std::size_t end) {
+      for (std::size_t row = first; row < end; ++row) {
+        std::size_t const from = order_.rows()[row];
+        scratch_.copy(row, values, from);
+        scratch_ids_[row] = ids[from];
+      }
+    });
+  }
+
+  template <class Take>
+  void for_each_range_of_rows(std::size_t rows, Take take) {
+    std::size_t const parts = thread_pool_.size() == 1 ? 1 : 4 * thread_pool_.size();
+    thread_pool_.for_each(parts, [&](std::size_t part) { take(part * rows / parts, (part + 1) * rows / parts); });
+  }
+
+  ThreadPool& thread_pool_;
+  CellLayout layout_;
+  CellOrder order_;
+  AllValues next_;
+  AllValues scratch_;
+  LargeArray<Id> scratch_ids_;
+};
+
+}  // namespace gridlock

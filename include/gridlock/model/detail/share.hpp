@@ -1,0 +1,403 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <iterator>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gridlock/core/detail/ranks.hpp"
+#include "gridlock/core/detail/rows_in_order.hpp"
+#include "gridlock/core/error.hpp"
+#include "gridlock/model/detail/agents_in_cell_order.hpp"
+#include "gridlock/model/detail/agents_message.hpp"
+#include "gridlock/model/detail/rank_division.hpp"
+
+namespace gridlock {
+
+/// Where the first turn that failed was, in the order in which one process takes them, and why it failed.
+struct FailedTurn {
+  std::uint64_t cell = 0;
+  Id agent = 0;
+  std::string reason;
+};
+
+/// What a rank must know of a run besides its agents.
+struct ShareOrder {
+  double width, height;
+  std::uint64_t is_periodic;
+  std::uint64_t seed;
+  Clock clock;
+  double cutoff, time_step;
+  std::uint64_t threads;
+  std::uint64_t agents;         ///< of all ranks
+  std::uint64_t columns, rows;  ///< of the cells of the division
+
+  [[nodiscard]] Box box() const { return {width, height, is_periodic != 0 ? Edge::periodic : Edge::wall}; }
+};
+
+/// Gives names to newborn agents, as one process does: takes the deaths of a step in the order of the Ids and the number of
+/// births. Only the leader knows which names are free.
+using NameBirths = std::function<std::vector<Id>(std::span<Id const> deaths, std::size_t births)>;
+
+/// The share that one rank has in the steps of a synchronous model: the agents of its rectangle of the box, and those within the cutoff
+/// of it that others own.
+///
+///     ┌ ─ ─ ─ ─ ─ ─ ─ ┐     A step: all own agents take their turns. Then all ranks tell each other who has died and who has
+///       ┌───────────┐       had a child, the leader names the children, and each rank sends to its neighbours the agents that they
+///     │ │ rectangle │ │     own from now on or have in their rim. The rows are put into the order of the cells of the whole box, so
+///       └───────────┘       that all neighbours are visited in the order of one process.
+///     └ ─ ─ ─ rim ─ ─ ┘
+///
+/// All ranks construct it and call take_step() together. The bits are those of one process.
+template <class Model>
+class ModelShare {
+ public:
+  using Agents = typename World<Model>::Agents;
+  using AllValues = typename Agents::AllValues;
+
+  /// `ids` and `values` are those of the agents in the rectangle of this rank.
+  ModelShare(Ranks& ranks, Model const& model, ShareOrder const& order, std::vector<Tiling::Rectangle> division,
+             LargeArray<Id>&& ids, AllValues&& values, NameBirths name_births = {})
+      : ranks_(ranks),
+        model_(model),
+        cutoff_(order.cutoff),
+        time_step_(order.time_step),
+        thread_pool_(order.threads),
+        division_(CellLayout(order.box(), order.columns, order.rows), std::move(division), order.cutoff, ranks.rank()),
+        name_births_(std::move(name_births)),
+        world_{.box = order.box(), .agents = {}, .clock = order.clock, .seed = order.seed},
+        population_(order.agents),
+        order_(thread_pool_),
+        ids_(std::move(ids)),
+        rows_to_(ranks.count()) {
+    order_.next() = std::move(values);
+    for (std::uint32_t row = 0; row < ids_.size(); ++row) address(row);
+    exchange({});
+    sort();
+  }
+
+  /// False where a turn has failed: then the step does not count.
+  bool take_step() {
+    if (has_turns_ && !complete_step()) return false;
+    take_turns();
+    return true;
+  }
+  /// Of a turn of this rank.
+  [[nodiscard]] std::optional<FailedTurn> const& failure() const { return failure_; }
+
+  /// Calls send(message) for the agents of this rank as the last step began, in messages of bounded length: their cells, and
+  /// what they are after their turns, or before them where the step does not count. An empty message is the last.
+  template <class Send>
+  void send_agents(bool step_counts, Send send) const {
+    AllValues const& values = step_counts ? order_.next() : world_.agents.values();
+    std::vector<std::uint32_t> rows;
+    auto const flush = [&] {
+      MessageWriter message;
+      std::vector<std::uint32_t> cells;
+      for (std::uint32_t const row : rows) cells.push_back(cell_of(row));
+      message.add(std::uint64_t{rows.size()});
+      message.add_all(std::span<std::uint32_t const>(cells));
+      add_agents(message, world_.agents.ids().data(), values, rows);
+      send(message.take());
+      rows.clear();
+    };
+    for (std::uint32_t row = 0; row < world_.agents.size(); ++row) {
+      if (!division_.is_own(place(world_.agents.values(), row))) continue;
+      rows.push_back(row);
+      if (rows.size() == agents_of_message) flush();
+    }
+    if (!rows.empty()) flush();
+    flush();
+  }
+  /// What the agents of this rank asked for in the last step, which has not taken effect.
+  [[nodiscard]] std::span<DeferredCommands<Model> const> commands() const { return commands_; }
+  /// What happened in the steps before the last one.
+  [[nodiscard]] EventCounts<Model> const& events() const { return events_; }
+
+ private:
+  using Rows = std::vector<std::uint32_t>;
+
+  /// What the turns of a band have found out besides the values.
+  struct Band {
+    Rows of_others;  ///< rows of the rim
+    Rows at_border;  ///< rows of own agents that others have to know, or that have left
+    std::uint64_t turns = 0;
+  };
+  /// What a rank tells all others after its turns.
+  struct TellHead {
+    std::uint64_t has_failed = 0;
+    std::uint64_t deaths = 0;
+    std::uint64_t births = 0;
+  };
+  /// What all have told.
+  struct Told {
+    std::vector<Id> deaths;
+    std::vector<Id> parents;             ///< of all births, rank by rank
+    std::size_t first_own_parent = 0;    ///< among them
+    std::vector<std::size_t> also_from;  ///< ranks that are no neighbours and send agents
+    bool has_failure = false;
+  };
+
+  static bool is_among(std::vector<std::size_t> const& ranks, std::size_t rank) {
+    return std::ranges::find(ranks, rank) != ranks.end();
+  }
+  static Vector place(AllValues const& values, std::size_t row) {
+    return {values.template values<X>()[row], values.template values<Y>()[row]};
+  }
+  [[nodiscard]] std::uint32_t cell_of(std::size_t row) const {
+    return static_cast<std::uint32_t>(order_.layout().cell_of(place(world_.agents.values(), row)));
+  }
+
+  void take_turns() {
+    order_.begin_turns(world_.agents.size());
+    commands_.resize(order_.bands());
+    bands_.assign(order_.bands(), {});
+    has_turns_ = true;
+    try {
+      order_.for_each_turn([&](std::size_t band) { return neighbourhood(commands_[band]); },
+                           [&](Neighbourhood<Model>& around, std::size_t row, std::size_t band) {
+                             take_turn(around, static_cast<std::uint32_t>(row), bands_[band]);
+                           });
+    } catch (FailedTurn const& failed) {
+      failure_ = failed;
+    }
+    std::uint64_t turns = 0;
+    for (Band const& band : bands_) turns += band.turns;
+    ranks_.note_turns(turns);
+  }
+
+  void take_turn(Neighbourhood<Model>& around, std::uint32_t row, Band& band) {
+    if (!division_.is_own(place(world_.agents.values(), row))) {
+      band.of_others.push_back(row);
+      return;
+    }
+    order_.copy_present(world_.agents, row);
+    try {
+      Turn<Model> turn(around, row);
+      model_.turn(turn);
+    } catch (std::exception const& error) {
+      throw FailedTurn{.cell = cell_of(row), .agent = world_.agents.ids()[row], .reason = error.what()};
+    }
+    ++band.turns;
+    if (!division_.is_inside(place(order_.next(), row))) band.at_border.push_back(row);
+  }
+
+  Neighbourhood<Model> neighbourhood(DeferredCommands<Model>& commands) {
+    return {.world = world_,
+            .commands = commands,
+            .next = &order_.next(),
+            .cutoff = cutoff_,
+            .time_step = time_step_,
+            .population = population_};
+  }
+
+  /// Lets what was asked for in the turns take effect, on all ranks. False where a turn of any rank has failed.
+  bool complete_step() {
+    std::vector<Id> parents;
+    std::vector<Id> deaths;
+    std::size_t const agents = world_.agents.size();
+    if (!failure_) {
+      for (DeferredCommands<Model> const& commands : commands_) {
+        parents.insert(parents.end(), commands.parents.begin(), commands.parents.end());
+        deaths.insert(deaths.end(), commands.deaths.begin(), commands.deaths.end());
+      }
+      ids_.assign(world_.agents.ids().begin(), world_.agents.ids().end());
+      add_births();
+      find_movers();
+    }
+    Told const told = tell_all(deaths, parents);
+    if (told.has_failure) return false;
+    IdSet const dead(told.deaths);
+    population_ = population_ + told.parents.size() - dead.sorted().size();
+    name_births(told, dead, agents);
+    drop_dead(dead, agents);
+    for (DeferredCommands<Model>& commands : commands_) {
+      for (std::size_t k = 0; k < events_.size(); ++k) events_[k] += commands.events[k];
+      commands.clear();
+    }
+    exchange(told.also_from);
+    ++world_.clock.step;
+    world_.clock.time += time_step_;
+    sort();
+    return true;
+  }
+
+  /// Adds rows for the newborn, who have no names yet.
+  void add_births() {
+    AllValues& next = order_.next();
+    for (DeferredCommands<Model> const& commands : commands_) {
+      for (auto const& newborn : commands.births) {
+        next.resize(ids_.size() + 1);
+        next.put(ids_.size(), newborn);
+        ids_.push_back(0);
+      }
+    }
+  }
+
+  /// Finds out which rows do not stay here, and who has to be told of which.
+  void find_movers() {
+    for (Rows& rows : rows_to_) rows.clear();
+    dropped_.clear();
+    for (Band const& band : bands_) {
+      dropped_.insert(dropped_.end(), band.of_others.begin(), band.of_others.end());
+      for (std::uint32_t const row : band.at_border) address(row);
+    }
+    for (auto row = static_cast<std::uint32_t>(world_.agents.size()); row < ids_.size(); ++row) address(row);
+  }
+
+  /// Notes which ranks have to know of a row, and whether it stays here.
+  void address(std::uint32_t row) {
+    Vector const p = place(order_.next(), row);
+    if (division_.is_inside(p)) return;
+    auto const address_to = [&](std::size_t rank) {
+      if (rank != ranks_.rank() && division_.is_seen_by(rank, p)) rows_to_[rank].push_back(row);
+    };
+    if (division_.is_own(p)) {
+      for (std::size_t const rank : division_.neighbours()) address_to(rank);
+      return;
+    }
+    for (std::size_t rank = 0; rank < ranks_.count(); ++rank) address_to(rank);
+    // A newborn or an arrival of the rim of this rank stays to be seen.
+    if (!division_.is_seen_by(ranks_.rank(), p)) dropped_.push_back(row);
+  }
+
+  /// Tells all ranks what concerns all.
+  Told tell_all(std::vector<Id> const& deaths, std::vector<Id> const& parents) {
+    also_to_.clear();
+    MessageWriter own;
+    own.add(TellHead{.has_failed = failure_ ? std::uint64_t{1} : 0, .deaths = deaths.size(), .births = parents.size()});
+    own.add_all(std::span<Id const>(deaths));
+    own.add_all(std::span<Id const>(parents));
+    if (!failure_) {
+      for (std::size_t rank = 0; rank < ranks_.count(); ++rank) {
+        if (rows_to_[rank].empty() || division_.is_neighbour(rank)) continue;
+        own.add(std::uint64_t{rank});
+        also_to_.push_back(rank);
+      }
+    }
+    Told told;
+    std::vector<Ranks::Bytes> const of_all = ranks_.gather_for_all(own.take());
+    for (std::size_t rank = 0; rank < of_all.size(); ++rank) {
+      MessageReader message(of_all[rank]);
+      auto const head = message.next<TellHead>();
+      told.has_failure = told.has_failure || head.has_failed != 0;
+      std::ranges::copy(message.next_values<Id>(head.deaths), std::back_inserter(told.deaths));
+      if (rank == ranks_.rank()) told.first_own_parent = told.parents.size();
+      std::ranges::copy(message.next_values<Id>(head.births), std::back_inserter(told.parents));
+      std::vector<std::uint64_t> const sends_to = message.rest<std::uint64_t>();
+      if (std::ranges::find(sends_to, ranks_.rank()) != sends_to.end()) told.also_from.push_back(rank);
+    }
+    return told;
+  }
+
+  /// The newborn of all ranks get their names in the order of their parents' Ids, those of one parent as it asked for them.
+  void name_births(Told const& told, IdSet const& dead, std::size_t first_newborn) {
+    std::vector<Id> names;
+    if (name_births_) {
+      names = name_births_(dead.sorted(), told.parents.size());
+      if (!names.empty()) send_to_others(ranks_, message_of_all(std::span<Id const>(names)));
+    } else if (!told.parents.empty()) {
+      Ranks::Bytes const bytes = ranks_.receive(0);
+      names = MessageReader(bytes).rest<Id>();
+    }
+    std::size_t const own = ids_.size() - first_newborn;
+    std::size_t next = 0;
+    for (std::uint32_t const birth : rows_in_order(told.parents)) {
+      Id const name = names[next++];
+      if (birth >= told.first_own_parent && birth < told.first_own_parent + own) {
+        ids_[first_newborn + birth - told.first_own_parent] = name;
+      }
+    }
+  }
+
+  /// Of the rows of this rank as the step began.
+  void drop_dead(IdSet const& dead, std::size_t rows) {
+    if (dead.sorted().empty()) return;
+    for (std::uint32_t row = 0; row < rows; ++row) {
+      if (dead.contains(ids_[row])) dropped_.push_back(row);
+    }
+    for (Rows& addressed : rows_to_) {
+      std::erase_if(addressed, [&](std::uint32_t row) { return row < rows && dead.contains(ids_[row]); });
+    }
+  }
+
+  /// Sends rows to those who have to know them, and takes what has come in the place of those that do not stay.
+  void exchange(std::vector<std::size_t> const& also_from) {
+    ArrivedAgents<Agents> arrived;
+    // One round for each distance between ranks: nobody waits to send before what came earlier has been received.
+    std::size_t const count = ranks_.count();
+    for (std::size_t distance = 1; distance < count; ++distance) {
+      std::size_t const to = (ranks_.rank() + distance) % count;
+      std::size_t const from = (ranks_.rank() + count - distance) % count;
+      if (division_.is_neighbour(to) || is_among(also_to_, to)) {
+        MessageWriter message;
+        message.add(std::uint64_t{rows_to_[to].size()});
+        add_agents(message, ids_.data(), order_.next(), rows_to_[to]);
+        ranks_.send(to, message.take());
+      }
+      if (division_.is_neighbour(from) || is_among(also_from, from)) {
+        arrived.add(ranks_.receive(from));
+      }
+    }
+    std::ranges::sort(dropped_);
+    dropped_.erase(std::unique(dropped_.begin(), dropped_.end()), dropped_.end());
+    arrived.put_into(ids_, order_.next(), dropped_);
+    dropped_.clear();
+  }
+
+  /// Puts the rows in the order of the cells, which all ranks choose alike.
+  void sort() {
+    CellsOfStep const cells = cells_of_step(world_.box, cutoff_, population_);
+    bool const is_finer = cells.finer && is_crowd_of_all(cells.layout);
+    CellLayout const& layout = is_finer ? *cells.finer : cells.layout;
+    order_.sort_window(world_.agents, ids_, layout, division_.window_of(layout),
+                       is_finer ? StoredCells::Which::occupied : StoredCells::Which::all);
+  }
+
+  [[nodiscard]] bool is_crowd_of_all(CellLayout const& layout) {
+    AllValues const& next = order_.next();
+    CellCounts const counts(division_, layout, next.template values<X>(), next.template values<Y>(),
+                            [&](std::size_t row) { return division_.is_own(place(next, row)); });
+    MessageWriter own;
+    own.add(counts.pairs());
+    own.add_all(counts.shared());
+    std::uint64_t pairs = 0;
+    std::vector<CellCounts::SharedCell> shared;
+    for (Ranks::Bytes const& bytes : ranks_.gather_for_all(own.take())) {
+      MessageReader message(bytes);
+      pairs += message.next<std::uint64_t>();
+      std::ranges::copy(message.rest<CellCounts::SharedCell>(), std::back_inserter(shared));
+    }
+    return is_crowd(pairs + CellCounts::pairs_in(std::move(shared)), population_);
+  }
+
+  Ranks& ranks_;
+  Model model_;
+  double cutoff_;
+  double time_step_;
+  ThreadPool thread_pool_;
+  RankDivision division_;
+  NameBirths name_births_;  ///< of the leader
+  World<Model> world_;      ///< with the agents of this rank and of its rim, who cannot be found by their Ids
+  std::size_t population_;  ///< of all ranks
+  AgentsInCellOrder<Model> order_;
+  std::vector<DeferredCommands<Model>> commands_;
+  std::vector<Band> bands_;
+  EventCounts<Model> events_{};
+  std::optional<FailedTurn> failure_;
+  bool has_turns_ = false;  ///< what they ask for has not taken effect yet
+  // Between the turns and the next order of the rows:
+  LargeArray<Id> ids_;                ///< of the rows of order_.next()
+  std::vector<Rows> rows_to_;         ///< what each rank has to know
+  std::vector<std::size_t> also_to_;  ///< ranks that are no neighbours and have to know some
+  Rows dropped_;                      ///< rows of the dead, of those who have left, and of the rim of before
+};
+
+}  // namespace gridlock

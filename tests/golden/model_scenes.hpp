@@ -1,0 +1,44 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+
+#include "golden/hashes.hpp"
+#include "models/epidemic.hpp"
+#include "models/flocking.hpp"
+
+namespace gridlock::golden {
+
+inline constexpr std::uint64_t seed_of_models = 20;
+
+inline Box const walls(1.0, 1.0, Edge::wall);
+inline Box const periodic(1.0, 1.0, Edge::periodic);
+
+/// Calls visit(scene, model, box, steps) for those whose agents take their turns all at once.
+template <class Visit>
+void for_each_synchronous_scene(Visit visit) {
+  visit("vicsek", Flocking{.count = 600}, Box(12.0, 9.0, Edge::periodic), 100);
+  visit("boids", Flocking{.count = 300, .rule = FlockingRule::boids, .radius = 5.0, .speed = 1.0},
+        Box(100.0, 100.0, Edge::periodic), 100);
+  // With births and deaths.
+  Epidemic const epidemic{.count = 900, .infected_at_start = 0.1, .radius = 0.05, .speed = 0.3, .turnover_rate = 0.5};
+  visit("walls", epidemic, walls, 100);
+  visit("periodic", epidemic, periodic, 100);
+}
+
+/// The hashes of a world as it starts and after so many steps.
+template <class Model>
+Hashes hashes_of(Model const& model, Box const& box, std::uint64_t steps, ModelEngineSettings const& settings) {
+  World<Model> world{.box = box, .seed = seed_of_models};
+  model.start(world);
+  std::string const start = fmt::format("{:016x}", hash(world));
+  ModelEngine<Model>(model, box, settings).advance(world, {.step = steps});
+  // A scene in which nothing happens would prove nothing.
+  bool const all_happen = std::ranges::all_of(world.events, [](std::uint64_t count) { return count > 0; });
+  return {start, all_happen ? fmt::format("{:016x}", hash(world)) : "nothing happens"};
+}
+
+}  // namespace gridlock::golden

@@ -1,0 +1,354 @@
+// Agent models on several ranks, here threads: the bits, the order of rows, the names and counts of one process, however the box
+// is cut and whoever is born or dies where.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/simulation/register_model.hpp"
+#include "models/epidemic.hpp"
+#include "models/flocking.hpp"
+#include "thread_ranks.hpp"
+
+namespace gridlock {
+namespace {
+
+using test::ThreadRanks;
+
+struct Weight {
+  using type = double;
+  static constexpr char const* name = "weight";
+};
+
+/// Synchronous agents that do all that a model may do: they wander, some jump anywhere; they have children beside them and far
+/// away, die, and kill their neighbours, so that births, deaths and moves come to lie on cuts and in rims of all ranks.
+struct Wanderers {
+  static constexpr std::string_view name = "wanderers_of_test";
+  static constexpr std::string_view documentation = "Agents that do all that a model may do.";
+  static constexpr Schedule schedule = Schedule::synchronous;
+  static constexpr std::array<std::string_view, 4> events{"jumps", "births", "deaths", "kills"};
+  using Agents = Population<X, Y, Weight>;
+
+  std::uint64_t count = 500;
+  double radius = 0.1;
+  double speed = 0.05;
+  double jump = 0.0;  ///< probabilities
+  double birth = 0.0;
+  double far_birth = 0.0;
+  double death = 0.0;
+  double kill = 0.0;
+  double crowd = 1.0;  ///< the part of each side where agents start
+  std::uint64_t fails_at = 1'000'000;
+  std::uint64_t failing_agents = 1;
+
+  void describe(SettingVisitor& visitor) {
+    visitor.visit({.key = "count"}, count);
+    for (auto& [key, value] : {std::pair("radius", &radius), std::pair("speed", &speed), std::pair("jump", &jump),
+                               std::pair("birth", &birth), std::pair("far_birth", &far_birth),
+                               std::pair("death", &death), std::pair("kill", &kill), std::pair("crowd", &crowd)}) {
+      visitor.visit({.key = key}, *value);
+    }
+    visitor.visit({.key = "fails_at"}, fails_at);
+    visitor.visit({.key = "failing_agents"}, failing_agents);
+  }
+  [[nodiscard]] double cutoff() const { return radius; }
+  [[nodiscard]] double time_step() const { return 0.1; }
+
+  void start(World<Wanderers>& world) const {
+    for (std::uint64_t n = 0; n < count; ++n) {
+      RandomStream random = world.start_random(n);
+      Vector const p = world.anywhere(random);
+      world.agents.add(crowd * p.x, crowd * p.y, random.uniform());
+    }
+  }
+
+  void turn(Turn<Wanderers>& self) const {
+    RandomStream random = self.random();
+    double sum = self.get<Weight>();
+    double const luck = random.uniform();
+    // Sums round in the order of the neighbours.
+    self.for_each_neighbour(radius, [&](Neighbour<Wanderers> const& other) {
+      sum += 0.3 * other.get<Weight>() + 0.01 * other.separation().x;
+      if (luck < kill && other.id() % 3 == 0) {
+        other.kill();
+        self.count(3);
+      }
+    });
+    self.set<Weight>(sum / (1.0 + sum * sum) + 1e-3 * static_cast<double>(self.population()));
+    if (random.uniform() < jump) {
+      double const x = random.uniform() * self.box().width();
+      self.move_to({x, random.uniform() * self.box().height()});
+      self.count(0);
+    } else {
+      self.move_by(speed * random.in_unit_disk());
+    }
+    come_and_go(self, random);
+    if (self.clock().step == fails_at && self.id() % 101 < failing_agents) {
+      throw std::runtime_error("agent " + std::to_string(self.id()) + " fails");
+    }
+  }
+
+ private:
+  void come_and_go(Turn<Wanderers>& self, RandomStream& random) const {
+    while (random.uniform() < birth) {
+      self.give_birth(self.position().x, self.position().y, random.uniform());
+      self.count(1);
+    }
+    if (random.uniform() < far_birth) {
+      double const x = random.uniform() * self.box().width();
+      self.give_birth(x, random.uniform() * self.box().height(), random.uniform());
+      self.count(1);
+    }
+    if (random.uniform() < death) {
+      self.die();
+      self.count(2);
+    }
+  }
+};
+
+/// Helping ranks know models by their names.
+class KnownModels {
+ public:
+  KnownModels() { register_model<Wanderers>(); }
+  ~KnownModels() { forget_model(Wanderers::name); }
+};
+
+template <class Model>
+struct Ended {
+  World<Model> world;
+  std::string failure;
+};
+
+template <class Model>
+Ended<Model> advance(Model const& model, World<Model> world, StopCondition const& stop, ModelEngineSettings settings) {
+  Ended<Model> ended{.world = std::move(world)};
+  try {
+    ModelEngine<Model>(model, ended.world.box, settings).advance(ended.world, stop);
+  } catch (std::exception const& error) {
+    ended.failure = error.what();
+  }
+  return ended;
+}
+
+template <class Model>
+Ended<Model> advance_on_ranks(Model const& model, World<Model> world, StopCondition const& stop, std::size_t ranks,
+                              std::uint64_t threads) {
+  Ended<Model> ended;
+  ThreadRanks(ranks).run(
+      [&](Ranks& leader) { ended = advance(model, std::move(world), stop, {.threads = threads, .ranks = &leader}); });
+  return ended;
+}
+
+/// Of all that a checkpoint holds, the order of the rows and the names that are free included.
+template <class Model>
+std::vector<std::uint64_t> all_of(World<Model> const& world) {
+  std::vector<std::uint64_t> words{hash(world), world.clock.step, word_of(world.clock.time)};
+  words.insert(words.end(), world.agents.ids().begin(), world.agents.ids().end());
+  words.insert(words.end(), world.events.begin(), world.events.end());
+  typename World<Model>::Agents agents = world.agents;
+  for (int n = 0; n < 20; ++n) {
+    words.push_back(
+        std::apply([&](auto... value) { return agents.add(value...); }, typename World<Model>::Agents::Values{}));
+  }
+  return words;
+}
+
+template <class Model>
+void expect_same(Ended<Model> const& one, Ended<Model> const& many, std::string const& what) {
+  ASSERT_EQ(one.failure, many.failure) << what;
+  ASSERT_EQ(hash(one.world), hash(many.world)) << what;
+  ASSERT_EQ(all_of(one.world), all_of(many.world)) << what;
+}
+
+template <class Model>
+World<Model> started(Model const& model, Box const& box, std::uint64_t seed) {
+  World<Model> world{.box = box, .seed = seed};
+  model.start(world);
+  return world;
+}
+
+struct System {
+  Wanderers model;
+  Box box;
+  std::uint64_t seed;
+
+  [[nodiscard]] World<Wanderers> start() const { return started(model, box, seed); }
+};
+
+System any_system(std::uint64_t seed) {
+  RandomStream random(seed, 0, 0, Purpose::model_start);
+  auto const one_of = [&](auto... values) {
+    std::array const all{values...};
+    return all[random.below(all.size())];
+  };
+  System system{.model = {},
+                .box = Box(one_of(1.0, 0.3, 3.0), one_of(1.0, 0.25, 2.0), one_of(Edge::wall, Edge::periodic)),
+                .seed = seed};
+  Wanderers& model = system.model;
+  double const shorter = std::min(system.box.width(), system.box.height());
+  model.count = one_of(0UL, 1UL, 7UL, 60UL, 400UL, 900UL);
+  model.radius = shorter * one_of(0.5, 0.3, 0.11, 0.03, 0.004);
+  model.speed = shorter * one_of(0.0, 0.01, 0.1, 0.4);
+  model.jump = one_of(0.0, 0.0, 0.01, 0.3);
+  model.birth = one_of(0.0, 0.02, 0.04);
+  model.far_birth = one_of(0.0, 0.0, 0.02);
+  model.death = one_of(0.0, 0.02, 0.05);
+  model.kill = one_of(0.0, 0.0, 0.01);
+  model.crowd = one_of(1.0, 1.0, 0.2, 0.02);
+  return system;
+}
+
+TEST(ModelOnRanks, HasTheBitsOfOneProcess) {
+  KnownModels const known;
+  std::array<std::size_t, 4> happened{};
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    System const s = any_system(seed);
+    Ended const one = advance(s.model, s.start(), {.step = 25}, {.threads = 1});
+    for (std::size_t k = 0; k < happened.size(); ++k) happened[k] += one.world.events[k];
+    for (std::size_t const ranks : {2U, 3U, 4U, 9U}) {
+      ASSERT_NO_FATAL_FAILURE(expect_same(one, advance_on_ranks(s.model, s.start(), {.step = 25}, ranks, 1 + seed % 2),
+                                          "seed " + std::to_string(seed) + ", " + std::to_string(ranks) + " ranks"));
+    }
+  }
+  for (std::size_t const times : happened) EXPECT_GT(times, 100U);
+}
+
+TEST(ModelOnRanks, HasTheBitsOfOneProcessForShippedModels) {
+  Epidemic const epidemic{.count = 700, .infected_at_start = 0.2, .radius = 0.05, .speed = 0.3, .turnover_rate = 1.0};
+  Flocking const boids{.count = 500, .rule = FlockingRule::boids, .radius = 0.1, .speed = 0.02, .separation = 0.03};
+  for (Box const& box : {Box(1.0, 1.0, Edge::wall), Box(1.3, 0.7, Edge::periodic)}) {
+    for (std::size_t const ranks : {2U, 5U}) {
+      expect_same(advance(epidemic, started(epidemic, box, 3), {.step = 80}, {}),
+                  advance_on_ranks(epidemic, started(epidemic, box, 3), {.step = 80}, ranks, 1), "epidemic");
+      expect_same(advance(boids, started(boids, box, 3), {.step = 40}, {}),
+                  advance_on_ranks(boids, started(boids, box, 3), {.step = 40}, ranks, 2), "boids");
+    }
+  }
+}
+
+TEST(ModelOnRanks, HasTheBitsOfOneProcessWhereAgentsCrowd) {
+  KnownModels const known;
+  for (Edge const edge : {Edge::wall, Edge::periodic}) {
+    System s{.model = {.count = 3000, .radius = 0.01, .speed = 0.01, .birth = 0.01, .death = 0.01, .crowd = 0.05},
+             .box = Box(10.0, 8.0, edge),
+             .seed = 5};
+    for (double const jump : {0.0, 0.02}) {  // without and with a crowd that dissolves
+      s.model.jump = jump;
+      Ended const one = advance(s.model, s.start(), {.step = 120}, {});
+      for (std::size_t const ranks : {2U, 4U, 7U}) {
+        ASSERT_NO_FATAL_FAILURE(
+            expect_same(one, advance_on_ranks(s.model, s.start(), {.step = 120}, ranks, 1), "crowd"));
+      }
+    }
+  }
+}
+
+TEST(ModelOnRanks, HasTheBitsOfOneProcessWherePopulationsGrowAndDieOut) {
+  KnownModels const known;
+  for (bool const dies : {false, true}) {
+    System s{.model = {.count = dies ? 2000U : 1U, .radius = 0.05, .speed = 0.1},
+             .box = Box(2.0, 1.0, Edge::periodic),
+             .seed = 2};
+    (dies ? s.model.death : s.model.birth) = 0.3;
+    Ended const one = advance(s.model, s.start(), {.step = 24}, {});
+    EXPECT_TRUE(dies ? one.world.agents.size() < 5 : one.world.agents.size() > 500) << one.world.agents.size();
+    expect_same(one, advance_on_ranks(s.model, s.start(), {.step = 24}, 4, 1), dies ? "dies out" : "grows");
+  }
+}
+
+TEST(ModelOnRanks, HasTheBitsOfOneProcessOnMoreRanksThanCells) {
+  KnownModels const known;
+  for (std::uint64_t seed = 100; seed < 108; ++seed) {
+    System s = any_system(seed);
+    s.model.count = 1 + seed % 20;
+    Ended const one = advance(s.model, s.start(), {.step = 40}, {});
+    ASSERT_NO_FATAL_FAILURE(
+        expect_same(one, advance_on_ranks(s.model, s.start(), {.step = 40}, 16, 1), "seed " + std::to_string(seed)));
+  }
+}
+
+TEST(ModelOnRanks, ContinuesOnAnotherNumberOfRanks) {
+  KnownModels const known;
+  for (std::uint64_t const seed : {2U, 5U, 11U}) {
+    System const s = any_system(seed);
+    Ended const one = advance(s.model, s.start(), {.step = 40}, {});
+    Ended<Wanderers> many{.world = s.start()};
+    std::uint64_t step = 0;
+    for (std::size_t const ranks : {3U, 1U, 5U, 2U}) {
+      many = advance_on_ranks(s.model, std::move(many.world), {.step = step += 10}, ranks, 1);
+    }
+    expect_same(one, many, "seed " + std::to_string(seed));
+  }
+}
+
+TEST(ModelOnRanks, FailsWhereOneProcessDoesWithTheSameWords) {
+  KnownModels const known;
+  for (std::uint64_t const failing_agents : {1U, 40U}) {
+    for (std::uint64_t const fails_at : {0U, 1U, 17U}) {
+      System s{.model = {.count = 500, .birth = 0.02, .death = 0.02}, .box = Box(1.0, 2.0, Edge::wall), .seed = 4};
+      s.model.fails_at = fails_at;
+      s.model.failing_agents = failing_agents;
+      Ended const one = advance(s.model, s.start(), {.step = 30}, {});
+      ASSERT_NE(one.failure.find("fails"), std::string::npos) << one.failure;
+      for (std::size_t const ranks : {2U, 5U}) {
+        expect_same(one, advance_on_ranks(s.model, s.start(), {.step = 30}, ranks, 2), "fails");
+      }
+    }
+  }
+}
+
+TEST(ModelOnRanks, EndsWhereItIsAskedToOrTheQuestionFails) {
+  KnownModels const known;
+  System const s{.model = {.birth = 0.01, .death = 0.01}, .box = Box(1.0, 1.0, Edge::periodic), .seed = 9};
+  for (bool const throws : {false, true}) {
+    World<Wanderers> world = s.start();
+    int asked = 0;
+    auto const lead = [&](Ranks& leader) {
+      ModelEngine<Wanderers> engine(s.model, s.box, {.threads = 1, .ranks = &leader});
+      engine.advance(world, {.step = 1'000'000, .should_continue = [&] {
+                               if (++asked == 3 && throws) throw std::runtime_error("no more paper");
+                               return asked < 3;
+                             }});
+    };
+    if (throws) {
+      EXPECT_THROW(ThreadRanks(3).run(lead), std::runtime_error);
+    } else {
+      ThreadRanks(3).run(lead);
+    }
+    // What was done until then is whole.
+    EXPECT_GT(world.clock.step, 0U);
+    Ended const one = advance(s.model, s.start(), {.step = world.clock.step}, {});
+    EXPECT_EQ(all_of(one.world), all_of(world));
+  }
+}
+
+TEST(ModelOnRanks, SendsNoMessageThatGrowsWithTheBoxBehindItsRim) {
+  // Messages of a step without births: one to each neighbour, and what all tell all.
+  auto const messages_of = [](std::size_t agents, std::uint64_t steps) {
+    Flocking const model{.count = agents, .radius = 0.05, .speed = 0.01};
+    World<Flocking> world{.box = Box(1.0, 1.0, Edge::periodic), .seed = 1};
+    model.start(world);
+    ThreadRanks ranks(2);
+    ranks.run([&](Ranks& leader) {
+      ModelEngine<Flocking>(model, world.box, {.threads = 1, .ranks = &leader}).advance(world, {.step = steps});
+    });
+    return ranks.messages();
+  };
+  constexpr std::size_t steps = 60;
+  for (std::size_t const agents : {2000U, 8000U}) {
+    std::size_t const messages = messages_of(agents, steps);
+    EXPECT_GE(messages, steps * (2 + 4)) << "two ranks, and one gathering";
+    EXPECT_LE(messages, steps * (2 + 4 + 2) + 20)
+        << "an order and an answer at most, and what is handed out and gathered";
+  }
+}
+
+}  // namespace
+}  // namespace gridlock
