@@ -1,0 +1,243 @@
+/**
+ * Gridlock's engines and models, compiled from the C++ library to WebAssembly: the same input gives the same bits as the
+ * program of the command line. This module works in Node and in a Web Worker; a page uses `engine_client.ts`, which
+ * keeps it responsive.
+ *
+ * ```ts
+ * const gridlock = await loadGridlock();
+ * const session = gridlock.open("disks.count = 400\nengine.kind = \"exact\"");
+ * session.advance(1000);
+ * console.log(session.step, session.stateHash());
+ * session.dispose();
+ * ```
+ */
+
+/** One thing that is wrong, in the words of the command line. */
+export interface Problem {
+  /** What is wrong, with the numbers. */
+  readonly what: string;
+  /** What to do about it; may be empty. */
+  readonly hint: string;
+  /** The setting to blame, "disks.packing_fraction"; may be empty. */
+  readonly key: string;
+  /** From 1; 0 where it is not known. */
+  readonly line: number;
+  /** From 1; 0 where it is not known. */
+  readonly column: number;
+  /** The text of that line; may be empty. */
+  readonly sourceLine: string;
+  /** All of it, as the command line prints it. */
+  readonly text: string;
+}
+
+/**
+ * `input`: the settings cannot be used. `failure`: a run that started well broke. `memory`: there is not enough of it.
+ * `internal`: a mistake in Gridlock.
+ */
+export type ErrorKind = "input" | "failure" | "memory" | "internal";
+
+/** What every call throws that cannot do what it is asked for. */
+export class GridlockError extends Error {
+  readonly kind: ErrorKind;
+  /** At least one. */
+  readonly problems: readonly Problem[];
+
+  constructor(kind: ErrorKind, problems: readonly Problem[]) {
+    super(problems.map((problem) => problem.text).join("\n"));
+    this.name = "GridlockError";
+    this.kind = kind;
+    this.problems = problems;
+  }
+}
+
+export type SettingValue = number | boolean | string | readonly number[] | null;
+
+/** What is to be known of a setting to make a control of it. */
+export interface SettingDescription {
+  /** Dotted, "disks.packing_fraction"; of a list of tables "protocol[].kind". */
+  readonly key: string;
+  /** The part before the last point, "disks". */
+  readonly table: string;
+  readonly kind: "number" | "integer" | "switch" | "text" | "numbers" | "choice" | "tables";
+  /** Empty for pure numbers and words. */
+  readonly unit: string;
+  /** One sentence. */
+  readonly documentation: string;
+  /** −Infinity where there is no bound. */
+  readonly least: number;
+  /** Infinity where there is no bound. */
+  readonly most: number;
+  readonly leastIsAllowed: boolean;
+  readonly mostIsAllowed: boolean;
+  /** null where leaving it out means what `defaultNote` says. */
+  readonly default: SettingValue;
+  readonly defaultNote: string;
+  /** The words that a choice, `engine.kind` and `model.kind` take; empty for all others. */
+  readonly choices: readonly string[];
+}
+
+/** A model, an engine: a name and what it is. */
+export interface Named {
+  readonly name: string;
+  readonly documentation: string;
+}
+
+/** A column of the series. */
+export interface SeriesColumn {
+  readonly name: string;
+  readonly unit: string;
+  readonly documentation: string;
+}
+
+/** The values of a column, one for each agent. */
+export type ColumnValues = Float64Array | Int32Array | Uint32Array | BigUint64Array;
+
+export interface ColumnDescription {
+  /** "x", "velocity_x", "species" … */
+  readonly name: string;
+  readonly type: "float64" | "int32" | "uint32" | "uint64";
+  /** What the model calls the numbers 0, 1, 2 …; empty where it gives them no names. */
+  readonly valueNames: readonly string[];
+}
+
+export interface BoxDescription {
+  readonly width: number;
+  readonly height: number;
+  readonly periodic: boolean;
+}
+
+/** The cells of the uniform grid. Cells are numbered row by row from the lower left corner. */
+export interface GridDescription {
+  readonly columns: number;
+  readonly rows: number;
+  readonly cellWidth: number;
+  readonly cellHeight: number;
+}
+
+/** What an agent sees of the others: the 3 × 3 cells around it. */
+export interface Neighbourhood {
+  /** Its own cell. */
+  readonly cell: number;
+  /** The cells of the block, its own among them; fewer than nine at a wall. */
+  readonly cells: readonly number[];
+  /** The agents in them, without itself, in ascending order. */
+  readonly ids: readonly number[];
+  /** Those of them that touch the agent or are as near as the model looks. */
+  readonly near: readonly number[];
+}
+
+export interface Preparation {
+  /** From 0 to 1; 1 where there is no protocol. */
+  readonly fraction: number;
+  /** The stage that is carried out, "quench"; empty at the end. */
+  readonly what: string;
+  readonly stages: number;
+  readonly finished: number;
+}
+
+export interface NamedEstimate {
+  readonly name: string;
+  readonly mean: number;
+  /** NaN where it is not known. */
+  readonly standardError: number;
+  readonly unit: string;
+}
+
+export interface Note {
+  readonly severity: "info" | "note" | "warning";
+  readonly text: string;
+}
+
+/** A simulation that is set up and ready to run. It is to be disposed of when it is no longer used. */
+export interface Session {
+  /** What advances the agents: "engine exact", "model flocking". */
+  readonly title: string;
+  /** What the agents are called: "disks", "birds". */
+  readonly agentsName: string;
+  readonly box: BoxDescription;
+  readonly count: number;
+  readonly step: number;
+  readonly time: number;
+  /** The physical time of one step. */
+  readonly timeStep: number;
+  /** The step at which the set-up ends; Infinity where it has no such end. */
+  readonly endStep: number;
+  /** Of the set-up's length that is done, from 0 to 1; 0 where it has no end. */
+  readonly fraction: number;
+  /** Whether the end of the set-up is reached: advance() does nothing any more, until lengthen() is called. */
+  readonly isFinished: boolean;
+  /** Whether the protocol has ended; advance() carries it out first. */
+  readonly isPrepared: boolean;
+  readonly preparation: Preparation;
+
+  /** config.resolved.toml: every setting with the value that it has in this run. */
+  configuration(): string;
+  /** The same as values by dotted key. */
+  values(): Readonly<Record<string, SettingValue>>;
+  /** What is worth knowing of the set-up and of its protocol. */
+  notes(): Note[];
+
+  /**
+   * Goes on by so many steps, or until so many milliseconds have passed; returns the steps done. A protocol is carried
+   * out first, which counts as no step. With `exact` the time may pass within a step.
+   */
+  advance(steps: number, milliseconds?: number): number;
+  /** Takes the end away: the run goes on for as long as it is asked to. */
+  lengthen(): void;
+
+  columns(): ColumnDescription[];
+  /** A copy, in the order of `ids()`. */
+  column(name: string): ColumnValues;
+  /** In ascending order. */
+  ids(): Float64Array;
+  /** The radius of each agent, where the model gives it one in any form; else what is right for drawing. */
+  radii(): Float32Array;
+  /** x and y of each agent, side by side. */
+  positions(): Float32Array;
+  /** A column as it is drawn. Besides columns(): "displacement", "speed", "psi6", "neighbours" where they are defined. */
+  drawnColumn(name: string): Float32Array;
+  /** The names that drawnColumn() takes, with what they are. */
+  drawnColumns(): { name: string; unit: string; documentation: string; valueNames: readonly string[] }[];
+
+  /** The columns of the series, step and time first. */
+  seriesColumns(): SeriesColumn[];
+  /** The rows of the series from a row on, one after the other: those that the command line writes to series.csv. */
+  series(fromRow?: number): Float64Array;
+  readonly seriesLength: number;
+  /** The averages so far. */
+  results(): NamedEstimate[];
+
+  /** Of the state now: 16 hexadecimal digits, as `gridlock run` prints. */
+  stateHash(): string;
+  grid(): GridDescription;
+  neighbourhood(id: number): Neighbourhood;
+
+  /** Everything that the rest of the run depends on. */
+  save(): Uint8Array;
+  /** Goes back to what was saved in a session of the same settings. Errors: `input` for other bytes; the session stays as it was. */
+  restore(bytes: Uint8Array): void;
+  dispose(): void;
+}
+
+export interface Gridlock {
+  /** "0.1.0" */
+  readonly version: string;
+  settings(): SettingDescription[];
+  models(): Named[];
+  engines(): Named[];
+  /** Reads settings without setting up a run: every setting with its value. Errors as those of open(). */
+  read(toml: string, overrides?: readonly string[]): Readonly<Record<string, SettingValue>>;
+  /**
+   * The settings that are given, the overrides on top, as a TOML text without those at their defaults, short enough for
+   * a link. Errors as those of read().
+   */
+  merge(toml: string, overrides?: readonly string[]): string;
+  /**
+   * Sets up a run. Overrides are "disks.count=400", as for `--set`. Errors: `input` with the texts of the command line.
+   */
+  open(toml: string, overrides?: readonly string[]): Session;
+}
+
+export async function loadGridlock(): Promise<Gridlock> {
+  throw new Error("the engine is not built; ./dev build-web builds it");
+}
