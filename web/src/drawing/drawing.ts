@@ -43,6 +43,7 @@ export class Drawing {
   private readonly context: CanvasRenderingContext2D;
   private renderer: DiskRenderer;
   private readonly observer: ResizeObserver;
+  private isEmpty = true;
   private frame: Frame = { box: { width: 1, height: 1, periodic: false }, count: 0, positions: new Float32Array(0) };
   private paint: Paint = { palette: [], places: new Uint16Array(0), legend: { kind: "none" } };
   private overlay: Overlay = {};
@@ -77,8 +78,9 @@ export class Drawing {
   show(frame: Frame, colouring: Colouring): void {
     const painted = paint(frame, colouring);
     const before = this.frame.box;
-    const isOther = before.width !== frame.box.width || before.height !== frame.box.height;
+    const isOther = this.isEmpty || before.width !== frame.box.width || before.height !== frame.box.height;
     const movesUp = (painted.legend.kind === "none") !== (this.paint.legend.kind === "none");
+    this.isEmpty = false;
     this.frame = frame;
     this.paint = painted;
     this.renderer.load(frame, painted);
