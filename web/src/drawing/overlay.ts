@@ -10,11 +10,20 @@ export interface Cell {
   readonly row: number;
 }
 
+export interface Block {
+  readonly columns: number;
+  readonly rows: number;
+  readonly cells: readonly Cell[];
+  /** Rows of the agents in these cells, and of those among them that touch the agent or are near enough for it to see. */
+  readonly agents: readonly number[];
+  readonly near: readonly number[];
+}
+
 export interface Overlay {
   /** The k × k grid: its columns and rows. */
   readonly grid?: { readonly columns: number; readonly rows: number };
-  /** The cells around an agent in which its neighbours are searched (Figure 2), and the rows of the agents in them. */
-  readonly block?: { readonly cells: readonly Cell[]; readonly rows: readonly number[]; readonly near: readonly number[] };
+  /** The cells around an agent in which its neighbours are searched (Figure 2), of a grid with or without lines. */
+  readonly block?: Block;
   /** Rows of selected agents. */
   readonly selected?: readonly number[];
   /** A measured distance. */
@@ -53,7 +62,7 @@ export function drawOverlay(place: Place, overlay: Overlay, legend: Legend): voi
   context.save();
   clipToPicture(place, legend);
   if (overlay.grid !== undefined) drawGrid(place, overlay.grid);
-  if (overlay.grid !== undefined && overlay.block !== undefined) drawBlock(place, overlay.grid, overlay.block);
+  if (overlay.block !== undefined) drawBlock(place, overlay.block);
   drawBox(place);
   for (const row of overlay.selected ?? []) drawRing(place, row, 2.5, place.theme.accent);
   if (overlay.ruler !== undefined) drawRuler(place, overlay.ruler);
@@ -108,10 +117,10 @@ function drawGrid({ context, camera, frame, theme, width, height }: Place, grid:
   context.globalAlpha = 1;
 }
 
-function drawBlock(place: Place, grid: NonNullable<Overlay["grid"]>, block: NonNullable<Overlay["block"]>): void {
+function drawBlock(place: Place, block: Block): void {
   const { context, camera, frame, theme } = place;
   const box = boxRectangle(camera, frame);
-  const step = { x: box.width / grid.columns, y: box.height / grid.rows };
+  const step = { x: box.width / block.columns, y: box.height / block.rows };
   context.fillStyle = toCss(theme.accent);
   context.strokeStyle = toCss(theme.accent);
   context.lineWidth = 1.5;
@@ -123,7 +132,7 @@ function drawBlock(place: Place, grid: NonNullable<Overlay["grid"]>, block: NonN
     context.globalAlpha = 1;
     context.strokeRect(x, y, step.x, step.y);
   }
-  for (const row of block.rows) drawRing(place, row, 1.2, theme.ink);
+  for (const row of block.agents) drawRing(place, row, 1.2, theme.ink);
   for (const row of block.near) drawRing(place, row, 2.5, theme.ink);
 }
 

@@ -2,7 +2,7 @@ import type { Camera } from "./camera.ts";
 import type { Paint } from "./colouring.ts";
 import { outlineWidth } from "./disk_renderer.ts";
 import { markRadius, numberAt, positionAt, radiusAt, type Frame, type Point } from "./frame.ts";
-import { boxRectangle, CIRCLE_TICKS, LEGEND_HEIGHT, legendRectangle, LIGHT, ticks, type Overlay, type Theme } from "./overlay.ts";
+import { boxRectangle, CIRCLE_TICKS, LEGEND_HEIGHT, legendRectangle, LIGHT, ticks, type Block, type Overlay, type Theme } from "./overlay.ts";
 import { toCss, UNKNOWN_VALUE } from "./palettes.ts";
 
 export interface View {
@@ -91,11 +91,13 @@ function lines(view: View, box: ReturnType<typeof boxRectangle>): string[] {
     for (let i = 1; i < grid.columns; ++i) path.push(`M${round(box.x + i * step.x)} ${round(box.y)}v${round(box.height)}`);
     for (let i = 1; i < grid.rows; ++i) path.push(`M${round(box.x)} ${round(box.y + i * step.y)}h${round(box.width)}`);
     written.push(`<path d="${path.join("")}" stroke="${ink}" stroke-opacity="0.6" fill="none"/>`);
-    for (const cell of overlay.block?.cells ?? []) {
-      const y = box.y + box.height - (cell.row + 1) * step.y;
-      written.push(`<rect x="${round(box.x + cell.column * step.x)}" y="${round(y)}" width="${round(step.x)}" height="${round(step.y)}" ` +
-                   `fill="${toCss(theme.accent)}" fill-opacity="0.22" stroke="${toCss(theme.accent)}"/>`);
-    }
+  }
+  const block = overlay.block;
+  for (const cell of block?.cells ?? []) {
+    const step = { x: box.width / (block as Block).columns, y: box.height / (block as Block).rows };
+    const y = box.y + box.height - (cell.row + 1) * step.y;
+    written.push(`<rect x="${round(box.x + cell.column * step.x)}" y="${round(y)}" width="${round(step.x)}" height="${round(step.y)}" ` +
+                 `fill="${toCss(theme.accent)}" fill-opacity="0.22" stroke="${toCss(theme.accent)}"/>`);
   }
   const thickness = frame.box.periodic ? 1.2 : 3;
   written.push(`<rect x="${round(box.x - thickness / 2)}" y="${round(box.y - thickness / 2)}" width="${round(box.width + thickness)}" ` +
