@@ -22,7 +22,7 @@ export function menu(label: string, picture: IconName, items: () => readonly Men
     } }, item.name, element("small", {}, item.hint))));
     (list.firstElementChild as HTMLElement | null)?.focus();
   };
-  button.addEventListener("click", () => open(list.hidden));
+  button.addEventListener("click", () => open(list.hidden !== false));
   const host = element("div", { class: "menu" }, button, list);
   host.addEventListener("keydown", (event) => {
     if (event.key === "Escape" && !list.hidden) { open(false); button.focus(); }
