@@ -8,7 +8,7 @@ import { roundUp } from "./controls.ts";
 /** Made by the page itself; all others are columns that the engine draws. */
 export const NEIGHBOURHOOD = "neighbourhood";
 export const PLAIN = "plain";
-const NAMES: Readonly<Record<string, string>> = { [NEIGHBOURHOOD]: "neighbourhood (Figure 4)", [PLAIN]: "size", psi6: "|ψ6|" };
+const NAMES: Readonly<Record<string, string>> = { [PLAIN]: "size", psi6: "|ψ6|" };
 
 export function coloursOf(info: SessionInfo): { value: string; name: string }[] {
   const names = [NEIGHBOURHOOD, PLAIN, ...info.drawnColumns.map((column) => column.name)];

@@ -19,7 +19,7 @@ const ENGINE_KEYS = ["engine.kind", "engine.time_step", "engine.contact"];
 const COMMON_KEYS = ["box.edge", "run.seed"];
 
 const NAMES: Readonly<Record<string, string>> = {
-  "disks.packing_fraction": "Packing fraction φ", "disks.count": "Number of disks N", "disks.start": "Start", "velocities.max": "Speed v_max",
+  "disks.packing_fraction": "Packing fraction φ", "disks.count": "Number of disks N", "disks.start": "Start", "velocities.max": "Speed vₘₐₓ",
   "engine.kind": "Engine", "engine.time_step": "Time step", "engine.contact": "Contact", "engine.cells": "Cells k", "box.edge": "Edge of the box",
   "run.seed": "Seed",
 };

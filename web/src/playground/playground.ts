@@ -29,10 +29,11 @@ export class Playground {
   readonly drawing: Drawing;
   private readonly picture = element("div", { class: "picture" });
   private readonly charts = new RunCharts();
+  private readonly tools = element("div", { class: "tools", role: "group", "aria-label": "Picture" });
   private readonly transport = new Transport({
     toggle: () => void this.toggle(), step: () => void this.step(), rewind: () => void this.rewind(), restart: () => void this.restart(),
     goTo: (step) => void this.goTo(step), setSpeed: (speed) => void this.setSpeed(speed), copyHash: () => void this.copyHash(),
-  });
+  }, this.tools);
   private readonly scene = select("Scene", [], "", (name) => void this.openScene(name));
   private readonly about = element("p", { class: "hint" });
   private readonly problem = element("div", { class: "problem", role: "alert", hidden: true });
@@ -123,7 +124,8 @@ export class Playground {
     measure.setAttribute("aria-pressed", "false");
     const link = iconButton("link", "Copy a link to this set-up", () => void this.copyLink(), "Copy a link to this set-up (l)");
     const save = menu("Save", "save", () => exportItems({ drawing: this.drawing, series: this.series, name: this.fileName(), toml: this.merged, step: this.frame?.step ?? 0 }));
-    this.picture.append(element("div", { class: "corner" }, save, link, fit, measure), this.preparation);
+    this.tools.append(measure, fit, link, save);
+    this.picture.append(this.preparation);
     const stage = element("section", { class: "stage", "aria-label": "Picture of the run" }, this.picture, this.transport.element);
     const charts = element("aside", { class: "side charts", "aria-label": "Charts" }, this.charts.element);
     this.element.append(stage, this.setupSide, charts);

@@ -30,7 +30,8 @@ export class Transport {
   private furthest = 0;
   private isRunning = false;
 
-  constructor(private readonly target: TransportTarget) {
+  /** `tools` are shown at the end of the line of the status. */
+  constructor(private readonly target: TransportTarget, tools: HTMLElement) {
     this.toggle = iconButton("run", "Run", () => target.toggle(), "Run (space)");
     this.toggle.classList.add("primary");
     this.rewind = iconButton("rewind", "Rewind", () => target.rewind(), "Rewind by a second of watching (,)");
@@ -40,7 +41,7 @@ export class Transport {
     this.pace.addEventListener("input", () => { this.showSpeed(); target.setSpeed(this.stepsPerSecond); });
     const speed = element("label", { class: "pace" }, element("span", {}, "Pace"), this.pace, this.paceText);
     const keys = element("div", { class: "keys", role: "group", "aria-label": "Run" }, restart, this.rewind, this.toggle, this.step, speed);
-    this.element = element("div", { class: "transport" }, this.timeline, this.statusLine(), keys);
+    this.element = element("div", { class: "transport" }, this.timeline, this.statusLine(tools), keys);
     this.stepsPerSecond = USUAL_SPEED;
   }
 
@@ -94,13 +95,13 @@ export class Transport {
     this.pace.setAttribute("aria-valuetext", text);
   }
 
-  private statusLine(): HTMLElement {
+  private statusLine(tools: HTMLElement): HTMLElement {
     const part = (name: string, value: HTMLElement): HTMLElement => element("span", {}, `${name} `, value);
     const copy = element("button", { type: "button", title: "The hash of every bit of the state, the same as on the command line; click to copy",
                                      "aria-label": "Copy the state hash", onclick: () => this.target.copyHash() }, this.texts.hash);
     const hash = element("span", { class: "hash" }, "state hash", copy);
     this.status.append(part("step", this.texts.step), part("time", this.texts.time), element("span", {}, this.texts.count),
-                       element("span", {}, this.texts.pace), hash);
+                       element("span", {}, this.texts.pace), hash, tools);
     return this.status;
   }
 }
