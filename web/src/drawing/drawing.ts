@@ -1,6 +1,6 @@
+import { makeRenderer, type AgentRenderer, type RendererKind } from "./agent_renderer.ts";
 import { Camera } from "./camera.ts";
 import { paint, type Colouring, type Paint } from "./colouring.ts";
-import { DiskRenderer } from "./disk_renderer.ts";
 import { download, Recording } from "./export.ts";
 import { numberAt, type Frame, type Point } from "./frame.ts";
 import { Gestures } from "./gestures.ts";
@@ -8,10 +8,16 @@ import { drawOverlay, LEGEND_HEIGHT, LIGHT, shortNumber, type Overlay, type Them
 import { agentAt, distance } from "./picking.ts";
 import { toSvg } from "./svg.ts";
 
+/** "?renderer=webgl" or "pixels" at the end of the address decides, for comparisons and for faulty drivers. */
+function chosenRenderer(): RendererKind {
+  const asked = new URLSearchParams(location.search).get("renderer");
+  return asked === "webgl" || asked === "pixels" ? asked : "automatic";
+}
+
 export type Tool = "select" | "measure";
 
 /**
- * The picture of a run in an element of the page: agents by WebGL 2, over them the box, the grid, selections and a legend.
+ * The picture of a run in an element of the page: agents by WebGL 2 or on this processor, over them the box, the grid, selections and a legend.
  *
  * It serves the playground and the viewer. Give it a frame and what its agents are coloured by; it redraws itself where the
  * element changes its size, and where the user zooms or drags.
@@ -41,7 +47,7 @@ export class Drawing {
   private readonly agents = document.createElement("canvas");
   private readonly over = document.createElement("canvas");
   private readonly context: CanvasRenderingContext2D;
-  private renderer: DiskRenderer;
+  private renderer: AgentRenderer;
   private readonly observer: ResizeObserver;
   private isEmpty = true;
   private frame: Frame = { box: { width: 1, height: 1, periodic: false }, count: 0, positions: new Float32Array(0) };
@@ -52,8 +58,8 @@ export class Drawing {
   private scheduled = 0;
   private recording: Recording | undefined;
 
-  /** Fills `host`, which has a size of its own. Throws Error where the browser has no WebGL 2. */
-  constructor(private readonly host: HTMLElement) {
+  /** Fills `host`, which has a size of its own. Throws Error where the browser cannot draw. */
+  constructor(private readonly host: HTMLElement, private readonly kind: RendererKind = chosenRenderer()) {
     for (const canvas of [this.agents, this.over]) {
       canvas.style.cssText = "position:absolute;inset:0;width:100%;height:100%;display:block";
       host.append(canvas);
@@ -61,7 +67,7 @@ export class Drawing {
     this.over.tabIndex = 0;
     this.over.setAttribute("role", "img");
     this.context = this.over.getContext("2d") as CanvasRenderingContext2D;
-    this.renderer = new DiskRenderer(this.agents);
+    this.renderer = makeRenderer(this.agents, this.kind);
     this.restoreLostContext();
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(host);
@@ -226,7 +232,7 @@ export class Drawing {
   private restoreLostContext(): void {
     this.agents.addEventListener("webglcontextlost", (event) => event.preventDefault());
     this.agents.addEventListener("webglcontextrestored", () => {
-      this.renderer = new DiskRenderer(this.agents);
+      this.renderer = makeRenderer(this.agents, this.kind);
       this.renderer.load(this.frame, this.paint);
       this.redraw();
     });

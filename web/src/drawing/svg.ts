@@ -1,7 +1,7 @@
 import type { Camera } from "./camera.ts";
 import type { Paint } from "./colouring.ts";
-import { outlineWidth } from "./disk_renderer.ts";
 import { markRadius, numberAt, positionAt, radiusAt, type Frame, type Point } from "./frame.ts";
+import { outlineWidth } from "./packed_agents.ts";
 import { boxRectangle, CIRCLE_TICKS, LEGEND_HEIGHT, legendRectangle, LIGHT, ticks, type Block, type Overlay, type Theme } from "./overlay.ts";
 import { toCss, UNKNOWN_VALUE } from "./palettes.ts";
 

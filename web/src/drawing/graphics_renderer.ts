@@ -1,6 +1,8 @@
+import type { AgentRenderer } from "./agent_renderer.ts";
 import type { Camera } from "./camera.ts";
-import { markRadius, numberAt, type Box, type Frame } from "./frame.ts";
 import type { Paint } from "./colouring.ts";
+import type { Frame } from "./frame.ts";
+import { outlineWidth, PackedAgents } from "./packed_agents.ts";
 import type { Colour } from "./palettes.ts";
 
 // One triangle around each disk. Its corners are found from gl_VertexID and the agents from a texture, so that there is one
@@ -94,26 +96,17 @@ function texture(gl: Context): WebGLTexture {
   return made;
 }
 
-/** Draws the disks, or darts, of one frame by WebGL 2. */
-export class DiskRenderer {
+/** Draws by WebGL 2. */
+export class GraphicsRenderer implements AgentRenderer {
   private readonly gl: Context;
   private readonly program: WebGLProgram;
   private readonly agents: WebGLTexture;
   private readonly palette: WebGLTexture;
   private readonly locations = new Map<string, WebGLUniformLocation | null>();
-  private packed = new Float32Array(0);
+  private readonly packed = new PackedAgents();
   private rows = 0;
-  private drawn = 0;
-  private box: Box | undefined;
-  private mark = 0;
-  private smallest = 0;
 
-  /** Throws Error where the browser has no WebGL 2. */
-  constructor(canvas: HTMLCanvasElement) {
-    const gl = canvas.getContext("webgl2", { alpha: true, antialias: false, depth: false, preserveDrawingBuffer: true });
-    if (gl === null) {
-      throw new Error("this browser has no WebGL 2, which draws the agents; use a current browser and allow hardware acceleration");
-    }
+  constructor(gl: WebGL2RenderingContext) {
     this.gl = gl;
     this.program = link(gl);
     gl.bindVertexArray(gl.createVertexArray());
@@ -121,31 +114,29 @@ export class DiskRenderer {
     this.palette = texture(gl);
   }
 
-  /** Takes over a frame and its colours; in a periodic box the images of disks that reach across an edge too. */
   load(frame: Frame, paint: Paint): void {
-    this.pack(frame, paint);
+    this.packed.pack(frame, paint, TEXTURE_WIDTH);
     const gl = this.gl;
-    const rows = Math.ceil(Math.max(1, this.drawn) / TEXTURE_WIDTH);
+    const rows = Math.ceil(Math.max(1, this.packed.count) / TEXTURE_WIDTH);
     gl.bindTexture(gl.TEXTURE_2D, this.agents);
     if (rows > this.rows) {
       this.rows = rows;
       gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, TEXTURE_WIDTH, rows, 0, gl.RGBA, gl.FLOAT, null);
     }
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, TEXTURE_WIDTH, rows, gl.RGBA, gl.FLOAT, this.packed);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, TEXTURE_WIDTH, rows, gl.RGBA, gl.FLOAT, this.packed.numbers);
     const colours = new Uint8Array(4 * PALETTE_WIDTH);
     paint.palette.forEach((colour, i) => colours.set(colour.map((part) => Math.round(255 * part)), 4 * i));
     gl.bindTexture(gl.TEXTURE_2D, this.palette);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, PALETTE_WIDTH, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, colours);
   }
 
-  /** Draws what was loaded, on nothing. `pixelRatio` is that of the canvas to the pixels of the camera. */
   draw(camera: Camera, pixelRatio: number, ink: Colour): void {
     const gl = this.gl;
     const { width, height } = gl.canvas;
     gl.viewport(0, 0, width, height);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT);
-    if (this.drawn === 0) return;
+    if (this.packed.count === 0) return;
     gl.useProgram(this.program);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
@@ -155,11 +146,10 @@ export class DiskRenderer {
     gl.bindTexture(gl.TEXTURE_2D, this.palette);
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, this.agents);
-    gl.drawArrays(gl.TRIANGLES, 0, 3 * this.drawn);
+    gl.drawArrays(gl.TRIANGLES, 0, 3 * this.packed.count);
     gl.disable(gl.SCISSOR_TEST);
   }
 
-  /** Waits until what was drawn is there. For measurements: it stops the browser from working ahead. */
   finish(): void {
     this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
   }
@@ -180,88 +170,22 @@ export class DiskRenderer {
                  1 - origin.y * pixelRatio * clip.y);
     gl.uniform2f(this.location("u_clip_per_pixel"), clip.x, clip.y);
     gl.uniform1f(this.location("u_pixels"), pixels);
-    gl.uniform1f(this.location("u_mark"), this.mark);
-    gl.uniform1f(this.location("u_outline"), outlineWidth(this.smallest * pixels, pixelRatio));
+    gl.uniform1f(this.location("u_mark"), this.packed.mark);
+    gl.uniform1f(this.location("u_outline"), outlineWidth(this.packed.smallest * pixels, pixelRatio));
     gl.uniform3f(this.location("u_ink"), ...ink);
     gl.uniform1i(this.location("u_agents"), 0);
     gl.uniform1i(this.location("u_palette"), 1);
   }
 
-  /** To the box where it is periodic: images of disks end at its edges. */
   private clip(camera: Camera, pixelRatio: number): void {
-    if (this.box?.periodic !== true) return;
-    const gl = this.gl;
-    const least = camera.toPixels({ x: 0, y: 0 });
-    const most = camera.toPixels({ x: this.box.width, y: this.box.height });
-    const round = (pixels: number): number => Math.round(Math.min(Math.max(pixels * pixelRatio, -1e6), 1e6));
-    gl.enable(gl.SCISSOR_TEST);
-    gl.scissor(round(least.x), gl.canvas.height - round(least.y), round(most.x) - round(least.x), round(least.y) - round(most.y));
+    const clip = this.packed.clip(camera, pixelRatio);
+    if (clip === undefined) return;
+    this.gl.enable(this.gl.SCISSOR_TEST);
+    this.gl.scissor(clip.left, this.gl.canvas.height - clip.bottom, clip.right - clip.left, clip.bottom - clip.top);
   }
 
   private location(name: string): WebGLUniformLocation | null {
     if (!this.locations.has(name)) this.locations.set(name, this.gl.getUniformLocation(this.program, name));
     return this.locations.get(name) ?? null;
   }
-
-  private pack(frame: Frame, paint: Paint): void {
-    const { positions, radius, heading, box, count } = frame;
-    this.reserve(count);
-    this.box = box;
-    const mark = markRadius(box, count);
-    this.mark = radius === undefined && heading !== undefined ? mark : 0;
-    const oneRadius = radius === undefined ? mark : typeof radius === "number" ? radius : 0;
-    const radii = typeof radius === "object" ? radius : undefined;
-    let end = 0;
-    let smallest = Infinity;
-    for (let i = 0; i < count; ++i) {
-      const r = radii === undefined ? oneRadius : numberAt(radii, i);
-      if (r < smallest && r > 0) smallest = r;
-      const third = this.mark > 0 ? numberAt(heading as NonNullable<typeof heading>, i) : r;
-      end = this.put(end, numberAt(positions, 2 * i), numberAt(positions, 2 * i + 1), third, paint.places[i] as number);
-    }
-    this.smallest = smallest < Infinity ? smallest : 0;
-    this.drawn = box.periodic ? this.addImages(box, count, this.mark > 0 ? 2.2 * mark : undefined) : count;
-  }
-
-  /** Images of the agents that reach across an edge of a periodic box. */
-  private addImages(box: Box, count: number, reach: number | undefined): number {
-    let end = count;
-    for (let i = 0; i < count; ++i) {
-      const x = this.packed[4 * i] as number;
-      const y = this.packed[4 * i + 1] as number;
-      const third = this.packed[4 * i + 2] as number;
-      const r = reach ?? third;
-      const dx = x < r ? box.width : x > box.width - r ? -box.width : 0;
-      const dy = y < r ? box.height : y > box.height - r ? -box.height : 0;
-      if (dx === 0 && dy === 0) continue;
-      this.reserve(end + 3);
-      const place = this.packed[4 * i + 3] as number;
-      if (dx !== 0) end = this.put(end, x + dx, y, third, place);
-      if (dy !== 0) end = this.put(end, x, y + dy, third, place);
-      if (dx !== 0 && dy !== 0) end = this.put(end, x + dx, y + dy, third, place);
-    }
-    return end;
-  }
-
-  private put(at: number, x: number, y: number, third: number, place: number): number {
-    const packed = this.packed;
-    packed[4 * at] = x;
-    packed[4 * at + 1] = y;
-    packed[4 * at + 2] = third;
-    packed[4 * at + 3] = place;
-    return at + 1;
-  }
-
-  private reserve(agents: number): void {
-    const numbers = 4 * TEXTURE_WIDTH * Math.ceil(Math.max(1, agents) / TEXTURE_WIDTH);
-    if (numbers <= this.packed.length) return;
-    const larger = new Float32Array(numbers);
-    larger.set(this.packed);
-    this.packed = larger;
-  }
-}
-
-/** Pixels of the line around disks: thin against the disk, and none where it would be all there is to see. */
-export function outlineWidth(smallest: number, pixelRatio: number): number {
-  return smallest < 2.5 * pixelRatio ? 0 : Math.min(0.9 * pixelRatio, 0.12 * smallest);
 }
