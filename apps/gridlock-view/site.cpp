@@ -20,6 +20,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/workspace/run_directory.hpp"
+#include "io/file.hpp"
 
 namespace gridlock::view {
 
@@ -64,18 +65,22 @@ std::string type_of(fs::path const& file) {
   return found == types.end() ? "application/octet-stream" : found->second;
 }
 
-/// The name of a header `Host` without its port.
-std::string_view host_name(std::string_view host) {
-  std::size_t const end = host.starts_with('[') ? host.find(']') + 1 : host.find(':');
-  return host.substr(0, end == 0 ? host.size() : end);
+/// Whether a header `Host` is a name of the loopback interface, with any port: by an SSH tunnel it is another one, on the machine with
+/// the browser.
+bool is_loopback(std::string_view host) {
+  for (std::string_view const name : {"127.0.0.1", "localhost", "[::1]"}) {
+    if (!host.starts_with(name)) continue;
+    std::string_view const rest = host.substr(name.size());
+    if (rest.empty()) return true;
+    return rest.front() == ':' && rest.find_first_not_of("0123456789", 1) == std::string_view::npos;
+  }
+  return false;
 }
 
-/// By an SSH tunnel the port may be another one, and the name is that of the machine with the browser: localhost there too.
 bool is_from_here(Request const& request) {
-  constexpr std::array names{"127.0.0.1", "localhost", "[::1]"};
   if (request.get_header_value_count("Host") != 1) return false;
   std::string const host = request.get_header_value("Host");
-  if (std::ranges::find(names, host_name(host)) == names.end()) return false;
+  if (!is_loopback(host)) return false;
   if (!request.has_header("Origin")) return true;
   return request.get_header_value_count("Origin") == 1 && request.get_header_value("Origin") == "http://" + host;
 }
@@ -152,6 +157,15 @@ void send_file(fs::path const& path, Request const& request, Response& response)
   send_part(response, file, part, type_of(path));
 }
 
+/// The page says where its data are, so that the same page on another server asks for none.
+std::string index_of(fs::path const& page) {
+  std::string text = read_file(page / "index.html");
+  std::string const head = "<head>";
+  std::size_t const at = text.find(head);
+  return text.insert(at == std::string::npos ? 0 : at + head.size(),
+                     "<meta name=\"gridlock-data\" content=\"./data/\">");
+}
+
 std::optional<std::uint64_t> whole_number(std::string_view text) {
   std::uint64_t number = 0;
   auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -176,7 +190,6 @@ std::map<std::string, fs::path> files_of_page(fs::path const& page) {
     if (entry.is_symlink() || !entry.is_regular_file()) continue;
     files["/" + entry.path().lexically_relative(root).generic_string()] = entry.path();
   }
-  if (auto const index = files.find("/index.html"); index != files.end()) files["/"] = index->second;
   return files;
 }
 
@@ -228,7 +241,8 @@ AskedRange read_range(std::string const& header, std::uint64_t size) {
   return {.kind = Kind::part, .range = {.first = begin, .count = end - begin + 1}};
 }
 
-Site::Site(Contents contents, fs::path const& page) : contents_(std::move(contents)), page_(files_of_page(page)) {}
+Site::Site(Contents contents, fs::path const& page)
+    : contents_(std::move(contents)), index_(index_of(page)), page_(files_of_page(page)) {}
 
 void Site::answer(Request const& request, Response& response) {
   set_headers(response);
@@ -243,6 +257,9 @@ void Site::answer(Request const& request, Response& response) {
   constexpr std::string_view data = "/data/";
   if (request.path.starts_with(data)) {
     return guarded(response, [&] { answer_data(request.path.substr(data.size()), request, response); });
+  }
+  if (request.path == "/" || request.path == "/index.html") {
+    return response.set_content(index_, "text/html; charset=utf-8");
   }
   auto const found = page_.find(request.path);
   if (found == page_.end()) return refuse_path(response);

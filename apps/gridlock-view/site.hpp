@@ -38,7 +38,8 @@ class Site {
   [[nodiscard]] std::string about_json(ShownRun const& run) const;
 
   Contents contents_;
-  std::map<std::string, std::filesystem::path> page_;  ///< path of a request → file
+  std::string index_;                                  ///< index.html
+  std::map<std::string, std::filesystem::path> page_;  ///< path of a request → another file of the page
   FrameStore frames_;
 };
 
