@@ -49,8 +49,8 @@ const SCALE_BANDS: Readonly<Record<ScaleName, readonly Colour[]>> = {
 const CIRCLE_BANDS = bandsOf(colourCircle);
 
 /**
- * The colour of a cell, such that no two of the eight cells around a cell and the cell itself share one: consecutive columns
- * and rows alternate between two, and the last of an odd periodic ring has a third.
+ * The colour of a cell, such that it shares it with none of the eight cells around it: consecutive columns and rows alternate
+ * between two, and the last of an odd periodic ring has a third.
  */
 export function neighbourhoodColour(column: number, row: number, columns: number, rows: number, periodic: boolean): number {
   const along = (index: number, count: number): number =>
