@@ -152,7 +152,7 @@ export class Playground {
       return;
     }
     this.chosenColour = colour ?? scene.colour ?? "";
-    await this.open(new Setup(scene.toml, scene.name));
+    await this.open(new Setup(scene.toml, scene.name, scene.given));
   }
 
   private async openToml(toml: string): Promise<void> {
@@ -248,6 +248,7 @@ export class Playground {
     this.drawing.describe(`${frame.count} ${info.agentsName} at step ${frame.step}, coloured by ${words(this.chosenColour)}. ` +
       "Arrow keys move the picture, plus and minus zoom, 0 shows all, Enter selects the agent in the middle.");
     this.showOverlay();
+    if (performance.getEntriesByName("first picture").length === 0) performance.mark("first picture");
   }
 
   private showCharts(frame: EngineFrame): void {

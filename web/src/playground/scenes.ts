@@ -8,11 +8,16 @@ export interface Scene {
   readonly toml: string;
   /** What its agents are coloured by at first; undefined for the usual colour of such agents. */
   readonly colour?: string;
+  /** Settings beside the text, as for --set, none of which changes a bit of the run. */
+  readonly given: readonly string[];
 }
 
 const FILES = import.meta.glob<string>("../../../scenes/*.toml", { query: "?raw", import: "default", eager: true });
 
 const COLOURS: Readonly<Record<string, string>> = { paper: "neighbourhood", colloid: "neighbourhood", melting: "psi6", mixture: "plain", jamming: "plain" };
+
+/** The k of the paper's figure of neighbourhoods. */
+const GIVEN: Readonly<Record<string, readonly string[]>> = { paper: ["engine.cells=10"] };
 
 /** In the order of the alphabet, the paper's scene first. */
 export const SCENES: readonly Scene[] = Object.entries(FILES)
@@ -25,7 +30,7 @@ export function findScene(name: string): Scene | undefined {
 
 function toScene(name: string, text: string): Scene {
   const colour = COLOURS[name];
-  return { name, documentation: commentAtTop(text), toml: withoutSweep(text), ...(colour === undefined ? {} : { colour }) };
+  return { name, documentation: commentAtTop(text), toml: withoutSweep(text), given: GIVEN[name] ?? [], ...(colour === undefined ? {} : { colour }) };
 }
 
 /** The sentences of the comment that a file begins with. */

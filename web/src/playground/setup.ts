@@ -3,11 +3,12 @@
 export class Setup {
   private readonly changes = new Map<string, string>();
 
-  constructor(readonly toml: string, readonly sceneName?: string) {}
+  /** `given`: settings that belong to a scene beside its text, "engine.cells=10". */
+  constructor(readonly toml: string, readonly sceneName?: string, private readonly given: readonly string[] = []) {}
 
   /** The same with one setting changed. */
   with(key: string, value: string): Setup {
-    const changed = new Setup(this.toml, this.sceneName);
+    const changed = new Setup(this.toml, this.sceneName, this.given);
     for (const [one, text] of this.changes) changed.changes.set(one, text);
     changed.changes.set(key, value);
     return changed;
@@ -19,6 +20,6 @@ export class Setup {
 
   /** "disks.count=400", as for --set. */
   get overrides(): string[] {
-    return [...this.changes].map(([key, value]) => `${key}=${value}`);
+    return [...this.given, ...[...this.changes].map(([key, value]) => `${key}=${value}`)];
   }
 }
