@@ -39,7 +39,7 @@ export class Transport {
     const restart = iconButton("restart", "Restart", () => target.restart(), "Restart (r)");
     this.timeline.addEventListener("change", () => target.goTo(Number(this.timeline.value)));
     this.pace.addEventListener("input", () => { this.showSpeed(); target.setSpeed(this.stepsPerSecond); });
-    const speed = element("label", { class: "pace" }, element("span", {}, "Pace"), this.pace, this.paceText);
+    const speed = element("label", { class: "pace" }, element("span", {}, "Rate"), this.pace, this.paceText);
     const keys = element("div", { class: "keys", role: "group", "aria-label": "Run" }, restart, this.rewind, this.toggle, this.step, speed);
     this.element = element("div", { class: "transport" }, this.timeline, this.statusLine(tools), keys);
     this.stepsPerSecond = USUAL_SPEED;

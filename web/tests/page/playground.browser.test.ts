@@ -140,7 +140,7 @@ describe("the keys of a run", () => {
     });
   });
 
-  test("pace is kept", async () => {
+  test("the rate is kept", async () => {
     await withPlayground("#scene=paper&speed=20", async ({ page, user }) => {
       await user.press("Run");
       await page.waitForTimeout(2500);

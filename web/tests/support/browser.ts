@@ -47,7 +47,7 @@ export interface Watched {
   readonly page: Page;
   /** Errors and warnings of the console, and exceptions nobody has caught. */
   readonly complaints: string[];
-  /** Requests to anything but the page's own server. */
+  /** What it asked of anything but the page's own server. */
   readonly foreign: string[];
 }
 
