@@ -65,7 +65,9 @@ export class LineChart {
 
   /** Arrays of one length: the abscissa, then every curve; NaN where a value is missing. */
   setData(columns: readonly ArrayLike<number>[]): void {
-    const shown = columns.map((column, i) => (i === 0 ? column : Array.from(column, (value) => (Number.isFinite(value) ? value : null))));
+    const shown = columns.map((column, i) =>
+      i === 0 ? column : Array.from(column, (value) => (Number.isFinite(value) ? value : null)),
+    );
     this.data = shown as unknown as uPlot.AlignedData;
     if (this.plot === undefined) this.draw();
     else this.plot.setData(this.data);
@@ -74,7 +76,9 @@ export class LineChart {
 
   setTheme(theme: Theme): void {
     this.theme = theme;
-    this.swatches.forEach((swatch, i) => { swatch.style.background = curveColour(i, theme); });
+    this.swatches.forEach((swatch, i) => {
+      swatch.style.background = curveColour(i, theme);
+    });
     this.draw();
   }
 
@@ -94,7 +98,13 @@ export class LineChart {
       const name = curves.length > 1 ? [words(curve.name)] : [];
       return element("span", { class: "key", title: curve.documentation ?? "" }, swatch, ...name, value);
     });
-    return element("header", {}, element("h3", {}, title), element("span", { class: "unit" }, unit), element("div", { class: "keys" }, ...keys));
+    return element(
+      "header",
+      {},
+      element("h3", {}, title),
+      element("span", { class: "unit" }, unit),
+      element("div", { class: "keys" }, ...keys),
+    );
   }
 
   private showValues(row: readonly number[]): void {
@@ -102,7 +112,9 @@ export class LineChart {
       const value = row[i + 1];
       return value !== undefined && Number.isFinite(value) ? shortNumber(Number(value.toPrecision(4))) : "–";
     });
-    texts.forEach((text, i) => { (this.values[i] as HTMLElement).textContent = text; });
+    texts.forEach((text, i) => {
+      (this.values[i] as HTMLElement).textContent = text;
+    });
     const said = this.description.curves.map((curve, i) => `${words(curve.name)} ${texts[i]}`).join(", ");
     this.element.setAttribute("aria-label", `${this.description.title}: ${said}`);
   }
@@ -122,17 +134,34 @@ export class LineChart {
   private options(theme: Theme, width: number): uPlot.Options {
     const faint = toCss(theme.faint);
     const axis: uPlot.Axis = {
-      stroke: faint, font: "11px system-ui, sans-serif", grid: { stroke: gridColour(theme), width: 1 }, ticks: { show: false }, gap: 4,
+      stroke: faint,
+      font: "11px system-ui, sans-serif",
+      grid: { stroke: gridColour(theme), width: 1 },
+      ticks: { show: false },
+      gap: 4,
       values: (_, splits) => splits.map(shortAxis),
     };
     return {
-      width, height: HEIGHT, padding: [6, 8, 0, 0], legend: { show: false },
+      width,
+      height: HEIGHT,
+      padding: [6, 8, 0, 0],
+      legend: { show: false },
       scales: { x: { time: false } },
       cursor: { y: false, points: { size: 6 }, drag: { x: false, y: false }, sync: { key: "gridlock" } },
-      axes: [{ ...axis, size: 26, space: 60 }, { ...axis, size: 50, space: 28 }],
-      series: [{}, ...this.description.curves.map((_, i) => ({
-        stroke: curveColour(i, theme), width: 1.5, dash: DASHES[i % DASHES.length] as number[], points: { show: false }, spanGaps: true,
-      }))],
+      axes: [
+        { ...axis, size: 26, space: 60 },
+        { ...axis, size: 50, space: 28 },
+      ],
+      series: [
+        {},
+        ...this.description.curves.map((_, i) => ({
+          stroke: curveColour(i, theme),
+          width: 1.5,
+          dash: DASHES[i % DASHES.length] as number[],
+          points: { show: false },
+          spanGaps: true,
+        })),
+      ],
       hooks: { setCursor: [(plot) => this.showCursor(plot)] },
     };
   }

@@ -17,13 +17,31 @@ const GROUPS: readonly { title: string; names: readonly string[] }[] = [
   { title: "Sixfold order |ψ6|", names: ["global_bond_orientation_order", "local_bond_orientation_order"] },
 ];
 const SHORT_NAMES: Readonly<Record<string, string>> = {
-  virial_pressure: "virial", wall_pressure: "walls", global_bond_orientation_order: "global", local_bond_orientation_order: "local",
+  virial_pressure: "virial",
+  wall_pressure: "walls",
+  global_bond_orientation_order: "global",
+  local_bond_orientation_order: "local",
 };
 /** Columns of every run, in no chart until they are asked for. */
 const FURTHER = new Set([
-  "step", "time", "mean_squared_displacement", "centre_displacement", "kinetic_energy", "kinetic_energy_drift", "mean_speed",
-  "speed_moment_ratio", "collision_rate", "mean_free_time", "halted_fraction", "wall_hit_rate", "compressibility_factor",
-  "wall_pressure_left", "wall_pressure_right", "wall_pressure_bottom", "wall_pressure_top", "velocity_autocorrelation",
+  "step",
+  "time",
+  "mean_squared_displacement",
+  "centre_displacement",
+  "kinetic_energy",
+  "kinetic_energy_drift",
+  "mean_speed",
+  "speed_moment_ratio",
+  "collision_rate",
+  "mean_free_time",
+  "halted_fraction",
+  "wall_hit_rate",
+  "compressibility_factor",
+  "wall_pressure_left",
+  "wall_pressure_right",
+  "wall_pressure_bottom",
+  "wall_pressure_top",
+  "velocity_autocorrelation",
 ]);
 
 /** The charts that suit a run: quantities of one unit that a model defines share a chart. */
@@ -52,7 +70,12 @@ function titleOf(group: readonly QuantityColumn[]): string {
 }
 
 function describe(title: string, columns: readonly QuantityColumn[]): ChartDescription {
-  return { title, unit: columns[0]?.unit ?? "", abscissa: "time", curves: columns.map(({ name, documentation }) => ({ name, documentation })) };
+  return {
+    title,
+    unit: columns[0]?.unit ?? "",
+    abscissa: "time",
+    curves: columns.map(({ name, documentation }) => ({ name, documentation })),
+  };
 }
 
 /**
@@ -94,8 +117,10 @@ export class RunCharts {
     this.series = undefined;
     this.shown = chartsFor(columns).map((description) => this.add(description, this.list));
     const options = columns.filter((column) => column.name !== "step" && column.name !== "time");
-    this.chooser.replaceChildren(element("option", { value: "" }, "Another quantity…"),
-                                 ...options.map((one) => element("option", { value: one.name, title: one.documentation }, words(one.name))));
+    this.chooser.replaceChildren(
+      element("option", { value: "" }, "Another quantity…"),
+      ...options.map((one) => element("option", { value: one.name, title: one.documentation }, words(one.name))),
+    );
     this.chooser.value = options.some((one) => one.name === before) ? before : "";
     this.choose(this.chooser.value);
   }

@@ -6,7 +6,10 @@ export class Series {
   private stride = 1;
   private seen = 0;
 
-  constructor(readonly names: readonly string[], most = 20_000) {
+  constructor(
+    readonly names: readonly string[],
+    most = 20_000,
+  ) {
     this.columns = names.map(() => []);
     this.most = most;
   }
@@ -43,7 +46,14 @@ export class Series {
   toCsv(): string {
     const lines = [this.names.join(",")];
     for (let row = 0; row < this.length; ++row) {
-      lines.push(this.columns.map((column) => { const value = column[row] as number; return Number.isNaN(value) ? "" : String(value); }).join(","));
+      lines.push(
+        this.columns
+          .map((column) => {
+            const value = column[row] as number;
+            return Number.isNaN(value) ? "" : String(value);
+          })
+          .join(","),
+      );
     }
     return lines.join("\n") + "\n";
   }

@@ -24,7 +24,8 @@ export type RendererKind = "automatic" | "webgl" | "pixels";
  */
 export function makeRenderer(canvas: HTMLCanvasElement, kind: RendererKind): AgentRenderer {
   const options = { alpha: true, antialias: false, depth: false, preserveDrawingBuffer: true };
-  const gl = kind === "pixels" ? null : canvas.getContext("webgl2", { ...options, failIfMajorPerformanceCaveat: kind === "automatic" });
+  const gl =
+    kind === "pixels" ? null : canvas.getContext("webgl2", { ...options, failIfMajorPerformanceCaveat: kind === "automatic" });
   if (gl !== null) return new GraphicsRenderer(gl);
   if (kind === "webgl") throw new Error("this browser has no WebGL 2; open the page without ?renderer=webgl");
   const context = canvas.getContext("2d");

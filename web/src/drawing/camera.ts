@@ -23,11 +23,17 @@ export class Camera {
   }
 
   toPixels(place: Point): Point {
-    return { x: this.middle.x + (place.x - this.centre.x) * this.scale, y: this.middle.y - (place.y - this.centre.y) * this.scale };
+    return {
+      x: this.middle.x + (place.x - this.centre.x) * this.scale,
+      y: this.middle.y - (place.y - this.centre.y) * this.scale,
+    };
   }
 
   toBox(pixel: Point): Point {
-    return { x: this.centre.x + (pixel.x - this.middle.x) / this.scale, y: this.centre.y - (pixel.y - this.middle.y) / this.scale };
+    return {
+      x: this.centre.x + (pixel.x - this.middle.x) / this.scale,
+      y: this.centre.y - (pixel.y - this.middle.y) / this.scale,
+    };
   }
 
   /** Zooms by a factor, such that the place under the pixel stays there. */

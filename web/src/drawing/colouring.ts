@@ -2,7 +2,16 @@
 
 import { numberAt, radiusAt, type Frame, type Numbers } from "./frame.ts";
 import {
-  colourCircle, KIND_COLOURS, mixed, NEIGHBOURHOOD_COLOURS, OKABE_ITO, SCALES, UNKNOWN_VALUE, WHITE, type Colour, type ScaleName,
+  colourCircle,
+  KIND_COLOURS,
+  mixed,
+  NEIGHBOURHOOD_COLOURS,
+  OKABE_ITO,
+  SCALES,
+  UNKNOWN_VALUE,
+  WHITE,
+  type Colour,
+  type ScaleName,
 } from "./palettes.ts";
 
 /**
@@ -17,7 +26,11 @@ export type Colouring =
   | { readonly by: "plain" }
   | { readonly by: "neighbourhood"; readonly columns: number; readonly rows: number }
   | {
-      readonly by: "values"; readonly label: string; readonly values: Numbers; readonly least: number; readonly most: number;
+      readonly by: "values";
+      readonly label: string;
+      readonly values: Numbers;
+      readonly least: number;
+      readonly most: number;
       readonly scale?: ScaleName;
     }
   | { readonly by: "directions"; readonly label: string; readonly values: Numbers }
@@ -26,7 +39,13 @@ export type Colouring =
 /** What a legend says. */
 export type Legend =
   | { readonly kind: "none" }
-  | { readonly kind: "bar"; readonly label: string; readonly least: number; readonly most: number; readonly colours: readonly Colour[] }
+  | {
+      readonly kind: "bar";
+      readonly label: string;
+      readonly least: number;
+      readonly most: number;
+      readonly colours: readonly Colour[];
+    }
   | { readonly kind: "circle"; readonly label: string; readonly colours: readonly Colour[] }
   | { readonly kind: "list"; readonly label: string; readonly entries: readonly { name: string; colour: Colour }[] };
 
@@ -64,11 +83,16 @@ export function paint(frame: Frame, colouring: Colouring): Paint {
     throw new RangeError(`${colouring.values.length} values for ${frame.count} agents`);
   }
   switch (colouring.by) {
-    case "plain": return paintRadii(frame);
-    case "neighbourhood": return paintNeighbourhoods(frame, colouring.columns, colouring.rows);
-    case "values": return paintValues(colouring.values, colouring.least, colouring.most, colouring.label, colouring.scale ?? "viridis");
-    case "directions": return paintDirections(colouring.values, colouring.label);
-    case "kinds": return paintKinds(colouring.values, colouring.label, colouring.names ?? []);
+    case "plain":
+      return paintRadii(frame);
+    case "neighbourhood":
+      return paintNeighbourhoods(frame, colouring.columns, colouring.rows);
+    case "values":
+      return paintValues(colouring.values, colouring.least, colouring.most, colouring.label, colouring.scale ?? "viridis");
+    case "directions":
+      return paintDirections(colouring.values, colouring.label);
+    case "kinds":
+      return paintKinds(colouring.values, colouring.label, colouring.names ?? []);
   }
 }
 

@@ -59,7 +59,10 @@ export class Drawing {
   private recording: Recording | undefined;
 
   /** Fills `host`, which has a size of its own. Throws Error where the browser cannot draw. */
-  constructor(private readonly host: HTMLElement, private readonly kind: RendererKind = chosenRenderer()) {
+  constructor(
+    private readonly host: HTMLElement,
+    private readonly kind: RendererKind = chosenRenderer(),
+  ) {
     for (const canvas of [this.agents, this.over]) {
       canvas.style.cssText = "position:absolute;inset:0;width:100%;height:100%;display:block";
       host.append(canvas);
@@ -118,8 +121,15 @@ export class Drawing {
   /** The view as "png" (twice as sharp as on the screen), or as "svg", which takes up to 200,000 agents. Throws RangeError beyond. */
   async picture(format: "png" | "svg"): Promise<Blob> {
     if (format === "svg") {
-      const text = toSvg({ frame: this.frame, paint: this.paint, camera: this.camera, overlay: this.overlay, theme: this.theme,
-                           width: this.host.clientWidth, height: this.host.clientHeight });
+      const text = toSvg({
+        frame: this.frame,
+        paint: this.paint,
+        camera: this.camera,
+        overlay: this.overlay,
+        theme: this.theme,
+        width: this.host.clientWidth,
+        height: this.host.clientHeight,
+      });
       return new Blob([text], { type: "image/svg+xml" });
     }
     this.setSize(2 * this.pixelRatio);
@@ -189,7 +199,11 @@ export class Drawing {
     const height = this.host.clientHeight;
     context.setTransform(this.pixelRatio, 0, 0, this.pixelRatio, 0, 0);
     context.clearRect(0, 0, width, height);
-    drawOverlay({ context, camera: this.camera, frame: this.frame, theme: this.theme, width, height }, this.overlay, this.paint.legend);
+    drawOverlay(
+      { context, camera: this.camera, frame: this.frame, theme: this.theme, width, height },
+      this.overlay,
+      this.paint.legend,
+    );
   }
 
   /** Everything on one canvas. */
@@ -245,8 +259,14 @@ export class Drawing {
     };
     return {
       isMeasuring: () => this.tool === "measure",
-      pan: (dx, dy) => { this.camera.pan(dx, dy, this.frame.box); moved(); },
-      zoom: (at, factor) => { this.camera.zoomAt(at, factor, this.frame.box); moved(); },
+      pan: (dx, dy) => {
+        this.camera.pan(dx, dy, this.frame.box);
+        moved();
+      },
+      zoom: (at, factor) => {
+        this.camera.zoomAt(at, factor, this.frame.box);
+        moved();
+      },
       reset: () => this.resetView(),
       click: (at) => this.onPick(agentAt(this.frame, this.camera.toBox(at), 6 / this.camera.scale)),
       measure: (from, to) => this.measure(this.camera.toBox(from), this.camera.toBox(to)),
@@ -261,7 +281,10 @@ export class Drawing {
       return row === null ? end : { x: numberAt(this.frame.positions, 2 * row), y: numberAt(this.frame.positions, 2 * row + 1) };
     }) as [Point, Point];
     const length = distance(this.frame, ...snapped);
-    this.setOverlay({ ...this.overlay, ruler: { from: snapped[0], to: snapped[1], label: shortNumber(Number(length.toPrecision(4))) } });
+    this.setOverlay({
+      ...this.overlay,
+      ruler: { from: snapped[0], to: snapped[1], label: shortNumber(Number(length.toPrecision(4))) },
+    });
     this.onMeasure(length);
   }
 }

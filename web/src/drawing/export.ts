@@ -33,7 +33,9 @@ export class Recording {
   }
 
   async stop(): Promise<Blob> {
-    const stopped = new Promise((resolve) => { this.recorder.onstop = resolve; });
+    const stopped = new Promise((resolve) => {
+      this.recorder.onstop = resolve;
+    });
     this.recorder.stop();
     await stopped;
     for (const track of this.recorder.stream.getTracks()) track.stop();

@@ -20,7 +20,10 @@ export class Gestures {
   private start: Point = { x: 0, y: 0 };
   private hasMoved = false;
 
-  constructor(private readonly element: HTMLElement, private readonly target: GestureTarget) {
+  constructor(
+    private readonly element: HTMLElement,
+    private readonly target: GestureTarget,
+  ) {
     element.addEventListener("pointerdown", (event) => this.press(event));
     element.addEventListener("pointermove", (event) => this.move(event));
     element.addEventListener("pointerup", (event) => this.release(event));
@@ -78,7 +81,10 @@ export class Gestures {
   private key(event: KeyboardEvent): void {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const pan: Record<string, [number, number]> = {
-      ArrowLeft: [KEY_PIXELS, 0], ArrowRight: [-KEY_PIXELS, 0], ArrowUp: [0, KEY_PIXELS], ArrowDown: [0, -KEY_PIXELS],
+      ArrowLeft: [KEY_PIXELS, 0],
+      ArrowRight: [-KEY_PIXELS, 0],
+      ArrowUp: [0, KEY_PIXELS],
+      ArrowDown: [0, -KEY_PIXELS],
     };
     const by = pan[event.key];
     if (by !== undefined) this.target.pan(...by);

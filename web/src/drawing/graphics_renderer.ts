@@ -125,7 +125,12 @@ export class GraphicsRenderer implements AgentRenderer {
     }
     gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, TEXTURE_WIDTH, rows, gl.RGBA, gl.FLOAT, this.packed.numbers);
     const colours = new Uint8Array(4 * PALETTE_WIDTH);
-    paint.palette.forEach((colour, i) => colours.set(colour.map((part) => Math.round(255 * part)), 4 * i));
+    paint.palette.forEach((colour, i) =>
+      colours.set(
+        colour.map((part) => Math.round(255 * part)),
+        4 * i,
+      ),
+    );
     gl.bindTexture(gl.TEXTURE_2D, this.palette);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, PALETTE_WIDTH, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, colours);
   }
@@ -166,8 +171,13 @@ export class GraphicsRenderer implements AgentRenderer {
     const pixels = camera.scale * pixelRatio;
     const origin = camera.toPixels({ x: 0, y: 0 });
     const clip = { x: 2 / width, y: 2 / height };
-    gl.uniform4f(this.location("u_view"), pixels * clip.x, pixels * clip.y, origin.x * pixelRatio * clip.x - 1,
-                 1 - origin.y * pixelRatio * clip.y);
+    gl.uniform4f(
+      this.location("u_view"),
+      pixels * clip.x,
+      pixels * clip.y,
+      origin.x * pixelRatio * clip.x - 1,
+      1 - origin.y * pixelRatio * clip.y,
+    );
     gl.uniform2f(this.location("u_clip_per_pixel"), clip.x, clip.y);
     gl.uniform1f(this.location("u_pixels"), pixels);
     gl.uniform1f(this.location("u_mark"), this.packed.mark);

@@ -39,8 +39,18 @@ export interface Theme {
   readonly accent: Colour;
 }
 
-export const LIGHT: Theme = { background: [1, 1, 1], ink: [0.13, 0.14, 0.16], faint: [0.38, 0.41, 0.45], accent: [0, 0.31, 0.55] };
-export const DARK: Theme = { background: [0.075, 0.086, 0.1], ink: [0.9, 0.91, 0.93], faint: [0.62, 0.66, 0.71], accent: [0.55, 0.83, 1] };
+export const LIGHT: Theme = {
+  background: [1, 1, 1],
+  ink: [0.13, 0.14, 0.16],
+  faint: [0.38, 0.41, 0.45],
+  accent: [0, 0.31, 0.55],
+};
+export const DARK: Theme = {
+  background: [0.075, 0.086, 0.1],
+  ink: [0.9, 0.91, 0.93],
+  faint: [0.62, 0.66, 0.71],
+  accent: [0.55, 0.83, 1],
+};
 
 /** Pixels under the box that the legend takes. */
 export const LEGEND_HEIGHT = 46;
@@ -153,7 +163,10 @@ function drawRing({ context, camera, frame, theme }: Place, row: number, thickne
 function drawRuler({ context, camera, theme }: Place, ruler: NonNullable<Overlay["ruler"]>): void {
   const from = camera.toPixels(ruler.from);
   const to = camera.toPixels(ruler.to);
-  for (const [colour, thickness] of [[theme.background, 5], [theme.accent, 2]] as const) {
+  for (const [colour, thickness] of [
+    [theme.background, 5],
+    [theme.accent, 2],
+  ] as const) {
     context.strokeStyle = toCss(colour);
     context.lineWidth = thickness;
     context.beginPath();

@@ -77,7 +77,7 @@ export class PackedAgents {
     const numbers = 4 * this.rowLength * Math.ceil(Math.max(1, agents) / this.rowLength);
     if (numbers <= this.numbers.length) return;
     // A quarter more, so that a few images of disks do not move all numbers again and again.
-    const larger = new Float32Array(4 * this.rowLength * Math.ceil(numbers / 4 / this.rowLength * 1.25));
+    const larger = new Float32Array(4 * this.rowLength * Math.ceil((numbers / 4 / this.rowLength) * 1.25));
     larger.set(this.numbers);
     this.numbers = larger;
   }

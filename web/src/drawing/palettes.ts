@@ -15,14 +15,17 @@ export function mixed(from: Colour, to: Colour, share: number): Colour {
 }
 
 export function toCss(colour: Colour): string {
-  const byte = (part: number): string => Math.round(255 * part).toString(16).padStart(2, "0");
+  const byte = (part: number): string =>
+    Math.round(255 * part)
+      .toString(16)
+      .padStart(2, "0");
   return `#${byte(colour[0])}${byte(colour[1])}${byte(colour[2])}`;
 }
 
 /** Eight colours in the order curves take them. Source: M. Okabe & K. Ito, Color Universal Design (2008). */
-export const OKABE_ITO: readonly Colour[] = [
-  0x0072b2, 0xd55e00, 0x009e73, 0xcc79a7, 0xe69f00, 0x56b4e9, 0x000000, 0xf0e442,
-].map(fromHex);
+export const OKABE_ITO: readonly Colour[] = [0x0072b2, 0xd55e00, 0x009e73, 0xcc79a7, 0xe69f00, 0x56b4e9, 0x000000, 0xf0e442].map(
+  fromHex,
+);
 
 const okabeIto = (i: number): Colour => OKABE_ITO[i] as Colour;
 

@@ -80,7 +80,12 @@ export class PixelRenderer implements AgentRenderer {
     }
     this.width = width;
     const clip = this.agents.clip(camera, pixelRatio) ?? { left: 0, top: 0, right: width, bottom: height };
-    this.clip = { left: Math.max(0, clip.left), top: Math.max(0, clip.top), right: Math.min(width, clip.right), bottom: Math.min(height, clip.bottom) };
+    this.clip = {
+      left: Math.max(0, clip.left),
+      top: Math.max(0, clip.top),
+      right: Math.min(width, clip.right),
+      bottom: Math.min(height, clip.bottom),
+    };
     this.ink = packed(ink);
     this.outline = outlineWidth(this.agents.smallest * camera.scale * pixelRatio, pixelRatio);
   }

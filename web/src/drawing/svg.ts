@@ -2,7 +2,17 @@ import type { Camera } from "./camera.ts";
 import type { Paint } from "./colouring.ts";
 import { markRadius, numberAt, positionAt, radiusAt, type Frame, type Point } from "./frame.ts";
 import { outlineWidth } from "./packed_agents.ts";
-import { boxRectangle, CIRCLE_TICKS, LEGEND_HEIGHT, legendRectangle, LIGHT, ticks, type Block, type Overlay, type Theme } from "./overlay.ts";
+import {
+  boxRectangle,
+  CIRCLE_TICKS,
+  LEGEND_HEIGHT,
+  legendRectangle,
+  LIGHT,
+  ticks,
+  type Block,
+  type Overlay,
+  type Theme,
+} from "./overlay.ts";
 import { toCss, UNKNOWN_VALUE } from "./palettes.ts";
 
 export interface View {
@@ -96,18 +106,24 @@ function lines(view: View, box: ReturnType<typeof boxRectangle>): string[] {
   for (const cell of block?.cells ?? []) {
     const step = { x: box.width / (block as Block).columns, y: box.height / (block as Block).rows };
     const y = box.y + box.height - (cell.row + 1) * step.y;
-    written.push(`<rect x="${round(box.x + cell.column * step.x)}" y="${round(y)}" width="${round(step.x)}" height="${round(step.y)}" ` +
-                 `fill="${toCss(theme.accent)}" fill-opacity="0.22" stroke="${toCss(theme.accent)}"/>`);
+    written.push(
+      `<rect x="${round(box.x + cell.column * step.x)}" y="${round(y)}" width="${round(step.x)}" height="${round(step.y)}" ` +
+        `fill="${toCss(theme.accent)}" fill-opacity="0.22" stroke="${toCss(theme.accent)}"/>`,
+    );
   }
   const thickness = frame.box.periodic ? 1.2 : 3;
-  written.push(`<rect x="${round(box.x - thickness / 2)}" y="${round(box.y - thickness / 2)}" width="${round(box.width + thickness)}" ` +
-               `height="${round(box.height + thickness)}" fill="none" stroke="${ink}" stroke-width="${thickness}"` +
-               `${frame.box.periodic ? ' stroke-dasharray="6 4"' : ""}/>`);
+  written.push(
+    `<rect x="${round(box.x - thickness / 2)}" y="${round(box.y - thickness / 2)}" width="${round(box.width + thickness)}" ` +
+      `height="${round(box.height + thickness)}" fill="none" stroke="${ink}" stroke-width="${thickness}"` +
+      `${frame.box.periodic ? ' stroke-dasharray="6 4"' : ""}/>`,
+  );
   const rings = [...(overlay.block?.near ?? []), ...(overlay.selected ?? [])].filter((row) => row < frame.count);
   for (const row of rings) {
     const at = camera.toPixels(positionAt(frame, row));
     const radius = Math.max(4, radiusAt(frame, row) * camera.scale);
-    written.push(`<circle cx="${round(at.x)}" cy="${round(at.y)}" r="${round(radius + 1)}" fill="none" stroke="${toCss(theme.accent)}" stroke-width="2.5"/>`);
+    written.push(
+      `<circle cx="${round(at.x)}" cy="${round(at.y)}" r="${round(radius + 1)}" fill="none" stroke="${toCss(theme.accent)}" stroke-width="2.5"/>`,
+    );
   }
   return [...written, ...ruler(view)];
 }
@@ -131,15 +147,20 @@ function legend({ paint, theme, width, height }: View): string[] {
     const y = height - LEGEND_HEIGHT / 2;
     const entries = shown.entries.flatMap((entry, i) => {
       const x = bar.x + 90 * i;
-      return [`<rect x="${x}" y="${y - 6}" width="12" height="12" fill="${toCss(entry.colour)}" stroke="${ink}"/>`,
-              `<text x="${x + 18}" y="${y + 4}" fill="${ink}">${escaped(entry.name)}</text>`];
+      return [
+        `<rect x="${x}" y="${y - 6}" width="12" height="12" fill="${toCss(entry.colour)}" stroke="${ink}"/>`,
+        `<text x="${x + 18}" y="${y + 4}" fill="${ink}">${escaped(entry.name)}</text>`,
+      ];
     });
     return [`<text x="${bar.x - 12}" y="${y + 4}" text-anchor="end" fill="${ink}">${escaped(shown.label)}</text>`, ...entries];
   }
-  const stops = shown.colours.map((colour, i) =>
-    `<stop offset="${round(i / (shown.colours.length - 1))}" stop-color="${toCss(colour)}"/>`);
-  const marks = (shown.kind === "circle" ? CIRCLE_TICKS : ticks(shown.least, shown.most)).map((tick) =>
-    `<text x="${round(bar.x + tick.place * bar.width)}" y="${bar.y + 26}" text-anchor="middle" fill="${ink}">${tick.text}</text>`);
+  const stops = shown.colours.map(
+    (colour, i) => `<stop offset="${round(i / (shown.colours.length - 1))}" stop-color="${toCss(colour)}"/>`,
+  );
+  const marks = (shown.kind === "circle" ? CIRCLE_TICKS : ticks(shown.least, shown.most)).map(
+    (tick) =>
+      `<text x="${round(bar.x + tick.place * bar.width)}" y="${bar.y + 26}" text-anchor="middle" fill="${ink}">${tick.text}</text>`,
+  );
   return [
     `<defs><linearGradient id="bar">${stops.filter((_, i) => i % 5 === 0).join("")}</linearGradient></defs>`,
     `<rect x="${bar.x}" y="${bar.y}" width="${bar.width}" height="${bar.height}" fill="url(#bar)"/>`,

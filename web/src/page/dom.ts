@@ -7,7 +7,9 @@ type Properties = Record<string, string | number | boolean | ((event: never) => 
  * attribute without a value, false and undefined leave it out.
  */
 export function element<Tag extends keyof HTMLElementTagNameMap>(
-  tag: Tag, properties: Properties = {}, ...children: readonly (Node | string)[]
+  tag: Tag,
+  properties: Properties = {},
+  ...children: readonly (Node | string)[]
 ): HTMLElementTagNameMap[Tag] {
   const made = document.createElement(tag);
   for (const [name, value] of Object.entries(properties)) {
@@ -56,7 +58,10 @@ export function iconButton(name: IconName, label: string, onclick: () => void, h
 
 /** A choice of words; `names` says what the words are called. */
 export function select(
-  label: string, options: readonly { value: string; name: string }[], value: string, onchange: (value: string) => void,
+  label: string,
+  options: readonly { value: string; name: string }[],
+  value: string,
+  onchange: (value: string) => void,
 ): HTMLSelectElement {
   const made = element("select", { "aria-label": label, onchange: () => onchange(made.value) });
   setOptions(made, options, value);
@@ -75,5 +80,7 @@ export function words(name: string): string {
 
 /** Thousands parted by thin spaces. */
 export function grouped(value: number): string {
-  return Math.round(value).toString().replaceAll(/\B(?=(\d{3})+(?!\d))/g, "\u2009");
+  return Math.round(value)
+    .toString()
+    .replaceAll(/\B(?=(\d{3})+(?!\d))/g, "\u2009");
 }

@@ -29,7 +29,11 @@ export class Shell {
   private readonly help: HTMLDialogElement;
   private shown = -1;
 
-  constructor(host: HTMLElement, private readonly panels: readonly Panel[], theme: ThemeSwitch) {
+  constructor(
+    host: HTMLElement,
+    private readonly panels: readonly Panel[],
+    theme: ThemeSwitch,
+  ) {
     this.help = helpDialog(() => this.version);
     host.append(this.bar(theme), this.main, this.help);
     document.addEventListener("keydown", (event) => this.key(event));
@@ -47,14 +51,24 @@ export class Shell {
       const view = (this.views[index] ??= await (this.panels[index] as Panel).open());
       if (this.shown === index) this.main.replaceChildren(view.element);
     } catch (error) {
-      this.main.replaceChildren(element("div", { class: "group" }, element("div", { class: "problem", role: "alert" }, error instanceof Error ? error.message : String(error))));
+      this.main.replaceChildren(
+        element(
+          "div",
+          { class: "group" },
+          element("div", { class: "problem", role: "alert" }, error instanceof Error ? error.message : String(error)),
+        ),
+      );
     }
   }
 
   private bar(theme: ThemeSwitch): HTMLElement {
     const title = element("h1", {});
     title.innerHTML = `${MARK}<span>Gridlock</span>`;
-    this.panels.forEach((panel, i) => this.tabs.push(element("button", { type: "button", class: "tab", role: "tab", onclick: () => void this.show(i) }, panel.name)));
+    this.panels.forEach((panel, i) =>
+      this.tabs.push(
+        element("button", { type: "button", class: "tab", role: "tab", onclick: () => void this.show(i) }, panel.name),
+      ),
+    );
     const tabs = element("div", { class: "tabs", role: "tablist", "aria-label": "Views" }, ...this.tabs);
     tabs.addEventListener("keydown", (event) => {
       const by = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;

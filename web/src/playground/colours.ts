@@ -57,7 +57,12 @@ export function colouringOf(info: SessionInfo, frame: EngineFrame, chosen: strin
   if (column.name === "direction") return { by: "directions", label, values };
   if (column.valueNames.length > 0) return { by: "kinds", label, values, names: column.valueNames };
   if (isOfKinds(info, column.name, values)) return { by: "kinds", label, values };
-  return { by: "values", label: column.unit === "" ? label : `${label} / ${column.unit}`, values, ...range.cover(column.name, values) };
+  return {
+    by: "values",
+    label: column.unit === "" ? label : `${label} / ${column.unit}`,
+    values,
+    ...range.cover(column.name, values),
+  };
 }
 
 /** Whole numbers that few colours tell apart: a species. */

@@ -19,8 +19,15 @@ const ENGINE_KEYS = ["engine.kind", "engine.time_step", "engine.contact"];
 const COMMON_KEYS = ["box.edge", "run.seed"];
 
 const NAMES: Readonly<Record<string, string>> = {
-  "disks.packing_fraction": "Packing fraction φ", "disks.count": "Number of disks N", "disks.start": "Start", "velocities.max": "Speed vₘₐₓ",
-  "engine.kind": "Engine", "engine.time_step": "Time step", "engine.contact": "Contact", "engine.cells": "Cells k", "box.edge": "Edge of the box",
+  "disks.packing_fraction": "Packing fraction φ",
+  "disks.count": "Number of disks N",
+  "disks.start": "Start",
+  "velocities.max": "Speed vₘₐₓ",
+  "engine.kind": "Engine",
+  "engine.time_step": "Time step",
+  "engine.contact": "Contact",
+  "engine.cells": "Cells k",
+  "box.edge": "Edge of the box",
   "run.seed": "Seed",
 };
 const RANGES: Readonly<Record<string, Range>> = {
@@ -38,8 +45,11 @@ export function mainKeys(settings: readonly SettingDescription[], values: Values
   const known = new Set(settings.map((setting) => setting.key));
   const ofModel = settings.filter((setting) => setting.table === model && isSimple(setting)).map((setting) => setting.key);
   const ofDisks = DISK_KEYS.map((key) => (model === "disks" ? key : `${model}.${key}`)).filter((key) => known.has(key));
-  const ofEngine = model === "disks" ? ENGINE_KEYS.filter((key) => key !== "engine.contact" || values["engine.kind"] !== "exact") : [];
-  return [...new Set([...ofDisks, ...(model === "disks" ? [] : ofModel), ...ofEngine, ...COMMON_KEYS])].filter((key) => known.has(key));
+  const ofEngine =
+    model === "disks" ? ENGINE_KEYS.filter((key) => key !== "engine.contact" || values["engine.kind"] !== "exact") : [];
+  return [...new Set([...ofDisks, ...(model === "disks" ? [] : ofModel), ...ofEngine, ...COMMON_KEYS])].filter((key) =>
+    known.has(key),
+  );
 }
 
 function isSimple(setting: SettingDescription): boolean {
@@ -58,7 +68,8 @@ export function rangeOf(setting: SettingDescription, value: number): Range {
   if (known !== undefined) return { ...known, least: Math.min(known.least, value), most: Math.max(known.most, value) };
   const integer = setting.kind === "integer";
   const usual = Math.max(typeof setting.default === "number" ? Math.abs(setting.default) : 0, Math.abs(value)) || 1;
-  if (integer && usual >= 100) return { least: Math.max(1, setting.least), most: Math.min(setting.most, roundUp(20 * usual)), logarithmic: true, integer };
+  if (integer && usual >= 100)
+    return { least: Math.max(1, setting.least), most: Math.min(setting.most, roundUp(20 * usual)), logarithmic: true, integer };
   const least = Number.isFinite(setting.least) && setting.least > -10 * usual ? setting.least : Math.min(0, -4 * usual);
   const most = Number.isFinite(setting.most) && setting.most < 20 * usual ? setting.most : roundUp(4 * usual);
   return { least: setting.leastIsAllowed ? least : least + (most - least) / 1000, most, integer };
@@ -86,7 +97,10 @@ export class Controls {
   private controls: Control[] = [];
   private keys = "";
 
-  constructor(private readonly settings: readonly SettingDescription[], private readonly onChange: (key: string, value: string) => void) {}
+  constructor(
+    private readonly settings: readonly SettingDescription[],
+    private readonly onChange: (key: string, value: string) => void,
+  ) {}
 
   /** Shows the values of a run that was opened. */
   show(values: Values, keys: readonly string[] = mainKeys(this.settings, values)): void {
@@ -106,17 +120,36 @@ export class Controls {
   }
 
   private choice(setting: SettingDescription): Control {
-    const options = setting.choices.filter((value) => value !== "file").map((value) => ({ value, name: value.replaceAll("_", " ") }));
+    const options = setting.choices
+      .filter((value) => value !== "file")
+      .map((value) => ({ value, name: value.replaceAll("_", " ") }));
     const name = nameOf(setting.key);
     const made = select(name, options, "", (value) => this.onChange(setting.key, value));
-    const field = element("div", { class: "field row", title: setting.documentation }, element("span", { class: "name" }, name), made);
-    return { key: setting.key, element: field, update: (value) => { made.value = String(value); } };
+    const field = element(
+      "div",
+      { class: "field row", title: setting.documentation },
+      element("span", { class: "name" }, name),
+      made,
+    );
+    return {
+      key: setting.key,
+      element: field,
+      update: (value) => {
+        made.value = String(value);
+      },
+    };
   }
 
   private switch(setting: SettingDescription): Control {
     const input = element("input", { type: "checkbox", onchange: () => this.onChange(setting.key, String(input.checked)) });
     const field = element("label", { class: "check", title: setting.documentation }, input, nameOf(setting.key));
-    return { key: setting.key, element: field, update: (value) => { input.checked = value === true; } };
+    return {
+      key: setting.key,
+      element: field,
+      update: (value) => {
+        input.checked = value === true;
+      },
+    };
   }
 
   private slider(setting: SettingDescription, value: number): Control {
@@ -125,14 +158,24 @@ export class Controls {
     const name = nameOf(setting.key);
     const slider = element("input", { type: "range", min: 0, max: 1000, step: 1, "aria-label": name });
     const number = element("input", { type: "number", id, step: "any", title: setting.unit });
-    const say = (): void => { slider.setAttribute("aria-valuetext", number.value); };
+    const say = (): void => {
+      slider.setAttribute("aria-valuetext", number.value);
+    };
     slider.addEventListener("input", () => {
       number.value = String(valueAt(range, Number(slider.value) / 1000));
       say();
       this.onChange(setting.key, number.value);
     });
-    number.addEventListener("change", () => { if (number.value !== "") this.onChange(setting.key, number.value); });
-    const field = element("div", { class: "field", title: setting.documentation }, element("label", { for: id }, name), number, slider);
+    number.addEventListener("change", () => {
+      if (number.value !== "") this.onChange(setting.key, number.value);
+    });
+    const field = element(
+      "div",
+      { class: "field", title: setting.documentation },
+      element("label", { for: id }, name),
+      number,
+      slider,
+    );
     const update = (now: SettingValue): void => {
       if (typeof now !== "number") return;
       if (document.activeElement !== slider) slider.value = String(Math.round(1000 * placeOf(range, now)));
@@ -145,16 +188,18 @@ export class Controls {
 
 /** The value at a place of a slider from 0 to 1, rounded as far as the slider can tell values apart. */
 export function valueAt(range: Range, place: number): number {
-  const value = range.logarithmic === true
-    ? range.least * (range.most / range.least) ** place
-    : range.least + place * (range.most - range.least);
+  const value =
+    range.logarithmic === true
+      ? range.least * (range.most / range.least) ** place
+      : range.least + place * (range.most - range.least);
   if (range.integer === true) return range.logarithmic === true ? Number(Math.round(value).toPrecision(3)) : Math.round(value);
   return Number(value.toPrecision(3));
 }
 
 export function placeOf(range: Range, value: number): number {
-  const place = range.logarithmic === true
-    ? Math.log(value / range.least) / Math.log(range.most / range.least)
-    : (value - range.least) / (range.most - range.least);
+  const place =
+    range.logarithmic === true
+      ? Math.log(value / range.least) / Math.log(range.most / range.least)
+      : (value - range.least) / (range.most - range.least);
   return Math.min(Math.max(place, 0), 1);
 }

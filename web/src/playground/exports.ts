@@ -27,14 +27,36 @@ export function exportItems(run: Exported): MenuItem[] {
     }
   };
   return [
-    { name: "Picture, PNG", hint: "the view, twice as sharp as on the screen", act: guarded(() => drawing.save("png", `${name}_${run.step}`)) },
-    { name: "Picture, SVG", hint: "the view as shapes, for papers", act: guarded(() => drawing.save("svg", `${name}_${run.step}`)) },
+    {
+      name: "Picture, PNG",
+      hint: "the view, twice as sharp as on the screen",
+      act: guarded(() => drawing.save("png", `${name}_${run.step}`)),
+    },
+    {
+      name: "Picture, SVG",
+      hint: "the view as shapes, for papers",
+      act: guarded(() => drawing.save("svg", `${name}_${run.step}`)),
+    },
     drawing.isRecording
       ? { name: "End the video", hint: "and save it", act: guarded(() => saveVideo(drawing, name)) }
-      : { name: "Begin a video", hint: "of all that is shown until you end it here", act: guarded(() => { drawing.startRecording(); notice("The video has begun"); }) },
-    { name: "Series, CSV", hint: run.series.isThinned ? "the samples of the charts, thinned" : "every sample, as in series.csv",
-      act: () => download(text(run.series.toCsv(), "text/csv"), `${name}_series.csv`) },
-    { name: "Set-up, TOML", hint: `gridlock run ${name}.toml --set run.steps=${run.step}`, act: () => download(text(run.toml, "application/toml"), `${name}.toml`) },
+      : {
+          name: "Begin a video",
+          hint: "of all that is shown until you end it here",
+          act: guarded(() => {
+            drawing.startRecording();
+            notice("The video has begun");
+          }),
+        },
+    {
+      name: "Series, CSV",
+      hint: run.series.isThinned ? "the samples of the charts, thinned" : "every sample, as in series.csv",
+      act: () => download(text(run.series.toCsv(), "text/csv"), `${name}_series.csv`),
+    },
+    {
+      name: "Set-up, TOML",
+      hint: `gridlock run ${name}.toml --set run.steps=${run.step}`,
+      act: () => download(text(run.toml, "application/toml"), `${name}.toml`),
+    },
   ];
 }
 

@@ -25,7 +25,10 @@ export class Inspector {
   private selected: number | null = null;
   private isAsking = false;
 
-  constructor(private readonly engine: Engine, private readonly onBlock: () => void) {
+  constructor(
+    private readonly engine: Engine,
+    private readonly onBlock: () => void,
+  ) {
     this.element.append(this.title, this.search, this.list);
   }
 
@@ -63,10 +66,15 @@ export class Inspector {
     this.block = { columns, rows, cells, agents: toRows(around.ids), near: toRows(around.near) };
     const one = info.agentsName.replace(/s$/, "");
     this.title.textContent = `${one} ${this.selected}`;
-    this.search.textContent = `The search looks at ${around.ids.length} of ${frame.count - 1} others, in ${around.cells.length} cells of ${columns} × ${rows}. ` +
+    this.search.textContent =
+      `The search looks at ${around.ids.length} of ${frame.count - 1} others, in ${around.cells.length} cells of ${columns} × ${rows}. ` +
       `${around.near.length} ${around.near.length === 1 ? "is" : "are"} near.`;
-    this.list.replaceChildren(...Object.entries(values).flatMap(([name, value]) => [
-      element("dt", {}, words(name)), element("dd", {}, wordOf(info, name, value) ?? String(Number(value.toPrecision(8))))]));
+    this.list.replaceChildren(
+      ...Object.entries(values).flatMap(([name, value]) => [
+        element("dt", {}, words(name)),
+        element("dd", {}, wordOf(info, name, value) ?? String(Number(value.toPrecision(8)))),
+      ]),
+    );
   }
 }
 

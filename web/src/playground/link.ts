@@ -11,7 +11,11 @@ export interface LinkContent {
 }
 
 /** The bytes behind a stream. Throws RangeError where there are more than `most`. */
-async function through(bytes: BufferSource, stream: CompressionStream | DecompressionStream, most = Infinity): Promise<Uint8Array<ArrayBuffer>> {
+async function through(
+  bytes: BufferSource,
+  stream: CompressionStream | DecompressionStream,
+  most = Infinity,
+): Promise<Uint8Array<ArrayBuffer>> {
   const writer = stream.writable.getWriter();
   // Both sides report bad data; that of the reader is awaited.
   writer.write(bytes).catch(() => {});
@@ -46,7 +50,9 @@ export async function encodeLink(content: LinkContent): Promise<string> {
   const parts: string[] = [];
   if (content.scene !== undefined) parts.push(`scene=${encodeURIComponent(content.scene)}`);
   if (content.toml !== undefined) {
-    parts.push(`toml=${toBase64Url(await through(new TextEncoder().encode(content.toml), new CompressionStream("deflate-raw")))}`);
+    parts.push(
+      `toml=${toBase64Url(await through(new TextEncoder().encode(content.toml), new CompressionStream("deflate-raw")))}`,
+    );
   }
   if (content.colour !== undefined) parts.push(`colour=${encodeURIComponent(content.colour)}`);
   if (content.grid === true) parts.push("grid=1");
@@ -77,7 +83,8 @@ async function unpack(packed: string): Promise<string> {
   try {
     return new TextDecoder().decode(await through(fromBase64Url(packed), new DecompressionStream("deflate-raw"), MOST_BYTES));
   } catch (error) {
-    if (error instanceof RangeError) throw new Error("the set-up in this link is longer than a megabyte; open it as a file with gridlock run");
+    if (error instanceof RangeError)
+      throw new Error("the set-up in this link is longer than a megabyte; open it as a file with gridlock run");
     throw new Error("the set-up in this link is damaged; copy the whole link, from “#toml=” to its last letter");
   }
 }

@@ -30,10 +30,18 @@ export class Playground {
   private readonly picture = element("div", { class: "picture" });
   private readonly charts = new RunCharts();
   private readonly tools = element("div", { class: "tools", role: "group", "aria-label": "Picture" });
-  private readonly transport = new Transport({
-    toggle: () => void this.toggle(), step: () => void this.step(), rewind: () => void this.rewind(), restart: () => void this.restart(),
-    goTo: (step) => void this.goTo(step), setSpeed: (speed) => void this.setSpeed(speed), copyHash: () => void this.copyHash(),
-  }, this.tools);
+  private readonly transport = new Transport(
+    {
+      toggle: () => void this.toggle(),
+      step: () => void this.step(),
+      rewind: () => void this.rewind(),
+      restart: () => void this.restart(),
+      goTo: (step) => void this.goTo(step),
+      setSpeed: (speed) => void this.setSpeed(speed),
+      copyHash: () => void this.copyHash(),
+    },
+    this.tools,
+  );
   private readonly scene = select("Scene", [], "", (name) => void this.openScene(name));
   private readonly about = element("p", { class: "hint" });
   private readonly problem = element("div", { class: "problem", role: "alert", hidden: true });
@@ -65,8 +73,13 @@ export class Playground {
     this.build();
     this.drawing = new Drawing(this.picture);
     this.drawing.onPick = (row) => this.pick(row);
-    this.charts.onChoose = (time) => { if (this.info !== undefined) void this.goTo(Math.round(time / this.info.timeStep)); };
-    theme.follow((colours) => { this.drawing.setTheme(colours); this.charts.setTheme(colours); });
+    this.charts.onChoose = (time) => {
+      if (this.info !== undefined) void this.goTo(Math.round(time / this.info.timeStep));
+    };
+    theme.follow((colours) => {
+      this.drawing.setTheme(colours);
+      this.charts.setTheme(colours);
+    });
   }
 
   /** Starts the engine and opens what the address says. */
@@ -95,15 +108,25 @@ export class Playground {
     this.chosenColour = link.colour ?? "";
     if (link.toml !== undefined) return this.open(new Setup(withoutSweep(link.toml)));
     const known = link.scene === undefined ? undefined : findScene(link.scene);
-    if (link.scene !== undefined && known === undefined) this.showProblem(new Error(`there is no scene “${link.scene}”; choose one from the list`));
+    if (link.scene !== undefined && known === undefined)
+      this.showProblem(new Error(`there is no scene “${link.scene}”; choose one from the list`));
     await this.openScene(known?.name ?? FIRST_SCENE, link.colour);
   }
 
   /** What a key does; whether it does anything. */
   key(key: string): boolean {
     const acts: Readonly<Record<string, () => void>> = {
-      " ": () => void this.toggle(), ".": () => void this.step(), ",": () => void this.rewind(), r: () => void this.restart(), c: () => this.nextColour(),
-      g: () => { this.grid.checked = !this.grid.checked; this.showOverlay(); }, l: () => void this.copyLink(), "0": () => this.drawing.resetView(),
+      " ": () => void this.toggle(),
+      ".": () => void this.step(),
+      ",": () => void this.rewind(),
+      r: () => void this.restart(),
+      c: () => this.nextColour(),
+      g: () => {
+        this.grid.checked = !this.grid.checked;
+        this.showOverlay();
+      },
+      l: () => void this.copyLink(),
+      "0": () => this.drawing.resetView(),
       Escape: () => this.pick(null),
     };
     acts[key]?.();
@@ -113,20 +136,49 @@ export class Playground {
   private build(): void {
     const options = [...SCENES.map((one) => ({ value: one.name, name: words(one.name) })), { value: OWN, name: "your own" }];
     setOptions(this.scene, options, FIRST_SCENE);
-    this.setupSide.append(element("div", { class: "group" }, element("h2", {}, "Scene"), this.scene, this.about, this.problem, this.note, this.editor.element));
+    this.setupSide.append(
+      element(
+        "div",
+        { class: "group" },
+        element("h2", {}, "Scene"),
+        this.scene,
+        this.about,
+        this.problem,
+        this.note,
+        this.editor.element,
+      ),
+    );
     const fit = iconButton("fit", "Show the whole box", () => this.drawing.resetView(), "Show the whole box (0)");
-    const measure = iconButton("measure", "Measure a distance", () => {
-      const isOn = this.drawing.tool === "select";
-      this.drawing.tool = isOn ? "measure" : "select";
-      measure.setAttribute("aria-pressed", String(isOn));
-      if (!isOn) this.drawing.setOverlay(this.overlay());
-    }, "Measure a distance: drag from one place to another");
+    const measure = iconButton(
+      "measure",
+      "Measure a distance",
+      () => {
+        const isOn = this.drawing.tool === "select";
+        this.drawing.tool = isOn ? "measure" : "select";
+        measure.setAttribute("aria-pressed", String(isOn));
+        if (!isOn) this.drawing.setOverlay(this.overlay());
+      },
+      "Measure a distance: drag from one place to another",
+    );
     measure.setAttribute("aria-pressed", "false");
     const link = iconButton("link", "Copy a link to this set-up", () => void this.copyLink(), "Copy a link to this set-up (l)");
-    const save = menu("Save", "save", () => exportItems({ drawing: this.drawing, series: this.series, name: this.fileName(), toml: this.merged, step: this.frame?.step ?? 0 }));
+    const save = menu("Save", "save", () =>
+      exportItems({
+        drawing: this.drawing,
+        series: this.series,
+        name: this.fileName(),
+        toml: this.merged,
+        step: this.frame?.step ?? 0,
+      }),
+    );
     this.tools.append(measure, fit, link, save);
     this.picture.append(this.preparation);
-    const stage = element("section", { class: "stage", "aria-label": "Picture of the run" }, this.picture, this.transport.element);
+    const stage = element(
+      "section",
+      { class: "stage", "aria-label": "Picture of the run" },
+      this.picture,
+      this.transport.element,
+    );
     const charts = element("aside", { class: "side charts", "aria-label": "Charts" }, this.charts.element);
     this.element.append(stage, this.setupSide, charts);
   }
@@ -138,11 +190,22 @@ export class Playground {
     this.anySetting = new AnySetting(engine.settings, change);
     this.inspector = new Inspector(engine, () => this.showOverlay());
     const colour = element("div", { class: "field row" }, element("span", { class: "name" }, "Colour by"), this.colour);
-    const look = element("div", { class: "group" }, element("h2", {}, "Look"), colour,
-      element("label", { class: "check" }, this.grid, "Grid of k × k cells"), element("label", { class: "check" }, this.block, "3 × 3 block of the clicked agent"));
+    const look = element(
+      "div",
+      { class: "group" },
+      element("h2", {}, "Look"),
+      colour,
+      element("label", { class: "check" }, this.grid, "Grid of k × k cells"),
+      element("label", { class: "check" }, this.block, "3 × 3 block of the clicked agent"),
+    );
     this.cells.element.classList.remove("group");
     look.append(this.cells.element);
-    this.setupSide.append(this.controls.element, look, this.inspector.element, element("div", { class: "group" }, this.anySetting.element));
+    this.setupSide.append(
+      this.controls.element,
+      look,
+      this.inspector.element,
+      element("div", { class: "group" }, this.anySetting.element),
+    );
   }
 
   private async openScene(name: string, colour?: string): Promise<void> {
@@ -203,7 +266,10 @@ export class Playground {
     this.scene.value = this.setup.sceneName ?? OWN;
     this.about.textContent = commentAtTop(this.setup.toml);
     this.controls?.show(info.values);
-    this.cells?.show(info.values, info.values["engine.kind"] === "exact" || info.values["model.kind"] !== "disks" ? [] : ["engine.cells"]);
+    this.cells?.show(
+      info.values,
+      info.values["engine.kind"] === "exact" || info.values["model.kind"] !== "disks" ? [] : ["engine.cells"],
+    );
     this.anySetting?.show(info.values);
     this.series = new Series(info.seriesColumns.map((column) => column.name));
     this.charts.begin(info.seriesColumns);
@@ -241,12 +307,16 @@ export class Playground {
     const colouring = colouringOf(info, frame, this.chosenColour, this.range);
     const isFlock = colouring.by === "directions";
     const shown: Frame = {
-      box: info.box, count: frame.count, positions: frame.positions,
+      box: info.box,
+      count: frame.count,
+      positions: frame.positions,
       ...(isFlock ? { heading: frame.colour } : { radius: frame.radii }),
     };
     this.drawing.show(shown, colouring);
-    this.drawing.describe(`${frame.count} ${info.agentsName} at step ${frame.step}, coloured by ${words(this.chosenColour)}. ` +
-      "Arrow keys move the picture, plus and minus zoom, 0 shows all, Enter selects the agent in the middle.");
+    this.drawing.describe(
+      `${frame.count} ${info.agentsName} at step ${frame.step}, coloured by ${words(this.chosenColour)}. ` +
+        "Arrow keys move the picture, plus and minus zoom, 0 shows all, Enter selects the agent in the middle.",
+    );
     this.showOverlay();
     if (performance.getEntriesByName("first picture").length === 0) performance.mark("first picture");
   }
@@ -262,7 +332,10 @@ export class Playground {
     this.preparation.hidden = frame.isPrepared || (!frame.isRunning && frame.preparation.fraction === 0);
     if (this.preparation.hidden) return;
     const stage = `${words(frame.preparation.what)}: stage ${Math.min(frame.preparation.finished + 1, frame.preparation.stages)} of ${frame.preparation.stages}`;
-    this.preparation.replaceChildren(element("span", {}, stage), element("progress", { max: 1, value: frame.preparation.fraction, "aria-label": stage }));
+    this.preparation.replaceChildren(
+      element("span", {}, stage),
+      element("progress", { max: 1, value: frame.preparation.fraction, "aria-label": stage }),
+    );
   }
 
   private overlay(): Overlay {
@@ -359,12 +432,18 @@ export class Playground {
 
   private async linkContent(): Promise<LinkContent> {
     const { sceneName } = this.setup;
-    const usual = (sceneName === undefined ? undefined : findScene(sceneName)?.colour) ?? (this.info === undefined ? "" : usualColour(this.info));
+    const usual =
+      (sceneName === undefined ? undefined : findScene(sceneName)?.colour) ??
+      (this.info === undefined ? "" : usualColour(this.info));
     return {
-      ...(sceneName !== undefined && !this.setup.isChanged ? { scene: sceneName } : { toml: this.setup.isChanged ? this.merged : this.setup.toml }),
+      ...(sceneName !== undefined && !this.setup.isChanged
+        ? { scene: sceneName }
+        : { toml: this.setup.isChanged ? this.merged : this.setup.toml }),
       ...(this.chosenColour === usual ? {} : { colour: this.chosenColour }),
       ...(this.grid.checked ? { grid: true } : {}),
-      ...(this.transport.stepsPerSecond === undefined || this.transport.stepsPerSecond === USUAL_SPEED ? {} : { stepsPerSecond: this.transport.stepsPerSecond }),
+      ...(this.transport.stepsPerSecond === undefined || this.transport.stepsPerSecond === USUAL_SPEED
+        ? {}
+        : { stepsPerSecond: this.transport.stepsPerSecond }),
     };
   }
 

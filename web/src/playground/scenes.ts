@@ -14,7 +14,13 @@ export interface Scene {
 
 const FILES = import.meta.glob<string>("../../../scenes/*.toml", { query: "?raw", import: "default", eager: true });
 
-const COLOURS: Readonly<Record<string, string>> = { paper: "neighbourhood", colloid: "neighbourhood", melting: "psi6", mixture: "plain", jamming: "plain" };
+const COLOURS: Readonly<Record<string, string>> = {
+  paper: "neighbourhood",
+  colloid: "neighbourhood",
+  melting: "psi6",
+  mixture: "plain",
+  jamming: "plain",
+};
 
 /** The k of the paper's figure of neighbourhoods. */
 const GIVEN: Readonly<Record<string, readonly string[]>> = { paper: ["engine.cells=10"] };
@@ -30,7 +36,13 @@ export function findScene(name: string): Scene | undefined {
 
 function toScene(name: string, text: string): Scene {
   const colour = COLOURS[name];
-  return { name, documentation: commentAtTop(text), toml: withoutSweep(text), given: GIVEN[name] ?? [], ...(colour === undefined ? {} : { colour }) };
+  return {
+    name,
+    documentation: commentAtTop(text),
+    toml: withoutSweep(text),
+    given: GIVEN[name] ?? [],
+    ...(colour === undefined ? {} : { colour }),
+  };
 }
 
 /** The sentences of the comment that a file begins with. */

@@ -4,7 +4,11 @@ export class Setup {
   private readonly changes = new Map<string, string>();
 
   /** `given`: settings that belong to a scene beside its text, "engine.cells=10". */
-  constructor(readonly toml: string, readonly sceneName?: string, private readonly given: readonly string[] = []) {}
+  constructor(
+    readonly toml: string,
+    readonly sceneName?: string,
+    private readonly given: readonly string[] = [],
+  ) {}
 
   /** The same with one setting changed. */
   with(key: string, value: string): Setup {

@@ -23,24 +23,50 @@ export class Transport {
   private readonly rewind: HTMLButtonElement;
   private readonly step: HTMLButtonElement;
   private readonly timeline = element("input", { type: "range", min: 0, max: 1, value: 0, "aria-label": "Step of the run" });
-  private readonly pace = element("input", { type: "range", min: 0, max: SPEEDS.length, step: 1, "aria-label": "Steps a second" });
+  private readonly pace = element("input", {
+    type: "range",
+    min: 0,
+    max: SPEEDS.length,
+    step: 1,
+    "aria-label": "Steps a second",
+  });
   private readonly paceText = element("output", {});
   private readonly status = element("div", { class: "status" });
-  private readonly texts = { step: element("b", {}), time: element("b", {}), count: element("b", {}), pace: element("b", {}), hash: element("code", {}) };
+  private readonly texts = {
+    step: element("b", {}),
+    time: element("b", {}),
+    count: element("b", {}),
+    pace: element("b", {}),
+    hash: element("code", {}),
+  };
   private furthest = 0;
   private isRunning = false;
 
   /** `tools` are shown at the end of the line of the status. */
-  constructor(private readonly target: TransportTarget, tools: HTMLElement) {
+  constructor(
+    private readonly target: TransportTarget,
+    tools: HTMLElement,
+  ) {
     this.toggle = iconButton("run", "Run", () => target.toggle(), "Run (space)");
     this.toggle.classList.add("primary");
     this.rewind = iconButton("rewind", "Rewind", () => target.rewind(), "Rewind by a second of watching (,)");
     this.step = iconButton("step", "Single step", () => target.step(), "Single step (.)");
     const restart = iconButton("restart", "Restart", () => target.restart(), "Restart (r)");
     this.timeline.addEventListener("change", () => target.goTo(Number(this.timeline.value)));
-    this.pace.addEventListener("input", () => { this.showSpeed(); target.setSpeed(this.stepsPerSecond); });
+    this.pace.addEventListener("input", () => {
+      this.showSpeed();
+      target.setSpeed(this.stepsPerSecond);
+    });
     const speed = element("label", { class: "pace" }, element("span", {}, "Rate"), this.pace, this.paceText);
-    const keys = element("div", { class: "keys", role: "group", "aria-label": "Run" }, restart, this.rewind, this.toggle, this.step, speed);
+    const keys = element(
+      "div",
+      { class: "keys", role: "group", "aria-label": "Run" },
+      restart,
+      this.rewind,
+      this.toggle,
+      this.step,
+      speed,
+    );
     this.element = element("div", { class: "transport" }, this.timeline, this.statusLine(tools), keys);
     this.stepsPerSecond = USUAL_SPEED;
   }
@@ -71,7 +97,12 @@ export class Transport {
     this.texts.step.textContent = grouped(frame.step);
     this.texts.time.textContent = shortNumber(Number(frame.time.toPrecision(5)));
     this.texts.count.textContent = `${grouped(frame.count)} ${agentsName}`;
-    this.texts.pace.textContent = frame.isRunning && frame.stepsPerSecond > 0 ? `${grouped(frame.stepsPerSecond)} steps/s` : frame.isFinished ? "finished" : "paused";
+    this.texts.pace.textContent =
+      frame.isRunning && frame.stepsPerSecond > 0
+        ? `${grouped(frame.stepsPerSecond)} steps/s`
+        : frame.isFinished
+          ? "finished"
+          : "paused";
     if (frame.stateHash !== "") this.texts.hash.textContent = frame.stateHash;
     else if (frame.isRunning) this.texts.hash.textContent = "at a pause";
     this.rewind.disabled = frame.step === 0;
@@ -97,11 +128,25 @@ export class Transport {
 
   private statusLine(tools: HTMLElement): HTMLElement {
     const part = (name: string, value: HTMLElement): HTMLElement => element("span", {}, `${name} `, value);
-    const copy = element("button", { type: "button", title: "The hash of every bit of the state, the same as on the command line; click to copy",
-                                     "aria-label": "Copy the state hash", onclick: () => this.target.copyHash() }, this.texts.hash);
+    const copy = element(
+      "button",
+      {
+        type: "button",
+        title: "The hash of every bit of the state, the same as on the command line; click to copy",
+        "aria-label": "Copy the state hash",
+        onclick: () => this.target.copyHash(),
+      },
+      this.texts.hash,
+    );
     const hash = element("span", { class: "hash" }, "state hash", copy);
-    this.status.append(part("step", this.texts.step), part("time", this.texts.time), element("span", {}, this.texts.count),
-                       element("span", {}, this.texts.pace), hash, tools);
+    this.status.append(
+      part("step", this.texts.step),
+      part("time", this.texts.time),
+      element("span", {}, this.texts.count),
+      element("span", {}, this.texts.pace),
+      hash,
+      tools,
+    );
     return this.status;
   }
 }

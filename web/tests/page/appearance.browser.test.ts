@@ -25,7 +25,11 @@ afterAll(async () => {
   server?.close();
 });
 
-async function withPage(hash: string, options: BrowserContextOptions, use: (user: PlaygroundDriver, page: Page) => Promise<void>): Promise<void> {
+async function withPage(
+  hash: string,
+  options: BrowserContextOptions,
+  use: (user: PlaygroundDriver, page: Page) => Promise<void>,
+): Promise<void> {
   const { page, complaints } = await openWatched(browser, address + hash, options);
   try {
     const user = new PlaygroundDriver(page);
@@ -39,7 +43,12 @@ async function withPage(hash: string, options: BrowserContextOptions, use: (user
 
 const DESKTOP: BrowserContextOptions = { viewport: { width: 1440, height: 900 } };
 const SMALL: BrowserContextOptions = { viewport: { width: 900, height: 640 } };
-const PHONE: BrowserContextOptions = { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true };
+const PHONE: BrowserContextOptions = {
+  viewport: { width: 390, height: 844 },
+  deviceScaleFactor: 2,
+  isMobile: true,
+  hasTouch: true,
+};
 /** Of pixels; letters are drawn by fonts, which differ a little from machine to machine. */
 const TOLERANCE = 0.01;
 
@@ -47,7 +56,10 @@ describe("pictures are those of the references", () => {
   const goTo = async (user: PlaygroundDriver, step: number): Promise<void> => {
     for (let i = 0; i < step; ++i) {
       await user.press("Single step");
-      await user.page.waitForFunction((wanted) => document.querySelector(".status span b")?.textContent === String(wanted), i + 1);
+      await user.page.waitForFunction(
+        (wanted) => document.querySelector(".status span b")?.textContent === String(wanted),
+        i + 1,
+      );
     }
     await user.ready();
     await user.page.waitForTimeout(300);
@@ -73,7 +85,11 @@ describe("pictures are those of the references", () => {
     });
   });
 
-  for (const [name, hash, steps] of [["melting_psi6", "#scene=melting", 20], ["flock", "#scene=vicsek", 20], ["mixture", "#scene=mixture", 2]] as const) {
+  for (const [name, hash, steps] of [
+    ["melting_psi6", "#scene=melting", 20],
+    ["flock", "#scene=vicsek", 20],
+    ["mixture", "#scene=mixture", 2],
+  ] as const) {
     test(name.replaceAll("_", " by "), async () => {
       await withPage(hash, SMALL, async (user, page) => {
         await goTo(user, steps);
@@ -93,9 +109,11 @@ describe("pictures are those of the references", () => {
 
   test("the tolerance tells the references apart", () => {
     const different = NAMES.filter((name) => name !== "webgl");
-    different.forEach((one, i) => different.slice(i + 1).forEach((other) => {
-      expect(shareOfDifferences(reference(one), reference(other)), `${one} and ${other}`).toBeGreaterThan(5 * TOLERANCE);
-    }));
+    different.forEach((one, i) =>
+      different.slice(i + 1).forEach((other) => {
+        expect(shareOfDifferences(reference(one), reference(other)), `${one} and ${other}`).toBeGreaterThan(5 * TOLERANCE);
+      }),
+    );
   });
 });
 
@@ -103,12 +121,27 @@ describe("nobody is left out", () => {
   const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
   const findings = async (page: Page): Promise<string[]> => {
     await page.evaluate(axe);
-    const result = await page.evaluate(() => (globalThis as unknown as { axe: { run(): Promise<{ violations: { id: string; impact: string; nodes: { html: string }[] }[] }> } }).axe.run());
-    return result.violations.map((one) => `${one.impact} ${one.id}: ${one.nodes.map((node) => node.html).join(" ").slice(0, 300)}`);
+    const result = await page.evaluate(() =>
+      (
+        globalThis as unknown as {
+          axe: { run(): Promise<{ violations: { id: string; impact: string; nodes: { html: string }[] }[] }> };
+        }
+      ).axe.run(),
+    );
+    return result.violations.map(
+      (one) =>
+        `${one.impact} ${one.id}: ${one.nodes
+          .map((node) => node.html)
+          .join(" ")
+          .slice(0, 300)}`,
+    );
   };
 
   for (const [name, options] of [
-    ["light", DESKTOP], ["dark", { ...DESKTOP, colorScheme: "dark" }], ["on a phone", PHONE], ["on a phone, dark", { ...PHONE, colorScheme: "dark" }],
+    ["light", DESKTOP],
+    ["dark", { ...DESKTOP, colorScheme: "dark" }],
+    ["on a phone", PHONE],
+    ["on a phone, dark", { ...PHONE, colorScheme: "dark" }],
   ] as const) {
     test(`axe-core finds nothing ${name}, with everything open`, async () => {
       await withPage("#scene=epidemic", options, async (user, page) => {
@@ -149,12 +182,16 @@ describe("nobody is left out", () => {
 describe("how fast and how large", () => {
   /** All that a browser loads at first, and what it may load later. */
   const files = (folder: string): string[] =>
-    readdirSync(folder, { withFileTypes: true }).flatMap((entry) => (entry.isDirectory() ? files(join(folder, entry.name)) : [join(folder, entry.name)]));
+    readdirSync(folder, { withFileTypes: true }).flatMap((entry) =>
+      entry.isDirectory() ? files(join(folder, entry.name)) : [join(folder, entry.name)],
+    );
 
   test("the page is at most 3 MB compressed", () => {
     const parts = files(PAGE_FOLDER).filter((file) => !file.endsWith("playground.html") && !file.endsWith(".map"));
     const bytes = parts.reduce((sum, file) => sum + gzipSync(readFileSync(file), { level: 9 }).length, 0);
-    console.log(`the page: ${(bytes / 1e6).toFixed(2)} MB compressed, ${(parts.reduce((sum, file) => sum + statSync(file).size, 0) / 1e6).toFixed(2)} MB`);
+    console.log(
+      `the page: ${(bytes / 1e6).toFixed(2)} MB compressed, ${(parts.reduce((sum, file) => sum + statSync(file).size, 0) / 1e6).toFixed(2)} MB`,
+    );
     expect(bytes).toBeLessThan(3e6);
   });
 
@@ -178,7 +215,8 @@ describe("how fast and how large", () => {
       await user.colourBy("displacement");
       await page.waitForTimeout(500);
       const milliseconds = await page.evaluate(() => {
-        const { drawing } = (globalThis as unknown as { gridlock: { drawing: { measureFrame(frames: number): number } } }).gridlock;
+        const { drawing } = (globalThis as unknown as { gridlock: { drawing: { measureFrame(frames: number): number } } })
+          .gridlock;
         return Math.min(...Array.from({ length: 30 }, () => drawing.measureFrame(1)));
       });
       console.log(`a frame of 100,000 disks: ${milliseconds.toFixed(1)} ms of its own work`);

@@ -5,7 +5,16 @@ import { neighbourhoodColour, paint, rangeOf } from "../../src/drawing/colouring
 import { markRadius, type Frame } from "../../src/drawing/frame.ts";
 import { shortNumber, ticks } from "../../src/drawing/overlay.ts";
 import { PackedAgents } from "../../src/drawing/packed_agents.ts";
-import { cividis, colourCircle, KIND_COLOURS, NEIGHBOURHOOD_COLOURS, OKABE_ITO, toCss, viridis, type Colour } from "../../src/drawing/palettes.ts";
+import {
+  cividis,
+  colourCircle,
+  KIND_COLOURS,
+  NEIGHBOURHOOD_COLOURS,
+  OKABE_ITO,
+  toCss,
+  viridis,
+  type Colour,
+} from "../../src/drawing/palettes.ts";
 import { agentAt, distance } from "../../src/drawing/picking.ts";
 import { toSvg } from "../../src/drawing/svg.ts";
 import { LIGHT } from "../../src/drawing/overlay.ts";
@@ -22,13 +31,19 @@ const AROUND = [-1, 0, 1].flatMap((dx) => [-1, 0, 1].map((dy) => [dx, dy] as con
 describe("colours", () => {
   test("no cell shares its colour with one of the eight around it, between walls and in a periodic box", () => {
     for (const periodic of [false, true]) {
-      for (const [columns, rows] of [[10, 10], [9, 7], [3, 3], [4, 5]] as const) {
+      for (const [columns, rows] of [
+        [10, 10],
+        [9, 7],
+        [3, 3],
+        [4, 5],
+      ] as const) {
         for (let column = 0; column < columns; ++column) {
           for (let row = 0; row < rows; ++row) {
             const own = neighbourhoodColour(column, row, columns, rows, periodic);
             for (const [dx, dy] of AROUND) {
               const [c, r] = periodic ? [(column + dx + columns) % columns, (row + dy + rows) % rows] : [column + dx, row + dy];
-              if (c >= 0 && c < columns && r >= 0 && r < rows) expect(neighbourhoodColour(c, r, columns, rows, periodic)).not.toBe(own);
+              if (c >= 0 && c < columns && r >= 0 && r < rows)
+                expect(neighbourhoodColour(c, r, columns, rows, periodic)).not.toBe(own);
             }
           }
         }
@@ -38,7 +53,8 @@ describe("colours", () => {
 
   test("scales get brighter all the way, so that they are read in grey and by colour-blind readers", () => {
     for (const scale of [viridis, cividis]) {
-      const luminance = ([red, green, blue]: Colour): number => 0.2126 * linear(red) + 0.7152 * linear(green) + 0.0722 * linear(blue);
+      const luminance = ([red, green, blue]: Colour): number =>
+        0.2126 * linear(red) + 0.7152 * linear(green) + 0.0722 * linear(blue);
       for (let i = 1; i <= 64; ++i) expect(luminance(scale(i / 64))).toBeGreaterThan(luminance(scale((i - 1) / 64)));
     }
     expect(toCss(viridis(0))).toBe("#440154");
@@ -54,7 +70,9 @@ describe("colours", () => {
     for (const colours of [KIND_COLOURS.slice(0, 6), NEIGHBOURHOOD_COLOURS.filter((_, i) => [0, 1, 3, 4].includes(i))]) {
       for (const simulation of COLOUR_BLINDNESS) {
         const seen = colours.map((colour) => apply(simulation, colour));
-        seen.forEach((one, i) => seen.slice(i + 1).forEach((other, j) => expect(difference(one, other), `${i} and ${i + 1 + j}`).toBeGreaterThan(0.02)));
+        seen.forEach((one, i) =>
+          seen.slice(i + 1).forEach((other, j) => expect(difference(one, other), `${i} and ${i + 1 + j}`).toBeGreaterThan(0.02)),
+        );
       }
     }
     expect(OKABE_ITO.length).toBe(8);
@@ -62,7 +80,13 @@ describe("colours", () => {
 
   test("a value is coloured by its place between the ends, and one that is missing grey", () => {
     const frame = frameOf([0.1, 0.1, 0.2, 0.2, 0.3, 0.3, 0.4, 0.4], 0.01);
-    const { places, palette } = paint(frame, { by: "values", label: "v", values: Float32Array.from([0, 1, 7, NaN]), least: 0, most: 2 });
+    const { places, palette } = paint(frame, {
+      by: "values",
+      label: "v",
+      values: Float32Array.from([0, 1, 7, NaN]),
+      least: 0,
+      most: 2,
+    });
     expect([...places]).toEqual([0, 128, 255, 256]);
     expect(palette.length).toBe(257);
   });
@@ -122,8 +146,18 @@ describe("places", () => {
     const packed = new PackedAgents();
     const frame = frameOf([0.01, 0.02, 0.5, 0.99, 0.5, 0.5], 0.05, true);
     packed.pack(frame, paint(frame, { by: "plain" }));
-    const centres = Array.from({ length: packed.count }, (_, i) => [...packed.numbers.slice(4 * i, 4 * i + 2)].map((value) => Number(value.toFixed(3))));
-    expect(centres).toEqual([[0.01, 0.02], [0.5, 0.99], [0.5, 0.5], [1.01, 0.02], [0.01, 1.02], [1.01, 1.02], [0.5, -0.01]]);
+    const centres = Array.from({ length: packed.count }, (_, i) =>
+      [...packed.numbers.slice(4 * i, 4 * i + 2)].map((value) => Number(value.toFixed(3))),
+    );
+    expect(centres).toEqual([
+      [0.01, 0.02],
+      [0.5, 0.99],
+      [0.5, 0.5],
+      [1.01, 0.02],
+      [0.01, 1.02],
+      [1.01, 1.02],
+      [0.5, -0.01],
+    ]);
   });
 
   test("marks of agents without a radius neither vanish nor cover one another", () => {
@@ -144,14 +178,28 @@ test("an SVG file has every disk once, its images across the edges, and text tha
   const camera = new Camera();
   camera.fit(frame.box, 400, 400, { x: 8, top: 8, bottom: 50 }, true);
   const svg = toSvg({
-    frame, paint: paint(frame, { by: "kinds", label: "<kind>", values: Uint32Array.from([0, 1]), names: ["A & B", "C"] }), camera,
-    overlay: { grid: { columns: 4, rows: 4 } }, theme: LIGHT, width: 400, height: 400,
+    frame,
+    paint: paint(frame, { by: "kinds", label: "<kind>", values: Uint32Array.from([0, 1]), names: ["A & B", "C"] }),
+    camera,
+    overlay: { grid: { columns: 4, rows: 4 } },
+    theme: LIGHT,
+    width: 400,
+    height: 400,
   });
   expect(svg.match(/<circle/g)?.length).toBe(3);
   expect(svg).toContain("A &amp; B");
   expect(svg).toContain("&lt;kind&gt;");
-  expect(() => toSvg({ frame: { ...frame, count: 200_001 }, paint: paint(frame, { by: "plain" }), camera, overlay: {}, theme: LIGHT, width: 1, height: 1 }))
-    .toThrow(/PNG/);
+  expect(() =>
+    toSvg({
+      frame: { ...frame, count: 200_001 },
+      paint: paint(frame, { by: "plain" }),
+      camera,
+      overlay: {},
+      theme: LIGHT,
+      width: 1,
+      height: 1,
+    }),
+  ).toThrow(/PNG/);
 });
 
 function linear(part: number): number {

@@ -7,7 +7,9 @@ export class PlaygroundDriver {
 
   /** Waits until a run is drawn. */
   async ready(): Promise<void> {
-    await this.page.waitForFunction(() => (document.querySelector(".status code")?.textContent ?? "").length === 16, undefined, { timeout: 30_000 });
+    await this.page.waitForFunction(() => (document.querySelector(".status code")?.textContent ?? "").length === 16, undefined, {
+      timeout: 30_000,
+    });
   }
 
   async step(): Promise<number> {
@@ -28,8 +30,11 @@ export class PlaygroundDriver {
   /** Runs until a step is passed, then pauses. */
   async runPast(step: number): Promise<void> {
     await this.press("Run");
-    await this.page.waitForFunction((least) => Number((document.querySelector(".status span b")?.textContent ?? "").replaceAll(/\D/g, "")) > least, step,
-                                    { timeout: 60_000 });
+    await this.page.waitForFunction(
+      (least) => Number((document.querySelector(".status span b")?.textContent ?? "").replaceAll(/\D/g, "")) > least,
+      step,
+      { timeout: 60_000 },
+    );
     // A run that has come to its end has no key to pause it.
     const pause = this.page.getByRole("button", { name: "Pause", exact: true });
     if (await pause.isVisible()) await pause.click();
@@ -43,7 +48,9 @@ export class PlaygroundDriver {
 
   /** Waits for the frame of a set-up that was just opened: at step 0, with its hash. */
   async opened(): Promise<void> {
-    await this.page.waitForFunction(() => document.querySelector(".status span b")?.textContent === "0", undefined, { timeout: 30_000 });
+    await this.page.waitForFunction(() => document.querySelector(".status span b")?.textContent === "0", undefined, {
+      timeout: 30_000,
+    });
     await this.ready();
   }
 

@@ -26,7 +26,11 @@ interface Opened extends Watched {
 }
 
 /** The page, ready for use; at the end nothing must have been complained about. */
-async function withPlayground(hash: string, use: (opened: Opened) => Promise<void>, options: Parameters<typeof openWatched>[2] = {}): Promise<void> {
+async function withPlayground(
+  hash: string,
+  use: (opened: Opened) => Promise<void>,
+  options: Parameters<typeof openWatched>[2] = {},
+): Promise<void> {
   const watched = await openWatched(browser, address + hash, options);
   const user = new PlaygroundDriver(watched.page);
   try {
@@ -50,7 +54,9 @@ describe("every scene", () => {
         if (isPacking) {
           await user.press("Run");
           await page.getByRole("button", { name: /Continue|Run/ }).waitFor({ timeout: 90_000 });
-          await page.waitForFunction((start) => document.querySelector(".status code")?.textContent !== start, before, { timeout: 90_000 });
+          await page.waitForFunction((start) => document.querySelector(".status code")?.textContent !== start, before, {
+            timeout: 90_000,
+          });
         } else {
           await user.runPast(2);
           expect(await user.step()).toBeGreaterThan(2);
@@ -93,7 +99,10 @@ describe("the keys of a run", () => {
       await page.waitForFunction((before) => document.querySelector(".status code")?.textContent !== before, hash);
       expect(await user.step()).toBeLessThanOrEqual(10);
       await timeline.fill(String(step));
-      await page.waitForFunction((wanted) => Number((document.querySelector(".status span b")?.textContent ?? "").replaceAll(/\D/g, "")) === wanted, step);
+      await page.waitForFunction(
+        (wanted) => Number((document.querySelector(".status span b")?.textContent ?? "").replaceAll(/\D/g, "")) === wanted,
+        step,
+      );
       expect(await user.hash()).toBe(hash);
     });
   });
@@ -119,7 +128,10 @@ describe("the keys of a run", () => {
       await page.keyboard.press("?");
       await page.getByRole("dialog").waitFor();
       await page.keyboard.press("Escape");
-      await page.locator("details", { has: page.getByText("Set-up as TOML") }).locator("summary").click();
+      await page
+        .locator("details", { has: page.getByText("Set-up as TOML") })
+        .locator("summary")
+        .click();
       await page.getByRole("textbox", { name: "The set-up as TOML" }).focus();
       await page.keyboard.type("g.r ");
       expect(await user.step()).toBe(0);
@@ -132,9 +144,24 @@ describe("the keys of a run", () => {
       const names = new Set<string>();
       for (let i = 0; i < 60; ++i) {
         await page.keyboard.press("Tab");
-        names.add(await page.evaluate(() => document.activeElement?.getAttribute("aria-label") ?? document.activeElement?.textContent ?? ""));
+        names.add(
+          await page.evaluate(
+            () => document.activeElement?.getAttribute("aria-label") ?? document.activeElement?.textContent ?? "",
+          ),
+        );
       }
-      for (const name of ["Run", "Single step", "Rewind", "Restart", "Steps a second", "Scene", "Engine", "Colour by", "Copy the state hash", "Save"]) {
+      for (const name of [
+        "Run",
+        "Single step",
+        "Rewind",
+        "Restart",
+        "Steps a second",
+        "Scene",
+        "Engine",
+        "Colour by",
+        "Copy the state hash",
+        "Save",
+      ]) {
         if (name !== "Rewind") expect([...names], name).toContain(name); // which is disabled at the start
       }
     });
@@ -159,16 +186,22 @@ describe("the set-up", () => {
       let before = await user.hash();
       const changed = async (act: () => Promise<void>): Promise<void> => {
         await act();
-        await page.waitForFunction((hash) => { const now = document.querySelector(".status code")?.textContent ?? ""; return now.length === 16 && now !== hash; }, before);
+        await page.waitForFunction((hash) => {
+          const now = document.querySelector(".status code")?.textContent ?? "";
+          return now.length === 16 && now !== hash;
+        }, before);
         before = await user.hash();
       };
       await changed(() => user.setNumber("Packing fraction φ", 0.6));
       await changed(() => user.setNumber("Number of disks N", 400));
-      await changed(async () => void await page.getByRole("combobox", { name: "Start" }).selectOption("triangular"));
+      await changed(async () => void (await page.getByRole("combobox", { name: "Start" }).selectOption("triangular")));
       await changed(() => user.setNumber("Speed vₘₐₓ", 2));
       await changed(() => user.setNumber("Seed", 7));
-      await changed(async () => void await page.getByRole("combobox", { name: "Edge of the box" }).selectOption("periodic"));
-      for (const [label, value] of [["Engine", "exact"], ["Engine", "tiled"]] as const) {
+      await changed(async () => void (await page.getByRole("combobox", { name: "Edge of the box" }).selectOption("periodic")));
+      for (const [label, value] of [
+        ["Engine", "exact"],
+        ["Engine", "tiled"],
+      ] as const) {
         await page.getByRole("combobox", { name: label }).selectOption(value);
         await user.opened();
         await user.runPast(3);
@@ -177,7 +210,9 @@ describe("the set-up", () => {
       await user.press("Run");
       await user.setNumber("Packing fraction φ", 0.5);
       await page.getByRole("button", { name: "Pause" }).waitFor();
-      await page.waitForFunction(() => Number((document.querySelector(".status span b")?.textContent ?? "").replaceAll(/\D/g, "")) > 5);
+      await page.waitForFunction(
+        () => Number((document.querySelector(".status span b")?.textContent ?? "").replaceAll(/\D/g, "")) > 5,
+      );
     });
   });
 
@@ -187,7 +222,10 @@ describe("the set-up", () => {
       const slider = page.getByRole("slider", { name: "Packing fraction φ" });
       await slider.focus();
       for (let i = 0; i < 30; ++i) await page.keyboard.press("ArrowLeft");
-      await page.waitForFunction((hash) => { const now = document.querySelector(".status code")?.textContent ?? ""; return now.length === 16 && now !== hash; }, before);
+      await page.waitForFunction((hash) => {
+        const now = document.querySelector(".status code")?.textContent ?? "";
+        return now.length === 16 && now !== hash;
+      }, before);
       const value = Number(await page.getByRole("spinbutton", { name: "Packing fraction φ" }).inputValue());
       expect(value).toBeLessThan(0.69);
       expect(value).toBeGreaterThan(0.6);
@@ -216,7 +254,10 @@ describe("the set-up", () => {
     await withPlayground("#scene=paper", async ({ page, user }) => {
       await page.getByText("Any other setting").click();
       await page.getByRole("combobox", { name: "Name of a setting" }).fill("engine.substeps");
-      await page.getByText(/Equal parts of a time step/).last().waitFor();
+      await page
+        .getByText(/Equal parts of a time step/)
+        .last()
+        .waitFor();
       const before = await user.hash();
       await page.getByRole("textbox", { name: "Its value" }).fill("2");
       await page.getByRole("button", { name: "Set", exact: true }).click();
@@ -237,7 +278,10 @@ describe("the set-up", () => {
       await user.colourBy("speed");
       await page.getByRole("checkbox", { name: /Grid/ }).check();
       await user.press("Copy a link to this set-up");
-      await page.getByRole("status").getByText(/copied|Link|allows/).waitFor();
+      await page
+        .getByRole("status")
+        .getByText(/copied|Link|allows/)
+        .waitFor();
       hash = await user.hash();
       url = page.url();
     });
@@ -264,7 +308,10 @@ describe("the look", () => {
     for (const scene of ["paper", "flocking", "epidemic", "catalyst", "mixture"]) {
       await withPlayground(`#scene=${scene}`, async ({ page, user }) => {
         await user.runPast(3);
-        const options = await page.getByRole("combobox", { name: "Colour by" }).locator("option").evaluateAll((all) => all.map((one) => (one as HTMLOptionElement).value));
+        const options = await page
+          .getByRole("combobox", { name: "Colour by" })
+          .locator("option")
+          .evaluateAll((all) => all.map((one) => (one as HTMLOptionElement).value));
         expect(options.length, scene).toBeGreaterThan(3);
         for (const option of options) {
           await user.colourBy(option);
@@ -295,7 +342,10 @@ describe("the look", () => {
     await withPlayground("#scene=paper", async ({ page }) => {
       const picture = page.locator(".picture canvas").last();
       const box = (await picture.boundingBox())!;
-      const scale = (): Promise<number> => page.evaluate(() => (globalThis as unknown as { gridlock: { drawing: { camera: { scale: number } } } }).gridlock.drawing.camera.scale);
+      const scale = (): Promise<number> =>
+        page.evaluate(
+          () => (globalThis as unknown as { gridlock: { drawing: { camera: { scale: number } } } }).gridlock.drawing.camera.scale,
+        );
       const all = await scale();
       await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
       await page.mouse.wheel(0, -400);
@@ -314,13 +364,22 @@ describe("the look", () => {
   test("a distance is measured from centre to centre", async () => {
     await withPlayground("#scene=paper", async ({ page, user }) => {
       const at = await page.evaluate(() => {
-        const camera = (globalThis as unknown as { gridlock: { drawing: { camera: { toPixels(place: { x: number; y: number }): { x: number; y: number } } } } }).gridlock.drawing.camera;
+        const camera = (
+          globalThis as unknown as {
+            gridlock: { drawing: { camera: { toPixels(place: { x: number; y: number }): { x: number; y: number } } } };
+          }
+        ).gridlock.drawing.camera;
         const canvas = document.querySelector(".picture canvas")!.getBoundingClientRect();
-        return [0, 3].map((site) => { const pixel = camera.toPixels({ x: (site + 0.5) / 29, y: 0.5 / 29 }); return { x: canvas.x + pixel.x, y: canvas.y + pixel.y }; });
+        return [0, 3].map((site) => {
+          const pixel = camera.toPixels({ x: (site + 0.5) / 29, y: 0.5 / 29 });
+          return { x: canvas.x + pixel.x, y: canvas.y + pixel.y };
+        });
       });
       await page.evaluate(() => {
         const { drawing } = (globalThis as unknown as { gridlock: { drawing: { onMeasure(length: number): void } } }).gridlock;
-        drawing.onMeasure = (length) => { document.title = String(length); };
+        drawing.onMeasure = (length) => {
+          document.title = String(length);
+        };
       });
       await user.press("Measure a distance");
       await page.mouse.move(at[0]!.x + 2, at[0]!.y + 1);
@@ -335,8 +394,14 @@ describe("the look", () => {
     await withPlayground("#scene=melting", async ({ page, user }) => {
       await user.runPast(60);
       const step = await user.step();
-      expect(await page.locator(".chart h3").allInnerTexts()).toEqual(expect.arrayContaining(["Mean displacement", "Pressure", "Sixfold order |ψ6|"]));
-      await expect.poll(async () => Number(await page.locator(".chart").filter({ hasText: "Mean displacement" }).locator(".value").innerText())).toBeGreaterThan(0);
+      expect(await page.locator(".chart h3").allInnerTexts()).toEqual(
+        expect.arrayContaining(["Mean displacement", "Pressure", "Sixfold order |ψ6|"]),
+      );
+      await expect
+        .poll(async () =>
+          Number(await page.locator(".chart").filter({ hasText: "Mean displacement" }).locator(".value").innerText()),
+        )
+        .toBeGreaterThan(0);
       await page.getByRole("combobox", { name: "Another quantity" }).selectOption("kinetic_energy");
       await page.getByRole("heading", { name: "Kinetic energy" }).waitFor();
       const plot = (await page.locator(".chart .u-over").first().boundingBox())!;
@@ -354,9 +419,13 @@ describe("the look", () => {
       await page.reload();
       expect(await theme()).toBe("dark");
     });
-    await withPlayground("", async ({ page }) => {
-      expect(await page.evaluate(() => document.documentElement.dataset["theme"])).toBe("dark");
-    }, { colorScheme: "dark" });
+    await withPlayground(
+      "",
+      async ({ page }) => {
+        expect(await page.evaluate(() => document.documentElement.dataset["theme"])).toBe("dark");
+      },
+      { colorScheme: "dark" },
+    );
   });
 });
 
@@ -364,7 +433,11 @@ describe("what is taken home", () => {
   const FILES: readonly [RegExp, RegExp, (bytes: Buffer) => void][] = [
     [/^Picture, PNG/, /^paper_\d+\.png$/, (bytes) => expect(bytes.subarray(1, 4).toString()).toBe("PNG")],
     [/^Picture, SVG/, /^paper_\d+\.svg$/, (bytes) => expect(bytes.toString().match(/<circle/g)?.length).toBe(841)],
-    [/^Series, CSV/, /^paper_series\.csv$/, (bytes) => expect(bytes.toString().split("\n")[0]).toMatch(/^step,time,.*mean_displacement/)],
+    [
+      /^Series, CSV/,
+      /^paper_series\.csv$/,
+      (bytes) => expect(bytes.toString().split("\n")[0]).toMatch(/^step,time,.*mean_displacement/),
+    ],
     [/^Set-up, TOML/, /^paper\.toml$/, (bytes) => expect(bytes.toString()).toMatch(/packing_fraction/)],
   ];
 
@@ -388,7 +461,10 @@ describe("what is taken home", () => {
       await page.getByRole("menuitem", { name: /^Begin a video/ }).click();
       await user.runPast(60);
       await user.press("Save");
-      const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("menuitem", { name: /^End the video/ }).click()]);
+      const [download] = await Promise.all([
+        page.waitForEvent("download"),
+        page.getByRole("menuitem", { name: /^End the video/ }).click(),
+      ]);
       expect(download.suggestedFilename()).toBe("paper.webm");
       const bytes = await readFile(await download.path());
       expect(bytes.subarray(0, 4).toString("hex")).toBe("1a45dfa3"); // Matroska

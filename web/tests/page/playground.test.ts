@@ -45,7 +45,9 @@ describe("links", () => {
 
 describe("scenes", () => {
   test("every file of scenes/ is in the page, with the sentence at its top", () => {
-    const files = readdirSync(FOLDER).filter((name) => name.endsWith(".toml")).map((name) => name.replace(".toml", ""));
+    const files = readdirSync(FOLDER)
+      .filter((name) => name.endsWith(".toml"))
+      .map((name) => name.replace(".toml", ""));
     expect(SCENES.map((scene) => scene.name).sort()).toEqual(files.sort());
     expect(SCENES[0]?.name).toBe("paper");
     for (const scene of SCENES) {
@@ -66,14 +68,28 @@ describe("scenes", () => {
 
 describe("controls", () => {
   const setting = (over: Partial<SettingDescription>): SettingDescription => ({
-    key: "model.x", table: "model", kind: "number", unit: "", documentation: "", least: -Infinity, most: Infinity, leastIsAllowed: true,
-    mostIsAllowed: true, default: null, defaultNote: "", choices: [], ...over,
+    key: "model.x",
+    table: "model",
+    kind: "number",
+    unit: "",
+    documentation: "",
+    least: -Infinity,
+    most: Infinity,
+    leastIsAllowed: true,
+    mostIsAllowed: true,
+    default: null,
+    defaultNote: "",
+    choices: [],
+    ...over,
   });
 
   test("a slider reaches every value that is shown, and comes back to it", () => {
     const cases: [SettingDescription, number][] = [
-      [setting({ key: "disks.packing_fraction" }), 0.7], [setting({ key: "disks.count", kind: "integer" }), 841],
-      [setting({ least: 0, most: 6.283 }), 1], [setting({ least: 0, leastIsAllowed: false }), 0.02], [setting({ kind: "integer", default: 400, least: 1 }), 2000],
+      [setting({ key: "disks.packing_fraction" }), 0.7],
+      [setting({ key: "disks.count", kind: "integer" }), 841],
+      [setting({ least: 0, most: 6.283 }), 1],
+      [setting({ least: 0, leastIsAllowed: false }), 0.02],
+      [setting({ kind: "integer", default: 400, least: 1 }), 2000],
     ];
     for (const [one, value] of cases) {
       const range = rangeOf(one, value);
@@ -115,13 +131,27 @@ describe("series", () => {
   });
 
   test("quantities of a model share a chart where they share a unit, and those of every run have theirs", () => {
-    const column = (name: string, unit = ""): { name: string; unit: string; documentation: string } => ({ name, unit, documentation: "" });
+    const column = (name: string, unit = ""): { name: string; unit: string; documentation: string } => ({
+      name,
+      unit,
+      documentation: "",
+    });
     const charts = chartsFor([
-      column("step"), column("time", "time"), column("susceptible", "agents"), column("infected", "agents"), column("coverage", "1 / area"),
-      column("mean_displacement", "sides of the box"), column("kinetic_energy"), column("wall_pressure", "mass / time²"), column("virial_pressure", "mass / time²"),
+      column("step"),
+      column("time", "time"),
+      column("susceptible", "agents"),
+      column("infected", "agents"),
+      column("coverage", "1 / area"),
+      column("mean_displacement", "sides of the box"),
+      column("kinetic_energy"),
+      column("wall_pressure", "mass / time²"),
+      column("virial_pressure", "mass / time²"),
     ]);
     expect(charts.map((chart) => chart.curves.map((curve) => curve.name))).toEqual([
-      ["susceptible", "infected"], ["coverage"], ["mean_displacement"], ["wall_pressure", "virial_pressure"],
+      ["susceptible", "infected"],
+      ["coverage"],
+      ["mean_displacement"],
+      ["wall_pressure", "virial_pressure"],
     ]);
   });
 });

@@ -10,7 +10,11 @@ import { chromium, type Browser, type BrowserContextOptions, type Page } from "p
 export const PAGE_FOLDER = join(import.meta.dirname, "../../../build-web/page");
 const CHROMIUM = process.env["GRIDLOCK_CHROMIUM"] ?? "/usr/bin/chromium";
 const TYPES: Readonly<Record<string, string>> = {
-  ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm", ".json": "application/json",
+  ".html": "text/html",
+  ".js": "text/javascript",
+  ".css": "text/css",
+  ".wasm": "application/wasm",
+  ".json": "application/json",
 };
 
 /** The page's folder by HTTP on the loopback interface. */
@@ -23,7 +27,10 @@ export async function servePage(): Promise<{ address: string; server: Server }> 
       response.writeHead(404).end();
       return;
     }
-    response.writeHead(200, { "Content-Type": TYPES[extname(file)] ?? "application/octet-stream", "Content-Length": statSync(file).size });
+    response.writeHead(200, {
+      "Content-Type": TYPES[extname(file)] ?? "application/octet-stream",
+      "Content-Length": statSync(file).size,
+    });
     createReadStream(file).pipe(response);
   });
   await new Promise<void>((resolve) => server.listen(0, "127.0.0.1", resolve));
@@ -35,9 +42,20 @@ export async function startBrowser(): Promise<Browser> {
   return chromium.launch({
     executablePath: CHROMIUM,
     args: [
-      "--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
-      "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--force-color-profile=srgb",
-      "--font-render-hinting=none", "--disable-lcd-text",
+      "--headless",
+      "--no-sandbox",
+      "--disable-quic",
+      "--no-first-run",
+      "--disable-background-networking",
+      "--disable-component-update",
+      "--disable-sync",
+      "--use-gl=angle",
+      "--use-angle=swiftshader",
+      "--enable-unsafe-swiftshader",
+      "--ignore-gpu-blocklist",
+      "--force-color-profile=srgb",
+      "--font-render-hinting=none",
+      "--disable-lcd-text",
     ],
   });
 }
@@ -56,11 +74,14 @@ export async function openWatched(browser: Browser, address: string, options: Br
   const page = await context.newPage();
   const complaints: string[] = [];
   const foreign: string[] = [];
-  page.on("console", (message) => { if (["error", "warning"].includes(message.type())) complaints.push(message.text()); });
+  page.on("console", (message) => {
+    if (["error", "warning"].includes(message.type())) complaints.push(message.text());
+  });
   page.on("pageerror", (error) => complaints.push(error.message));
   page.on("request", (request) => {
     const url = request.url();
-    if (!url.startsWith(address.replace(/[#?].*$/, "")) && !url.startsWith("data:") && !url.startsWith("blob:")) foreign.push(url);
+    if (!url.startsWith(address.replace(/[#?].*$/, "")) && !url.startsWith("data:") && !url.startsWith("blob:"))
+      foreign.push(url);
   });
   await page.goto(address);
   return { page, complaints, foreign };

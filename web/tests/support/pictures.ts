@@ -28,7 +28,8 @@ export function differenceFromReference(name: string, bytes: Buffer): number {
     mkdirSync(FOLDER, { recursive: true });
     writeFileSync(join(FOLDER, `${name}.png`), bytes);
   }
-  if (!existsSync(join(FOLDER, `${name}.png`))) throw new Error(`there is no reference ${name}.png; GRIDLOCK_WRITE_REFERENCES=1 writes it`);
+  if (!existsSync(join(FOLDER, `${name}.png`)))
+    throw new Error(`there is no reference ${name}.png; GRIDLOCK_WRITE_REFERENCES=1 writes it`);
   const now = PNG.sync.read(bytes);
   const kept = reference(name);
   const marked = new PNG({ width: now.width, height: now.height });
