@@ -11,7 +11,9 @@ export const PLAIN = "plain";
 const NAMES: Readonly<Record<string, string>> = { [PLAIN]: "size", psi6: "|ψ6|" };
 
 export function coloursOf(info: SessionInfo): { value: string; name: string }[] {
-  const names = [NEIGHBOURHOOD, PLAIN, ...info.drawnColumns.map((column) => column.name)];
+  // PLAIN shows radii, by colours that tell them apart.
+  const columns = info.drawnColumns.map((column) => column.name).filter((name) => name !== "radius");
+  const names = [NEIGHBOURHOOD, PLAIN, ...columns];
   return names.map((value) => ({ value, name: NAMES[value] ?? words(value) }));
 }
 

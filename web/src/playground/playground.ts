@@ -282,10 +282,10 @@ export class Playground {
     void this.engine?.colourBy(this.columnOf(this.chosenColour));
   }
 
-  /** The column that the engine is to send. */
+  /** The column that the engine is to send; where the page needs none, one that costs nothing to make. */
   private columnOf(colour: string): string {
-    const isColumn = this.info?.drawnColumns.some((column) => column.name === colour) ?? false;
-    return isColumn ? colour : (this.info?.drawnColumns[0]?.name ?? "");
+    const names = (this.info?.drawnColumns ?? []).map((column) => column.name);
+    return [colour, "radius", "x"].find((name) => names.includes(name)) ?? names[0] ?? "";
   }
 
   private show(frame: EngineFrame): void {
