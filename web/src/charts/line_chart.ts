@@ -144,9 +144,9 @@ export class LineChart {
     return {
       width,
       height: HEIGHT,
-      padding: [6, 8, 0, 0],
+      padding: [6, 14, 0, 0],
       legend: { show: false },
-      scales: { x: { time: false } },
+      scales: { x: { time: false, range: (_, least, most) => rangeOfTime(least, most) }, y: { range: (_, least, most) => rangeOfValues(least, most) } },
       cursor: { y: false, points: { size: 6 }, drag: { x: false, y: false }, sync: { key: "gridlock" } },
       axes: [
         { ...axis, size: 26, space: 60 },
@@ -183,6 +183,19 @@ function lastRow(columns: readonly ArrayLike<number | null>[]): number[] {
     }
     return NaN;
   });
+}
+
+/** From the first sample to the last; some room where there is one alone. */
+function rangeOfTime(least: number | null, most: number | null): [number, number] {
+  if (least === null || most === null) return [0, 1];
+  return most > least ? [least, most] : [least, least + 1];
+}
+
+/** A tenth more than the values on either side, but from 0 where they all but begin there. */
+function rangeOfValues(least: number | null, most: number | null): [number, number] {
+  if (least === null || most === null) return [0, 1];
+  const room = most > least ? 0.1 * (most - least) : Math.abs(most) > 0 ? 0.1 * Math.abs(most) : 1;
+  return [least >= 0 && least < 2 * room ? 0 : least - room, most + room];
 }
 
 function gridColour(theme: Theme): string {

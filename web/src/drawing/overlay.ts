@@ -137,7 +137,7 @@ function drawBlock(place: Place, block: Block): void {
   for (const cell of block.cells) {
     const x = box.x + cell.column * step.x;
     const y = box.y + box.height - (cell.row + 1) * step.y;
-    context.globalAlpha = 0.22;
+    context.globalAlpha = 0.14;
     context.fillRect(x, y, step.x, step.y);
     context.globalAlpha = 1;
     context.strokeRect(x, y, step.x, step.y);

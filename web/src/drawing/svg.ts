@@ -108,7 +108,7 @@ function lines(view: View, box: ReturnType<typeof boxRectangle>): string[] {
     const y = box.y + box.height - (cell.row + 1) * step.y;
     written.push(
       `<rect x="${round(box.x + cell.column * step.x)}" y="${round(y)}" width="${round(step.x)}" height="${round(step.y)}" ` +
-        `fill="${toCss(theme.accent)}" fill-opacity="0.22" stroke="${toCss(theme.accent)}"/>`,
+        `fill="${toCss(theme.accent)}" fill-opacity="0.14" stroke="${toCss(theme.accent)}"/>`,
     );
   }
   const thickness = frame.box.periodic ? 1.2 : 3;

@@ -55,7 +55,7 @@ export class PlaygroundDriver {
   }
 
   async openToml(toml: string): Promise<void> {
-    const details = this.page.locator("details", { has: this.page.getByText("Set-up as TOML") });
+    const details = this.page.locator("details", { has: this.page.getByText("Set-up as TOML", { exact: true }) });
     if (!(await details.evaluate((element: HTMLDetailsElement) => element.open))) await details.locator("summary").click();
     await this.page.getByRole("textbox", { name: "The set-up as TOML" }).fill(toml);
     await this.press("Set up");

@@ -129,7 +129,7 @@ describe("the keys of a run", () => {
       await page.getByRole("dialog").waitFor();
       await page.keyboard.press("Escape");
       await page
-        .locator("details", { has: page.getByText("Set-up as TOML") })
+        .locator("details", { has: page.getByText("Set-up as TOML", { exact: true }) })
         .locator("summary")
         .click();
       await page.getByRole("textbox", { name: "The set-up as TOML" }).focus();
