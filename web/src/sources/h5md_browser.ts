@@ -1,6 +1,8 @@
 import { File, ready } from "h5wasm";
 
-import { H5mdFile } from "./h5md_file.ts";
+import type { Bytes } from "./bytes.ts";
+import { H5mdFile, useHdf5 } from "./h5md_file.ts";
+import { readHead } from "./hdf5_head.ts";
 import { SourceError } from "./source.ts";
 import type { WorkerFile } from "./source_worker.ts";
 
@@ -18,22 +20,21 @@ interface FileSystem {
  * Opens a file in H5MD in a worker, without reading more of it than is shown: a file of the user's by FileReaderSync, one on the
  * server by requests for ranges. A file that another program is writing, or whose writer was killed, is opened too.
  */
-export async function openH5md(file: WorkerFile): Promise<H5mdFile> {
-  const files = (await ready).FS as unknown as FileSystem;
+export async function openH5md(file: WorkerFile, bytes: Bytes): Promise<H5mdFile> {
+  const { hasWriter } = await readHead(bytes);
+  const module = await ready;
+  useHdf5(module);
+  const files = module.FS as unknown as FileSystem;
   files.mkdir(FOLDER);
   if (file.blob !== undefined) files.mount(files.filesystems.WORKERFS, { blobs: [{ name: "file.h5", data: file.blob }] }, FOLDER);
   else files.createLazyFile(FOLDER, "file.h5", file.address as string, true, false);
-  return new H5mdFile(file.name, openHdf5(file.name, `${FOLDER}/file.h5`));
+  return new H5mdFile(file.name, openHdf5(file.name, `${FOLDER}/file.h5`, hasWriter));
 }
 
-function openHdf5(name: string, path: string): File {
-  for (const mode of ["r", "Sr"] as const) {
-    try {
-      const file = new File(path, mode);
-      if (file.file_id >= 0n) return file;
-    } catch {
-      // The next mode is for files with the mark of a writer.
-    }
+function openHdf5(name: string, path: string, hasWriter: boolean): File {
+  try {
+    return new File(path, hasWriter ? "Sr" : "r");
+  } catch {
+    throw new SourceError(`${name} cannot be opened: it is damaged.`, "gridlock info says more of a trajectory.");
   }
-  throw new SourceError(`${name} cannot be opened: it is no HDF5 file, or it is damaged or cut off.`, "Is the file whole? gridlock info says more of a trajectory.");
 }

@@ -15,11 +15,21 @@ interface Element {
   readonly isVector: boolean;
 }
 
+/** What is used of the module of h5wasm. */
+interface Hdf5Module {
+  activate_throwing_error_handler(): unknown;
+}
+
+/** Has HDF5 throw its errors instead of printing them. */
+export function useHdf5(module: unknown): void {
+  (module as Hdf5Module).activate_throwing_error_handler();
+}
+
 /**
  * A trajectory in H5MD, of Gridlock or of another program, in a file that h5wasm has opened. Whole numbers and floating point
  * numbers of any width become columns; what else there is is left out.
  *
- * All methods throw SourceError. What HDF5 itself says goes to the console: it is for those who know the format.
+ * All methods throw SourceError. Contract: errors of HDF5 are thrown, by useHdf5().
  */
 export class H5mdFile implements FrameReader {
   readonly description: Description;
@@ -189,9 +199,17 @@ export class H5mdFile implements FrameReader {
     return found?.type === "Group" ? (found as Group) : undefined;
   }
 
+  /** Looks along the names that there are: HDF5 complains of every other. */
   private find(path: string): { type: string } | undefined {
+    let here: Group | undefined = this.file;
+    let found: { type: string } | undefined;
     try {
-      return (this.file.get(path) ?? undefined) as { type: string } | undefined;
+      for (const name of path.split("/").filter((part) => part !== "")) {
+        if (here === undefined || !here.keys().includes(name)) return undefined;
+        found = here.get(name) as { type: string };
+        here = found?.type === "Group" ? (found as Group) : undefined;
+      }
+      return found ?? undefined;
     } catch {
       return undefined;
     }

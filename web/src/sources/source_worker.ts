@@ -1,7 +1,6 @@
 /** Reads one file in a worker. HDF5 reads while its caller waits, which only a worker may. */
 
 import { BlobBytes, ServedBytes } from "./bytes.ts";
-import { openH5md } from "./h5md_browser.ts";
 import { SourceError, type Description, type SourceFrame } from "./source.ts";
 import { XyzFile } from "./xyz_file.ts";
 
@@ -34,10 +33,12 @@ let reader: FrameReader | undefined;
 async function answer(question: Question): Promise<unknown> {
   if (question.kind === "frame") return (reader as FrameReader).frame(question.index);
   const { file } = question;
+  const bytes = file.blob === undefined ? await ServedBytes.open(file.name, file.address as string) : new BlobBytes(file.name, file.blob);
   if (question.format === "h5md") {
-    reader = await openH5md(file);
+    // HDF5 is large, and comes only where it is needed.
+    const { openH5md } = await import("./h5md_browser.ts");
+    reader = await openH5md(file, bytes);
   } else {
-    const bytes = file.blob === undefined ? await ServedBytes.open(file.name, file.address as string) : new BlobBytes(file.name, file.blob);
     reader = await XyzFile.open(bytes);
   }
   return reader.description;

@@ -32,7 +32,7 @@ export class Film {
     this.pace.value = String(PACES.indexOf(USUAL_PACE));
     this.setPace();
     this.hash = element("span", { class: "hash" }, "state hash",
-      element("button", { type: "button", title: "The hash of every bit of the state; click to copy", "aria-label": "Copy the state hash", onclick: copyHash }, this.texts.hash));
+      element("button", { type: "button", title: "The hash of every bit of the state; click to copy", onclick: copyHash }, this.texts.hash));
     const pace = element("label", { class: "pace" }, element("span", {}, "Rate"), this.pace, this.paceText);
     const keys = element("div", { class: "keys", role: "group", "aria-label": "Frames" }, first, back, this.play, next, pace, this.followLabel);
     this.element = element("div", { class: "transport" }, this.slider, this.statusLine(tools), keys);

@@ -19,9 +19,10 @@ export class SourcePanel {
   private readonly runs = element("select", { "aria-label": "Run of the sweep" });
   private readonly filter = element("input", { type: "text", placeholder: "Part of a name", "aria-label": "Show runs with this in their names", hidden: true });
   private readonly runsField = element("div", { hidden: true }, this.filter, this.runs);
+  private readonly back = element("button", { type: "button", class: "button", hidden: true }, "Back to the run");
   private all: readonly string[] = [];
 
-  constructor(chooseRun: (id: string) => void, openFiles: (files: readonly File[]) => void) {
+  constructor(chooseRun: (id: string) => void, openFiles: (files: readonly File[]) => void, goBack: () => void) {
     this.runs.addEventListener("change", () => chooseRun(this.runs.value));
     this.filter.addEventListener("input", () => this.showRuns(this.runs.value));
     const file = element("input", { type: "file", accept: ".h5,.h5md,.hdf5,.xyz,.extxyz", hidden: true });
@@ -30,8 +31,9 @@ export class SourcePanel {
       file.value = "";
     });
     const open = element("button", { type: "button", class: "button", onclick: () => file.click() }, "Open a file…");
+    this.back.addEventListener("click", goBack);
     const hint = element("p", { class: "hint" }, "Or drop it anywhere on the page: a trajectory in H5MD (.h5), or extended XYZ. It stays on this device.");
-    this.element.append(element("h2", {}, "Run"), this.name, this.status, this.runsField, this.problem, this.note, element("div", { class: "buttons" }, open, file), hint);
+    this.element.append(element("h2", {}, "Run"), this.name, this.status, this.runsField, this.problem, this.note, element("div", { class: "buttons" }, open, this.back, file), hint);
   }
 
   /** The runs of a sweep; of anything else there is nothing to choose. */
@@ -42,7 +44,9 @@ export class SourcePanel {
     this.showRuns(chosen);
   }
 
-  showSource(source: FrameSource): void {
+  /** `canGoBack` where it is a file of the user's in place of a run that is served. */
+  showSource(source: FrameSource, canGoBack: boolean): void {
+    this.back.hidden = !canGoBack;
     this.name.textContent = source.name;
     this.status.textContent = STATUSES[source.status] ?? "";
     const { notes } = source.description;

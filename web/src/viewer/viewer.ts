@@ -18,6 +18,7 @@ import { SourcePanel } from "./source_panel.ts";
 
 const REFRESH_MILLISECONDS = 1000;
 const MOST_ROWS = 20_000; // of a chart
+const SHORTEST_VIDEO = 1500; // milliseconds
 
 /** Runs and files frame by frame: what gridlock view serves, also while it is written, and files that are dropped on the page. */
 export class Viewer {
@@ -27,7 +28,7 @@ export class Viewer {
   private readonly picture = element("div", { class: "picture" });
   private readonly tools = element("div", { class: "tools", role: "group", "aria-label": "Picture" });
   private readonly film = new Film(this.playback, () => void copy(this.shown?.stateHash ?? "", "State hash"), this.tools);
-  private readonly panel = new SourcePanel((id) => void this.openRun(id), (files) => void this.openFiles(files));
+  private readonly panel = new SourcePanel((id) => void this.openRun(id), (files) => void this.openFiles(files), () => void this.openRun(this.run));
   private readonly colour = select("Colour by", [], "", (name) => this.colourBy(name));
   private readonly selection = new Selection();
   private readonly charts = new RunCharts();
@@ -74,7 +75,7 @@ export class Viewer {
     const [file] = files;
     if (file === undefined) return;
     if (files.length > 1) notice("One file at a time is shown: the first");
-    await this.open(() => FileSource.open({ name: file.name, size: file.size, blob: file }));
+    await this.open(() => FileSource.open({ name: file.name, size: file.size, blob: file }), true);
   }
 
   /** What a key does; whether it does anything. */
@@ -115,8 +116,8 @@ export class Viewer {
     await this.open(() => served.open(contents, id));
   }
 
-  /** Shows another source; the one before stays where it cannot be opened. */
-  private async open(make: () => Promise<FrameSource>): Promise<void> {
+  /** Shows another source, of the user's own where it is none that is served; the one before stays where it cannot be opened. */
+  private async open(make: () => Promise<FrameSource>, isOwn = false): Promise<void> {
     const mine = ++this.opened;
     this.panel.showProblem(null);
     let source: FrameSource;
@@ -133,7 +134,7 @@ export class Viewer {
     this.shown = undefined;
     this.range.reset();
     this.selection.clear();
-    this.panel.showSource(source);
+    this.panel.showSource(source, this.run !== "" && isOwn);
     this.film.setGrowing(source.isGrowing);
     this.showColours();
     this.beginCharts();
@@ -175,7 +176,7 @@ export class Viewer {
     if (source !== this.source || !hasChanged) return;
     const { steps } = source.description;
     if (steps.length < before.length || steps[0] !== before[0]) this.cache?.clear();
-    this.panel.showSource(source);
+    this.panel.showSource(source, false);
     this.film.setGrowing(source.isGrowing);
     this.showCharts();
     await this.playback.setCount(steps.length);
@@ -278,11 +279,16 @@ export class Viewer {
 
   /** Plays from here to the end, or until it is paused, and saves that. */
   private async recordVideo(name: string): Promise<void> {
+    if (this.playback.count < 2) throw new SourceError("A video needs two frames or more.");
+    const begun = performance.now();
     this.drawing.startRecording();
     notice("The video is being made: pause to end it");
     await this.playback.play();
-    await new Promise((resolve) => setTimeout(resolve, 1000 / this.playback.framesPerSecond)); // for the last frame to be seen
+    // The last frame is to be seen as long as the others, and encoders leave out what is shorter than their first picture takes.
+    const rest = Math.max(1000 / this.playback.framesPerSecond, SHORTEST_VIDEO - (performance.now() - begun));
+    await new Promise((resolve) => setTimeout(resolve, rest));
     const video = await this.drawing.stopRecording();
+    if (video.size === 0) throw new SourceError("The browser has recorded nothing.", "Choose a slower pace.");
     download(video, `${name}.${videoEnding(video)}`);
   }
 }
