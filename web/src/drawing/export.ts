@@ -9,6 +9,8 @@ export function download(content: Blob, name: string): void {
 
 const VIDEO_TYPES = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm", "video/mp4"];
 
+const LONGEST_WAIT = 10_000; // milliseconds
+
 /** A video of pictures that are added one by one, in the time they are added. */
 export class Recording {
   private readonly canvas = document.createElement("canvas");
@@ -33,6 +35,7 @@ export class Recording {
   }
 
   async stop(): Promise<Blob> {
+    await this.waitForPictures();
     const stopped = new Promise((resolve) => {
       this.recorder.onstop = resolve;
     });
@@ -40,6 +43,16 @@ export class Recording {
     await stopped;
     for (const track of this.recorder.stream.getTracks()) track.stop();
     return new Blob(this.parts, { type: this.recorder.mimeType });
+  }
+
+  /** A recorder that is stopped before its encoder has finished a picture gives an empty file. */
+  private async waitForPictures(): Promise<void> {
+    const end = performance.now() + LONGEST_WAIT;
+    while (this.parts.every((part) => part.size === 0) && performance.now() < end) {
+      this.context.drawImage(this.canvas, 0, 0); // a picture that is the same counts as one
+      this.recorder.requestData();
+      await new Promise((resolve) => setTimeout(resolve, 100));
+    }
   }
 }
 

@@ -4,6 +4,7 @@ import type { Camera } from "./camera.ts";
 import type { Legend } from "./colouring.ts";
 import { positionAt, radiusAt, type Frame, type Point } from "./frame.ts";
 import { toCss, type Colour } from "./palettes.ts";
+import { shortest } from "./picking.ts";
 
 export interface Cell {
   readonly column: number;
@@ -19,7 +20,15 @@ export interface Block {
   readonly near: readonly number[];
 }
 
+/** Who presses on whom: two rows for each contact, and how strongly. */
+export interface Contacts {
+  readonly rows: ArrayLike<number>;
+  readonly forces: ArrayLike<number>;
+}
+
 export interface Overlay {
+  /** Lines from centre to centre, the thicker the stronger. */
+  readonly contacts?: Contacts;
   /** The k × k grid: its columns and rows. */
   readonly grid?: { readonly columns: number; readonly rows: number };
   /** The cells around an agent in which its neighbours are searched (Figure 2), of a grid with or without lines. */
@@ -71,6 +80,7 @@ export function drawOverlay(place: Place, overlay: Overlay, legend: Legend): voi
   const { context } = place;
   context.save();
   clipToPicture(place, legend);
+  if (overlay.contacts !== undefined) drawContacts(place, overlay.contacts);
   if (overlay.grid !== undefined) drawGrid(place, overlay.grid);
   if (overlay.block !== undefined) drawBlock(place, overlay.block);
   drawBox(place);
@@ -125,6 +135,47 @@ function drawGrid({ context, camera, frame, theme, width, height }: Place, grid:
   }
   context.stroke();
   context.globalAlpha = 1;
+}
+
+/** The ends of a contact in pixels; across an edge both halves, which the box cuts off. */
+export function contactLines(camera: Camera, frame: Frame, one: number, other: number): [Point, Point][] {
+  const from = positionAt(frame, one);
+  const to = positionAt(frame, other);
+  const away = shortest(frame, from, to);
+  const line = (start: Point, sign: 1 | -1): [Point, Point] => [
+    camera.toPixels(start),
+    camera.toPixels({ x: start.x + sign * away.x, y: start.y + sign * away.y }),
+  ];
+  const isAcross = Math.abs(away.x - (to.x - from.x)) + Math.abs(away.y - (to.y - from.y)) > 1e-9 * frame.box.width;
+  return isAcross ? [line(from, 1), line(to, -1)] : [line(from, 1)];
+}
+
+/** Pixels of the line of a contact: as thick as a disk's radius at three times the mean force. */
+export function contactWidths(camera: Camera, frame: Frame, contacts: Contacts): number[] {
+  const forces = Array.from(contacts.forces);
+  const mean = forces.reduce((sum, force) => sum + force, 0) / Math.max(1, forces.length);
+  const full = (camera.scale * radiusAt(frame, 0)) / 3;
+  return forces.map((force) => Math.max(0.75, mean > 0 ? (full * Math.min(force, 3 * mean)) / mean : 0));
+}
+
+function drawContacts({ context, camera, frame, theme }: Place, contacts: Contacts): void {
+  const box = boxRectangle(camera, frame);
+  context.save();
+  context.beginPath();
+  context.rect(box.x, box.y, box.width, box.height);
+  context.clip();
+  context.strokeStyle = toCss(theme.ink);
+  context.lineCap = "round";
+  contactWidths(camera, frame, contacts).forEach((width, i) => {
+    context.lineWidth = width;
+    context.beginPath();
+    for (const [from, to] of contactLines(camera, frame, Number(contacts.rows[2 * i]), Number(contacts.rows[2 * i + 1]))) {
+      context.moveTo(from.x, from.y);
+      context.lineTo(to.x, to.y);
+    }
+    context.stroke();
+  });
+  context.restore();
 }
 
 function drawBlock(place: Place, block: Block): void {

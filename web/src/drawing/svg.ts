@@ -12,6 +12,8 @@ import {
   type Block,
   type Overlay,
   type Theme,
+  contactLines,
+  contactWidths,
 } from "./overlay.ts";
 import { toCss, UNKNOWN_VALUE } from "./palettes.ts";
 
@@ -94,6 +96,16 @@ function lines(view: View, box: ReturnType<typeof boxRectangle>): string[] {
   const { frame, overlay, theme, camera } = view;
   const ink = toCss(theme.ink);
   const written: string[] = [];
+  const contacts = overlay.contacts;
+  if (contacts !== undefined) {
+    const drawn = contactWidths(camera, frame, contacts).flatMap((width, i) =>
+      contactLines(camera, frame, Number(contacts.rows[2 * i]), Number(contacts.rows[2 * i + 1])).map(
+        ([from, to]) =>
+          `<path d="M${round(from.x)} ${round(from.y)}L${round(to.x)} ${round(to.y)}" stroke-width="${round(width)}"/>`,
+      ),
+    );
+    written.push(`<g clip-path="url(#box)" stroke="${ink}" stroke-linecap="round">`, ...drawn, "</g>");
+  }
   const grid = overlay.grid;
   if (grid !== undefined) {
     const step = { x: box.width / grid.columns, y: box.height / grid.rows };
