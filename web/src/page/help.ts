@@ -47,7 +47,7 @@ export function helpDialog(version: () => string): HTMLDialogElement {
       "p",
       {},
       "Drag the line of time, or click in a chart, to go to that moment. States are saved as the run proceeds; " +
-        "going back restores the last saved state before it.",
+        "going back restores the last one before it and computes the rest again, to the same bits.",
     ),
     element("h2", {}, "Set-up"),
     element(
