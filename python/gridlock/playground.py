@@ -14,9 +14,8 @@ from urllib.parse import quote
 
 from .settings import assignments
 
-#: What a copy of the page beside a report is called. The page is one file, which needs no server.
+#: The page in one file, which needs no server.
 FILE = "playground.html"
-_BUILT = "index.html"
 #: Where the page is, an address or a file; set but empty: nowhere.
 VARIABLE = "GRIDLOCK_PLAYGROUND"
 
@@ -52,4 +51,4 @@ def find_page() -> str | None:
     program = shutil.which("gridlock")
     if program is not None:
         places.insert(1, pathlib.Path(program).resolve().parents[1] / "share" / "gridlock" / "web")
-    return next((os.fspath(place / _BUILT) for place in places if (place / _BUILT).is_file()), None)
+    return next((os.fspath(place / FILE) for place in places if (place / FILE).is_file()), None)
