@@ -107,6 +107,7 @@ export class RunCharts {
     this.chooser = select("Another quantity", [], "", (name) => this.choose(name));
     const field = element("div", { class: "group" }, this.chooser);
     this.element.append(this.list, this.further, field);
+    this.begin([]);
   }
 
   /** Begins anew with these columns. */

@@ -199,6 +199,7 @@ export class Drawing {
     const height = this.host.clientHeight;
     context.setTransform(this.pixelRatio, 0, 0, this.pixelRatio, 0, 0);
     context.clearRect(0, 0, width, height);
+    if (this.isEmpty) return;
     drawOverlay(
       { context, camera: this.camera, frame: this.frame, theme: this.theme, width, height },
       this.overlay,
