@@ -1,7 +1,19 @@
-import { defineConfig } from "vite";
+import { defineConfig } from "vitest/config";
+import { engine } from "./vite_engine.ts";
+import { singleFile } from "./vite_single_file.ts";
 
 export default defineConfig({
   base: "./",
-  build: { outDir: "../build-web/page", emptyOutDir: true, target: "es2022" },
-  worker: { format: "es" },
+  plugins: [engine(), singleFile()],
+  build: {
+    outDir: "../build-web/page",
+    emptyOutDir: true,
+    target: "es2022",
+    assetsInlineLimit: Number.MAX_SAFE_INTEGER,
+    chunkSizeWarningLimit: 10_000,
+    rolldownOptions: { output: { codeSplitting: false } },
+  },
+  // A script that needs no other file and imports nothing can be started from a page on a disk.
+  test: { testTimeout: 60_000, hookTimeout: 60_000 },
+  worker: { format: "iife", plugins: () => [engine()] },
 });

@@ -2,16 +2,19 @@
  * The engine in a Web Worker: the page asks, the worker simulates and posts frames whose arrays are transferred.
  *
  * ```ts
- * const engine = await EngineClient.start();
+ * const engine = await startEngine();
  * engine.onFrame = (frame) => draw(frame.positions, frame.radii, frame.colour);
  * const info = await engine.open(toml);
  * engine.run({ stepsPerSecond: 600 });
  * ```
  */
 
+import EngineWorker from "./engine_worker.ts?worker&inline";
+import { GridlockError } from "./gridlock.ts";
 import type {
   BoxDescription,
   ColumnDescription,
+  DrawnColumn,
   GridDescription,
   Named,
   NamedEstimate,
@@ -22,6 +25,7 @@ import type {
   SettingDescription,
   SettingValue,
 } from "./gridlock.ts";
+import type { Catalogue, Reply, Request, SentError } from "./protocol.ts";
 
 /** What does not change while a session runs. */
 export interface SessionInfo {
@@ -31,7 +35,7 @@ export interface SessionInfo {
   readonly timeStep: number;
   readonly endStep: number;
   readonly columns: readonly ColumnDescription[];
-  readonly drawnColumns: readonly { name: string; unit: string; documentation: string; valueNames: readonly string[] }[];
+  readonly drawnColumns: readonly DrawnColumn[];
   readonly seriesColumns: readonly SeriesColumn[];
   readonly configuration: string;
   readonly values: Readonly<Record<string, SettingValue>>;
@@ -48,7 +52,7 @@ export interface EngineFrame {
   /** x, y of each agent. */
   readonly positions: Float32Array;
   readonly radii: Float32Array;
-  /** The column that colourBy() has chosen. */
+  /** The column that colourBy() has chosen; zeros where it has chosen none. */
   readonly colour: Float32Array;
   readonly colourBy: string;
   /** New rows of the series since the last frame, one after the other. */
@@ -109,6 +113,125 @@ export interface Engine extends EngineEvents {
   close(): void;
 }
 
+/** Starts a worker with the engine. Errors: Error where the browser has no WebAssembly or no workers. */
 export async function startEngine(): Promise<Engine> {
-  throw new Error("the engine is not built; ./dev build-web builds it");
+  const client = new EngineClient(new EngineWorker());
+  await client.start();
+  return client;
+}
+
+interface Waiting {
+  resolve(value: unknown): void;
+  reject(error: Error): void;
+}
+
+const errorOf = (sent: SentError): GridlockError => new GridlockError(sent.kind, sent.problems);
+
+class EngineClient implements Engine {
+  onFrame?: (frame: EngineFrame) => void;
+  onError?: (error: Error) => void;
+  private catalogue: Catalogue = { version: "", settings: [], models: [], engines: [] };
+  private readonly waiting = new Map<number, Waiting>();
+  private calls = 0;
+
+  constructor(private readonly worker: Worker) {
+    worker.onmessage = ({ data }: MessageEvent<Reply>) => this.take(data);
+    worker.onerror = (event) => this.fail(new Error(event.message || "the engine's worker cannot be started"));
+  }
+
+  async start(): Promise<void> {
+    this.catalogue = await this.call<Catalogue>("catalogue");
+  }
+  get version(): string {
+    return this.catalogue.version;
+  }
+  get settings(): readonly SettingDescription[] {
+    return this.catalogue.settings;
+  }
+  get models(): readonly Named[] {
+    return this.catalogue.models;
+  }
+  get engines(): readonly Named[] {
+    return this.catalogue.engines;
+  }
+
+  read(toml: string, overrides: readonly string[] = []): Promise<Readonly<Record<string, SettingValue>>> {
+    return this.call("read", toml, overrides);
+  }
+  merge(toml: string, overrides: readonly string[] = []): Promise<string> {
+    return this.call("merge", toml, overrides);
+  }
+  open(toml: string, overrides: readonly string[] = []): Promise<SessionInfo> {
+    return this.call("open", toml, overrides);
+  }
+  run(speed: Speed = {}): Promise<void> {
+    return this.call("run", speed);
+  }
+  pause(): Promise<void> {
+    return this.call("pause");
+  }
+  step(steps = 1): Promise<void> {
+    return this.call("step", steps);
+  }
+  restart(): Promise<void> {
+    return this.call("restart");
+  }
+  rewind(steps: number): Promise<void> {
+    return this.call("rewind", steps);
+  }
+  lengthen(): Promise<void> {
+    return this.call("lengthen");
+  }
+  colourBy(column: string): Promise<void> {
+    return this.call("colourBy", column);
+  }
+  values(id: number): Promise<Readonly<Record<string, number>>> {
+    return this.call("values", id);
+  }
+  neighbourhood(id: number): Promise<Neighbourhood> {
+    return this.call("neighbourhood", id);
+  }
+  results(): Promise<readonly NamedEstimate[]> {
+    return this.call("results");
+  }
+  stateHash(): Promise<string> {
+    return this.call("stateHash");
+  }
+  configuration(): Promise<string> {
+    return this.call("configuration");
+  }
+  close(): void {
+    this.worker.terminate();
+    this.fail(new Error("the engine is closed"));
+  }
+
+  private call<Value>(call: string, ...args: unknown[]): Promise<Value> {
+    const request: Request = { id: ++this.calls, call, args };
+    return new Promise<Value>((resolve, reject) => {
+      this.waiting.set(request.id, { resolve: resolve as (value: unknown) => void, reject });
+      this.worker.postMessage(request);
+    });
+  }
+
+  private take(reply: Reply): void {
+    if (reply.type === "frame") {
+      this.onFrame?.(reply.frame);
+      // The next one when the browser has drawn this one.
+      const request: Request = { id: 0, call: "frameDrawn", args: [] };
+      requestAnimationFrame(() => this.worker.postMessage(request));
+    } else if (reply.type === "failure") {
+      this.onError?.(errorOf(reply.error));
+    } else {
+      const waiting = this.waiting.get(reply.id);
+      this.waiting.delete(reply.id);
+      if (reply.type === "value") waiting?.resolve(reply.value);
+      else waiting?.reject(errorOf(reply.error));
+    }
+  }
+
+  private fail(error: Error): void {
+    if (this.waiting.size === 0) this.onError?.(error);
+    for (const waiting of this.waiting.values()) waiting.reject(error);
+    this.waiting.clear();
+  }
 }
