@@ -4,6 +4,7 @@ import type { Browser } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
 
 import { SCENES } from "../../src/playground/scenes.ts";
+import { goldenRows } from "../engine/scenes.ts";
 import { openWatched, servePage, startBrowser, type Watched } from "../support/browser.ts";
 import { PlaygroundDriver } from "./driver.ts";
 
@@ -64,6 +65,28 @@ describe("every scene", () => {
         expect(await user.hash()).not.toBe(before);
         expect(await user.coloursInPicture()).toBeGreaterThan(1);
         expect(await page.locator(".chart").count()).toBeGreaterThan(0);
+      });
+    });
+  }
+});
+
+describe("the state hash is that of the golden table", () => {
+  const NAMES = ["paper stepped", "paper tiled", "paper exact", "triangular exact", "mixture exact", "rectangle stepped", "gas tiled", "few exact"];
+  const OF_MODELS = ["vicsek flocking", "boids flocking", "walls epidemic", "every_event catalyst", "jamming protocol"];
+  const rows = goldenRows().filter((row) => [...NAMES, ...OF_MODELS].includes(`${row.scene} ${row.engine}`));
+
+  test("there are more than ten", () => {
+    expect(rows.length).toBe(NAMES.length + OF_MODELS.length);
+  });
+
+  for (const row of rows) {
+    test(`${row.scene} ${row.engine}`, { timeout: 120_000 }, async () => {
+      await withPlayground("#speed=100000", async ({ page, user }) => {
+        await user.openToml(row.toml);
+        await page.waitForFunction((hash) => document.querySelector(".status code")?.textContent === hash, row.start);
+        await user.press("Run");
+        await page.getByText("finished", { exact: true }).waitFor({ timeout: 90_000 });
+        expect(await user.hash()).toBe(row.end);
       });
     });
   }
