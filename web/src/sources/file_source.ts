@@ -1,5 +1,6 @@
 import { SourceError, type Description, type FrameSource, type SourceFrame } from "./source.ts";
 import type { Answer, Question, WorkerFile } from "./source_worker.ts";
+import SourceWorker from "./source_worker.ts?worker&inline";
 
 /** By the end of its name; nothing for a file that is not shown. */
 export function kindOfFile(name: string): "h5md" | "xyz" | undefined {
@@ -34,7 +35,7 @@ export class FileSource implements FrameSource {
       throw new SourceError(`${file.name} is no file that can be shown here.`, "Files in H5MD (.h5) and extended XYZ (.xyz, .extxyz) can.");
     }
     if (file.size === 0) throw new SourceError(`${file.name} is empty.`);
-    const worker = new Worker(new URL("./source_worker.ts", import.meta.url), { type: "module" });
+    const worker = new SourceWorker();
     const source = new FileSource(file.name, worker);
     try {
       source.known = (await source.ask({ kind: "open", format: kind, file })) as Description;

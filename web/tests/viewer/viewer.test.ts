@@ -235,7 +235,10 @@ describe("A finished run", () => {
     await page.evaluate(readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8"));
     complaints = complaints.filter((text) => !text.includes("Content Security Policy")); // of the script that this test adds
     for (const theme of ["light", "dark"]) {
-      if (theme === "dark") await page.getByRole("button", { name: "Light or dark" }).click();
+      if (theme === "dark") {
+        await page.getByRole("button", { name: "Light or dark" }).click();
+        await page.waitForTimeout(500); // colours change little by little
+      }
       const found = await page.evaluate(async () => {
         const { axe } = globalThis as unknown as { axe: { run(): Promise<{ violations: { id: string; impact: string; nodes: { html: string }[] }[] }> } };
         return (await axe.run()).violations.filter((one) => one.impact === "serious" || one.impact === "critical").map((one) => `${one.id}: ${one.nodes[0]?.html}`);
@@ -305,7 +308,7 @@ describe("A sweep", () => {
     expect(names.length).toBe(2);
     for (const name of names) {
       await runs.selectOption(name);
-      await expect.poll(() => page.locator(".viewer .setup").textContent()).toContain(name);
+      await expect.poll(() => page.locator(".viewer .setup p").first().textContent()).toBe(name);
       await goTo(3);
       const { state_hash } = JSON.parse(readFileSync(place.of(`sweep/runs/${name}/summary.json`), "utf8")) as { state_hash: string };
       await seen(state_hash);
