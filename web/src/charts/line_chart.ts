@@ -21,6 +21,7 @@ export interface ChartDescription {
 }
 
 const HEIGHT = 150;
+const FEW_SAMPLES = 30; // which are drawn as points too
 /** Blue, vermilion, green, purple, orange, sky: told apart by colour-blind readers, on light and dark ground. */
 const CURVE_COLOURS = OKABE_ITO.slice(0, 6);
 const DASHES: readonly number[][] = [[], [7, 3], [2, 3], [9, 3, 2, 3], [4, 2], [1, 2]];
@@ -146,7 +147,10 @@ export class LineChart {
       height: HEIGHT,
       padding: [6, 14, 0, 0],
       legend: { show: false },
-      scales: { x: { time: false, range: (_, least, most) => rangeOfTime(least, most) }, y: { range: (_, least, most) => rangeOfValues(least, most) } },
+      scales: {
+        x: { time: false, range: (_, least, most) => rangeOfTime(least, most) },
+        y: { range: (_, least, most) => rangeOfValues(least, most) },
+      },
       cursor: { y: false, points: { size: 6 }, drag: { x: false, y: false }, sync: { key: "gridlock" } },
       axes: [
         { ...axis, size: 26, space: 60 },
@@ -158,7 +162,7 @@ export class LineChart {
           stroke: curveColour(i, theme),
           width: 1.5,
           dash: DASHES[i % DASHES.length] as number[],
-          points: { show: false },
+          points: { show: (plot: uPlot) => plot.data[0].length < FEW_SAMPLES, size: 4, fill: curveColour(i, theme), width: 0 },
           spanGaps: true,
         })),
       ],

@@ -186,7 +186,10 @@ export class Playground {
   private addControls(engine: Engine): void {
     const change = (key: string, value: string): void => void this.open((this.next ?? this.setup).with(key, value));
     this.controls = new Controls(engine.settings, change);
-    this.cells = new Controls(engine.settings, change);
+    this.cells = new Controls(engine.settings, (key, value) => {
+      // The paper's lists are those whose cells can be chosen.
+      void this.open((this.next ?? this.setup).with(key, value).with("engine.grid", "linked"));
+    });
     this.anySetting = new AnySetting(engine.settings, change);
     this.inspector = new Inspector(engine, () => this.showOverlay());
     const colour = element("div", { class: "field row" }, element("span", { class: "name" }, "Colour by"), this.colour);
@@ -266,10 +269,8 @@ export class Playground {
     this.scene.value = this.setup.sceneName ?? OWN;
     this.about.textContent = commentAtTop(this.setup.toml);
     this.controls?.show(info.values);
-    this.cells?.show(
-      info.values,
-      info.values["engine.kind"] === "exact" || info.values["model.kind"] !== "disks" ? [] : ["engine.cells"],
-    );
+    const hasCells = info.values["model.kind"] === "disks" && info.values["engine.kind"] === "stepped";
+    this.cells?.show(info.values, hasCells ? ["engine.cells"] : []);
     this.anySetting?.show(info.values);
     this.series = new Series(info.seriesColumns.map((column) => column.name));
     this.charts.begin(info.seriesColumns);

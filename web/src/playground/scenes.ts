@@ -22,8 +22,10 @@ const COLOURS: Readonly<Record<string, string>> = {
   jamming: "plain",
 };
 
-/** The k of the paper's figure of neighbourhoods. */
-const GIVEN: Readonly<Record<string, readonly string[]>> = { paper: ["engine.cells=10"] };
+/** Samples often enough for charts that are watched. */
+const LIVE_CHARTS: readonly string[] = ["observe.every=5", "observe.structure_every=1"];
+/** The paper's lists, and the k of its figure of neighbourhoods. */
+const GIVEN: Readonly<Record<string, readonly string[]>> = { paper: ["engine.grid=linked", "engine.cells=10"] };
 
 /** In the order of the alphabet, the paper's scene first. */
 export const SCENES: readonly Scene[] = Object.entries(FILES)
@@ -40,7 +42,7 @@ function toScene(name: string, text: string): Scene {
     name,
     documentation: commentAtTop(text),
     toml: withoutSweep(text),
-    given: GIVEN[name] ?? [],
+    given: [...LIVE_CHARTS, ...(GIVEN[name] ?? [])],
     ...(colour === undefined ? {} : { colour }),
   };
 }

@@ -71,7 +71,16 @@ describe("every scene", () => {
 });
 
 describe("the state hash is that of the golden table", () => {
-  const NAMES = ["paper stepped", "paper tiled", "paper exact", "triangular exact", "mixture exact", "rectangle stepped", "gas tiled", "few exact"];
+  const NAMES = [
+    "paper stepped",
+    "paper tiled",
+    "paper exact",
+    "triangular exact",
+    "mixture exact",
+    "rectangle stepped",
+    "gas tiled",
+    "few exact",
+  ];
   const OF_MODELS = ["vicsek flocking", "boids flocking", "walls epidemic", "every_event catalyst", "jamming protocol"];
   const rows = goldenRows().filter((row) => [...NAMES, ...OF_MODELS].includes(`${row.scene} ${row.engine}`));
 
