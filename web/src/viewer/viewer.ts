@@ -272,7 +272,7 @@ export class Viewer {
       { name: "Picture, PNG", hint: "the view, twice as sharp as on the screen", act: guarded(() => drawing.save("png", `${name}_${place}`)) },
       { name: "Picture, SVG", hint: "the view as shapes, for papers", act: guarded(() => drawing.save("svg", `${name}_${place}`)) },
       drawing.isRecording
-        ? { name: "End the video", hint: "and save what there is of it", act: async () => this.playback.pause() }
+        ? { name: "End the video", hint: "and save it so far", act: async () => this.playback.pause() }
         : { name: "Video to the last frame", hint: "from this frame, at the pace that is set", act: guarded(() => this.recordVideo(name)) },
     ];
   }
