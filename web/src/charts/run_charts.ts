@@ -24,6 +24,7 @@ const SHORT_NAMES: Readonly<Record<string, string>> = {
 };
 /** Columns of every run, in no chart until they are asked for. */
 const FURTHER = new Set([
+  "agents",
   "step",
   "time",
   "mean_squared_displacement",
@@ -44,15 +45,18 @@ const FURTHER = new Set([
   "velocity_autocorrelation",
 ]);
 
-/** The charts that suit a run: quantities of one unit that a model defines share a chart. */
+/** The charts that suit a run: quantities of a model that say the same of themselves share a chart, as counts of kinds and of events do. */
 export function chartsFor(columns: readonly QuantityColumn[]): ChartDescription[] {
   const inGroups = new Set(GROUPS.flatMap((group) => group.names));
   const ofModel = new Map<string, QuantityColumn[]>();
   for (const column of columns) {
     if (inGroups.has(column.name) || FURTHER.has(column.name)) continue;
-    ofModel.set(column.unit, [...(ofModel.get(column.unit) ?? []), column]);
+    const key = `${column.documentation} ${column.unit}`;
+    ofModel.set(key, [...(ofModel.get(key) ?? []), column]);
   }
-  const made = [...ofModel.values()].flatMap((group) => inSixes(group).map((part) => describe(titleOf(part), part)));
+  const made = [...ofModel.values()]
+    .sort(countsOfEventsLast)
+    .flatMap((group) => inSixes(group).map((part) => describe(titleOf(part), part)));
   for (const group of GROUPS) {
     const found = columns.filter((column) => group.names.includes(column.name));
     if (found.length > 0) made.push(describe(group.title, found));
@@ -60,11 +64,18 @@ export function chartsFor(columns: readonly QuantityColumn[]): ChartDescription[
   return made;
 }
 
+const EVENTS = "Times since the start."; // what every model says of its events
+
+function countsOfEventsLast(one: readonly QuantityColumn[], other: readonly QuantityColumn[]): number {
+  return Number(one[0]?.documentation === EVENTS) - Number(other[0]?.documentation === EVENTS);
+}
+
 function inSixes(group: readonly QuantityColumn[]): QuantityColumn[][] {
   return Array.from({ length: Math.ceil(group.length / 6) }, (_, i) => group.slice(6 * i, 6 * i + 6));
 }
 
 function titleOf(group: readonly QuantityColumn[]): string {
+  if (group[0]?.documentation === EVENTS) return "Events since the start";
   const title = group.map((column) => words(column.name)).join(", ");
   return title.charAt(0).toUpperCase() + title.slice(1);
 }

@@ -130,26 +130,30 @@ describe("series", () => {
     expect(series.length).toBe(0);
   });
 
-  test("quantities of a model share a chart where they share a unit, and those of every run have theirs", () => {
-    const column = (name: string, unit = ""): { name: string; unit: string; documentation: string } => ({
+  test("quantities of a model that say the same of themselves share a chart, and those of every run have theirs", () => {
+    const column = (name: string, documentation = "", unit = ""): { name: string; unit: string; documentation: string } => ({
       name,
       unit,
-      documentation: "",
+      documentation,
     });
     const charts = chartsFor([
       column("step"),
-      column("time", "time"),
-      column("susceptible", "agents"),
-      column("infected", "agents"),
-      column("coverage", "1 / area"),
-      column("mean_displacement", "sides of the box"),
+      column("time", "", "time"),
+      column("agents", "Agents alive."),
+      column("infections", "Times since the start."),
+      column("births", "Times since the start."),
+      column("susceptible", "Agents of this kind."),
+      column("infected", "Agents of this kind."),
+      column("order", "|Σ heading| / N."),
+      column("mean_displacement", "", "sides of the box"),
       column("kinetic_energy"),
-      column("wall_pressure", "mass / time²"),
-      column("virial_pressure", "mass / time²"),
+      column("wall_pressure", "", "mass / time²"),
+      column("virial_pressure", "", "mass / time²"),
     ]);
     expect(charts.map((chart) => chart.curves.map((curve) => curve.name))).toEqual([
       ["susceptible", "infected"],
-      ["coverage"],
+      ["order"],
+      ["infections", "births"],
       ["mean_displacement"],
       ["wall_pressure", "virial_pressure"],
     ]);
