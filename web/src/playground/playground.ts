@@ -95,22 +95,28 @@ export class Playground {
     await this.openLink(location.hash);
   }
 
-  /** Opens the set-up of a link; the usual scene where there is none. */
+  /** Opens the set-up of a link; the usual scene where there is none, or none that can be used, and then says why. */
   async openLink(hash: string): Promise<void> {
     let link: LinkContent = {};
+    let trouble: unknown;
     try {
       link = await decodeLink(hash);
     } catch (error) {
-      this.showProblem(error);
+      trouble = error;
     }
     this.transport.stepsPerSecond = link.stepsPerSecond ?? USUAL_SPEED;
     this.grid.checked = link.grid === true;
     this.chosenColour = link.colour ?? "";
-    if (link.toml !== undefined) return this.open(new Setup(withoutSweep(link.toml)));
     const known = link.scene === undefined ? undefined : findScene(link.scene);
-    if (link.scene !== undefined && known === undefined)
-      this.showProblem(new Error(`there is no scene “${link.scene}”; choose one from the list`));
-    await this.openScene(known?.name ?? FIRST_SCENE, link.colour);
+    if (link.scene !== undefined && known === undefined) {
+      trouble = new Error(`there is no scene “${link.scene}”; choose one from the list`);
+    }
+    if (link.toml !== undefined) await this.open(new Setup(withoutSweep(link.toml)));
+    if (this.info === undefined || link.toml === undefined) {
+      if (!this.problem.hidden) trouble = new Error(this.problem.textContent ?? "");
+      await this.openScene(known?.name ?? FIRST_SCENE, link.colour);
+    }
+    if (trouble !== undefined) this.showProblem(trouble);
   }
 
   /** What a key does; whether it does anything. */

@@ -326,6 +326,15 @@ describe("the set-up", () => {
     });
   });
 
+  test("a link with a set-up that is refused says why, and the page shows the usual scene", async () => {
+    const { encodeLink } = await import("../../src/playground/link.ts");
+    await withPlayground(await encodeLink({ toml: "disks.count = -3\n" }), async ({ page, user }) => {
+      expect(await page.getByRole("alert").innerText()).toMatch(/disks\.count/);
+      expect(await page.getByText("841 disks").isVisible()).toBe(true);
+      expect(await user.step()).toBe(0);
+    });
+  });
+
   test("a damaged link is told, and the page works", async () => {
     await withPlayground("#toml=AAAA", async ({ page, user }) => {
       expect(await page.getByRole("alert").innerText()).toMatch(/damaged/);
@@ -361,7 +370,7 @@ describe("the look", () => {
       await picture.focus();
       await page.keyboard.press("Enter"); // the disk in the middle
       await page.getByText(/The search looks at \d+ of 840 others, in 9 cells of 10 × 10/).waitFor();
-      await page.getByText("velocity x").waitFor();
+      await page.getByRole("term").filter({ hasText: "velocity x" }).waitFor();
       await user.press("Single step");
       await page.waitForFunction(() => document.querySelector(".status span b")?.textContent === "1");
       expect(await page.getByText(/The search looks at/).isVisible()).toBe(true);
