@@ -6,10 +6,12 @@ import type { Server } from "node:http";
 import { createRequire } from "node:module";
 import { File as Hdf5File, ready } from "h5wasm/node";
 import type { Browser, Page } from "playwright-core";
-import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, test } from "vitest";
+import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, test, vi } from "vitest";
 
 import { servePage, startBrowser } from "../support/browser.ts";
 import { SMALL_RUN, Workplace } from "./runs.ts";
+
+vi.setConfig({ testTimeout: 120_000, hookTimeout: 120_000 });
 
 let place: Workplace;
 let browser: Browser;
@@ -245,6 +247,15 @@ describe("A finished run", () => {
       });
       expect(found, theme).toEqual([]);
     }
+  });
+
+  test("is beside the playground, whose engines run there too", async () => {
+    await page.goto(address);
+    await seen("frame 1 of 4");
+    await page.getByRole("tab", { name: "Playground" }).click();
+    await expect.poll(() => page.locator(".playground:not(.viewer) .status code").textContent(), { timeout: 60_000 }).toMatch(/^[0-9a-f]{16}$/);
+    await viewerTab();
+    await seen("frame 1 of 4");
   });
 
   test("says so when the server has gone", async () => {
