@@ -56,7 +56,7 @@ export class LineChart {
   private readonly observer: ResizeObserver;
 
   constructor(private readonly description: ChartDescription) {
-    this.element = element("section", { class: "chart", role: "img", "aria-label": description.title }, this.header(), this.host);
+    this.element = element("figure", { class: "chart", "aria-label": description.title }, this.header(), this.host);
     this.observer = new ResizeObserver(() => {
       const width = this.host.clientWidth;
       if (this.plot !== undefined && width > 0 && width !== this.plot.width) this.plot.setSize({ width, height: HEIGHT });

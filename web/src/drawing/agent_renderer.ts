@@ -18,16 +18,31 @@ export interface AgentRenderer {
 
 export type RendererKind = "automatic" | "webgl" | "pixels";
 
+const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
+
+/** Whether WebGL 2 is there and drawn by a graphics processor, not by a program that imitates one. */
+function hasGraphicsProcessor(): boolean {
+  const gl = document.createElement("canvas").getContext("webgl2", { failIfMajorPerformanceCaveat: true });
+  if (gl === null) return false;
+  const names = gl.getExtension("WEBGL_debug_renderer_info");
+  const name = String(gl.getParameter(names === null ? gl.RENDERER : names.UNMASKED_RENDERER_WEBGL));
+  gl.getExtension("WEBGL_lose_context")?.loseContext();
+  return !SOFTWARE.test(name);
+}
+
+let isAccelerated: boolean | undefined;
+
 /**
  * The graphics processor by WebGL 2, or where there is none, on remote desktops and in virtual machines, this processor: its own
  * loops over pixels draw 1e5 disks several times faster than WebGL in software.
  */
 export function makeRenderer(canvas: HTMLCanvasElement, kind: RendererKind): AgentRenderer {
-  const options = { alpha: true, antialias: false, depth: false, preserveDrawingBuffer: true };
-  const gl =
-    kind === "pixels" ? null : canvas.getContext("webgl2", { ...options, failIfMajorPerformanceCaveat: kind === "automatic" });
-  if (gl !== null) return new GraphicsRenderer(gl);
-  if (kind === "webgl") throw new Error("this browser has no WebGL 2; open the page without ?renderer=webgl");
+  isAccelerated ??= kind === "automatic" ? hasGraphicsProcessor() : undefined;
+  if (kind === "webgl" || (kind === "automatic" && isAccelerated === true)) {
+    const gl = canvas.getContext("webgl2", { alpha: true, antialias: false, depth: false, preserveDrawingBuffer: true });
+    if (gl !== null) return new GraphicsRenderer(gl);
+    throw new Error("this browser has no WebGL 2; open the page with ?renderer=pixels");
+  }
   const context = canvas.getContext("2d");
   if (context === null) throw new Error("this browser draws on no canvas; use a current browser");
   return new PixelRenderer(context);

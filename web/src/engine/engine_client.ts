@@ -120,7 +120,7 @@ export async function startEngine(): Promise<Engine> {
   return client;
 }
 
-interface Waiting {
+interface Pending {
   resolve(value: unknown): void;
   reject(error: Error): void;
 }
@@ -131,7 +131,7 @@ class EngineClient implements Engine {
   onFrame?: (frame: EngineFrame) => void;
   onError?: (error: Error) => void;
   private catalogue: Catalogue = { version: "", settings: [], models: [], engines: [] };
-  private readonly waiting = new Map<number, Waiting>();
+  private readonly pending = new Map<number, Pending>();
   private calls = 0;
 
   constructor(private readonly worker: Worker) {
@@ -208,7 +208,7 @@ class EngineClient implements Engine {
   private call<Value>(call: string, ...args: unknown[]): Promise<Value> {
     const request: Request = { id: ++this.calls, call, args };
     return new Promise<Value>((resolve, reject) => {
-      this.waiting.set(request.id, { resolve: resolve as (value: unknown) => void, reject });
+      this.pending.set(request.id, { resolve: resolve as (value: unknown) => void, reject });
       this.worker.postMessage(request);
     });
   }
@@ -222,16 +222,16 @@ class EngineClient implements Engine {
     } else if (reply.type === "failure") {
       this.onError?.(errorOf(reply.error));
     } else {
-      const waiting = this.waiting.get(reply.id);
-      this.waiting.delete(reply.id);
-      if (reply.type === "value") waiting?.resolve(reply.value);
-      else waiting?.reject(errorOf(reply.error));
+      const pending = this.pending.get(reply.id);
+      this.pending.delete(reply.id);
+      if (reply.type === "value") pending?.resolve(reply.value);
+      else pending?.reject(errorOf(reply.error));
     }
   }
 
   private fail(error: Error): void {
-    if (this.waiting.size === 0) this.onError?.(error);
-    for (const waiting of this.waiting.values()) waiting.reject(error);
-    this.waiting.clear();
+    if (this.pending.size === 0) this.onError?.(error);
+    for (const pending of this.pending.values()) pending.reject(error);
+    this.pending.clear();
   }
 }

@@ -61,6 +61,11 @@ export class Playground {
   private setup = new Setup("");
   private next: Setup | undefined;
   private isOpening = false;
+  /** Whether the run moved when a slider was taken. */
+  private keepsRunning = false;
+  private isAwaited = false;
+  /** Frames of a session that is being opened, which come before it is described. */
+  private early: EngineFrame[] = [];
   private info: SessionInfo | undefined;
   private frame: EngineFrame | undefined;
   private series = new Series([]);
@@ -90,7 +95,7 @@ export class Playground {
       return this.showProblem(error);
     }
     this.addControls(this.engine);
-    this.engine.onFrame = (frame) => this.show(frame);
+    this.engine.onFrame = (frame) => this.take(frame);
     this.engine.onError = (error) => this.showProblem(error);
     await this.openLink(location.hash);
   }
@@ -237,6 +242,7 @@ export class Playground {
     this.next = setup;
     if (this.isOpening) return;
     this.isOpening = true;
+    this.keepsRunning = this.frame?.isRunning ?? false;
     while (this.next !== undefined) {
       const now: Setup = this.next;
       await this.openOne(now);
@@ -249,16 +255,26 @@ export class Playground {
   private async openOne(setup: Setup): Promise<void> {
     const engine = this.engine;
     if (engine === undefined) return;
-    const wasRunning = this.frame?.isRunning ?? false;
     try {
-      const info = await engine.open(setup.toml, setup.overrides);
+      const info = await this.described(engine, setup);
       this.setup = setup;
       this.begin(info);
+      for (const frame of this.early) this.show(frame);
       this.merged = await engine.merge(setup.toml, setup.overrides);
       this.editor.show(this.shownToml(), !setup.isChanged);
-      if (wasRunning) await engine.run(this.speed());
+      if (this.keepsRunning) await engine.run(this.speed());
     } catch (error) {
       this.showProblem(error);
+    }
+  }
+
+  private async described(engine: Engine, setup: Setup): Promise<SessionInfo> {
+    this.early = [];
+    this.isAwaited = true;
+    try {
+      return await engine.open(setup.toml, setup.overrides);
+    } finally {
+      this.isAwaited = false;
     }
   }
 
@@ -293,6 +309,12 @@ export class Playground {
   private columnOf(colour: string): string {
     const names = (this.info?.drawnColumns ?? []).map((column) => column.name);
     return [colour, "radius", "x"].find((name) => names.includes(name)) ?? names[0] ?? "";
+  }
+
+  private take(frame: EngineFrame): void {
+    if (!this.isAwaited) return this.show(frame);
+    if (frame.seriesBegins) this.early = [frame];
+    else if (this.early.length > 0) this.early.push(frame);
   }
 
   private show(frame: EngineFrame): void {

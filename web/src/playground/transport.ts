@@ -128,17 +128,17 @@ export class Transport {
 
   private statusLine(tools: HTMLElement): HTMLElement {
     const part = (name: string, value: HTMLElement): HTMLElement => element("span", {}, `${name} `, value);
-    const copy = element(
+    const hash = element(
       "button",
       {
         type: "button",
+        class: "hash",
         title: "The hash of every bit of the state, the same as on the command line; click to copy",
-        "aria-label": "Copy the state hash",
         onclick: () => this.target.copyHash(),
       },
+      "state hash",
       this.texts.hash,
     );
-    const hash = element("span", { class: "hash" }, "state hash", copy);
     this.status.append(
       part("step", this.texts.step),
       part("time", this.texts.time),

@@ -191,10 +191,11 @@ describe("the keys of a run", () => {
         "Scene",
         "Engine",
         "Colour by",
-        "Copy the state hash",
+        "state hash",
         "Save",
       ]) {
-        if (name !== "Rewind") expect([...names], name).toContain(name); // which is disabled at the start
+        if (name === "Rewind") continue; // which is disabled at the start
+        expect([...names].filter((one) => one.startsWith(name)).length, name).toBeGreaterThan(0);
       }
     });
   });
