@@ -18,7 +18,7 @@ export function coloursOf(columns: readonly string[], frames: number): { value: 
   if (columns.includes("velocity_x") && columns.includes("velocity_y")) {
     made.push(...[SPEED, DIRECTION].filter((name) => !columns.includes(name)));
   }
-  const names: Readonly<Record<string, string>> = { [PLAIN]: "size", [DISPLACEMENT]: "displacement from the first frame" };
+  const names: Readonly<Record<string, string>> = { [PLAIN]: "size" };
   const own = columns.filter((name) => !NO_COLOURS.has(name));
   return [...made, ...own].map((value) => ({ value, name: names[value] ?? words(value) }));
 }

@@ -34,7 +34,7 @@ export class Film {
     this.hash = element("span", { class: "hash" }, "state hash",
       element("button", { type: "button", title: "The hash of every bit of the state; click to copy", onclick: copyHash }, this.texts.hash));
     const pace = element("label", { class: "pace" }, element("span", {}, "Rate"), this.pace, this.paceText);
-    const keys = element("div", { class: "keys", role: "group", "aria-label": "Frames" }, first, back, this.play, next, pace, this.followLabel);
+    const keys = element("div", { class: "keys", role: "group", "aria-label": "Frames" }, first, back, this.play, next, pace);
     this.element = element("div", { class: "transport" }, this.slider, this.statusLine(tools), keys);
   }
 
@@ -78,6 +78,6 @@ export class Film {
   private statusLine(tools: HTMLElement): HTMLElement {
     const part = (name: string, value: HTMLElement): HTMLElement => element("span", {}, `${name} `, value);
     return element("div", { class: "status" }, part("frame", this.texts.frame), part("step", this.texts.step), part("time", this.texts.time),
-                   element("span", {}, this.texts.count), this.hash, tools);
+                   element("span", {}, this.texts.count), this.hash, this.followLabel, tools);
   }
 }
