@@ -26,6 +26,8 @@ const CHART_MILLISECONDS = 200; // between two drawings of the charts
 /** The engines in the browser: a set-up, its picture, its charts, and the keys that move it. */
 export class Playground {
   readonly element = element("div", { class: "panel playground" });
+  /** Begun before the page is built, which goes on meanwhile. */
+  private readonly starting = startEngine();
   readonly drawing: Drawing;
   private readonly picture = element("div", { class: "picture" });
   private readonly charts = new RunCharts();
@@ -90,7 +92,7 @@ export class Playground {
   /** Starts the engine and opens what the address says. */
   async start(): Promise<void> {
     try {
-      this.engine = await startEngine();
+      this.engine = await this.starting;
     } catch (error) {
       return this.showProblem(error);
     }
