@@ -13,7 +13,8 @@ export default defineConfig({
     chunkSizeWarningLimit: 10_000,
     rolldownOptions: { output: { codeSplitting: false } },
   },
+  // One file after the other: some measure how fast the page is.
+  test: { testTimeout: 60_000, hookTimeout: 60_000, fileParallelism: false },
   // A script that needs no other file and imports nothing can be started from a page on a disk.
-  test: { testTimeout: 60_000, hookTimeout: 60_000 },
   worker: { format: "iife", plugins: () => [engine()] },
 });

@@ -43,7 +43,7 @@ export function makeRenderer(canvas: HTMLCanvasElement, kind: RendererKind): Age
     if (gl !== null) return new GraphicsRenderer(gl);
     throw new Error("this browser has no WebGL 2; open the page with ?renderer=pixels");
   }
-  const context = canvas.getContext("2d");
+  const context = canvas.getContext("2d", { willReadFrequently: true }); // kept by this processor, which draws it
   if (context === null) throw new Error("this browser draws on no canvas; use a current browser");
   return new PixelRenderer(context);
 }

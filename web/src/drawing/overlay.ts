@@ -84,7 +84,7 @@ export function drawOverlay(place: Place, overlay: Overlay, legend: Legend): voi
   if (overlay.grid !== undefined) drawGrid(place, overlay.grid);
   if (overlay.block !== undefined) drawBlock(place, overlay.block);
   drawBox(place);
-  for (const row of overlay.selected ?? []) drawRing(place, row, 2.5, place.theme.accent);
+  for (const row of overlay.selected ?? []) drawRing(place, row, 3, place.theme.accent, true);
   if (overlay.ruler !== undefined) drawRuler(place, overlay.ruler);
   context.restore();
   drawLegend(place, legend);
@@ -193,19 +193,23 @@ function drawBlock(place: Place, block: Block): void {
     context.globalAlpha = 1;
     context.strokeRect(x, y, step.x, step.y);
   }
-  for (const row of block.agents) drawRing(place, row, 1.2, theme.ink);
-  for (const row of block.near) drawRing(place, row, 2.5, theme.ink);
+  for (const row of block.agents) drawRing(place, row, 1, theme.accent, false);
+  for (const row of block.near) drawRing(place, row, 2.5, theme.ink, false);
 }
 
-function drawRing({ context, camera, frame, theme }: Place, row: number, thickness: number, colour: Colour): void {
+/** Around an agent; with a halo it shows on every colour. */
+function drawRing(place: Place, row: number, thickness: number, colour: Colour, hasHalo: boolean): void {
+  const { context, camera, frame, theme } = place;
   if (row < 0 || row >= frame.count) return;
   const centre = camera.toPixels(positionAt(frame, row));
   const radius = Math.max(radiusAt(frame, row) * camera.scale, 4);
   context.beginPath();
-  context.arc(centre.x, centre.y, radius + thickness / 2, 0, 2 * Math.PI);
-  context.strokeStyle = toCss(theme.background);
-  context.lineWidth = thickness + 2; // so that a ring shows on every colour
-  context.stroke();
+  context.arc(centre.x, centre.y, radius + thickness / 2 - (hasHalo ? 0 : 0.5), 0, 2 * Math.PI);
+  if (hasHalo) {
+    context.strokeStyle = toCss(theme.background);
+    context.lineWidth = thickness + 2;
+    context.stroke();
+  }
   context.strokeStyle = toCss(colour);
   context.lineWidth = thickness;
   context.stroke();

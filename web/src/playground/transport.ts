@@ -104,7 +104,7 @@ export class Transport {
           ? "finished"
           : "paused";
     if (frame.stateHash !== "") this.texts.hash.textContent = frame.stateHash;
-    else if (frame.isRunning) this.texts.hash.textContent = "at a pause";
+    else if (frame.isRunning) this.texts.hash.textContent = "…";
     this.rewind.disabled = frame.step === 0;
     this.showToggle(frame);
   }
