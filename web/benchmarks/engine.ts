@@ -33,7 +33,7 @@ const setups: Readonly<Record<string, string>> = {
   "tiled, 10000 disks": disks(10_000, "tiled", 150),
   "exact, 841 disks": disks(841, "exact", 300),
   "exact, 10000 disks": disks(10_000, "exact", 25),
-  "scenes/vicsek.toml": scene("vicsek", 1000),
+  "scenes/flocking.toml": scene("flocking", 1000),
   "scenes/epidemic.toml": scene("epidemic", 1000),
   "scenes/catalyst.toml": scene("catalyst", 500),
 };
