@@ -150,11 +150,11 @@ export function contactLines(camera: Camera, frame: Frame, one: number, other: n
   return isAcross ? [line(from, 1), line(to, -1)] : [line(from, 1)];
 }
 
-/** Pixels of the line of a contact: as thick as a disk's radius at three times the mean force. */
+/** Pixels of the line of a contact: as thick as half a disk's radius at three times the mean force. */
 export function contactWidths(camera: Camera, frame: Frame, contacts: Contacts): number[] {
   const forces = Array.from(contacts.forces);
   const mean = forces.reduce((sum, force) => sum + force, 0) / Math.max(1, forces.length);
-  const full = (camera.scale * radiusAt(frame, 0)) / 3;
+  const full = (camera.scale * radiusAt(frame, 0)) / 6;
   return forces.map((force) => Math.max(0.75, mean > 0 ? (full * Math.min(force, 3 * mean)) / mean : 0));
 }
 

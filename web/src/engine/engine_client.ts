@@ -70,6 +70,12 @@ export interface EngineFrame {
   readonly stepsPerSecond: number;
 }
 
+/** Who presses on whom: two ids for each contact, and the forces. */
+export interface PackingContacts {
+  readonly ids: Float64Array;
+  readonly forces: Float64Array;
+}
+
 /** How fast a run goes: as fast as it can where nothing is said. */
 export interface Speed {
   readonly stepsPerSecond?: number;
@@ -106,6 +112,8 @@ export interface Engine extends EngineEvents {
   /** Of the current state, which pauses nothing. */
   values(id: number): Promise<Readonly<Record<string, number>>>;
   neighbourhood(id: number): Promise<Neighbourhood>;
+  /** Of a packing, where a protocol has just ended in one; else none. */
+  contacts(): Promise<PackingContacts>;
   results(): Promise<readonly NamedEstimate[]>;
   stateHash(): Promise<string>;
   configuration(): Promise<string>;
@@ -190,6 +198,9 @@ class EngineClient implements Engine {
   }
   neighbourhood(id: number): Promise<Neighbourhood> {
     return this.call("neighbourhood", id);
+  }
+  contacts(): Promise<PackingContacts> {
+    return this.call("contacts");
   }
   results(): Promise<readonly NamedEstimate[]> {
     return this.call("results");

@@ -1,6 +1,6 @@
 /** A session that runs by itself, at a speed, and posts frames: what the worker does, without the worker. */
 
-import type { EngineFrame, SessionInfo, Speed } from "./engine_client.ts";
+import type { EngineFrame, PackingContacts, SessionInfo, Speed } from "./engine_client.ts";
 import { loadGridlock, type Gridlock, type NamedEstimate, type Neighbourhood, type Session, type SettingValue, GridlockError } from "./gridlock.ts";
 import { History } from "./history.ts";
 import type { Catalogue } from "./protocol.ts";
@@ -138,6 +138,9 @@ export class Simulator {
   }
   neighbourhood(id: number): Neighbourhood {
     return this.opening().neighbourhood(id);
+  }
+  contacts(): PackingContacts {
+    return this.opening().contacts();
   }
   results(): readonly NamedEstimate[] {
     return this.opening().results();

@@ -68,6 +68,7 @@ export function rangeOf(setting: SettingDescription, value: number): Range {
   if (known !== undefined) return { ...known, least: Math.min(known.least, value), most: Math.max(known.most, value) };
   const integer = setting.kind === "integer";
   const usual = Math.max(typeof setting.default === "number" ? Math.abs(setting.default) : 0, Math.abs(value)) || 1;
+  if (integer && value === 0 && setting.least >= 0) return { least: setting.least, most: Math.min(setting.most, 1000), integer };
   if (integer && usual >= 100)
     return { least: Math.max(1, setting.least), most: Math.min(setting.most, roundUp(20 * usual)), logarithmic: true, integer };
   const least = Number.isFinite(setting.least) && setting.least > -10 * usual ? setting.least : Math.min(0, -4 * usual);

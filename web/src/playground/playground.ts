@@ -2,7 +2,7 @@ import { RunCharts } from "../charts/run_charts.ts";
 import { Series } from "../charts/series.ts";
 import { Drawing } from "../drawing/drawing.ts";
 import type { Frame } from "../drawing/frame.ts";
-import type { Overlay } from "../drawing/overlay.ts";
+import type { Contacts, Overlay } from "../drawing/overlay.ts";
 import { startEngine, type Engine, type EngineFrame, type SessionInfo } from "../engine/engine_client.ts";
 import { element, iconButton, select, setOptions, words } from "../page/dom.ts";
 import { menu } from "../page/menu.ts";
@@ -51,6 +51,9 @@ export class Playground {
   private readonly editor = new Editor((toml) => void this.openToml(toml));
   private readonly colour = select("Colour by", [], "", (name) => void this.colourBy(name));
   private readonly grid = element("input", { type: "checkbox", onchange: () => this.showOverlay() });
+  private readonly forces = element("input", { type: "checkbox", checked: true, onchange: () => this.showOverlay() });
+  private readonly forcesField = element("label", { class: "check", hidden: true }, this.forces, "Forces of the packing");
+  private contacts: Contacts | undefined;
   private readonly block = element("input", { type: "checkbox", checked: true, onchange: () => this.showOverlay() });
   private readonly preparation = element("div", { class: "preparation", hidden: true });
   private readonly range = new BarRange();
@@ -214,6 +217,7 @@ export class Playground {
       element("label", { class: "check" }, this.grid, "Grid of k × k cells"),
       element("label", { class: "check" }, this.block, "3 × 3 block of the clicked agent"),
     );
+    look.append(this.forcesField);
     this.cells.element.classList.remove("group");
     look.append(this.cells.element);
     this.setupSide.append(
@@ -348,8 +352,23 @@ export class Playground {
       `${frame.count} ${info.agentsName} at step ${frame.step}, coloured by ${words(this.chosenColour)}. ` +
         "Arrow keys move the picture, plus and minus zoom, 0 shows all, Enter selects the agent in the middle.",
     );
+    void this.findContacts(frame);
     this.showOverlay();
     if (performance.getEntriesByName("first picture").length === 0) performance.mark("first picture");
+  }
+
+  /** The contacts of a packing: there are some where a protocol has just ended, and nothing has moved since. */
+  private async findContacts(frame: EngineFrame): Promise<void> {
+    const mayHave = frame.isPrepared && frame.preparation.stages > 0 && frame.step === 0 && !frame.isRunning;
+    const found = mayHave ? await this.engine?.contacts() : undefined;
+    if (this.frame !== frame) return;
+    const had = this.contacts !== undefined;
+    this.contacts =
+      found === undefined || found.forces.length === 0
+        ? undefined
+        : { rows: found.ids.map((id) => rowOf(frame.ids, id)), forces: found.forces };
+    this.forcesField.hidden = this.contacts === undefined;
+    if (had || this.contacts !== undefined) this.showOverlay();
   }
 
   private showCharts(frame: EngineFrame): void {
@@ -376,6 +395,7 @@ export class Playground {
     const selected = inspector?.id ?? null;
     return {
       ...(this.grid.checked ? { grid: { columns, rows } } : {}),
+      ...(this.forces.checked && this.contacts !== undefined ? { contacts: this.contacts } : {}),
       ...(selected === null ? {} : { selected: [rowOf(frame.ids, selected)] }),
       ...(this.block.checked && inspector?.block !== undefined ? { block: inspector.block } : {}),
     };

@@ -380,6 +380,29 @@ describe("the look", () => {
     });
   });
 
+  test("a packing shows its forces, which can be hidden", async () => {
+    await withPlayground("#scene=jamming", async ({ page, user }) => {
+      const forces = page.getByRole("checkbox", { name: "Forces of the packing" });
+      expect(await forces.isVisible()).toBe(false);
+      await user.press("Run");
+      await forces.waitFor({ timeout: 60_000 });
+      const inkOfOverlay = (): Promise<number> =>
+        page.evaluate(() => {
+          const canvas = [...document.querySelectorAll<HTMLCanvasElement>(".picture canvas")].at(-1) as HTMLCanvasElement;
+          const bytes = (canvas.getContext("2d") as CanvasRenderingContext2D).getImageData(
+            0,
+            0,
+            canvas.width,
+            canvas.height,
+          ).data;
+          return bytes.filter((value, i) => i % 4 === 3 && value > 0).length;
+        });
+      const shown = await inkOfOverlay();
+      await forces.uncheck();
+      await expect.poll(inkOfOverlay).toBeLessThan(shown / 2);
+    });
+  });
+
   test("the wheel, dragging, the keyboard and a double click move the picture", async () => {
     await withPlayground("#scene=paper", async ({ page }) => {
       const picture = page.locator(".picture canvas").last();
