@@ -28,7 +28,7 @@ PAGE
 section() { printf '\n## `%s`\n\n```text\n%s\n```\n' "gridlock${1:+ $1}" "$(PATH=/usr/bin:/bin "$program" $1 --help)"; }
 section ""
 for command in $(PATH=/usr/bin:/bin "$program" --help | sed -n '/^Commands:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do section "$command"; done
-# Those of the Python package, where it is built.
+# Those that are programs of their own, as far as they are built.
 for other in "$(dirname "$program")"/gridlock-*; do
   [[ -x $other ]] && COLUMNS=110 section "${other##*/gridlock-}"
 done

@@ -5,14 +5,11 @@
 #include <utility>
 #include <vector>
 
+#include "drawing/frame_values.hpp"
 #include "drawing/picture.hpp"
 #include "gridlock/core/frame.hpp"
 
 namespace gridlock {
-
-/// The colour of a frame where none was asked for: displacement for disks that count the edges they cross, the last
-/// column of whole numbers such as a species, the radius, the direction of motion, or one colour for all.
-std::string usual_colour(Frame const& frame);
 
 /// Draws frames of one run, of disks or of any other agents. Agents without a radius get a round mark, in every frame of
 /// the size that suits the first one.
@@ -43,7 +40,6 @@ class FramePainter {
   /// Calls visit(state, settings) with the frame as a picture needs it.
   template <class Visit>
   auto with_picture(Frame const& frame, std::uint32_t width, std::string const& title, Visit visit) const;
-  [[nodiscard]] std::vector<double> values_of(Frame const& frame) const;
 
   Frame first_;
   std::string colour_;

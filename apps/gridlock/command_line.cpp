@@ -51,27 +51,39 @@ bool has_command(CLI::App& app, std::string const& word) {
   return !app.get_subcommands([&](CLI::App const* command) { return command->check_name(word); }).empty();
 }
 
-/// The commands of Gridlock that are programs of its Python package, with what the help says of them.
-constexpr std::array<std::pair<char const*, char const*>, 3> python_commands{
-    {{"plot", "Draw the pictures of a run, sweep or packing from its data"},
-     {"paper", "Make the paper's Figures 4 to 7 and check its claims"},
-     {"jam", "Jam disks by quench, growth and decompression, and compare with published numbers"}}};
+/// A command of Gridlock that is a program of its own, with what the help says of it.
+struct OtherCommand {
+  std::string_view name;
+  char const* documentation;
+  char const* group;
+};
 
-bool is_python_command(std::string_view word) {
-  return std::ranges::find(python_commands, word, [](auto const& command) {
-           return std::string_view(command.first);
-         }) != python_commands.end();
+constexpr char const* python_commands = "Commands of the Python package";
+constexpr std::array<OtherCommand, 4> other_commands{
+    {{"view", "Show a run, a sweep or a file in the browser, also while it is written", "Commands for the browser"},
+     {"plot", "Draw the pictures of a run, sweep or packing from its data", python_commands},
+     {"paper", "Make the paper's Figures 4 to 7 and check its claims", python_commands},
+     {"jam", "Jam disks by quench, growth and decompression, and compare with published numbers", python_commands}}};
+
+bool is_other_command(std::string_view word) {
+  return std::ranges::find(other_commands, word, &OtherCommand::name) != other_commands.end();
+}
+
+/// Where a program comes from that is missing.
+std::string origin_of(std::string_view command) {
+  if (command != "view") return cli::python_package(command);
+  return "it is built where cpp-httplib is installed (Debian: libcpp-httplib-dev)";
 }
 
 /// Becomes the program of a first word that is no command of this one, where there is such a program.
-/// Errors: Error where a program of the Python package is missing.
+/// Errors: Error where a program of Gridlock's own is missing.
 void hand_over(CLI::App& app, std::vector<std::string> const& words) {
-  if (words.empty() || (has_command(app, words.front()) && !is_python_command(words.front()))) return;
+  if (words.empty() || (has_command(app, words.front()) && !is_other_command(words.front()))) return;
   std::filesystem::path const program = cli::find_other_program(words.front());
   if (!program.empty()) cli::become(program, {words.begin() + 1, words.end()});
-  if (!is_python_command(words.front())) return;
+  if (!is_other_command(words.front())) return;
   throw Error({.what = fmt::format("the program gridlock-{} is not installed", words.front()),
-               .hint = cli::python_package(words.front())});
+               .hint = origin_of(words.front())});
 }
 
 /// Lists the other programs in the help, which alone takes the time to look for them.
@@ -131,8 +143,8 @@ ExitCode run_command_line(int argc, char** argv) {
   cli::add_contacts(app, exit_code);
   refuse_empty_values(app);
   for (CLI::App* const command : app.get_subcommands({})) command->group("Commands");
-  for (auto const& [name, documentation] : python_commands) {
-    app.add_subcommand(name, documentation)->group("Commands of the Python package");
+  for (auto const& [name, documentation, group] : other_commands) {
+    app.add_subcommand(std::string(name), documentation)->group(group);
   }
   app.footer(fmt::format("Start with:  {} explain", cli::program_name()));
   std::vector<std::string> const words = words_of(argc, argv);
@@ -160,6 +172,20 @@ ExitCode run_command_line_of_crew(int argc, char** argv, cli::CrewOptions const&
                  .hint = fmt::format("it has run, resume and sweep; all others are those of gridlock: gridlock {}",
                                      words.front())});
   }
+  parse(app, words, false);
+  return exit_code;
+}
+
+/// The one command of a program of its own, which the user has typed as a command of gridlock.
+ExitCode run_command_line_of_one(int argc, char** argv, std::string const& name, cli::AddCommand add) {
+  cli::set_program_name("gridlock");
+  CLI::App app{"gridlock", "gridlock"};
+  set_up_app(app, "gridlock");
+  ExitCode exit_code = ExitCode::good;
+  add(app, exit_code);
+  refuse_empty_values(app);
+  std::vector<std::string> words{name};
+  words.insert(words.end(), argv + std::min(argc, 1), argv + argc);
   parse(app, words, false);
   return exit_code;
 }
@@ -212,6 +238,11 @@ Failure guarded(Command command) {
 
 int command_line(int argc, char** argv) {
   return static_cast<int>(after_printing(guarded([&] { return run_command_line(argc, argv); }).exit_code));
+}
+
+int cli::command_line_of_one(int argc, char** argv, std::string const& name, AddCommand add) {
+  return static_cast<int>(
+      after_printing(guarded([&] { return run_command_line_of_one(argc, argv, name, add); }).exit_code));
 }
 
 int cli::command_line_of_crew(int argc, char** argv, CrewOptions const& crew, std::string& failure) {

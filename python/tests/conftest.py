@@ -7,6 +7,9 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
+# No report of a test links to the playground, whether it is built or not, unless the test asks for it.
+os.environ["GRIDLOCK_PLAYGROUND"] = ""
+
 
 @pytest.fixture
 def root():

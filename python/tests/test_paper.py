@@ -1,5 +1,6 @@
 """The study of the paper: made whole, stopped and continued, killed, refused; its numbers beside those that were kept."""
 
+import base64
 import csv
 import dataclasses
 import gzip
@@ -12,6 +13,8 @@ import signal
 import subprocess
 import sys
 import time
+import urllib.parse
+import zlib
 
 import numpy as np
 import pytest
@@ -110,6 +113,49 @@ def test_the_report_needs_no_other_file(whole):
     assert sum(reference.startswith("data:") for reference in document.references) == len(PICTURES)
     for claim in made.claims:
         assert claim.statement in document.text and claim.measured in document.text
+
+
+def set_up_in(reference):
+    """The set-up that a link to the playground holds, and how it is shown."""
+    fields = urllib.parse.parse_qs(urllib.parse.urlsplit(reference).fragment)
+    packed = fields.pop("toml")[0]
+    return zlib.decompress(base64.urlsafe_b64decode(packed + "=" * (-len(packed) % 4)), -zlib.MAX_WBITS).decode(), fields
+
+
+def test_a_report_links_to_the_set_ups_of_its_figures_in_a_playground_beside_it(tmp_path, monkeypatch):
+    page = tmp_path / "page.html"
+    page.write_text("the playground", encoding="utf-8")
+    monkeypatch.setenv("GRIDLOCK_PLAYGROUND", str(page))
+    made = paper.make(tmp_path / "results", TINY)
+    assert (tmp_path / "results" / "playground.html").read_text(encoding="utf-8") == "the playground"
+    assert tmp_path / "results" / "playground.html" in made.files
+    references = Document((tmp_path / "results" / "report.html").read_text(encoding="utf-8")).references
+    links = [reference for reference in references if reference.startswith("playground.html#")]
+    set_ups = [set_up_in(link) for link in links]
+    assert set_ups[0][0] == "disks.count = 49\ndisks.packing_fraction = 0.7\nrun.seed = 1\nengine.cells = 10"
+    assert set_ups[0][1] == {"colour": ["neighbourhood"], "grid": ["1"]}
+    # Every link is a set-up that can run; those of Figure 6 have the bits of its runs.
+    states = set()
+    for text, _ in set_ups:
+        file = tmp_path / "set_up.toml"
+        file.write_text(text, encoding="utf-8")
+        simulation = gridlock.Simulation(file)
+        simulation.run(steps=TINY.figure_6.steps)
+        states.add(simulation.state_hash)
+    fan = [row["state_hash"] for row in rows_of(tmp_path / "results" / "runs.csv")
+           if row["seed"] == "1" and int(row["steps"]) == TINY.figure_6.steps and float(row["packing_fraction"]) in TINY.fan_densities
+           and (row["start"], row["sites"], row["edge"], row["contact"]) == ("square", "fitted", "wall", "always")
+           and float(row["time_step"]) == 0.1 and row["engine"] in ("stepped", "exact")]
+    assert len(fan) >= 4
+    assert set(fan) <= states
+
+
+def test_a_report_links_to_a_playground_elsewhere(tmp_path, monkeypatch):
+    monkeypatch.setenv("GRIDLOCK_PLAYGROUND", "https://example.org/gridlock/")
+    paper.make(tmp_path, TINY, 4)
+    references = Document((tmp_path / "report.html").read_text(encoding="utf-8")).references
+    assert any(reference.startswith("https://example.org/gridlock/#toml=") for reference in references)
+    assert "playground.html" not in names_in(tmp_path)
 
 
 def test_pictures_refer_to_nothing_outside_and_keep_their_text(whole):

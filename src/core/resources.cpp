@@ -1,6 +1,8 @@
 #include "core/resources.hpp"
 
+#if defined(__linux__)
 #include <sched.h>
+#endif
 
 #include <algorithm>
 #include <cerrno>
@@ -96,6 +98,7 @@ double left_of(fs::path const& limit, fs::path const& used, fs::path const& stat
 
 /// Cores of the affinity mask of the calling thread; nothing where the system does not say.
 std::optional<std::size_t> cores_of_mask() {
+#if defined(__linux__)
   // The kernel refuses a mask with room for fewer cores than it knows.
   for (std::size_t room = 1024; room <= 1U << 20U; room *= 2) {
     std::unique_ptr<cpu_set_t, void (*)(cpu_set_t*)> const mask(CPU_ALLOC(room), [](cpu_set_t* m) { CPU_FREE(m); });
@@ -103,8 +106,9 @@ std::optional<std::size_t> cores_of_mask() {
     if (sched_getaffinity(0, CPU_ALLOC_SIZE(room), mask.get()) == 0) {
       return static_cast<std::size_t>(CPU_COUNT_S(CPU_ALLOC_SIZE(room), mask.get()));
     }
-    if (errno != EINVAL) return std::nullopt;
+    if (errno != EINVAL) break;
   }
+#endif
   return std::nullopt;
 }
 

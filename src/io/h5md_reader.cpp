@@ -54,9 +54,16 @@ class H5mdReader::Trajectory {
 
   [[nodiscard]] H5mdSettings const& settings() const { return settings_; }
   [[nodiscard]] std::vector<Clock> const& clocks() const { return clocks_; }
+  [[nodiscard]] std::vector<std::string> column_names() const;
 
   [[nodiscard]] H5mdFrame frame(std::size_t k) const {
     return guarded(path_, [&] { return read_frame(k); });
+  }
+  [[nodiscard]] std::vector<double> observable(std::size_t k) const {
+    return guarded(path_, [&] {
+      return hdf5::read<double>(dataset("/observables/" + settings_.observables[k].name + "/value", 1),
+                                {{0}, {clocks_.size()}});
+    });
   }
   [[nodiscard]] std::optional<FrameContacts> contacts() const {
     return guarded(path_, [&] { return read_contacts(); });
@@ -120,6 +127,14 @@ void H5mdReader::Trajectory::find_elements() {
     if (rank != 2 && rank != 3) throw hdf5::Failure(name + " is not stored as it should be");
     elements_.push_back({std::move(name), rank == 3});
   }
+}
+
+std::vector<std::string> H5mdReader::Trajectory::column_names() const {
+  std::vector<std::string> names;
+  for (Element const& element : elements_) {
+    for (std::string& name : h5md::column_names(element.name, element.is_vector)) names.push_back(std::move(name));
+  }
+  return names;
 }
 
 void H5mdReader::Trajectory::read_clocks() {
@@ -231,6 +246,8 @@ H5mdReader& H5mdReader::operator=(H5mdReader&&) noexcept = default;
 std::size_t H5mdReader::frame_count() const { return trajectory_->clocks().size(); }
 H5mdSettings const& H5mdReader::settings() const { return trajectory_->settings(); }
 std::span<Clock const> H5mdReader::clocks() const { return trajectory_->clocks(); }
+std::vector<std::string> H5mdReader::column_names() const { return trajectory_->column_names(); }
+std::vector<double> H5mdReader::observable(std::size_t k) const { return trajectory_->observable(k); }
 H5mdFrame H5mdReader::frame(std::size_t k) const { return trajectory_->frame(k); }
 std::optional<FrameContacts> H5mdReader::contacts() const { return trajectory_->contacts(); }
 

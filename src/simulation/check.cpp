@@ -11,8 +11,8 @@
 
 #include "gridlock/core/error.hpp"
 #include "simulation/countable_time.hpp"
+#include "simulation/frame_schedule.hpp"
 #include "simulation/memory.hpp"
-#include "simulation/trajectory.hpp"
 
 namespace gridlock {
 

@@ -116,6 +116,11 @@ class H5mdReader {
   [[nodiscard]] H5mdSettings const& settings() const;
   /// The clock of each frame.
   [[nodiscard]] std::span<Clock const> clocks() const;
+  /// The columns of every frame.
+  [[nodiscard]] std::vector<std::string> column_names() const;
+  /// Observable number k of the settings at each frame. Cheaper than frame() for each: no agents are read, so no checksum
+  /// is compared. Requires k < settings().observables.size().
+  [[nodiscard]] std::vector<double> observable(std::size_t k) const;
   /// Requires k < frame_count().
   [[nodiscard]] H5mdFrame frame(std::size_t k) const;
   /// Those of the start, where the trajectory has them.

@@ -145,6 +145,10 @@ class Run {
 
   /// Whether there is nothing left to do but to sample the end.
   [[nodiscard]] bool has_reached_end() const;
+  /// The share of the run that is done, from 0 to 1.
+  [[nodiscard]] double fraction_done() const { return fraction_of(extent()); }
+  /// The series so far, as in record().
+  [[nodiscard]] Table const& series() const { return series_; }
   /// Steps from the start to the last step that writers were asked about; nothing before the first.
   [[nodiscard]] std::optional<std::uint64_t> last_stop() const;
 
@@ -162,7 +166,6 @@ class Run {
   [[nodiscard]] std::uint64_t steps_done() const { return simulation_.clock().step - first_.step; }
   [[nodiscard]] Extent extent() const;
   [[nodiscard]] double fraction_of(Extent const& extent) const;
-  [[nodiscard]] double fraction_done() const { return fraction_of(extent()); }
   void stop_here();
   void sample();
   void serialize_series(Archive& archive);

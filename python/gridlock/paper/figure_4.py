@@ -9,7 +9,7 @@ import numpy as np
 from ..neighbors import pairs
 from ..simulation import Agents, Simulation
 from ..study import style
-from ..study.chapter import Chapter, Claim, Drawing
+from ..study.chapter import Chapter, Claim, Drawing, SetUp
 from ..study.statistics import Verdict, plain, total
 from .context import Context
 
@@ -59,10 +59,8 @@ def _draw(positions: NDArray[Any], radius: float, title: str) -> Figure:
 
 
 def make(context: Context) -> Chapter:
-    simulation = Simulation({
-        "disks": {"count": context.extent.disks, "packing_fraction": PACKING_FRACTION},
-        "run": {"seed": context.seed}, "observe": {"structure_every": 0},
-    })
+    settings = {"disks": {"count": context.extent.disks, "packing_fraction": PACKING_FRACTION}, "run": {"seed": context.seed}}
+    simulation = Simulation(settings, observe={"structure_every": 0})
     agents = simulation.agents
     radius, energy = float(agents.radius[0]), _kinetic_energy(agents)
     start = np.array(agents.positions)
@@ -96,4 +94,6 @@ def make(context: Context) -> Chapter:
             f"{100.0 * counts['halted_moves'] / counts['moves']:.0f} % of the moves were halted.",
             Verdict.AGREES if is_in_one and overlap == 0.0 and abs(energy_change) < 1e-12 else Verdict.DIFFERS,
         )],
+        set_ups=[SetUp(f"{len(start)} disks on {K} × {K} neighbourhoods", {**settings, "engine": {"cells": K}},
+                       colour="neighbourhood", has_grid=True)],
     )

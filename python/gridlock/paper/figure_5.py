@@ -16,7 +16,7 @@ import numpy as np
 from ..errors import Error
 from ..simulation import Simulation
 from ..study import style
-from ..study.chapter import Chapter, Claim, Drawing, Table
+from ..study.chapter import Chapter, Claim, Drawing, SetUp, Table
 from .extent import Extent
 from .figure_4 import neighbourhoods_of
 from ..study.statistics import PowerLaw, Verdict, fit_power_law, plain, total
@@ -38,6 +38,23 @@ LARGEST_PACKING_FRACTION = 0.78
 DILUTE = 0.32
 #: Above it the start is so nearly close packed that it stays a lattice in which nothing moves, a case of its own.
 LIQUID = 0.72
+
+
+def _settings(context: Context, disks: int, k: int) -> dict[str, Any]:
+    """With the paper's own lists: the figure is about what they cost."""
+    return {
+        "disks": {"count": disks, "radius": _radius(context.extent)},
+        "engine": {"cells": k, "grid": "linked", "substeps": SUBSTEPS},
+        "run": {"seed": context.seed},
+    }
+
+
+def _set_ups(context: Context) -> list[SetUp]:
+    """A few of the sizes, from a gas to a lattice that hardly moves, on each grid."""
+    counts = sorted(context.extent.timing_counts)
+    few = sorted({counts[0], counts[len(counts) // 2], counts[-1]})
+    return [SetUp(f"N = {count}", _settings(context, count, k), f"k = {k}", colour="neighbourhood", has_grid=True)
+            for k in KS for count in few]
 
 
 def paper_checks(disks: int, k: int) -> float:
@@ -142,12 +159,7 @@ class Measurement:
         self._context.partial_results.keep(self._key, {"costs": json.dumps([dataclasses.asdict(cost) for cost in self.costs])})
 
     def _simulation(self, cost: StepCost) -> Simulation:
-        simulation = Simulation({
-            "disks": {"count": cost.disks, "radius": _radius(self._context.extent)},
-            # The paper's own lists: the figure is about what they cost.
-            "engine": {"cells": cost.k, "grid": "linked", "substeps": SUBSTEPS},
-            "run": {"seed": self._context.seed}, "observe": {"every": 2 * STEPS, "structure_every": 0},
-        })
+        simulation = Simulation(_settings(self._context, cost.disks, cost.k), observe={"every": 2 * STEPS, "structure_every": 0})
         simulation.run(steps=0)  # takes the sample of the start, which is no part of what is timed
         return simulation
 
@@ -378,6 +390,7 @@ def make(context: Context) -> Chapter:
             f"{context.extent.timing_repeats} repeats on this machine; distance checks are counted exactly and are the same on "
             "every machine."
         ],
+        set_ups=_set_ups(context),
         drawings=[
             Drawing(("figure_5",), (
                 f"CPU time of 100 steps against the number of disks. Dashed: {1e9 * per_disk:.0f} ns for each disk and "

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..study import style
 from ..study.chapter import Chapter, Claim, Drawing
-from .replicas import Measured, ReplicaSet, paper_replica_set
+from .replicas import Measured, ReplicaSet, paper_replica_set, set_ups
 from ..study.statistics import MeanOfRuns, plain, verdict_on_fall
 from .context import Context
 
@@ -136,4 +136,5 @@ def make(context: Context) -> Chapter:
                 "creep on.")),
         ],
         claims=[_order_claim(context, results)],
+        set_ups=set_ups([result.set for result in results]),
     )

@@ -13,7 +13,7 @@ from ..simulation import Simulation
 from ..study import style
 from ..study.chapter import Chapter, Claim, Drawing, Table
 from .extent import Engine, Extent, Length
-from .replicas import Measured, ReplicaSet, paper_replica_set, paper_replica_sets
+from .replicas import Measured, ReplicaSet, paper_replica_set, paper_replica_sets, set_ups
 from ..study.statistics import NOT_MEASURED, Crossing, Estimate, Verdict, find_crossing, plain, three_sigma
 from .context import Context
 from .theory import enskog_diffusion, mean_distance, mean_distance_after_diffusion, mean_distance_in_square
@@ -337,6 +337,7 @@ def make(context: Context) -> Chapter:
             f"starts; {_errors_text(extent)}. Insets: the two starts at φ = {plain(PACKING_FRACTION_OF_INSETS)}."
         ],
         drawings=[Drawing(("figure_7",), caption)],
+        set_ups=set_ups(paper_replica_sets(extent, context.seed, extent.figure_7)),
         claims=[_plateau_claim(figure), _crossing_claim(context), _duration_claim(context)],
         tables=[_crossing_table(context), _plateau_comparison(figure), _approach_comparison(figure)],
         conclusions=[

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from .extent import Engine, Extent, Length
+from ..study.chapter import SetUp
 from ..study.runs import RunPool
 from .runs import Outcome, Run
-from ..study.statistics import Estimate, mean_over_runs, tail_mean
+from ..study.statistics import Estimate, mean_over_runs, plain, tail_mean
 
 #: The time step of runs that are not about it, in diameters per v_max.
 USUAL_TIME_STEP = 0.1
@@ -54,6 +55,16 @@ def paper_replica_sets(extent: Extent, seed: int, length: Length) -> list[Replic
         for density in densities
         if engine == extent.engines[0] or density <= length.densest_of_others
     ]
+
+
+def set_ups(replica_sets: Iterable[ReplicaSet]) -> list[SetUp]:
+    """The first run of each, for the playground, whose end is left to the reader."""
+    made = []
+    for one in replica_sets:
+        settings = {table: dict(values) for table, values in one.run.settings.items()}
+        del settings["run"]["steps"]
+        made.append(SetUp(f"φ = {plain(one.run.packing_fraction)}", settings, f"{one.run.start} start, {one.engine.label}"))
+    return made
 
 
 def sampled_evenly(replica_set: ReplicaSet, diameters: float, samples: int) -> ReplicaSet:

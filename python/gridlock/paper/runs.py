@@ -76,8 +76,9 @@ class Run:
     def restored(self, arrays: Mapping[str, NDArray[Any]]) -> Outcome:
         return Outcome.restored(arrays)
 
-    def simulation(self) -> Simulation:
-        """:raises Error: where the start does not exist."""
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Those of the simulation, where its lattice is fitted to the box."""
         settings: dict[str, Any] = {
             "disks": {"count": self.disks, "packing_fraction": self.packing_fraction, "start": self.start},
             "box": {"edge": self.edge},
@@ -87,6 +88,11 @@ class Run:
         }
         if self.engine == "exact":
             del settings["engine"]["contact"]
+        return settings
+
+    def simulation(self) -> Simulation:
+        """:raises Error: where the start does not exist."""
+        settings = self.settings
         # The cores are busy with other runs.
         make = functools.partial(Simulation, threads=1)
         simulation = make(settings)

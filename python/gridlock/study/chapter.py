@@ -6,7 +6,7 @@ import csv
 import dataclasses
 import io
 import pathlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar, Union
 
 from .. import _core
@@ -45,6 +45,17 @@ class Drawing:
     caption: str
 
 
+@dataclasses.dataclass(frozen=True)
+class SetUp:
+    """One of the simulations of a chapter, for the playground."""
+
+    name: str  #: what tells it from the others of its group
+    settings: Mapping[str, Any]
+    group: str = ""  #: "square start"
+    colour: str | None = None  #: what its agents are coloured by
+    has_grid: bool = False  #: whether the cells are drawn
+
+
 @dataclasses.dataclass
 class Chapter:
     """One section of the report: what was done, the pictures, the claims, the numbers, what follows from them.
@@ -58,6 +69,7 @@ class Chapter:
     claims: list[Claim] = dataclasses.field(default_factory=list)
     tables: list[Table] = dataclasses.field(default_factory=list)
     conclusions: list[str] = dataclasses.field(default_factory=list)
+    set_ups: list[SetUp] = dataclasses.field(default_factory=list)
 
 
 class Extent(Protocol):

@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar, Union
 
-from .. import _core
+from .. import _core, playground
 from ..errors import Error
 from ..settings import as_threads
 from ..simulation import ProgressBar
@@ -193,7 +193,22 @@ def _make(study: Study, context: Context[Any, Any, Any], figure: int | None, job
         context.notes.append(f"partial results were not all kept: {context.partial_results.problem}")
     seconds = time.perf_counter() - start
     progression.report(1.0, "drawing")  # a wish to stop that comes later comes too late
-    context.write(REPORT, report.html(study.texts, context, chapters, seconds, is_resumed=is_resumed).encode())
+    page = _playground_of(context, chapters)
+    context.write(REPORT, report.html(study.texts, context, chapters, seconds, is_resumed=is_resumed, page=page).encode())
     context.partial_results.remove_all()
     claims = [claim for chapter in chapters for claim in chapter.claims]
     return Made(claims, context.files, context.notes, seconds)
+
+
+def _playground_of(context: Context[Any, Any, Any], chapters: Sequence[Chapter]) -> str | None:
+    """The address of the playground for links of the report. A page that is a file is copied beside the report, so that both can be
+    moved and sent; None where no page is found or no chapter has a set-up for it."""
+    page = playground.find_page() if any(chapter.set_ups for chapter in chapters) else None
+    if page is None or page.startswith(("http://", "https://")):
+        return page
+    try:
+        context.write(playground.FILE, pathlib.Path(page).read_bytes())
+    except OSError as problem:
+        context.notes.append(f"the report has no links to the playground: {problem}")
+        return None
+    return playground.FILE

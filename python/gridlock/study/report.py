@@ -8,8 +8,8 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from .. import _core
-from .chapter import Chapter, Claim, Context, Table
+from .. import _core, playground
+from .chapter import Chapter, Claim, Context, SetUp, Table
 from .statistics import Verdict
 
 if TYPE_CHECKING:
@@ -69,8 +69,18 @@ def _claim_table(texts: Texts, claims: Sequence[Claim]) -> Table:
     return table
 
 
-def html(texts: Texts, context: Context[Any, Any, Any], chapters: Sequence[Chapter], seconds: float, *, is_resumed: bool) -> str:
-    """The page."""
+def _links(set_ups: Sequence[SetUp], page: str) -> list[tuple[str, list[tuple[str, str]]]]:
+    """The names and addresses of set-ups, by their groups."""
+    groups: dict[str, list[tuple[str, str]]] = {}
+    for one in set_ups:
+        address = playground.link(one.settings, page, colour=one.colour, grid=one.has_grid)
+        groups.setdefault(one.group, []).append((one.name, address))
+    return list(groups.items())
+
+
+def html(texts: Texts, context: Context[Any, Any, Any], chapters: Sequence[Chapter], seconds: float, *, is_resumed: bool,
+         page: str | None) -> str:
+    """The report. ``page`` is the address of the playground, to which it links; None: no links."""
     import jinja2
 
     claims = [claim for chapter in chapters for claim in chapter.claims]
@@ -89,7 +99,8 @@ def html(texts: Texts, context: Context[Any, Any, Any], chapters: Sequence[Chapt
         f"{_count(claims, Verdict.UNDECIDED)} undecided.",
         introduction=[made, *([_conclusion(claims)] if claims else [])],
         overview=_overview(texts, claims),
-        chapters=[(chapter, _claim_table(texts, chapter.claims)) for chapter in chapters],
+        chapters=[(chapter, _claim_table(texts, chapter.claims), [] if page is None else _links(chapter.set_ups, page))
+                  for chapter in chapters],
         notes=context.notes,
         pictures={name: base64.b64encode(svg).decode() for name, svg in context.pictures.items()},
     )

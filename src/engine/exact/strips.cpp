@@ -264,9 +264,10 @@ bool Strip::agrees_with(std::vector<Strip> const& strips, std::vector<std::uint1
 }
 
 std::span<Strip::Counted const> Strip::counted(std::size_t kind, double start, double end) const {
-  auto const first = std::ranges::lower_bound(counted_[kind], start, {}, &Counted::time);
-  auto const last = std::ranges::lower_bound(first, counted_[kind].end(), end, {}, &Counted::time);
-  return {first, last};
+  std::span<Counted const> const all = counted_[kind];
+  auto const first = std::ranges::lower_bound(all, start, {}, &Counted::time);
+  auto const last = std::ranges::lower_bound(first, all.end(), end, {}, &Counted::time);
+  return all.subspan(static_cast<std::size_t>(first - all.begin()), static_cast<std::size_t>(last - first));
 }
 
 void Strip::hand_over(Flight& whole) const {

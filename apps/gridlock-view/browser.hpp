@@ -1,0 +1,10 @@
+#pragma once
+
+#include <string>
+
+namespace gridlock::view {
+
+/// Opens an address in the user's browser by xdg-open, where there is a desktop; does nothing otherwise.
+void open_browser(std::string const& address);
+
+}  // namespace gridlock::view

@@ -1,0 +1,134 @@
+#include "contents.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "gridlock/core/error.hpp"
+
+namespace gridlock::view {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char const* only_run = "run";
+
+std::vector<std::string> const& files_of_run() {
+  static std::vector<std::string> const names{"config.resolved.toml",
+                                              "run.log",
+                                              "summary.json",
+                                              "trajectory.h5",
+                                              "series.csv",
+                                              "final.xyz",
+                                              "start.xyz",
+                                              "pair_correlation.csv",
+                                              "speed_distribution.csv",
+                                              "velocity_autocorrelation.csv",
+                                              "stages.csv",
+                                              "levels.csv",
+                                              "contacts.csv",
+                                              "swap_correlations.csv"};
+  return names;
+}
+
+std::vector<std::string> const& tables_of_sweep() {
+  static std::vector<std::string> const names{"plan.json", "sweep.csv", "means.csv"};
+  return names;
+}
+
+bool is_there(fs::path const& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+bool holds_run(fs::path const& directory) {
+  return std::ranges::any_of(std::array{"config.resolved.toml", "trajectory.h5", "final.xyz"},
+                             [&](char const* name) { return is_there(directory / name); });
+}
+
+bool is_trajectory(fs::path const& file) { return file.extension() == ".h5" || file.extension() == ".h5md"; }
+bool is_xyz(fs::path const& file) { return file.extension() == ".xyz" || file.extension() == ".extxyz"; }
+
+Kind kind_of(fs::path const& path) {
+  std::error_code error;
+  fs::file_status const status = fs::status(path, error);
+  if (!fs::exists(status)) {
+    throw Error(
+        {.what = fmt::format("there is no {}{}", path.string(),
+                             error && error != std::errc::no_such_file_or_directory ? ": " + error.message() : ""),
+         .hint = "name the directory of a run or sweep, or an .h5 or .xyz file"});
+  }
+  if (fs::is_directory(status)) {
+    if (is_there(path / "plan.json") || fs::is_directory(path / "runs", error)) return Kind::sweep;
+    if (holds_run(path)) return Kind::run;
+    throw Error({.what = fmt::format("{} holds neither a run nor a sweep", path.string()),
+                 .hint = "a run has config.resolved.toml from its start; a sweep has runs/"});
+  }
+  if (fs::is_regular_file(status) && (is_trajectory(path) || is_xyz(path))) return Kind::file;
+  throw Error({.what = fmt::format("{} cannot be shown", path.string()),
+               .hint = "name the directory of a run or sweep, or an .h5 or .xyz file"});
+}
+
+/// Whether a path without links lies in a directory without links, or is it.
+bool is_inside(fs::path const& path, fs::path const& directory) {
+  auto const [rest, end] = std::mismatch(directory.begin(), directory.end(), path.begin(), path.end());
+  return rest == directory.end();
+}
+
+}  // namespace
+
+Contents::Contents(fs::path const& path) : kind_(kind_of(path)), name_(path.lexically_normal().string()) {
+  if (kind_ == Kind::sweep) tables_ = tables_of_sweep();
+  root_ = fs::canonical(path);
+}
+
+std::vector<std::string> Contents::runs() const {
+  if (kind_ != Kind::sweep) return {only_run};
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator entry(root_ / "runs", error); !error && entry != fs::directory_iterator();
+       entry.increment(error)) {
+    std::error_code ignored;
+    bool const is_directory = entry->is_directory(ignored) && !entry->is_symlink(ignored);
+    if (is_directory && holds_run(entry->path())) names.push_back(entry->path().filename().string());
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+std::optional<ShownRun> Contents::run(std::string const& id) const {
+  if (kind_ == Kind::sweep) {
+    // A name is one component of a path, never a way to another place.
+    bool const is_component =
+        !id.empty() && !id.starts_with('.') && id.find('/') == std::string::npos && id.find('\0') == std::string::npos;
+    fs::path const directory = root_ / "runs" / id;
+    std::error_code error;
+    if (!is_component || fs::is_symlink(directory, error) || !fs::is_directory(directory, error)) return std::nullopt;
+    return ShownRun{.id = id, .directory = directory, .files = files_of_run(), .trajectory = "trajectory.h5"};
+  }
+  if (id != only_run) return std::nullopt;
+  if (kind_ == Kind::run) {
+    return ShownRun{.id = id, .directory = root_, .files = files_of_run(), .trajectory = "trajectory.h5"};
+  }
+  std::string const file = root_.filename().string();
+  return ShownRun{.id = id,
+                  .directory = root_.parent_path(),
+                  .files = {file},
+                  .trajectory = is_trajectory(root_) ? file : std::string()};
+}
+
+std::optional<fs::path> Contents::find(std::optional<ShownRun> const& run, std::string const& name) const {
+  std::vector<std::string> const& names = run ? run->files : tables_;
+  if (std::ranges::find(names, name) == names.end()) return std::nullopt;
+  std::error_code error;
+  fs::path const place = fs::canonical((run ? run->directory : root_) / name, error);
+  if (error || !is_inside(place, root_) || !fs::is_regular_file(place, error)) return std::nullopt;
+  return place;
+}
+
+}  // namespace gridlock::view

@@ -1,0 +1,216 @@
+// The functions that gridlock.ts calls. An exception of C++ does not cross into JavaScript: answer() makes it a part of the answer.
+
+#include <emscripten/bind.h>
+#include <emscripten/val.h>
+
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gridlock/core/error.hpp"
+#include "session.hpp"
+
+namespace gridlock::web {
+
+namespace {
+
+using emscripten::val;
+
+Json json_of(Problem const& problem) {
+  return {{"what", problem.what},    {"hint", problem.hint},     {"key", problem.key},
+          {"line", problem.line},    {"column", problem.column}, {"sourceLine", problem.source_line},
+          {"text", to_text(problem)}};
+}
+
+/// Text of a user may hold bytes that are no UTF-8; the page shows U+FFFD for them.
+std::string text_of(Json const& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+val failure(char const* kind, std::vector<Problem> const& problems) {
+  Json all = Json::array();
+  for (Problem const& problem : problems) all.push_back(json_of(problem));
+  val result = val::object();
+  result.set("error", text_of({{"kind", kind}, {"problems", all}}));
+  return result;
+}
+
+/// {value} or {error}: the text of a JSON with the kind and the problems of a GridlockError.
+template <class Work>
+val answer(Work work) {
+  try {
+    val result = val::object();
+    result.set("value", work());
+    return result;
+  } catch (Error const& error) {
+    return failure("input", error.problems());
+  } catch (RunFailure const& error) {
+    return failure("failure", {{.what = error.what()}});
+  } catch (std::bad_alloc const&) {
+    return failure("memory", {{.what = "there is not enough memory in the browser", .hint = "use fewer agents"}});
+  } catch (std::exception const& error) {
+    return failure("internal", {{.what = error.what()}});
+  }
+}
+
+/// A copy in an array of JavaScript's own: the memory here may move whenever it grows.
+template <class Number>
+val array_of(std::vector<Number> const& values) {
+  return val(emscripten::typed_memory_view(values.size(), values.data())).call<val>("slice");
+}
+/// The same for 64 bits, of which embind 3.1.6 makes no views: the bytes of them.
+val array_of(std::vector<std::uint64_t> const& values) {
+  auto const* const bytes = reinterpret_cast<std::uint8_t const*>(values.data());
+  val const copy = val(emscripten::typed_memory_view(values.size() * sizeof(std::uint64_t), bytes)).call<val>("slice");
+  return val::global("BigUint64Array").new_(copy["buffer"]);
+}
+
+std::vector<std::string> strings_of(val const& list) { return emscripten::vecFromJSArray<std::string>(list); }
+
+std::string bytes_of(val const& array) {
+  auto const bytes = emscripten::convertJSArrayToNumberVector<std::uint8_t>(array);
+  return {bytes.begin(), bytes.end()};
+}
+
+val array_of_bytes(std::string const& bytes) {
+  return val(emscripten::typed_memory_view(bytes.size(), reinterpret_cast<std::uint8_t const*>(bytes.data())))
+      .call<val>("slice");
+}
+
+/// A session, its calls guarded.
+class Binding {
+ public:
+  explicit Binding(SettingsFile const& file) : session_(file) {}
+
+  val description() {
+    return answer([&] { return text_of(session_.description()); });
+  }
+  val status() {
+    return answer([&] { return text_of(session_.status()); });
+  }
+  val notes() {
+    return answer([&] { return text_of(session_.notes()); });
+  }
+  val configuration() {
+    return answer([&] { return session_.configuration(); });
+  }
+  val values() {
+    return answer([&] { return text_of(session_.values()); });
+  }
+  val advance(double steps, double milliseconds) {
+    return answer([&] {
+      auto const whole = static_cast<std::uint64_t>(std::clamp(steps, 0.0, 9007199254740992.0));
+      return static_cast<double>(session_.advance(whole, milliseconds));
+    });
+  }
+  val lengthen() {
+    return answer([&] {
+      session_.lengthen();
+      return true;
+    });
+  }
+  val ids() {
+    return answer([&] { return array_of(session_.ids()); });
+  }
+  val column(std::string const& name) {
+    return answer(
+        [&] { return std::visit([](auto const& values) { return array_of(values); }, session_.column(name)); });
+  }
+  val positions() {
+    return answer([&] { return array_of(session_.positions()); });
+  }
+  val radii() {
+    return answer([&] { return array_of(session_.radii()); });
+  }
+  val drawn_column(std::string const& name) {
+    return answer([&] { return array_of(session_.drawn_column(name)); });
+  }
+  val series(double from_row) {
+    return answer([&] { return array_of(session_.series(static_cast<std::size_t>(std::max(0.0, from_row)))); });
+  }
+  val results() {
+    return answer([&] { return text_of(session_.results()); });
+  }
+  val state_hash() {
+    return answer([&] { return session_.state_hash(); });
+  }
+  val neighbourhood(double id) {
+    return answer([&] { return text_of(session_.neighbourhood(id)); });
+  }
+  val contact_ids() {
+    return answer([&] { return array_of(session_.contact_ids()); });
+  }
+  val contact_forces() {
+    return answer([&] { return array_of(session_.contact_forces()); });
+  }
+  val save() {
+    return answer([&] { return array_of_bytes(session_.save()); });
+  }
+  val restore(val const& bytes) {
+    return answer([&] {
+      session_.restore(bytes_of(bytes));
+      return true;
+    });
+  }
+
+ private:
+  Session session_;
+};
+
+val open(std::string const& toml, val const& overrides) {
+  return answer([&] { return std::make_shared<Binding>(settings_of(toml, strings_of(overrides))); });
+}
+
+val read(std::string const& toml, val const& overrides) {
+  return answer([&] {
+    Configuration configuration = read_configuration(settings_of(toml, strings_of(overrides)));
+    return text_of(values_of(configuration));
+  });
+}
+
+val merge(std::string const& toml, val const& overrides) {
+  return answer([&] { return given_settings(settings_of(toml, strings_of(overrides))); });
+}
+
+val catalogue() {
+  return answer([&] {
+    return text_of({{"version", GRIDLOCK_VERSION},
+                    {"settings", describe_settings()},
+                    {"models", describe_models()},
+                    {"engines", describe_engines()}});
+  });
+}
+
+}  // namespace
+
+EMSCRIPTEN_BINDINGS(gridlock) {
+  emscripten::function("catalogue", &catalogue);
+  emscripten::function("open", &open);
+  emscripten::function("read", &read);
+  emscripten::function("merge", &merge);
+  emscripten::class_<Binding>("Session")
+      .smart_ptr<std::shared_ptr<Binding>>("Session")
+      .function("description", &Binding::description)
+      .function("status", &Binding::status)
+      .function("notes", &Binding::notes)
+      .function("configuration", &Binding::configuration)
+      .function("values", &Binding::values)
+      .function("advance", &Binding::advance)
+      .function("lengthen", &Binding::lengthen)
+      .function("ids", &Binding::ids)
+      .function("column", &Binding::column)
+      .function("positions", &Binding::positions)
+      .function("radii", &Binding::radii)
+      .function("drawnColumn", &Binding::drawn_column)
+      .function("series", &Binding::series)
+      .function("results", &Binding::results)
+      .function("stateHash", &Binding::state_hash)
+      .function("neighbourhood", &Binding::neighbourhood)
+      .function("contactIds", &Binding::contact_ids)
+      .function("contactForces", &Binding::contact_forces)
+      .function("save", &Binding::save)
+      .function("restore", &Binding::restore);
+}
+
+}  // namespace gridlock::web

@@ -1,0 +1,36 @@
+#include "compatibility.hpp"
+
+#include <fast_float/fast_float.h>
+#include <fmt/format.h>
+
+#include "gridlock/core/error.hpp"
+#include "io/gzip.hpp"
+
+namespace std {  // NOLINT(cert-dcl58-cpp): see the header
+
+from_chars_result from_chars(char const* first, char const* last, double& value) {
+  auto const [end, error] = fast_float::from_chars(first, last, value);
+  return {end, error};
+}
+
+/// The shortest text that reads back to the same bits. fmt chooses between the formats as the only caller does, number_text().
+to_chars_result to_chars(char* first, char* last, double value, chars_format /*format*/) {
+  auto const room = static_cast<size_t>(last - first);
+  auto const [end, length] = fmt::format_to_n(first, room, "{}", value);
+  if (length > room) return {last, errc::value_too_large};
+  return {end, errc{}};
+}
+
+}  // namespace std
+
+namespace gridlock {
+
+// No page reads a compressed file, and libdeflate is no library of headers.
+
+bool is_gzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
+
+std::optional<std::string> unpacked_gzip(std::string_view /*bytes*/, std::size_t /*longest*/) {
+  throw Error({.what = "compressed files cannot be read here", .hint = "unpack the file first"});
+}
+
+}  // namespace gridlock

@@ -1,0 +1,171 @@
+import type { Theme } from "../drawing/overlay.ts";
+import { element, select, words } from "../page/dom.ts";
+import { LineChart, type ChartDescription } from "./line_chart.ts";
+import type { Series } from "./series.ts";
+
+/** A column that can be drawn against time. */
+export interface QuantityColumn {
+  readonly name: string;
+  readonly unit: string;
+  readonly documentation: string;
+}
+
+/** What every run may have, in the order of the charts; whatever else there is comes from the model and goes first. */
+const GROUPS: readonly { title: string; names: readonly string[] }[] = [
+  { title: "Mean displacement", names: ["mean_displacement"] },
+  { title: "Pressure", names: ["virial_pressure", "wall_pressure"] },
+  { title: "Sixfold order |ψ6|", names: ["global_bond_orientation_order", "local_bond_orientation_order"] },
+];
+const SHORT_NAMES: Readonly<Record<string, string>> = {
+  virial_pressure: "virial",
+  wall_pressure: "walls",
+  global_bond_orientation_order: "global",
+  local_bond_orientation_order: "local",
+};
+/** Columns of every run, in no chart until they are asked for. */
+const FURTHER = new Set([
+  "agents",
+  "step",
+  "time",
+  "mean_squared_displacement",
+  "centre_displacement",
+  "kinetic_energy",
+  "kinetic_energy_drift",
+  "mean_speed",
+  "speed_moment_ratio",
+  "collision_rate",
+  "mean_free_time",
+  "halted_fraction",
+  "wall_hit_rate",
+  "compressibility_factor",
+  "wall_pressure_left",
+  "wall_pressure_right",
+  "wall_pressure_bottom",
+  "wall_pressure_top",
+  "velocity_autocorrelation",
+]);
+
+/** The charts that suit a run: quantities of a model that say the same of themselves share a chart, as counts of kinds and of events do. */
+export function chartsFor(columns: readonly QuantityColumn[]): ChartDescription[] {
+  const inGroups = new Set(GROUPS.flatMap((group) => group.names));
+  const ofModel = new Map<string, QuantityColumn[]>();
+  for (const column of columns) {
+    if (inGroups.has(column.name) || FURTHER.has(column.name)) continue;
+    const key = `${column.documentation} ${column.unit}`;
+    ofModel.set(key, [...(ofModel.get(key) ?? []), column]);
+  }
+  const made = [...ofModel.values()]
+    .sort(countsOfEventsLast)
+    .flatMap((group) => inSixes(group).map((part) => describe(titleOf(part), part)));
+  for (const group of GROUPS) {
+    const found = columns.filter((column) => group.names.includes(column.name));
+    if (found.length > 0) made.push(describe(group.title, found));
+  }
+  return made;
+}
+
+const EVENTS = "Times since the start."; // what every model says of its events
+
+function countsOfEventsLast(one: readonly QuantityColumn[], other: readonly QuantityColumn[]): number {
+  return Number(one[0]?.documentation === EVENTS) - Number(other[0]?.documentation === EVENTS);
+}
+
+function inSixes(group: readonly QuantityColumn[]): QuantityColumn[][] {
+  return Array.from({ length: Math.ceil(group.length / 6) }, (_, i) => group.slice(6 * i, 6 * i + 6));
+}
+
+function titleOf(group: readonly QuantityColumn[]): string {
+  if (group[0]?.documentation === EVENTS) return "Events since the start";
+  const title = group.map((column) => words(column.name)).join(", ");
+  return title.charAt(0).toUpperCase() + title.slice(1);
+}
+
+function describe(title: string, columns: readonly QuantityColumn[]): ChartDescription {
+  return {
+    title,
+    unit: columns[0]?.unit ?? "",
+    abscissa: "time",
+    curves: columns.map(({ name, documentation }) => ({ name, documentation })),
+  };
+}
+
+/**
+ * Charts beside a run: those that suit its columns, and one more quantity by choice.
+ *
+ * ```ts
+ * const charts = new RunCharts();
+ * aside.append(charts.element);
+ * charts.setTheme(LIGHT);
+ * charts.begin(columns);
+ * series.add(rows);
+ * charts.show(series);
+ * ```
+ */
+export class RunCharts {
+  readonly element = element("div", {});
+  /** A time was clicked in a chart. */
+  onChoose: (time: number) => void = () => {};
+  private readonly list = element("div", {});
+  private readonly further = element("div", {});
+  private readonly chooser: HTMLSelectElement;
+  private columns: readonly QuantityColumn[] = [];
+  private shown: { chart: LineChart; names: readonly string[] }[] = [];
+  private extra: { chart: LineChart; names: readonly string[] } | undefined;
+  private series: Series | undefined;
+  private theme: Theme | undefined;
+
+  constructor() {
+    this.chooser = select("Another quantity", [], "", (name) => this.choose(name));
+    const field = element("div", { class: "group" }, this.chooser);
+    this.element.append(this.list, this.further, field);
+    this.begin([]);
+  }
+
+  /** Begins anew with these columns. */
+  begin(columns: readonly QuantityColumn[]): void {
+    for (const { chart } of this.shown) chart.dispose();
+    const before = this.chooser.value;
+    this.columns = columns;
+    this.series = undefined;
+    this.shown = chartsFor(columns).map((description) => this.add(description, this.list));
+    const options = columns.filter((column) => column.name !== "step" && column.name !== "time");
+    this.chooser.replaceChildren(
+      element("option", { value: "" }, "Another quantity…"),
+      ...options.map((one) => element("option", { value: one.name, title: one.documentation }, words(one.name))),
+    );
+    this.chooser.value = options.some((one) => one.name === before) ? before : "";
+    this.choose(this.chooser.value);
+  }
+
+  show(series: Series): void {
+    this.series = series;
+    for (const one of this.extra === undefined ? this.shown : [...this.shown, this.extra]) {
+      one.chart.setData([series.column("time"), ...one.names.map((name) => series.column(name))]);
+    }
+  }
+
+  setTheme(theme: Theme): void {
+    this.theme = theme;
+    for (const { chart } of this.shown) chart.setTheme(theme);
+    this.extra?.chart.setTheme(theme);
+  }
+
+  private choose(name: string): void {
+    this.extra?.chart.dispose();
+    this.extra = undefined;
+    const column = this.columns.find((one) => one.name === name);
+    if (column === undefined) return;
+    this.extra = this.add(describe(titleOf([column]), [column]), this.further);
+    if (this.series !== undefined) this.show(this.series);
+  }
+
+  private add(description: ChartDescription, host: HTMLElement): { chart: LineChart; names: readonly string[] } {
+    const names = description.curves.map((curve) => curve.name);
+    const curves = description.curves.map((curve) => ({ ...curve, name: SHORT_NAMES[curve.name] ?? curve.name }));
+    const chart = new LineChart({ ...description, curves });
+    chart.onChoose = (time) => this.onChoose(time);
+    host.append(chart.element);
+    if (this.theme !== undefined) chart.setTheme(this.theme);
+    return { chart, names };
+  }
+}

@@ -1,0 +1,63 @@
+/** One moment of a run as the drawing sees it. */
+
+export type Numbers =
+  | Float32Array
+  | Float64Array
+  | Int8Array
+  | Uint8Array
+  | Int16Array
+  | Uint16Array
+  | Int32Array
+  | Uint32Array
+  | BigInt64Array
+  | BigUint64Array;
+
+export interface Point {
+  readonly x: number;
+  readonly y: number;
+}
+
+/** The rectangle from (0, 0) to (width, height), in units of length. */
+export interface Box {
+  readonly width: number;
+  readonly height: number;
+  readonly periodic: boolean;
+}
+
+/**
+ * Agents row by row: every array has `count` numbers, in one order, and `positions` x and y of each, 2 `count` numbers.
+ *
+ * `radius` is one number for all agents, or one each; agents without a radius get a mark of the size of `markRadius`.
+ * `heading` is the direction of each agent in radians; agents without a radius are then darts that point there.
+ */
+export interface Frame {
+  readonly box: Box;
+  readonly count: number;
+  readonly positions: Numbers;
+  readonly radius?: Numbers | number;
+  readonly heading?: Numbers;
+}
+
+/** The number in a row of any column; 64-bit integers lose what a double cannot hold, which no picture shows. */
+export function numberAt(column: Numbers, row: number): number {
+  return Number(column[row]);
+}
+
+/** Where an agent is. */
+export function positionAt(frame: Frame, row: number): Point {
+  return { x: Number(frame.positions[2 * row]), y: Number(frame.positions[2 * row + 1]) };
+}
+
+/** The radius of an agent, or that of the mark of agents without one. */
+export function radiusAt(frame: Frame, row: number): number {
+  const radius = frame.radius;
+  if (radius === undefined) return markRadius(frame.box, frame.count);
+  return typeof radius === "number" ? radius : Number(radius[row]);
+}
+
+/** A third of the distance to the next agent, but neither a dot that nobody sees nor a blot. */
+export function markRadius(box: Box, count: number): number {
+  const spacing = Math.sqrt((box.width * box.height) / Math.max(1, count));
+  const side = Math.sqrt(box.width * box.height);
+  return Math.min(Math.max(0.33 * spacing, 0.0015 * side), 0.008 * side);
+}

@@ -1,0 +1,29 @@
+import { positionAt, radiusAt, type Frame, type Point } from "./frame.ts";
+
+/** From `from` to `to` by the shortest way: across the edge where the box is periodic. */
+export function shortest(frame: Frame, from: Point, to: Point): Point {
+  const along = (difference: number, side: number): number =>
+    frame.box.periodic ? difference - side * Math.round(difference / side) : difference;
+  return { x: along(to.x - from.x, frame.box.width), y: along(to.y - from.y, frame.box.height) };
+}
+
+/** The row of the agent at a place, or the nearest one within `tolerance` of its border; null where there is none. */
+export function agentAt(frame: Frame, place: Point, tolerance: number): number | null {
+  let nearest: number | null = null;
+  let least = tolerance;
+  for (let row = 0; row < frame.count; ++row) {
+    const away = shortest(frame, place, positionAt(frame, row));
+    const distance = Math.sqrt(away.x * away.x + away.y * away.y) - radiusAt(frame, row);
+    if (distance < least) {
+      least = distance;
+      nearest = row;
+    }
+  }
+  return nearest;
+}
+
+/** The distance between two places. */
+export function distance(frame: Frame, from: Point, to: Point): number {
+  const away = shortest(frame, from, to);
+  return Math.sqrt(away.x * away.x + away.y * away.y);
+}

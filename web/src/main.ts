@@ -1,0 +1,43 @@
+import "./page/style.css";
+
+import { Shell, type Panel } from "./page/shell.ts";
+import { ThemeSwitch } from "./page/theme.ts";
+import { Playground } from "./playground/playground.ts";
+import { isServed } from "./sources/served.ts";
+import { acceptDrops } from "./viewer/drop.ts";
+import { Viewer } from "./viewer/viewer.ts";
+import "./viewer/style.css";
+
+const theme = new ThemeSwitch();
+
+const panels: Panel[] = [
+  {
+    name: "Playground",
+    open: async () => {
+      const playground = new Playground(theme);
+      void playground.start();
+      // For the console of the browser, and for tests.
+      Object.assign(globalThis, { gridlock: { playground, drawing: playground.drawing } });
+      return playground;
+    },
+  },
+  { name: "Viewer", open: async () => theViewer() },
+];
+const VIEWER = 1;
+
+let viewer: Viewer | undefined;
+function theViewer(): Viewer {
+  if (viewer === undefined) {
+    viewer = new Viewer(theme);
+    void viewer.start();
+    Object.assign(globalThis, { gridlockViewer: viewer });
+  }
+  return viewer;
+}
+
+const shell = new Shell(document.getElementById("page") as HTMLElement, panels, theme);
+void shell.show(isServed() ? VIEWER : 0);
+acceptDrops((files) => {
+  void shell.show(VIEWER);
+  void theViewer().openFiles(files);
+});

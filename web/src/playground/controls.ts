@@ -1,0 +1,206 @@
+/** Sliders and choices for the settings of a run. */
+
+import type { SettingDescription, SettingValue } from "../engine/gridlock.ts";
+import { element, select, words } from "../page/dom.ts";
+
+type Values = Readonly<Record<string, SettingValue>>;
+
+/** From least to most, in steps; `logarithmic` for numbers of many sizes. */
+interface Range {
+  readonly least: number;
+  readonly most: number;
+  readonly logarithmic?: boolean;
+  readonly integer?: boolean;
+}
+
+/** What one drags by hand, of disks of any model that has them. */
+const DISK_KEYS = ["disks.packing_fraction", "disks.count", "disks.start", "velocities.max"];
+const ENGINE_KEYS = ["engine.kind", "engine.time_step", "engine.contact"];
+const COMMON_KEYS = ["box.edge", "run.seed"];
+
+const NAMES: Readonly<Record<string, string>> = {
+  "disks.packing_fraction": "Packing fraction φ",
+  "disks.count": "Number of disks N",
+  "disks.start": "Start",
+  "velocities.max": "Speed vₘₐₓ",
+  "engine.kind": "Engine",
+  "engine.time_step": "Time step",
+  "engine.contact": "Contact",
+  "engine.cells": "Cells k",
+  "box.edge": "Edge of the box",
+  "run.seed": "Seed",
+};
+const RANGES: Readonly<Record<string, Range>> = {
+  "disks.packing_fraction": { least: 0.01, most: 0.9 },
+  "disks.count": { least: 4, most: 100_000, logarithmic: true, integer: true },
+  "velocities.max": { least: 0, most: 5 },
+  "engine.time_step": { least: 0.005, most: 0.5, logarithmic: true },
+  "engine.cells": { least: 1, most: 60, integer: true },
+  "run.seed": { least: 1, most: 100, integer: true },
+};
+
+/** The keys of the controls of a run, the most important first. */
+export function mainKeys(settings: readonly SettingDescription[], values: Values): string[] {
+  const model = String(values["model.kind"] ?? "disks");
+  const known = new Set(settings.map((setting) => setting.key));
+  const ofModel = settings.filter((setting) => setting.table === model && isSimple(setting)).map((setting) => setting.key);
+  const ofDisks = DISK_KEYS.map((key) => (model === "disks" ? key : `${model}.${key}`)).filter((key) => known.has(key));
+  const ofEngine =
+    model === "disks" ? ENGINE_KEYS.filter((key) => key !== "engine.contact" || values["engine.kind"] !== "exact") : [];
+  return [...new Set([...ofDisks, ...(model === "disks" ? [] : ofModel), ...ofEngine, ...COMMON_KEYS])].filter((key) =>
+    known.has(key),
+  );
+}
+
+function isSimple(setting: SettingDescription): boolean {
+  return ["number", "integer", "choice", "switch"].includes(setting.kind);
+}
+
+export function nameOf(key: string): string {
+  const short = key.replace(/^colloid(_tiled)?\./, "");
+  const last = words(key.slice(key.lastIndexOf(".") + 1));
+  return NAMES[short] ?? last.charAt(0).toUpperCase() + last.slice(1);
+}
+
+/** The range of a slider: what is allowed, or what is reasonable around the value. */
+export function rangeOf(setting: SettingDescription, value: number): Range {
+  const known = RANGES[setting.key.replace(/^colloid(_tiled)?\./, "")];
+  if (known !== undefined) return { ...known, least: Math.min(known.least, value), most: Math.max(known.most, value) };
+  const integer = setting.kind === "integer";
+  const usual = Math.max(typeof setting.default === "number" ? Math.abs(setting.default) : 0, Math.abs(value)) || 1;
+  if (integer && value === 0 && setting.least >= 0) return { least: setting.least, most: Math.min(setting.most, 1000), integer };
+  if (integer && usual >= 100)
+    return { least: Math.max(1, setting.least), most: Math.min(setting.most, roundUp(20 * usual)), logarithmic: true, integer };
+  const least = Number.isFinite(setting.least) && setting.least > -10 * usual ? setting.least : Math.min(0, -4 * usual);
+  const most = Number.isFinite(setting.most) && setting.most < 20 * usual ? setting.most : roundUp(4 * usual);
+  return { least: setting.leastIsAllowed ? least : least + (most - least) / 1000, most, integer };
+}
+
+/** The next of 1, 2, 5 times a power of ten. */
+export function roundUp(value: number): number {
+  const power = 10 ** Math.floor(Math.log10(value));
+  const share = value / power;
+  return power * (share <= 1 ? 1 : share <= 2 ? 2 : share <= 5 ? 5 : 10);
+}
+
+/** One control and the key that it changes. */
+interface Control {
+  readonly key: string;
+  readonly element: HTMLElement;
+  update(value: SettingValue): void;
+}
+
+/**
+ * The controls of a run. They show the values of the run; a change calls back with "key=value", at once while a slider is dragged.
+ */
+export class Controls {
+  readonly element = element("div", { class: "group" });
+  private controls: Control[] = [];
+  private keys = "";
+
+  constructor(
+    private readonly settings: readonly SettingDescription[],
+    private readonly onChange: (key: string, value: string) => void,
+  ) {}
+
+  /** Shows the values of a run that was opened. */
+  show(values: Values, keys: readonly string[] = mainKeys(this.settings, values)): void {
+    if (keys.join() !== this.keys) {
+      this.keys = keys.join();
+      this.controls = keys.map((key) => this.make(key, values[key] ?? null));
+      this.element.replaceChildren(...this.controls.map((control) => control.element));
+    }
+    for (const control of this.controls) control.update(values[control.key] ?? null);
+  }
+
+  private make(key: string, value: SettingValue): Control {
+    const setting = this.settings.find((one) => one.key === key) as SettingDescription;
+    if (setting.choices.length > 0) return this.choice(setting);
+    if (setting.kind === "switch") return this.switch(setting);
+    return this.slider(setting, typeof value === "number" ? value : Number(setting.default ?? 0));
+  }
+
+  private choice(setting: SettingDescription): Control {
+    const options = setting.choices
+      .filter((value) => value !== "file")
+      .map((value) => ({ value, name: value.replaceAll("_", " ") }));
+    const name = nameOf(setting.key);
+    const made = select(name, options, "", (value) => this.onChange(setting.key, value));
+    const field = element(
+      "div",
+      { class: "field row", title: setting.documentation },
+      element("span", { class: "name" }, name),
+      made,
+    );
+    return {
+      key: setting.key,
+      element: field,
+      update: (value) => {
+        made.value = String(value);
+      },
+    };
+  }
+
+  private switch(setting: SettingDescription): Control {
+    const input = element("input", { type: "checkbox", onchange: () => this.onChange(setting.key, String(input.checked)) });
+    const field = element("label", { class: "check", title: setting.documentation }, input, nameOf(setting.key));
+    return {
+      key: setting.key,
+      element: field,
+      update: (value) => {
+        input.checked = value === true;
+      },
+    };
+  }
+
+  private slider(setting: SettingDescription, value: number): Control {
+    const range = rangeOf(setting, value);
+    const id = `setting-${setting.key.replaceAll(".", "-")}`;
+    const name = nameOf(setting.key);
+    const slider = element("input", { type: "range", min: 0, max: 1000, step: 1, "aria-label": name });
+    const number = element("input", { type: "number", id, step: "any", title: setting.unit });
+    const say = (): void => {
+      slider.setAttribute("aria-valuetext", number.value);
+    };
+    slider.addEventListener("input", () => {
+      number.value = String(valueAt(range, Number(slider.value) / 1000));
+      say();
+      this.onChange(setting.key, number.value);
+    });
+    number.addEventListener("change", () => {
+      if (number.value !== "") this.onChange(setting.key, number.value);
+    });
+    const field = element(
+      "div",
+      { class: "field", title: setting.documentation },
+      element("label", { for: id }, name),
+      number,
+      slider,
+    );
+    const update = (now: SettingValue): void => {
+      if (typeof now !== "number") return;
+      if (document.activeElement !== slider) slider.value = String(Math.round(1000 * placeOf(range, now)));
+      if (document.activeElement !== number) number.value = String(Number(now.toPrecision(12)));
+      say();
+    };
+    return { key: setting.key, element: field, update };
+  }
+}
+
+/** The value at a place of a slider from 0 to 1, rounded as far as the slider can tell values apart. */
+export function valueAt(range: Range, place: number): number {
+  const value =
+    range.logarithmic === true
+      ? range.least * (range.most / range.least) ** place
+      : range.least + place * (range.most - range.least);
+  if (range.integer === true) return range.logarithmic === true ? Number(Math.round(value).toPrecision(3)) : Math.round(value);
+  return Number(value.toPrecision(3));
+}
+
+export function placeOf(range: Range, value: number): number {
+  const place =
+    range.logarithmic === true
+      ? Math.log(value / range.least) / Math.log(range.most / range.least)
+      : (value - range.least) / (range.most - range.least);
+  return Math.min(Math.max(place, 0), 1);
+}

@@ -1,0 +1,121 @@
+/** What the agents of a frame can be coloured by. */
+
+import { MOST_KINDS, rangeOf, type Colouring } from "../drawing/colouring.ts";
+import { numberAt, type Frame, type Numbers } from "../drawing/frame.ts";
+import { words } from "../page/dom.ts";
+import type { SourceFrame } from "../sources/source.ts";
+
+export const PLAIN = "plain";
+export const DISPLACEMENT = "displacement";
+export const SPEED = "speed";
+export const DIRECTION = "direction";
+const NO_COLOURS = new Set(["x", "y", "image_x", "image_y", "position_z"]);
+
+/** By the names of the columns: made from them, or one of them. */
+export function coloursOf(columns: readonly string[], frames: number): { value: string; name: string }[] {
+  const made = [PLAIN];
+  if (frames > 1) made.push(DISPLACEMENT);
+  if (columns.includes("velocity_x") && columns.includes("velocity_y")) {
+    made.push(...[SPEED, DIRECTION].filter((name) => !columns.includes(name)));
+  }
+  const names: Readonly<Record<string, string>> = { [PLAIN]: "size" };
+  const own = columns.filter((name) => !NO_COLOURS.has(name));
+  return [...made, ...own].map((value) => ({ value, name: names[value] ?? words(value) }));
+}
+
+/** The direction where agents have no size, else a kind, else the size. */
+export function usualColour(columns: readonly string[]): string {
+  if (columns.includes(DIRECTION)) return DIRECTION;
+  return ["health", "species", "kind"].find((name) => columns.includes(name)) ?? PLAIN;
+}
+
+/** The ends of the colour bar: wide enough for all that was shown so far, so that colours mean the same in all frames. */
+export class ValueRange {
+  private least = 0;
+  private most = 0;
+  private of = "";
+
+  cover(name: string, values: Numbers): { least: number; most: number } {
+    const range = rangeOf(values);
+    if (name !== this.of) ({ least: this.least, most: this.most } = range);
+    this.of = name;
+    this.least = Math.min(this.least, range.least);
+    this.most = Math.max(this.most, range.most);
+    return { least: this.least, most: this.most };
+  }
+
+  reset(): void {
+    this.of = "";
+  }
+}
+
+/** A frame as the drawing wants it. Agents without a size are darts where they have a direction. */
+export function toDrawn(frame: SourceFrame): Frame {
+  const { columns, ids, box } = frame;
+  const x = columns["x"] as Numbers;
+  const y = columns["y"] as Numbers;
+  const positions = new Float32Array(2 * ids.length);
+  for (let row = 0; row < ids.length; ++row) {
+    positions[2 * row] = numberAt(x, row);
+    positions[2 * row + 1] = numberAt(y, row);
+  }
+  const radius = columns["radius"];
+  const heading = radius === undefined ? directions(frame) : undefined;
+  return { box, count: ids.length, positions, ...(radius === undefined ? {} : { radius }), ...(heading === undefined ? {} : { heading }) };
+}
+
+function directions({ columns, ids }: SourceFrame): Numbers | undefined {
+  const own = columns[DIRECTION];
+  const x = columns["velocity_x"];
+  const y = columns["velocity_y"];
+  if (own !== undefined || x === undefined || y === undefined) return own;
+  return Float32Array.from(ids, (_, row) => Math.atan2(numberAt(y, row), numberAt(x, row)));
+}
+
+/** How far each agent is from where it was in `first`, over all edges it has crossed where the frames say; NaN for one that was not there. */
+export function displacements(frame: SourceFrame, first: SourceFrame): Float32Array {
+  const rows = new Map<number, number>();
+  first.ids.forEach((id, row) => rows.set(id, row));
+  const along = (name: "x" | "y", side: number, row: number, before: number): number => {
+    const now = numberAt(frame.columns[name] as Numbers, row);
+    const then = numberAt(first.columns[name] as Numbers, before);
+    const image = frame.columns[`image_${name}`];
+    const imageBefore = first.columns[`image_${name}`];
+    if (image !== undefined && imageBefore !== undefined) return now - then + side * (numberAt(image, row) - numberAt(imageBefore, before));
+    return frame.box.periodic ? now - then - side * Math.round((now - then) / side) : now - then;
+  };
+  return Float32Array.from(frame.ids, (id, row) => {
+    const before = rows.get(id);
+    return before === undefined ? NaN : Math.hypot(along("x", frame.box.width, row, before), along("y", frame.box.height, row, before));
+  });
+}
+
+/** How a frame is coloured; `first` is the first frame of the source, where that is needed. */
+export function colouringOf(frame: SourceFrame, chosen: string, range: ValueRange, first: SourceFrame | undefined): Colouring {
+  const { columns, ids } = frame;
+  const label = words(chosen);
+  const shown = (values: Numbers): Colouring => ({ by: "values", label, values, ...range.cover(chosen, values) });
+  if (chosen === DISPLACEMENT && first !== undefined) return shown(displacements(frame, first));
+  const own = columns[chosen];
+  if (chosen === DIRECTION) {
+    const values = directions(frame);
+    return values === undefined ? { by: "plain" } : { by: "directions", label, values };
+  }
+  if (own === undefined && chosen === SPEED && columns["velocity_x"] !== undefined && columns["velocity_y"] !== undefined) {
+    const x = columns["velocity_x"];
+    const y = columns["velocity_y"];
+    return shown(Float32Array.from(ids, (_, row) => Math.hypot(numberAt(x, row), numberAt(y, row))));
+  }
+  if (own === undefined) return { by: "plain" };
+  return isOfKinds(own) ? { by: "kinds", label, values: own } : shown(own);
+}
+
+/** Whole numbers that few colours tell apart. */
+function isOfKinds(values: Numbers): boolean {
+  if (values instanceof Float64Array || values instanceof Float32Array) return false;
+  for (let row = 0; row < values.length; ++row) {
+    const value = numberAt(values, row);
+    if (value < 0 || value >= MOST_KINDS) return false;
+  }
+  return true;
+}

@@ -1,0 +1,87 @@
+/** The set-ups of tests/golden/hashes.csv and models.csv as a user would write them; see scenes.hpp and models_test.cpp there. */
+
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+
+const root = join(import.meta.dirname, "../../..");
+
+export interface Row {
+  readonly scene: string;
+  /** Or the model, or "protocol". */
+  readonly engine: string;
+  readonly start: string;
+  readonly end: string;
+}
+
+function rowsOf(file: string): Row[] {
+  const lines = readFileSync(join(root, "tests/golden", file), "utf8").trim().split("\n").slice(1);
+  return lines.map((line) => {
+    const [scene = "", engine = "", start = "", end = ""] = line.split(",");
+    return { scene, engine, start, end };
+  });
+}
+
+const SEED = "run.seed = 20\n";
+const WALLS = 'box.edge = "wall"\n';
+const PERIODIC = 'box.edge = "periodic"\n';
+
+const DISKS: Readonly<Record<string, string>> = {
+  paper: WALLS + "disks.count = 841\ndisks.packing_fraction = 0.7\nengine.cells = 10\nrun.time = 0.5",
+  triangular: WALLS + 'disks.count = 400\ndisks.packing_fraction = 0.8\ndisks.start = "triangular"\nengine.contact = "approaching"\nrun.time = 1',
+  mixture:
+    PERIODIC +
+    'disks.count = 200\ndisks.packing_fraction = 0.4\ndisks.start = "random"\nvelocities.kind = "maxwell"\nrun.time = 1\n' +
+    "disks.species = [{ fraction = 0.5 }, { fraction = 0.5, size_ratio = 1.4, mass = 1.96 }]",
+  rectangle:
+    PERIODIC +
+    "box.width = 3.0\nbox.height = 0.7\ndisks.count = 150\ndisks.packing_fraction = 0.6\n" +
+    'disks.start = "triangular"\nengine.time_step = 0.3\nengine.substeps = 2\nrun.time = 1',
+  gas: WALLS + "disks.count = 100\ndisks.packing_fraction = 0.02\nrun.time = 10",
+  few: PERIODIC + "disks.count = 4\ndisks.packing_fraction = 0.4\nrun.time = 20",
+  crowd: WALLS + 'disks.count = 10_000\ndisks.packing_fraction = 0.65\ndisks.start = "triangular"\nrun.time = 0.05',
+  large_and_small:
+    PERIODIC +
+    'disks.count = 4_000\ndisks.packing_fraction = 0.3\ndisks.start = "random"\nrun.time = 0.05\n' +
+    "disks.species = [{ fraction = 0.9 }, { fraction = 0.1, size_ratio = 4.0, mass = 16.0 }]",
+};
+
+const MODELS: Readonly<Record<string, string>> = {
+  vicsek: PERIODIC + "box.width = 12\nbox.height = 9\nflocking.count = 600\nrun.steps = 100",
+  boids: PERIODIC + 'box.side = 100\nflocking.count = 300\nflocking.rule = "boids"\nflocking.radius = 5\nflocking.speed = 1\nrun.steps = 100',
+  walls: WALLS + epidemic(),
+  periodic: PERIODIC + epidemic(),
+  every_event:
+    PERIODIC +
+    "catalyst.adsorption_rate = 3000\ncatalyst.adsorption_rate_b = 2000\ncatalyst.desorption_rate = 0.5\ncatalyst.hop_rate = 20\n" +
+    'catalyst.hop = 0.05\ncatalyst.reaction = "a_with_b"\ncatalyst.reaction_probability = 0.5\ncatalyst.step_length = 0.1\nrun.steps = 20',
+  crowd:
+    WALLS +
+    'colloid_tiled.disks.count = 5000\ncolloid_tiled.disks.packing_fraction = 0.6\ncolloid_tiled.disks.start = "triangular"\nrun.steps = 40',
+};
+
+function epidemic(): string {
+  return "epidemic.count = 900\nepidemic.infected_at_start = 0.1\nepidemic.radius = 0.05\nepidemic.speed = 0.3\nepidemic.turnover_rate = 0.5\nrun.steps = 100";
+}
+
+export interface GoldenRow extends Row {
+  readonly toml: string;
+}
+
+const found = (toml: string | undefined, row: Row): string => {
+  if (toml === undefined) throw new Error(`no set-up for the row ${row.scene} ${row.engine}`);
+  return toml;
+};
+
+/** Every row of both tables, with its set-up. */
+export function goldenRows(): GoldenRow[] {
+  const disks = rowsOf("hashes.csv").map((row) =>
+    row.engine === "protocol"
+      ? { ...row, toml: readFileSync(join(root, "scenes", `${row.scene}.toml`), "utf8") }
+      : { ...row, toml: `${SEED}engine.kind = "${row.engine}"\n${found(DISKS[row.scene], row)}` },
+  );
+  const models = rowsOf("models.csv").map((row) => ({
+    ...row,
+    toml: `${SEED}model.kind = "${row.engine}"\n${found(MODELS[row.scene], row)}`,
+  }));
+  return [...disks, ...models];
+}

@@ -1,0 +1,238 @@
+import { describe, expect, test } from "vitest";
+
+import { Camera } from "../../src/drawing/camera.ts";
+import { neighbourhoodColour, paint, rangeOf } from "../../src/drawing/colouring.ts";
+import { markRadius, type Frame } from "../../src/drawing/frame.ts";
+import { shortNumber, ticks } from "../../src/drawing/overlay.ts";
+import { PackedAgents } from "../../src/drawing/packed_agents.ts";
+import {
+  cividis,
+  colourCircle,
+  KIND_COLOURS,
+  NEIGHBOURHOOD_COLOURS,
+  OKABE_ITO,
+  toCss,
+  viridis,
+  type Colour,
+} from "../../src/drawing/palettes.ts";
+import { agentAt, distance } from "../../src/drawing/picking.ts";
+import { toSvg } from "../../src/drawing/svg.ts";
+import { LIGHT } from "../../src/drawing/overlay.ts";
+
+const frameOf = (positions: number[], radius: number | number[], periodic = false): Frame => ({
+  box: { width: 1, height: 1, periodic },
+  count: positions.length / 2,
+  positions: Float64Array.from(positions),
+  radius: typeof radius === "number" ? radius : Float64Array.from(radius),
+});
+
+const AROUND = [-1, 0, 1].flatMap((dx) => [-1, 0, 1].map((dy) => [dx, dy] as const)).filter(([dx, dy]) => dx !== 0 || dy !== 0);
+
+describe("colours", () => {
+  test("no cell shares its colour with one of the eight around it, between walls and in a periodic box", () => {
+    for (const periodic of [false, true]) {
+      for (const [columns, rows] of [
+        [10, 10],
+        [9, 7],
+        [3, 3],
+        [4, 5],
+      ] as const) {
+        for (let column = 0; column < columns; ++column) {
+          for (let row = 0; row < rows; ++row) {
+            const own = neighbourhoodColour(column, row, columns, rows, periodic);
+            for (const [dx, dy] of AROUND) {
+              const [c, r] = periodic ? [(column + dx + columns) % columns, (row + dy + rows) % rows] : [column + dx, row + dy];
+              if (c >= 0 && c < columns && r >= 0 && r < rows)
+                expect(neighbourhoodColour(c, r, columns, rows, periodic)).not.toBe(own);
+            }
+          }
+        }
+      }
+    }
+  });
+
+  test("scales get brighter all the way, so that they are read in grey and by colour-blind readers", () => {
+    for (const scale of [viridis, cividis]) {
+      const luminance = ([red, green, blue]: Colour): number =>
+        0.2126 * linear(red) + 0.7152 * linear(green) + 0.0722 * linear(blue);
+      for (let i = 1; i <= 64; ++i) expect(luminance(scale(i / 64))).toBeGreaterThan(luminance(scale((i - 1) / 64)));
+    }
+    expect(toCss(viridis(0))).toBe("#440154");
+    expect(toCss(viridis(1))).toBe("#fde725");
+    expect(viridis(NaN)).toEqual(viridis(0));
+  });
+
+  test("the circle of colours ends where it begins", () => {
+    colourCircle(0).forEach((part, i) => expect(part).toBeCloseTo(colourCircle(1)[i] as number, 12));
+  });
+
+  test("kinds and neighbourhoods differ for people with deuteranopia, protanopia and tritanopia", () => {
+    for (const colours of [KIND_COLOURS.slice(0, 6), NEIGHBOURHOOD_COLOURS.filter((_, i) => [0, 1, 3, 4].includes(i))]) {
+      for (const simulation of COLOUR_BLINDNESS) {
+        const seen = colours.map((colour) => apply(simulation, colour));
+        seen.forEach((one, i) =>
+          seen.slice(i + 1).forEach((other, j) => expect(difference(one, other), `${i} and ${i + 1 + j}`).toBeGreaterThan(0.02)),
+        );
+      }
+    }
+    expect(OKABE_ITO.length).toBe(8);
+  });
+
+  test("a value is coloured by its place between the ends, and one that is missing grey", () => {
+    const frame = frameOf([0.1, 0.1, 0.2, 0.2, 0.3, 0.3, 0.4, 0.4], 0.01);
+    const { places, palette } = paint(frame, {
+      by: "values",
+      label: "v",
+      values: Float32Array.from([0, 1, 7, NaN]),
+      least: 0,
+      most: 2,
+    });
+    expect([...places]).toEqual([0, 128, 255, 256]);
+    expect(palette.length).toBe(257);
+  });
+
+  test("as many values as agents are needed", () => {
+    expect(() => paint(frameOf([0.1, 0.1], 0.01), { by: "kinds", label: "k", values: new Uint32Array(2) })).toThrow(RangeError);
+  });
+
+  test("up to six radii get colours of their own", () => {
+    const { legend, places } = paint(frameOf([0.1, 0.1, 0.3, 0.3, 0.5, 0.5], [0.02, 0.01, 0.02]), { by: "plain" });
+    expect([...places]).toEqual([1, 0, 1]);
+    expect(legend).toMatchObject({ kind: "list", entries: [{ name: "R = 0.01" }, { name: "R = 0.02" }] });
+  });
+
+  test("the range of a column leaves out what is not finite", () => {
+    expect(rangeOf(Float64Array.from([3, NaN, -2, Infinity]))).toEqual({ least: -2, most: 3 });
+    expect(rangeOf(new Float64Array(0))).toEqual({ least: 0, most: 1 });
+  });
+});
+
+describe("places", () => {
+  test("the camera's pixels and places are inverse to each other, also after zooming and moving", () => {
+    const box = { width: 3, height: 0.7, periodic: true };
+    const camera = new Camera();
+    camera.fit(box, 800, 600, { x: 8, top: 8, bottom: 50 }, true);
+    expect(camera.isFitted).toBe(true);
+    camera.zoomAt({ x: 100, y: 300 }, 5, box);
+    camera.pan(30, -10, box);
+    const place = { x: 1.234, y: 0.321 };
+    const back = camera.toBox(camera.toPixels(place));
+    expect(back.x).toBeCloseTo(place.x, 12);
+    expect(back.y).toBeCloseTo(place.y, 12);
+    expect(camera.isFitted).toBe(false);
+  });
+
+  test("zooming keeps the place under the pointer, and never shows less than the whole box when zooming out", () => {
+    const box = { width: 1, height: 1, periodic: false };
+    const camera = new Camera();
+    camera.fit(box, 500, 500, { x: 0, top: 0, bottom: 0 }, true);
+    const before = camera.toBox({ x: 200, y: 300 });
+    camera.zoomAt({ x: 200, y: 300 }, 3, box);
+    expect(camera.toBox({ x: 200, y: 300 }).x).toBeCloseTo(before.x, 12);
+    camera.zoomAt({ x: 10, y: 10 }, 0.001, box);
+    expect(camera.toPixels({ x: 0, y: 0 })).toEqual({ x: 0, y: 500 });
+  });
+
+  test("an agent is found at its place, across the edge of a periodic box too", () => {
+    const walls = frameOf([0.02, 0.5, 0.6, 0.6], 0.05);
+    const periodic = frameOf([0.02, 0.5, 0.6, 0.6], 0.05, true);
+    expect(agentAt(walls, { x: 0.61, y: 0.58 }, 0)).toBe(1);
+    expect(agentAt(walls, { x: 0.99, y: 0.5 }, 0)).toBeNull();
+    expect(agentAt(periodic, { x: 0.99, y: 0.5 }, 0)).toBe(0);
+    expect(distance(periodic, { x: 0.1, y: 0.1 }, { x: 0.9, y: 0.9 })).toBeCloseTo(0.2 * Math.SQRT2, 12);
+  });
+
+  test("disks that reach across an edge have images there, in a corner three", () => {
+    const packed = new PackedAgents();
+    const frame = frameOf([0.01, 0.02, 0.5, 0.99, 0.5, 0.5], 0.05, true);
+    packed.pack(frame, paint(frame, { by: "plain" }));
+    const centres = Array.from({ length: packed.count }, (_, i) =>
+      [...packed.numbers.slice(4 * i, 4 * i + 2)].map((value) => Number(value.toFixed(3))),
+    );
+    expect(centres).toEqual([
+      [0.01, 0.02],
+      [0.5, 0.99],
+      [0.5, 0.5],
+      [1.01, 0.02],
+      [0.01, 1.02],
+      [1.01, 1.02],
+      [0.5, -0.01],
+    ]);
+  });
+
+  test("marks of agents without a radius neither vanish nor cover one another", () => {
+    const box = { width: 1, height: 1, periodic: false };
+    expect(markRadius(box, 4)).toBe(0.008);
+    expect(markRadius(box, 1e7)).toBe(0.0015);
+  });
+});
+
+test("ticks are at round numbers between the ends", () => {
+  expect(ticks(0, 1).map((tick) => tick.text)).toEqual(["0", "0.2", "0.4", "0.6", "0.8", "1"]);
+  expect(ticks(-0.05, 0.051).every((tick) => tick.place >= 0 && tick.place <= 1.000001)).toBe(true);
+  expect(shortNumber(-0.1)).toBe("−0.1");
+});
+
+test("an SVG file has every disk once, its images across the edges, and text that cannot be taken for tags", () => {
+  const frame = frameOf([0.01, 0.5, 0.5, 0.5], 0.05, true);
+  const camera = new Camera();
+  camera.fit(frame.box, 400, 400, { x: 8, top: 8, bottom: 50 }, true);
+  const svg = toSvg({
+    frame,
+    paint: paint(frame, { by: "kinds", label: "<kind>", values: Uint32Array.from([0, 1]), names: ["A & B", "C"] }),
+    camera,
+    overlay: { grid: { columns: 4, rows: 4 } },
+    theme: LIGHT,
+    width: 400,
+    height: 400,
+  });
+  expect(svg.match(/<circle/g)?.length).toBe(3);
+  expect(svg).toContain("A &amp; B");
+  expect(svg).toContain("&lt;kind&gt;");
+  expect(() =>
+    toSvg({
+      frame: { ...frame, count: 200_001 },
+      paint: paint(frame, { by: "plain" }),
+      camera,
+      overlay: {},
+      theme: LIGHT,
+      width: 1,
+      height: 1,
+    }),
+  ).toThrow(/PNG/);
+});
+
+function linear(part: number): number {
+  return part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4;
+}
+
+/** G. M. Machado et al. 2009, doi:10.1109/TVCG.2009.113, severity 1: protanopia, deuteranopia, tritanopia; on linear colours. */
+const COLOUR_BLINDNESS = [
+  [0.152286, 1.052583, -0.204868, 0.114503, 0.786281, 0.099216, -0.003882, -0.048116, 1.051998],
+  [0.367322, 0.860646, -0.227968, 0.280085, 0.672501, 0.047413, -0.01182, 0.04294, 0.968881],
+  [1.255528, -0.076749, -0.178779, -0.078411, 0.930809, 0.147602, 0.004733, 0.691367, 0.3039],
+];
+
+function apply(matrix: readonly number[], colour: Colour): number[] {
+  const parts = colour.map(linear);
+  return [0, 1, 2].map((row) => parts.reduce((sum, part, i) => sum + (matrix[3 * row + i] as number) * part, 0));
+}
+
+/** Between two linear colours, in Oklab (B. Ottosson 2020); 0.02 is about what an eye just tells apart. */
+function difference(a: readonly number[], b: readonly number[]): number {
+  const [one, other] = [a, b].map(oklab) as [number[], number[]];
+  return Math.hypot(...one.map((part, i) => part - (other[i] as number)));
+}
+
+function oklab([r, g, b]: readonly number[]): number[] {
+  const root = (x: number): number => Math.cbrt(Math.max(0, x));
+  const [red, green, blue] = [r ?? 0, g ?? 0, b ?? 0];
+  const l = root(0.4122214708 * red + 0.5363325363 * green + 0.0514459929 * blue);
+  const m = root(0.2119034982 * red + 0.6806995451 * green + 0.1073969566 * blue);
+  const s = root(0.0883024619 * red + 0.2817188376 * green + 0.6299787005 * blue);
+  return [
+    0.2104542553 * l + 0.793617785 * m - 0.0040720468 * s,
+    1.9779984951 * l - 2.428592205 * m + 0.4505937099 * s,
+    0.0259040371 * l + 0.7827717662 * m - 0.808675766 * s,
+  ];
+}

@@ -1,0 +1,166 @@
+import { readdirSync, readFileSync } from "node:fs";
+import { join } from "node:path";
+
+import { describe, expect, test } from "vitest";
+
+import { chartsFor } from "../../src/charts/run_charts.ts";
+import { Series } from "../../src/charts/series.ts";
+import type { SettingDescription } from "../../src/engine/gridlock.ts";
+import { placeOf, rangeOf, roundUp, valueAt } from "../../src/playground/controls.ts";
+import { rowOf } from "../../src/playground/inspector.ts";
+import { decodeLink, encodeLink } from "../../src/playground/link.ts";
+import { commentAtTop, SCENES, withoutSweep } from "../../src/playground/scenes.ts";
+import { Setup } from "../../src/playground/setup.ts";
+
+const FOLDER = join(import.meta.dirname, "../../../scenes");
+
+describe("links", () => {
+  test("a link gives back what was put into it, whatever the text", async () => {
+    const toml = "# ψ6 of “disks”\ndisks.count = 400\n" + "x".repeat(5000) + "\n";
+    const content = { toml, colour: "psi6", grid: true, stepsPerSecond: 200 };
+    const hash = await encodeLink(content);
+    expect(hash).toMatch(/^#[\w=&.\-%]+$/);
+    expect(await decodeLink(hash)).toEqual(content);
+    expect(await decodeLink(await encodeLink({ scene: "melting" }))).toEqual({ scene: "melting" });
+    expect(await decodeLink("")).toEqual({});
+  });
+
+  test("a set-up of the usual length makes a link that fits anywhere", async () => {
+    for (const scene of SCENES) expect((await encodeLink({ toml: scene.toml })).length, scene.name).toBeLessThan(1000);
+  });
+
+  test("a damaged link says so", async () => {
+    const hash = await encodeLink({ toml: "disks.count = 400" });
+    for (const damaged of ["#toml=!!!", "#toml=", hash.slice(0, -6), hash.replace("=", "=AAAA")]) {
+      await expect(decodeLink(damaged), damaged).rejects.toThrow(/damaged/);
+    }
+  });
+
+  test("a small link that unpacks to very much is refused without unpacking it all", async () => {
+    const hash = await encodeLink({ toml: "0".repeat(50_000_000) });
+    expect(hash.length).toBeLessThan(100_000);
+    await expect(decodeLink(hash)).rejects.toThrow(/longer than a megabyte/);
+  });
+});
+
+describe("scenes", () => {
+  test("every file of scenes/ is in the page, with the sentence at its top", () => {
+    const files = readdirSync(FOLDER)
+      .filter((name) => name.endsWith(".toml"))
+      .map((name) => name.replace(".toml", ""));
+    expect(SCENES.map((scene) => scene.name).sort()).toEqual(files.sort());
+    expect(SCENES[0]?.name).toBe("paper");
+    for (const scene of SCENES) {
+      const text = readFileSync(join(FOLDER, `${scene.name}.toml`), "utf8");
+      if (text.startsWith("#")) expect(scene.documentation.length, scene.name).toBeGreaterThan(20);
+      expect(scene.toml).not.toMatch(/^\[sweep\]/m);
+      if (!text.includes("[sweep]")) expect(scene.toml).toBe(text);
+    }
+  });
+
+  test("a sweep is taken out wherever it is, and nothing else", () => {
+    expect(withoutSweep("a = 1\n\n[sweep]\nrun.seed = [\n  1, 2,\n]\n\n[run]\nsteps = 3\n")).toBe("a = 1\n\n[run]\nsteps = 3\n");
+    expect(withoutSweep("[run]\nsteps = 3\n[sweep]\nx = [1]\n")).toBe("[run]\nsteps = 3\n");
+    expect(withoutSweep("# [sweep]\n[run]\n")).toBe("# [sweep]\n[run]\n");
+    expect(commentAtTop("# One.\n# Two.\n\n# no\nx = 1")).toBe("One. Two.");
+  });
+});
+
+describe("controls", () => {
+  const setting = (over: Partial<SettingDescription>): SettingDescription => ({
+    key: "model.x",
+    table: "model",
+    kind: "number",
+    unit: "",
+    documentation: "",
+    least: -Infinity,
+    most: Infinity,
+    leastIsAllowed: true,
+    mostIsAllowed: true,
+    default: null,
+    defaultNote: "",
+    choices: [],
+    ...over,
+  });
+
+  test("a slider reaches every value that is shown, and comes back to it", () => {
+    const cases: [SettingDescription, number][] = [
+      [setting({ key: "disks.packing_fraction" }), 0.7],
+      [setting({ key: "disks.count", kind: "integer" }), 841],
+      [setting({ least: 0, most: 6.283 }), 1],
+      [setting({ least: 0, leastIsAllowed: false }), 0.02],
+      [setting({ kind: "integer", default: 400, least: 1 }), 2000],
+    ];
+    for (const [one, value] of cases) {
+      const range = rangeOf(one, value);
+      expect(range.least).toBeLessThanOrEqual(value);
+      expect(range.most).toBeGreaterThanOrEqual(value);
+      expect(valueAt(range, placeOf(range, value))).toBeCloseTo(value, 2);
+      if (!one.leastIsAllowed) expect(valueAt(range, 0)).toBeGreaterThan(one.least);
+    }
+  });
+
+  test("a value outside the usual range widens it", () => {
+    expect(rangeOf(setting({ key: "disks.count", kind: "integer" }), 250_000).most).toBe(250_000);
+  });
+
+  test("round numbers above a value", () => {
+    expect([0.03, 1, 1.1, 7].map(roundUp)).toEqual([0.05, 1, 2, 10]);
+  });
+
+  test("changes come as --set takes them, the last of each setting", () => {
+    const setup = new Setup("x = 1").with("disks.count", "100").with("run.seed", "2").with("disks.count", "50");
+    expect(setup.overrides).toEqual(["disks.count=50", "run.seed=2"]);
+    expect(new Setup("x = 1").isChanged).toBe(false);
+  });
+});
+
+describe("series", () => {
+  test("rows become columns, a table, and are thinned where they are too many", () => {
+    const series = new Series(["step", "time", "value"], 100);
+    series.add([0, 0, NaN, 1, 0.5, 2]);
+    expect(series.column("value")).toEqual([NaN, 2]);
+    expect(series.toCsv()).toBe("step,time,value\n0,0,\n1,0.5,2\n");
+    for (let i = 2; i < 1000; ++i) series.add([i, i / 2, i]);
+    expect(series.length).toBeLessThanOrEqual(101);
+    const steps = series.column("step");
+    const gaps = new Set(steps.slice(1).map((step, i) => step - (steps[i] as number)));
+    expect(gaps.size).toBe(1);
+    series.clear();
+    expect(series.length).toBe(0);
+  });
+
+  test("quantities of a model that say the same of themselves share a chart, and those of every run have theirs", () => {
+    const column = (name: string, documentation = "", unit = ""): { name: string; unit: string; documentation: string } => ({
+      name,
+      unit,
+      documentation,
+    });
+    const charts = chartsFor([
+      column("step"),
+      column("time", "", "time"),
+      column("agents", "Agents alive."),
+      column("infections", "Times since the start."),
+      column("births", "Times since the start."),
+      column("susceptible", "Agents of this kind."),
+      column("infected", "Agents of this kind."),
+      column("order", "|Σ heading| / N."),
+      column("mean_displacement", "", "sides of the box"),
+      column("kinetic_energy"),
+      column("wall_pressure", "", "mass / time²"),
+      column("virial_pressure", "", "mass / time²"),
+    ]);
+    expect(charts.map((chart) => chart.curves.map((curve) => curve.name))).toEqual([
+      ["susceptible", "infected"],
+      ["order"],
+      ["infections", "births"],
+      ["mean_displacement"],
+      ["wall_pressure", "virial_pressure"],
+    ]);
+  });
+});
+
+test("the row of an id is found among ids with gaps", () => {
+  const ids = Float64Array.from([0, 3, 4, 17]);
+  expect([0, 3, 17, 5, 99].map((id) => rowOf(ids, id))).toEqual([0, 1, 3, -1, -1]);
+});

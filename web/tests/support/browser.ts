@@ -1,0 +1,88 @@
+/** The built page in Debian's Chromium, served from this machine. */
+
+import { createReadStream, existsSync, statSync } from "node:fs";
+import { createServer, type Server } from "node:http";
+import type { AddressInfo } from "node:net";
+import { extname, join, normalize } from "node:path";
+
+import { chromium, type Browser, type BrowserContextOptions, type Page } from "playwright-core";
+
+export const PAGE_FOLDER = join(import.meta.dirname, "../../../build-web/page");
+const CHROMIUM = process.env["GRIDLOCK_CHROMIUM"] ?? "/usr/bin/chromium";
+const TYPES: Readonly<Record<string, string>> = {
+  ".html": "text/html",
+  ".js": "text/javascript",
+  ".css": "text/css",
+  ".wasm": "application/wasm",
+  ".json": "application/json",
+};
+
+/** The page's folder by HTTP on the loopback interface. */
+export async function servePage(): Promise<{ address: string; server: Server }> {
+  if (!existsSync(join(PAGE_FOLDER, "index.html"))) throw new Error(`${PAGE_FOLDER} has no page; build it with ./dev build-web`);
+  const server = createServer((request, response) => {
+    const path = normalize(decodeURIComponent((request.url ?? "/").replace(/[?#].*$/, ""))).replace(/^\/+/, "") || "index.html";
+    const file = join(PAGE_FOLDER, path);
+    if (!file.startsWith(PAGE_FOLDER) || !existsSync(file) || !statSync(file).isFile()) {
+      response.writeHead(404).end();
+      return;
+    }
+    response.writeHead(200, {
+      "Content-Type": TYPES[extname(file)] ?? "application/octet-stream",
+      "Content-Length": statSync(file).size,
+    });
+    createReadStream(file).pipe(response);
+  });
+  await new Promise<void>((resolve) => server.listen(0, "127.0.0.1", resolve));
+  return { address: `http://127.0.0.1:${(server.address() as AddressInfo).port}/`, server };
+}
+
+/** Software rendering, so that pictures do not depend on the machine; no traffic but that of the page. */
+export async function startBrowser(): Promise<Browser> {
+  return chromium.launch({
+    executablePath: CHROMIUM,
+    args: [
+      "--headless",
+      "--no-sandbox",
+      "--disable-quic",
+      "--no-first-run",
+      "--disable-background-networking",
+      "--disable-component-update",
+      "--disable-sync",
+      "--use-gl=angle",
+      "--use-angle=swiftshader",
+      "--enable-unsafe-swiftshader",
+      "--ignore-gpu-blocklist",
+      "--force-color-profile=srgb",
+      "--font-render-hinting=none",
+      "--disable-lcd-text",
+    ],
+  });
+}
+
+/** A page, and what went wrong in it. */
+export interface Watched {
+  readonly page: Page;
+  /** Errors and warnings of the console, and exceptions nobody has caught. */
+  readonly complaints: string[];
+  /** What it asked of anything but the page's own server. */
+  readonly foreign: string[];
+}
+
+export async function openWatched(browser: Browser, address: string, options: BrowserContextOptions = {}): Promise<Watched> {
+  const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, ...options });
+  const page = await context.newPage();
+  const complaints: string[] = [];
+  const foreign: string[] = [];
+  page.on("console", (message) => {
+    if (["error", "warning"].includes(message.type())) complaints.push(message.text());
+  });
+  page.on("pageerror", (error) => complaints.push(error.message));
+  page.on("request", (request) => {
+    const url = request.url();
+    if (!url.startsWith(address.replace(/[#?].*$/, "")) && !url.startsWith("data:") && !url.startsWith("blob:"))
+      foreign.push(url);
+  });
+  await page.goto(address);
+  return { page, complaints, foreign };
+}

@@ -1,0 +1,402 @@
+/** The viewer in a real browser: runs that gridlock view serves, and files that are dropped on the static page. */
+
+import { spawnSync } from "node:child_process";
+import { existsSync, readFileSync, statSync, writeFileSync } from "node:fs";
+import type { Server } from "node:http";
+import { createRequire } from "node:module";
+import { File as Hdf5File, ready } from "h5wasm/node";
+import type { Browser, Page } from "playwright-core";
+import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, test, vi } from "vitest";
+
+import { servePage, startBrowser } from "../support/browser.ts";
+import { SMALL_RUN, Workplace } from "./runs.ts";
+
+vi.setConfig({ testTimeout: 120_000, hookTimeout: 120_000 });
+
+let place: Workplace;
+let browser: Browser;
+let page: Page;
+let complaints: string[];
+let hosts: Set<string>;
+let staticServer: Server;
+let staticPage: string;
+
+beforeAll(async () => {
+  place = new Workplace();
+  place.run(SMALL_RUN, "results");
+  place.gridlock("export", "results", "--to", "xyz", "-o", "frames.xyz");
+  place.gridlock("export", "results", "--to", "csv", "-o", "frames.csv");
+  ({ address: staticPage, server: staticServer } = await servePage());
+  browser = await startBrowser();
+}, 120_000);
+afterAll(async () => {
+  await browser.close();
+  staticServer.close();
+  await place.end();
+});
+
+beforeEach(async () => {
+  complaints = [];
+  hosts = new Set();
+  page = await browser.newPage({ viewport: { width: 1400, height: 900 }, acceptDownloads: true });
+  page.on("console", (message) => { if (message.type() === "error") complaints.push(message.text()); });
+  page.on("pageerror", (error) => complaints.push(error.message));
+  page.on("request", (request) => { const { protocol, hostname } = new URL(request.url()); if (protocol.startsWith("http")) hosts.add(hostname); });
+});
+afterEach(async () => {
+  await page.close();
+  expect([...hosts]).toEqual(["127.0.0.1"]);
+  expect(complaints).toEqual([]);
+});
+
+const viewerTab = (): Promise<void> => page.getByRole("tab", { name: "Viewer" }).click();
+const slider = () => page.getByRole("slider", { name: "Frame", exact: true });
+const status = () => page.locator(".viewer .status");
+const alert = () => page.locator(".viewer").getByRole("alert");
+
+/** Waits until the status says this. */
+async function seen(text: string | RegExp, timeout = 15_000): Promise<void> {
+  const end = Date.now() + timeout;
+  let shown = "";
+  while (Date.now() < end) {
+    shown = (await status().textContent()) ?? "";
+    if (typeof text === "string" ? shown.includes(text) : text.test(shown)) return;
+    await page.waitForTimeout(30);
+  }
+  throw new Error(`the status says "${shown}", and never ${text}`);
+}
+
+async function goTo(frame: number): Promise<void> {
+  await slider().fill(String(frame));
+}
+
+/** Where an agent is on the screen. */
+async function placeOf(row: number): Promise<{ x: number; y: number }> {
+  const at = await page.evaluate((row) => {
+    const viewer = (globalThis as unknown as { gridlockViewer: { drawing: any; shown: any } }).gridlockViewer;
+    const { columns } = viewer.shown;
+    const inside = viewer.drawing.camera.toPixels({ x: Number(columns.x[row]), y: Number(columns.y[row]) });
+    const host = viewer.drawing.element.getBoundingClientRect();
+    return { x: host.left + inside.x, y: host.top + inside.y };
+  }, row);
+  return at;
+}
+
+const summary = (): { state_hash: string } => JSON.parse(readFileSync(place.of("results/summary.json"), "utf8")) as { state_hash: string };
+
+/** Cells of frames.csv of one step, in the order of the ids. */
+function exported(step: number): { head: string[]; rows: string[][] } {
+  const [head, ...lines] = readFileSync(place.of("frames.csv"), "utf8").trim().split("\n").map((line) => line.split(","));
+  return { head: head as string[], rows: lines.filter((cells) => Number(cells[0]) === step) };
+}
+
+describe("A finished run", () => {
+  let address: string;
+  beforeAll(async () => { address = await place.view("results"); });
+
+  test("is shown at once, with its frames, its charts and the state hash of the command line", async () => {
+    await page.goto(address);
+    await seen("frame 1 of 4");
+    await seen("60 disks");
+    expect(await page.locator(".viewer").textContent()).toContain("finished");
+    expect(await page.locator(".viewer .chart").count()).toBeGreaterThanOrEqual(2);
+    await goTo(3);
+    await seen("step 60");
+    await seen(summary().state_hash);
+  });
+
+  test("is played at the pace that is chosen, by the button and by keys", async () => {
+    await page.goto(address);
+    await seen("frame 1 of 4");
+    await page.getByRole("slider", { name: "Frames a second" }).fill("7");
+    expect(await page.locator(".viewer .pace").textContent()).toContain("60 frames/s");
+    await page.getByRole("button", { name: "Play" }).click();
+    await seen("frame 4 of 4");
+    await page.getByRole("button", { name: "Play" }).waitFor(); // it has stopped
+    await page.locator("main").focus();
+    for (const [key, frame] of [["Home", 1], [".", 2], [".", 3], [",", 2], ["End", 4]] as const) {
+      await page.keyboard.press(key);
+      await seen(`frame ${frame} of 4`);
+    }
+    await page.getByRole("slider", { name: "Frames a second" }).fill("0");
+    await page.locator("main").focus();
+    await page.keyboard.press(" ");
+    await page.getByRole("button", { name: "Pause" }).waitFor();
+    await page.keyboard.press(" ");
+    await page.getByRole("button", { name: "Play" }).waitFor();
+  });
+
+  test("shows the values of agents that are clicked, and the distance between two", async () => {
+    await page.goto(address);
+    await seen("frame 1 of 4");
+    await goTo(2);
+    await seen("step 40");
+    const { head, rows } = exported(40);
+    const click = async (row: number, modifiers: "Shift"[] = []): Promise<void> => {
+      const at = await placeOf(row);
+      if (modifiers.length > 0) await page.keyboard.down("Shift");
+      await page.mouse.click(at.x, at.y);
+      if (modifiers.length > 0) await page.keyboard.up("Shift");
+    };
+    await click(7);
+    const line = (name: string): Promise<(string | null)[]> => page.locator(".agents tr", { has: page.getByRole("rowheader", { name, exact: true }) }).locator("td").allTextContents();
+    for (const name of ["x", "velocity_y", "radius"]) {
+      const value = Number((rows[7] as string[])[head.indexOf(name)]);
+      expect(await line(name.replaceAll("_", " ")), name).toEqual([String(Number(value.toPrecision(8)))]);
+    }
+    await click(30, ["Shift"]);
+    const at = (row: number, name: string): number => Number((rows[row] as string[])[head.indexOf(name)]);
+    const along = (name: string): number => { const d = at(30, name) - at(7, name); return d - Math.round(d); };
+    const expected = Math.hypot(along("x"), along("y"));
+    const said = await page.getByText("Distance between centres").textContent();
+    expect(Number(said?.split(": ")[1])).toBeCloseTo(expected, 5);
+    await goTo(3);
+    await seen("step 60");
+    const later = exported(60);
+    expect((await line("x"))[0]).toBe(String(Number(Number((later.rows[7] as string[])[later.head.indexOf("x")]).toPrecision(8))));
+    await page.getByLabel("Id of an agent to select").fill("12");
+    await page.keyboard.press("Enter");
+    expect(await page.locator(".agents th[scope=col]").allTextContents()).toEqual(["id", "12"]);
+  });
+
+  test("measures from agent to agent", async () => {
+    await page.goto(address);
+    await seen("frame 1 of 4");
+    await page.evaluate(() => {
+      const { gridlockViewer } = globalThis as unknown as { gridlockViewer: { drawing: { onMeasure: (length: number) => void } } };
+      gridlockViewer.drawing.onMeasure = (length) => { Object.assign(globalThis, { measured: length }); };
+    });
+    await page.getByRole("button", { name: "Measure" }).click();
+    const [from, to] = [await placeOf(3), await placeOf(4)];
+    await page.mouse.move(from.x, from.y);
+    await page.mouse.down();
+    await page.mouse.move((from.x + to.x) / 2, (from.y + to.y) / 2);
+    await page.mouse.move(to.x, to.y);
+    await page.mouse.up();
+    const { head, rows } = exported(0);
+    const along = (name: string): number => {
+      const [a, b] = [3, 4].map((row) => Number((rows[row] as string[])[head.indexOf(name)])) as [number, number];
+      return b - a - Math.round(b - a);
+    };
+    const measured = await page.evaluate(() => (globalThis as unknown as { measured: number }).measured);
+    expect(measured).toBeCloseTo(Math.hypot(along("x"), along("y")), 5);
+  });
+
+  test("is coloured by every choice", async () => {
+    await page.goto(address);
+    await seen("frame 1 of 4");
+    await goTo(3);
+    await seen("step 60");
+    const colour = page.getByRole("combobox", { name: "Colour by" });
+    const choices = await colour.locator("option").evaluateAll((options) => options.map((one) => (one as HTMLOptionElement).value));
+    expect(choices).toContain("displacement");
+    const pictures = new Set<string>();
+    for (const choice of choices) {
+      await colour.selectOption(choice);
+      await page.waitForTimeout(100);
+      pictures.add((await page.locator(".viewer .picture").screenshot()).toString("base64"));
+      expect(await alert().isVisible()).toBe(false);
+    }
+    expect(pictures.size).toBeGreaterThan(choices.length / 2);
+  });
+
+  test("is saved as PNG, SVG and a video", async () => {
+    await page.goto(address);
+    await seen("frame 1 of 4");
+    const saved = async (item: string): Promise<{ name: string; bytes: Buffer }> => {
+      const download = page.waitForEvent("download");
+      await page.getByRole("button", { name: "Save" }).click();
+      await page.getByRole("menuitem", { name: item }).click();
+      const file = await download;
+      return { name: file.suggestedFilename(), bytes: readFileSync(await file.path()) };
+    };
+    const png = await saved("Picture, PNG");
+    expect(png.name).toBe("results_0.png");
+    expect(png.bytes.subarray(1, 4).toString()).toBe("PNG");
+    const svg = await saved("Picture, SVG");
+    expect(svg.name).toBe("results_0.svg");
+    expect(svg.bytes.toString()).toMatch(/^<svg /);
+    const video = await saved("Video to the last frame");
+    expect(video.name).toMatch(/^results\.(webm|mp4)$/);
+    expect(video.bytes.length).toBeGreaterThan(1000);
+    if (video.name.endsWith("webm")) expect(video.bytes.subarray(0, 4).toString("hex")).toBe("1a45dfa3");
+    if (spawnSync("ffprobe", ["-version"]).status === 0) {
+      writeFileSync(place.of(video.name), video.bytes);
+      const probe = spawnSync("ffprobe", ["-v", "error", "-select_streams", "v:0", "-show_entries", "stream=codec_type", "-of", "csv=p=0", place.of(video.name)], { encoding: "utf8" });
+      expect(probe.stdout.trim()).toBe("video");
+    }
+    await seen("frame 4 of 4");
+  });
+
+  test("has no serious finding of axe-core, light or dark", async () => {
+    await page.goto(address);
+    await seen("frame 1 of 4");
+    const at = await placeOf(5);
+    await page.mouse.click(at.x, at.y);
+    await page.addScriptTag({ path: createRequire(import.meta.url).resolve("axe-core/axe.min.js") }).catch(() => {});
+    await page.evaluate(readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8"));
+    complaints = complaints.filter((text) => !text.includes("Content Security Policy")); // of the script that this test adds
+    for (const theme of ["light", "dark"]) {
+      if (theme === "dark") {
+        await page.getByRole("button", { name: "Light or dark" }).click();
+        await page.waitForTimeout(500); // colours change little by little
+      }
+      const found = await page.evaluate(async () => {
+        const { axe } = globalThis as unknown as { axe: { run(): Promise<{ violations: { id: string; impact: string; nodes: { html: string }[] }[] }> } };
+        return (await axe.run()).violations.filter((one) => one.impact === "serious" || one.impact === "critical").map((one) => `${one.id}: ${one.nodes[0]?.html}`);
+      });
+      expect(found, theme).toEqual([]);
+    }
+  });
+
+  test("is beside the playground, whose engines run there too", async () => {
+    await page.goto(address);
+    await seen("frame 1 of 4");
+    await page.getByRole("tab", { name: "Playground" }).click();
+    await expect.poll(() => page.locator(".playground:not(.viewer) .status code").textContent(), { timeout: 60_000 }).toMatch(/^[0-9a-f]{16}$/);
+    await viewerTab();
+    await seen("frame 1 of 4");
+  });
+
+  test("says so when the server has gone", async () => {
+    const other = new Workplace();
+    other.run(SMALL_RUN, "results");
+    const lost = await other.view("results");
+    await page.goto(lost);
+    await seen("frame 1 of 4");
+    await other.end();
+    await goTo(3);
+    await expect.poll(() => alert().textContent()).toContain("The server does not answer.");
+    complaints = complaints.filter((text) => !text.includes("ERR_CONNECTION"));
+  });
+});
+
+describe("A run that is written", () => {
+  test("is followed to its newest frame, until one looks back; also after a kill and a resume", async () => {
+    writeFileSync(place.of("long.toml"), "disks.count = 400\ndisks.packing_fraction = 0.5\nrun.steps = 100000000\nobserve.every = 1000\ntrajectory.every = 4000\n");
+    const run = place.begin(["run", "long.toml", "-o", "long", "-q", "--no-pictures"]);
+    await expect.poll(() => existsSync(place.of("long/trajectory.h5")), { timeout: 20_000 }).toBe(true);
+    await page.goto(await place.view("long"));
+    await seen(/frame (\d[\d\u2009]*) of \1step/);
+    expect(await page.locator(".viewer").textContent()).toContain("being written");
+    const count = async (): Promise<number> => Number(await slider().getAttribute("max")) + 1;
+    const first = await count();
+    await expect.poll(count, { timeout: 20_000 }).toBeGreaterThan(first + 1);
+    await seen(/frame (\d[\d\u2009]*) of \1step/);
+    await goTo(0);
+    await seen("step 0");
+    const then = await count();
+    await expect.poll(count, { timeout: 20_000 }).toBeGreaterThan(then);
+    await seen("frame 1 of");
+    expect(await page.getByLabel("Follow the run").isChecked()).toBe(false);
+    await page.getByLabel("Follow the run").check();
+    await seen(/frame (\d[\d\u2009]*) of \1step/);
+    const ended = new Promise((resolve) => run.once("exit", resolve));
+    run.kill("SIGKILL");
+    await ended;
+    await page.waitForTimeout(1500);
+    const atKill = await count();
+    await seen(/frame (\d[\d\u2009]*) of \1step/);
+    expect(await alert().isVisible()).toBe(false);
+    const resumed = place.begin(["resume", "long", "-q"]);
+    await expect.poll(count, { timeout: 30_000 }).toBeGreaterThan(atKill + 1);
+    const stopped = new Promise((resolve) => resumed.once("exit", resolve));
+    resumed.kill("SIGTERM");
+    await stopped;
+    await expect.poll(() => page.locator(".viewer").textContent(), { timeout: 20_000 }).toContain("interrupted");
+    expect(await alert().isVisible()).toBe(false);
+  }, 120_000);
+});
+
+describe("A sweep", () => {
+  test("lists its runs, and shows the one that is chosen", async () => {
+    writeFileSync(place.of("sweep.toml"), `${SMALL_RUN}[sweep]\n"disks.packing_fraction" = [0.2, 0.6]\n`);
+    place.gridlock("sweep", "sweep.toml", "-o", "sweep", "-q", "--no-pictures");
+    await page.goto(await place.view("sweep"));
+    await seen("frame 1 of 4");
+    const runs = page.getByRole("combobox", { name: "Run of the sweep" });
+    const names = await runs.locator("option").evaluateAll((options) => options.map((one) => (one as HTMLOptionElement).value));
+    expect(names.length).toBe(2);
+    for (const name of names) {
+      await runs.selectOption(name);
+      await expect.poll(() => page.locator(".viewer .setup p").first().textContent()).toBe(name);
+      await goTo(3);
+      const { state_hash } = JSON.parse(readFileSync(place.of(`sweep/runs/${name}/summary.json`), "utf8")) as { state_hash: string };
+      await seen(state_hash);
+    }
+  });
+});
+
+describe("A file on the static page", () => {
+  const choose = (path: string): Promise<void> => page.locator(".viewer input[type=file]").setInputFiles(path);
+  const drop = async (path: string, name: string): Promise<void> => {
+    const transfer = await page.evaluateHandle(({ bytes, name }) => {
+      const made = new DataTransfer();
+      made.items.add(new File([Uint8Array.from(atob(bytes), (letter) => letter.charCodeAt(0))], name));
+      return made;
+    }, { bytes: readFileSync(path).toString("base64"), name });
+    await page.dispatchEvent("body", "dragover", { dataTransfer: transfer });
+    await page.dispatchEvent("body", "drop", { dataTransfer: transfer });
+  };
+
+  test("in H5MD is shown where it is dropped, with every bit", async () => {
+    await page.goto(staticPage);
+    await drop(place.of("results/trajectory.h5"), "trajectory.h5");
+    await seen("frame 1 of 4");
+    await goTo(3);
+    await seen(summary().state_hash);
+    expect(await page.locator(".viewer .chart").count()).toBeGreaterThanOrEqual(2);
+  });
+
+  test("in extended XYZ is shown too", async () => {
+    await page.goto(staticPage);
+    await viewerTab();
+    await choose(place.of("frames.xyz"));
+    await seen("frame 1 of 4");
+    await goTo(3);
+    await seen("step 60");
+    expect(await page.locator(".viewer").textContent()).toContain("no quantities against time");
+  });
+
+  test("that is damaged gets a sentence, and the next one is shown", async () => {
+    await page.goto(staticPage);
+    await viewerTab();
+    const bytes = readFileSync(place.of("results/trajectory.h5"));
+    const cases: readonly [string, Buffer | string, string][] = [
+      ["cut.h5", bytes.subarray(0, statSync(place.of("results/trajectory.h5")).size / 2), "cut.h5 is cut off: "],
+      ["text.h5", "this is no HDF5", "text.h5 is no HDF5 file."],
+      ["empty.h5", "", "empty.h5 is empty."],
+      ["damaged.xyz", "2\ncomment\nA 1 2 0\nA 1 zwei 0\n", 'damaged.xyz: line 4 has "zwei" for a number.'],
+      ["picture.png", "\u0089PNG", "picture.png is no file that can be shown here."],
+    ];
+    for (const [name, content, message] of cases) {
+      writeFileSync(place.of(name), content);
+      await choose(place.of(name));
+      await expect.poll(() => alert().textContent(), { timeout: 15_000 }).toContain(message);
+    }
+    await choose(place.of("results/trajectory.h5"));
+    await seen("frame 1 of 4");
+    expect(await alert().isVisible()).toBe(false);
+  });
+});
+
+describe("A file that is served", () => {
+  test("of another program in H5MD is read by requests for ranges", async () => {
+    await ready;
+    const file = new Hdf5File(place.of("foreign.h5"), "w");
+    for (const group of ["particles", "particles/all", "particles/all/box", "particles/all/position"]) file.create_group(group);
+    file.create_dataset({ name: "particles/all/position/value", data: new Float64Array([0.5, 0.5, 0, 1, 1, 0, 0.75, 0.5, 0, 1.5, 1, 0]), shape: [2, 2, 3] });
+    file.create_dataset({ name: "particles/all/box/edges", data: new Float64Array([2, 2, 1]) });
+    file.close();
+    await page.goto(await place.view("foreign.h5"));
+    await seen("frame 1 of 2");
+    await seen("2 all");
+    complaints = complaints.filter((text) => !text.includes("422")); // the library's reader refuses it first
+  });
+
+  test("in extended XYZ is shown", async () => {
+    await page.goto(await place.view("results/final.xyz"));
+    await seen("frame 1 of 1");
+    await seen("step 60");
+  });
+});

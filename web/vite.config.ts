@@ -1,0 +1,20 @@
+import { defineConfig } from "vitest/config";
+import { engine } from "./vite_engine.ts";
+import { singleFile } from "./vite_single_file.ts";
+
+export default defineConfig({
+  base: "./",
+  plugins: [engine(), singleFile()],
+  build: {
+    outDir: "../build-web/page",
+    emptyOutDir: true,
+    target: "es2022",
+    assetsInlineLimit: Number.MAX_SAFE_INTEGER,
+    chunkSizeWarningLimit: 10_000,
+    rolldownOptions: { output: { codeSplitting: false } },
+  },
+  // One file after the other: some measure how fast the page is.
+  test: { testTimeout: 60_000, hookTimeout: 60_000, fileParallelism: false },
+  // A script that needs no other file and imports nothing can be started from a page on a disk.
+  worker: { format: "iife", plugins: () => [engine()] },
+});
