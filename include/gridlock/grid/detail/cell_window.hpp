@@ -44,6 +44,7 @@ class CellNumbers {
     CellWindow const window = within(layout, whole_window);
     columns_ = side(window.first_column, window.end_column, layout.columns());
     rows_ = side(window.first_row, window.end_row, layout.rows());
+    is_whole_ = columns() == layout.columns() && rows() == layout.rows();
   }
 
   [[nodiscard]] int columns() const { return columns_.count(); }
@@ -53,6 +54,9 @@ class CellNumbers {
   }
   /// The number of a cell of the window; for other columns of its rows how many cells come before.
   [[nodiscard]] std::size_t number_of(int column, int row) const {
+    if (is_whole_) {
+      return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_.end) + static_cast<std::size_t>(column);
+    }
     return static_cast<std::size_t>(rows_.place_of(row)) * static_cast<std::size_t>(columns()) +
            static_cast<std::size_t>(columns_.place_of(column));
   }
@@ -78,6 +82,7 @@ class CellNumbers {
 
   Side columns_;
   Side rows_;
+  bool is_whole_ = false;
 };
 
 }  // namespace gridlock

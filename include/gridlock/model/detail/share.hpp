@@ -174,7 +174,9 @@ class ModelShare {
   }
 
   void take_turn(Neighbourhood<Model>& around, std::uint32_t row, Band& band) {
-    if (!division_.is_own(place(world_.agents.values(), row))) {
+    Vector const p = place(world_.agents.values(), row);
+    // Most are, and the first question is the cheaper one.
+    if (!division_.is_inside(p) && !division_.is_own(p)) {
       band.of_others.push_back(row);
       return;
     }
