@@ -21,6 +21,7 @@ import { Transport, USUAL_SPEED } from "./transport.ts";
 
 const FIRST_SCENE = "paper";
 const OWN = ""; // the value of the scene that is a text of the user's own
+const JUST_ENDED_MILLISECONDS = 400;
 const CHART_MILLISECONDS = 200; // between two drawings of the charts
 
 /** The engines in the browser: a set-up, its picture, its charts, and the keys that move it. */
@@ -76,6 +77,7 @@ export class Playground {
   private series = new Series([]);
   private chosenColour = "";
   private chartsShown = 0;
+  private endedAt = -Infinity;
   private merged = "";
 
   /** Throws Error where the browser cannot draw. */
@@ -326,6 +328,7 @@ export class Playground {
   private show(frame: EngineFrame): void {
     const info = this.info;
     if (info === undefined || frame.positions.length !== 2 * frame.count) return;
+    if (frame.isFinished && this.frame?.isRunning === true) this.endedAt = performance.now();
     this.frame = frame;
     if (frame.seriesBegins) this.series.clear();
     this.series.add(frame.series);
@@ -434,6 +437,8 @@ export class Playground {
   }
 
   private async toggle(): Promise<void> {
+    // Who wants to pause a run that has come to its end at that moment does not want it to go beyond.
+    if (performance.now() - this.endedAt < JUST_ENDED_MILLISECONDS) return;
     await this.guard(async (engine) => {
       if (this.frame?.isRunning === true) return engine.pause();
       if (this.frame?.isFinished === true) await engine.lengthen();
