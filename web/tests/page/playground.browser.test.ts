@@ -330,7 +330,7 @@ describe("the set-up", () => {
     const { encodeLink } = await import("../../src/playground/link.ts");
     await withPlayground(await encodeLink({ toml: "disks.count = -3\n" }), async ({ page, user }) => {
       expect(await page.getByRole("alert").innerText()).toMatch(/disks\.count/);
-      expect(await page.getByText("841 disks").isVisible()).toBe(true);
+      expect(await page.locator(".status").getByText("841 disks").isVisible()).toBe(true);
       expect(await user.step()).toBe(0);
     });
   });
