@@ -67,8 +67,8 @@ export class Playground {
   private setup = new Setup("");
   private next: Setup | undefined;
   private isOpening = false;
-  /** Whether the run moved when a slider was taken. */
-  private keepsRunning = false;
+  /** What the user has asked for last: a set-up that is changed meanwhile moves on. */
+  private wantsToRun = false;
   private isAwaited = false;
   /** Frames of a session that is being opened, which come before it is described. */
   private early: EngineFrame[] = [];
@@ -250,7 +250,6 @@ export class Playground {
     this.next = setup;
     if (this.isOpening) return;
     this.isOpening = true;
-    this.keepsRunning = this.frame?.isRunning ?? false;
     while (this.next !== undefined) {
       const now: Setup = this.next;
       await this.openOne(now);
@@ -270,7 +269,7 @@ export class Playground {
       for (const frame of this.early) this.show(frame);
       this.merged = await engine.merge(setup.toml, setup.overrides);
       this.editor.show(this.shownToml(), !setup.isChanged);
-      if (this.keepsRunning) await engine.run(this.speed());
+      if (this.wantsToRun) await engine.run(this.speed());
     } catch (error) {
       this.showProblem(error);
     }
@@ -329,6 +328,7 @@ export class Playground {
     const info = this.info;
     if (info === undefined || frame.positions.length !== 2 * frame.count) return;
     if (frame.isFinished && this.frame?.isRunning === true) this.endedAt = performance.now();
+    if (frame.isFinished) this.wantsToRun = false;
     this.frame = frame;
     if (frame.seriesBegins) this.series.clear();
     this.series.add(frame.series);
@@ -439,14 +439,17 @@ export class Playground {
   private async toggle(): Promise<void> {
     // Who wants to pause a run that has come to its end at that moment does not want it to go beyond.
     if (performance.now() - this.endedAt < JUST_ENDED_MILLISECONDS) return;
+    const isRunning = this.frame?.isRunning === true;
     await this.guard(async (engine) => {
-      if (this.frame?.isRunning === true) return engine.pause();
+      this.wantsToRun = !isRunning;
+      if (isRunning) return engine.pause();
       if (this.frame?.isFinished === true) await engine.lengthen();
       await engine.run(this.speed());
     });
   }
 
   private async step(): Promise<void> {
+    this.wantsToRun = false;
     await this.guard(async (engine) => {
       if (this.frame?.isRunning === true) await engine.pause();
       if (this.frame?.isFinished === true) await engine.lengthen();
@@ -457,14 +460,17 @@ export class Playground {
   /** Back by about a second of watching. */
   private async rewind(): Promise<void> {
     const second = this.transport.stepsPerSecond ?? this.frame?.stepsPerSecond ?? USUAL_SPEED;
+    this.wantsToRun = false;
     await this.guard((engine) => engine.rewind(Math.max(1, Math.round(second))));
   }
 
   private async restart(): Promise<void> {
+    this.wantsToRun = false;
     await this.guard((engine) => engine.restart());
   }
 
   private async goTo(step: number): Promise<void> {
+    this.wantsToRun = false;
     await this.guard(async (engine) => {
       if (this.frame?.isRunning === true) await engine.pause();
       const by = step - (this.frame?.step ?? 0);
