@@ -1,13 +1,13 @@
 import { defineConfig } from "vitest/config";
 import { engine } from "./vite_engine.ts";
-import { singleFile } from "./vite_single_file.ts";
+import { folder, SINGLE_FILE, singleFile } from "./vite_single_file.ts";
 
-export default defineConfig({
+export default defineConfig(({ mode }) => ({
   base: "./",
-  plugins: [engine(), singleFile()],
+  plugins: [engine(), mode === SINGLE_FILE ? singleFile() : folder()],
   build: {
     outDir: "../build-web/page",
-    emptyOutDir: true,
+    emptyOutDir: mode !== SINGLE_FILE,
     target: "es2022",
     assetsInlineLimit: Number.MAX_SAFE_INTEGER,
     chunkSizeWarningLimit: 10_000,
@@ -17,4 +17,4 @@ export default defineConfig({
   test: { testTimeout: 60_000, hookTimeout: 60_000, fileParallelism: false },
   // A script that needs no other file and imports nothing can be started from a page on a disk.
   worker: { format: "iife", plugins: () => [engine()] },
-});
+}));

@@ -1,10 +1,28 @@
 import { createHash } from "node:crypto";
-import type { Plugin } from "vite";
+import { build, type LogLevel, type Plugin } from "vite";
+
+/** The mode of the build of playground.html. */
+export const SINGLE_FILE = "single-file";
 
 /**
- * Writes the page a second time, as one file with the script and the style in it: playground.html can be opened from a disk, sent
- * and kept beside a report, where browsers load no modules from other files. Servers have index.html, whose scripts are files, as
- * strict rules for contents want it; the one script of playground.html is allowed by its hash.
+ * The page for servers: index.html, whose scripts are files, as strict rules for contents want it. Workers are files too, so that the
+ * engines and HDF5 are fetched only when they are needed, and the first picture does not wait for them. Builds playground.html as well.
+ */
+export function folder(): Plugin {
+  let logLevel: LogLevel | undefined;
+  return {
+    name: "gridlock-folder",
+    apply: "build",
+    enforce: "pre",
+    configResolved: (config) => { logLevel = config.logLevel; },
+    transform: (code) => (code.includes("?worker&inline") ? { code: code.replaceAll("?worker&inline", "?worker"), map: null } : null),
+    closeBundle: async () => { await build({ mode: SINGLE_FILE, ...(logLevel === undefined ? {} : { logLevel }) }); },
+  };
+}
+
+/**
+ * Makes playground.html: the page as one file with the scripts, the workers and the style in it, which can be opened from a disk, sent and
+ * kept beside a report, where browsers load no modules from other files. Its one script is allowed by its hash.
  */
 export function singleFile(): Plugin {
   return {
@@ -21,6 +39,7 @@ export function singleFile(): Plugin {
         const tag = new RegExp(`<(script|link)[^>]*(src|href)="[^"]*${part.fileName}"[^>]*>(</script>)?`);
         html = html.replace(tag, () => text);
       }
+      for (const name of Object.keys(bundle)) delete bundle[name];
       this.emitFile({ type: "asset", fileName: "playground.html", source: allowInlineScripts(html) });
     },
   };

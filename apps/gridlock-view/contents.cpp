@@ -83,6 +83,7 @@ bool is_inside(fs::path const& path, fs::path const& directory) {
 }  // namespace
 
 Contents::Contents(fs::path const& path) : kind_(kind_of(path)), name_(path.lexically_normal().string()) {
+  if (name_.size() > 1 && name_.ends_with('/')) name_.pop_back();
   if (kind_ == Kind::sweep) tables_ = tables_of_sweep();
   root_ = fs::canonical(path);
 }

@@ -12,7 +12,8 @@ import pytest
 
 import gridlock
 
-PAGES = ["README.md", "docs/getting_started/python.md", "docs/getting_started/own_model_python.md", "docs/how_to/analysis.md"]
+PAGES = ["README.md", "docs/getting_started/python.md", "docs/getting_started/own_model_python.md", "docs/how_to/analysis.md",
+         "docs/how_to/playground.md"]
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -132,7 +132,7 @@ def test_a_report_links_to_the_set_ups_of_its_figures_in_a_playground_beside_it(
     references = Document((tmp_path / "results" / "report.html").read_text(encoding="utf-8")).references
     links = [reference for reference in references if reference.startswith("playground.html#")]
     set_ups = [set_up_in(link) for link in links]
-    assert set_ups[0][0] == "disks.count = 49\ndisks.packing_fraction = 0.7\nrun.seed = 1\nengine.cells = 10"
+    assert set_ups[0][0] == 'disks.count = 49\ndisks.packing_fraction = 0.7\nrun.seed = 1\nengine.cells = 10\nengine.grid = "linked"'
     assert set_ups[0][1] == {"colour": ["neighbourhood"], "grid": ["1"]}
     # Every link is a set-up that can run; those of Figure 6 have the bits of its runs.
     states = set()

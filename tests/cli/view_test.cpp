@@ -537,14 +537,14 @@ TEST_F(View, OpensTheBrowserOfADesktop) {
   EXPECT_FALSE(fs::exists(workplace_ / "opened"));
 }
 
-/// The number of frames that the viewer sees, all of them read.
+/// The number of frames that the viewer sees; the newest of them are read.
 std::size_t frames_seen(Viewer const& viewer, std::size_t known) {
   Answer const answer = viewer.get("/data/runs/run/trajectory.json");
   if (answer.status == 404) return 0;  // not begun
   EXPECT_EQ(answer.status, 200) << answer.body;
   std::size_t const count = Json::parse(answer.body)["frames"];
   EXPECT_GE(count, known);
-  for (std::size_t k = known; k < count; ++k) {
+  for (std::size_t k = std::max(known, count - std::min<std::size_t>(count, 10)); k < count; ++k) {
     Answer const frame = viewer.get("/data/runs/run/frames/" + std::to_string(k));
     EXPECT_EQ(frame.status, 200) << frame.body;
   }
@@ -553,7 +553,7 @@ std::size_t frames_seen(Viewer const& viewer, std::size_t known) {
 
 TEST_F(View, FollowsARunWhileItIsWrittenKilledAndResumed) {
   write(workplace_ / "run.toml",
-        "disks.count = 2000\ndisks.packing_fraction = 0.5\nrun.steps = 100000000\nobserve.every = 1000\n"
+        "disks.count = 2000\ndisks.packing_fraction = 0.5\nrun.steps = 2000000\nobserve.every = 1000\n"
         "trajectory.every = 20\n");
   Workplace const elsewhere;  // for the output of the run
   std::string const results = (workplace_ / "results").string();

@@ -94,6 +94,6 @@ def make(context: Context) -> Chapter:
             f"{100.0 * counts['halted_moves'] / counts['moves']:.0f} % of the moves were halted.",
             Verdict.AGREES if is_in_one and overlap == 0.0 and abs(energy_change) < 1e-12 else Verdict.DIFFERS,
         )],
-        set_ups=[SetUp(f"{len(start)} disks on {K} × {K} neighbourhoods", {**settings, "engine": {"cells": K}},
+        set_ups=[SetUp(f"{len(start)} disks on {K} × {K} neighbourhoods", {**settings, "engine": {"cells": K, "grid": "linked"}},
                        colour="neighbourhood", has_grid=True)],
     )

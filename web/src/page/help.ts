@@ -13,6 +13,20 @@ const KEYS: readonly [string, string][] = [
   ["?", "this help"],
 ];
 
+const LICENCES = Object.values(
+  import.meta.glob<string>("../../../licenses/*.txt", { query: "?raw", import: "default", eager: true }),
+);
+
+/** What the licences of the parts of this page ask to come with it. */
+function licences(): HTMLElement {
+  return element(
+    "details",
+    {},
+    element("summary", {}, "Licences of what is inside"),
+    element("pre", { class: "licences", tabindex: 0 }, LICENCES.join("\n\n")),
+  );
+}
+
 /** The dialog of the page's help. */
 export function helpDialog(version: () => string): HTMLDialogElement {
   const dialog = element("dialog", { "aria-label": "Help" });
@@ -60,6 +74,7 @@ export function helpDialog(version: () => string): HTMLDialogElement {
     element("h2", {}, "Keys"),
     keys,
     about,
+    licences(),
   );
   dialog.addEventListener("click", (event) => {
     if (event.target === dialog) dialog.close();

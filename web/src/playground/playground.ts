@@ -21,6 +21,7 @@ import { Transport, USUAL_SPEED } from "./transport.ts";
 
 const FIRST_SCENE = "paper";
 const OWN = ""; // the value of the scene that is a text of the user's own
+const JUST_ENDED_MILLISECONDS = 400;
 const CHART_MILLISECONDS = 200; // between two drawings of the charts
 
 /** The engines in the browser: a set-up, its picture, its charts, and the keys that move it. */
@@ -66,8 +67,8 @@ export class Playground {
   private setup = new Setup("");
   private next: Setup | undefined;
   private isOpening = false;
-  /** Whether the run moved when a slider was taken. */
-  private keepsRunning = false;
+  /** What the user has asked for last: a set-up that is changed meanwhile moves on. */
+  private wantsToRun = false;
   private isAwaited = false;
   /** Frames of a session that is being opened, which come before it is described. */
   private early: EngineFrame[] = [];
@@ -76,6 +77,7 @@ export class Playground {
   private series = new Series([]);
   private chosenColour = "";
   private chartsShown = 0;
+  private endedAt = -Infinity;
   private merged = "";
 
   /** Throws Error where the browser cannot draw. */
@@ -248,7 +250,6 @@ export class Playground {
     this.next = setup;
     if (this.isOpening) return;
     this.isOpening = true;
-    this.keepsRunning = this.frame?.isRunning ?? false;
     while (this.next !== undefined) {
       const now: Setup = this.next;
       await this.openOne(now);
@@ -268,7 +269,7 @@ export class Playground {
       for (const frame of this.early) this.show(frame);
       this.merged = await engine.merge(setup.toml, setup.overrides);
       this.editor.show(this.shownToml(), !setup.isChanged);
-      if (this.keepsRunning) await engine.run(this.speed());
+      if (this.wantsToRun) await engine.run(this.speed());
     } catch (error) {
       this.showProblem(error);
     }
@@ -326,6 +327,8 @@ export class Playground {
   private show(frame: EngineFrame): void {
     const info = this.info;
     if (info === undefined || frame.positions.length !== 2 * frame.count) return;
+    if (frame.isFinished && this.frame?.isRunning === true) this.endedAt = performance.now();
+    if (frame.isFinished) this.wantsToRun = false;
     this.frame = frame;
     if (frame.seriesBegins) this.series.clear();
     this.series.add(frame.series);
@@ -434,14 +437,19 @@ export class Playground {
   }
 
   private async toggle(): Promise<void> {
+    // Who wants to pause a run that has come to its end at that moment does not want it to go beyond.
+    if (performance.now() - this.endedAt < JUST_ENDED_MILLISECONDS) return;
+    const isRunning = this.frame?.isRunning === true;
     await this.guard(async (engine) => {
-      if (this.frame?.isRunning === true) return engine.pause();
+      this.wantsToRun = !isRunning;
+      if (isRunning) return engine.pause();
       if (this.frame?.isFinished === true) await engine.lengthen();
       await engine.run(this.speed());
     });
   }
 
   private async step(): Promise<void> {
+    this.wantsToRun = false;
     await this.guard(async (engine) => {
       if (this.frame?.isRunning === true) await engine.pause();
       if (this.frame?.isFinished === true) await engine.lengthen();
@@ -452,14 +460,17 @@ export class Playground {
   /** Back by about a second of watching. */
   private async rewind(): Promise<void> {
     const second = this.transport.stepsPerSecond ?? this.frame?.stepsPerSecond ?? USUAL_SPEED;
+    this.wantsToRun = false;
     await this.guard((engine) => engine.rewind(Math.max(1, Math.round(second))));
   }
 
   private async restart(): Promise<void> {
+    this.wantsToRun = false;
     await this.guard((engine) => engine.restart());
   }
 
   private async goTo(step: number): Promise<void> {
+    this.wantsToRun = false;
     await this.guard(async (engine) => {
       if (this.frame?.isRunning === true) await engine.pause();
       const by = step - (this.frame?.step ?? 0);

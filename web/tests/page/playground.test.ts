@@ -25,6 +25,12 @@ describe("links", () => {
     expect(await decodeLink("")).toEqual({});
   });
 
+  test("a link of gridlock.playground in Python is read", async () => {
+    const hash = "#toml=S8kszi7WS84vzStRsFUwNDDgSgGLFJckFoFElEqKMhPz0ktzEouUuIpK8_SKU1NTgOLGAA&colour=psi6&grid=1";
+    const toml = 'disks.count = 100\ndisks.start = "triangular"\nrun.seed = 3';
+    expect(await decodeLink(hash)).toEqual({ toml, colour: "psi6", grid: true });
+  });
+
   test("a set-up of the usual length makes a link that fits anywhere", async () => {
     for (const scene of SCENES) expect((await encodeLink({ toml: scene.toml })).length, scene.name).toBeLessThan(1000);
   });

@@ -7,7 +7,8 @@ import { extname, join, normalize } from "node:path";
 
 import { chromium, type Browser, type BrowserContextOptions, type Page } from "playwright-core";
 
-export const PAGE_FOLDER = join(import.meta.dirname, "../../../build-web/page");
+/** GRIDLOCK_PAGE names another build than that of ./dev build-web. */
+export const PAGE_FOLDER = process.env["GRIDLOCK_PAGE"] ?? join(import.meta.dirname, "../../../build-web/page");
 const CHROMIUM = process.env["GRIDLOCK_CHROMIUM"] ?? "/usr/bin/chromium";
 const TYPES: Readonly<Record<string, string>> = {
   ".html": "text/html",
