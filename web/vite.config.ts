@@ -14,7 +14,7 @@ export default defineConfig(({ mode }) => ({
     rolldownOptions: { output: { codeSplitting: false } },
   },
   // One file after the other: some measure how fast the page is.
-  test: { testTimeout: 60_000, hookTimeout: 60_000, fileParallelism: false },
+  test: { testTimeout: 60_000, hookTimeout: 60_000, fileParallelism: false, expect: { poll: { timeout: 20_000 } } },
   // A script that needs no other file and imports nothing can be started from a page on a disk.
   worker: { format: "iife", plugins: () => [engine()] },
 }));

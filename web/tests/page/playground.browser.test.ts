@@ -387,13 +387,10 @@ describe("the look", () => {
       await forces.waitFor({ timeout: 60_000 });
       const inkOfOverlay = (): Promise<number> =>
         page.evaluate(() => {
-          const canvas = [...document.querySelectorAll<HTMLCanvasElement>(".picture canvas")].at(-1) as HTMLCanvasElement;
-          const bytes = (canvas.getContext("2d") as CanvasRenderingContext2D).getImageData(
-            0,
-            0,
-            canvas.width,
-            canvas.height,
-          ).data;
+          const overlay = [...document.querySelectorAll<HTMLCanvasElement>(".picture canvas")].at(-1) as HTMLCanvasElement;
+          const copy = new OffscreenCanvas(overlay.width, overlay.height).getContext("2d") as OffscreenCanvasRenderingContext2D;
+          copy.drawImage(overlay, 0, 0);
+          const bytes = copy.getImageData(0, 0, overlay.width, overlay.height).data;
           return bytes.filter((value, i) => i % 4 === 3 && value > 0).length;
         });
       // The box and the legend alone have about 5,000 pixels.
