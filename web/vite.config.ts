@@ -13,7 +13,7 @@ export default defineConfig(({ mode }) => ({
     chunkSizeWarningLimit: 10_000,
     rolldownOptions: { output: { codeSplitting: false } },
   },
-  // One file after the other: some measure how fast the page is.
+  // One file after the other: two browsers on two cores draw too slowly for tests that wait for pictures.
   test: { testTimeout: 60_000, hookTimeout: 60_000, fileParallelism: false, expect: { poll: { timeout: 20_000 } } },
   // A script that needs no other file and imports nothing can be started from a page on a disk.
   worker: { format: "iife", plugins: () => [engine()] },
