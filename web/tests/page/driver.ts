@@ -3,7 +3,11 @@
 import type { Page } from "playwright-core";
 
 export class PlaygroundDriver {
-  constructor(readonly page: Page) {}
+  readonly page: Page;
+
+  constructor(page: Page) {
+    this.page = page;
+  }
 
   /** Waits until a run is drawn. */
   async ready(): Promise<void> {
