@@ -24,7 +24,7 @@ def test_the_gallery_draws_the_pictures_of_its_page(root, tmp_path):
 
 
 @pytest.mark.parametrize(("script", "pictures"), [
-    ("docs/notebook/performance.py", ["performance_k.svg", "performance_n.svg"]),
+    ("docs/notebook/performance.py", ["performance_k.svg", "performance_n.svg", "scaling_ranks.svg"]),
     ("validation/models.py", ["epidemic_sir.svg", "vicsek_density.svg", "vicsek_noise.svg"]),
 ])
 def test_charts_are_made_of_committed_results(root, tmp_path, script, pictures):
