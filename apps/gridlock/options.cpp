@@ -18,6 +18,8 @@ std::string const& program_name() { return name_of_program; }
 
 void set_program_name(std::string name) { name_of_program = std::move(name); }
 
+std::string name_with_all_commands() { return name_of_program == "gridlock-mpi" ? "gridlock" : name_of_program; }
+
 CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
   bool const is_bounded = most < std::numeric_limits<std::uint64_t>::max();
   std::string const range = is_bounded ? fmt::format("from {} to {}", least, most) : fmt::format("at least {}", least);

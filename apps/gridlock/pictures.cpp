@@ -32,7 +32,7 @@ void draw_pictures(std::filesystem::path const& directory, bool is_quiet) {
                                                                std::filesystem::current_path(), time_limit);
   if (result.timed_out) {
     fmt::print(stderr, "note: the pictures are not finished after {} minutes; later: {} plot {}\n", time_limit.count(),
-               program_name(), directory.string());
+               name_with_all_commands(), directory.string());
   } else if (!result.succeeded) {
     std::string_view const error = "error: ";
     std::size_t const begin = result.errors.starts_with(error) ? error.size() : 0;

@@ -214,7 +214,7 @@ void RunOutput::print_end(gridlock::RunRecord const& record, std::filesystem::pa
   print_results(record);
   fmt::print("  {:<26} {:016x}\nresults in {}\n", "state_hash", record.state_hash, directory.string());
   if (!draws_ && record.status == gridlock::RunStatus::finished && has_last_state(directory)) {
-    fmt::print("pictures: {} plot {}\n", program_name(), directory.string());
+    fmt::print("pictures: {} plot {}\n", name_with_all_commands(), directory.string());
   }
 }
 

@@ -103,6 +103,7 @@ TEST_F(MpiRun, SaysOnceHowItEndedAndWhatEachRankSent) {
   Outcome const outcome = on_ranks(workplace_, 3, {"run", "r.toml", "-o", "out"});
   expect_good(outcome);
   EXPECT_EQ(occurrences(outcome.out, "finished 300 steps of 2000 agents"), 1U) << outcome.out;
+  EXPECT_EQ(occurrences(outcome.out, "pictures: gridlock plot out"), 1U) << outcome.out;
   std::string const log = text_of(workplace_ / "out/run.log");
   EXPECT_EQ(occurrences(log, "on 3 ranks, "), 1U) << log;
   for (int const rank : {0, 1, 2}) {
