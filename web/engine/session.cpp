@@ -22,6 +22,9 @@ namespace {
 
 /// A page that does nothing for longer looks broken.
 constexpr double longest_start = 60.0;
+/// What a saved session says after its fingerprint.
+constexpr char within_step = '1';
+constexpr char between_steps = '0';
 /// Between two looks at the clock: much less than a frame of the screen.
 constexpr double seconds_between_looks = 0.002;
 
@@ -140,6 +143,7 @@ Json Session::status() const {
           {"fraction", run_->fraction_done()},
           {"isFinished", run_->has_reached_end()},
           {"isPrepared", simulation().is_prepared()},
+          {"isWithinStep", is_within_step_},
           {"seriesLength", run_->series().row_count()},
           {"preparation",
            {{"fraction", preparation.fraction},
@@ -154,8 +158,14 @@ std::uint64_t Session::advance(std::uint64_t steps, double milliseconds) {
                                       std::chrono::duration<double, std::milli>(std::min(milliseconds, 1e9)));
   bool const was_prepared = simulation().is_prepared();
   std::uint64_t const before = simulation().clock().step;
-  RunStatus const status =
-      run_->advance_to(saturating_sum(before, steps), [&](Progress const&) { return Clock::now() < end; });
+  std::uint64_t const target = saturating_sum(before, steps);
+  bool is_out_of_time = false;
+  RunStatus const status = run_->advance_to(target, [&](Progress const&) {
+    is_out_of_time = Clock::now() >= end;
+    return !is_out_of_time;
+  });
+  is_within_step_ = is_out_of_time && simulation().is_prepared() && simulation().clock().step != target &&
+                    !run_->has_reached_end() && setup_.configuration.kind().ends_within_steps(setup_.configuration);
   are_rows_known_ = false;
   if (!was_prepared && simulation().is_prepared()) take_first_frame();
   if (status == RunStatus::failed) throw RunFailure(run_->record().failure);
@@ -362,18 +372,20 @@ std::vector<double> Session::contact_forces() const {
 }
 
 std::string Session::save() {
-  return fingerprint_ + to_checkpoint([&](Archive& archive) { run_->serialize(archive); });
+  return fingerprint_ + (is_within_step_ ? within_step : between_steps) +
+         to_checkpoint([&](Archive& archive) { run_->serialize(archive); });
 }
 
 void Session::restore(std::string const& bytes) {
   std::string_view const content(bytes);
-  if (!content.starts_with(fingerprint_)) {
+  if (!content.starts_with(fingerprint_) || content.size() == fingerprint_.size()) {
     throw Error(Problem{.what = "these bytes are of no session with these settings",
                         .hint = "restore what save() gave in a session of the same settings"});
   }
   auto const take = [&](std::string_view saved) {
     start_run(plan_);
-    from_checkpoint(saved, "the saved session", [&](Archive& archive) { run_->serialize(archive); });
+    from_checkpoint(saved.substr(1), "the saved session", [&](Archive& archive) { run_->serialize(archive); });
+    is_within_step_ = saved.front() == within_step;
     are_rows_known_ = false;
   };
   std::string const before = save();

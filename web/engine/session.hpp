@@ -78,6 +78,7 @@ class Session {
   double mark_ = 0.0;  ///< the radius of agents that have none
   std::vector<std::uint32_t> rows_;
   bool are_rows_known_ = false;
+  bool is_within_step_ = false;  ///< perhaps: the last call of advance() was out of time
 };
 
 }  // namespace gridlock::web

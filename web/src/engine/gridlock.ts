@@ -178,6 +178,9 @@ export interface Session {
   readonly isFinished: boolean;
   /** Whether the protocol has ended; advance() carries it out first. */
   readonly isPrepared: boolean;
+  /** Whether the last advance() may have run out of time within a step of the exact engine: its state has no step and no hash on the
+   * command line. advance(1) goes to the end of a step. */
+  readonly isWithinStep: boolean;
   readonly preparation: Preparation;
 
   /** config.resolved.toml: every setting with the value that it has in this run. */
@@ -359,6 +362,7 @@ interface Status {
   fraction: number;
   isFinished: boolean;
   isPrepared: boolean;
+  isWithinStep: boolean;
   seriesLength: number;
   preparation: Preparation;
 }
@@ -407,6 +411,9 @@ class OpenSession implements Session {
   }
   get isPrepared(): boolean {
     return this.status.isPrepared;
+  }
+  get isWithinStep(): boolean {
+    return this.status.isWithinStep;
   }
   get preparation(): Preparation {
     return this.status.preparation;

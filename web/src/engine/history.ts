@@ -20,9 +20,13 @@ export class History {
     this.last = performance.now();
   }
 
-  /** As often as half a second of running takes; where there are too many, every second one is let go of, the start never. */
-  keepWhereDue(session: Session): void {
-    if (performance.now() - this.last < MILLISECONDS_BETWEEN || !session.isPrepared) return;
+  /** As often as half a second of running takes. */
+  isDue(session: Session): boolean {
+    return performance.now() - this.last >= MILLISECONDS_BETWEEN && session.isPrepared;
+  }
+
+  /** Where there are too many, every second one is let go of, the start never. */
+  keepAnother(session: Session): void {
     this.keep(session);
     const bytes = this.saved.reduce((sum, one) => sum + one.bytes.length, 0);
     if (this.saved.length > MOST_STATES || bytes > MOST_BYTES) this.saved = this.saved.filter((_, index) => index % 2 === 0);

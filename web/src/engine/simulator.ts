@@ -91,13 +91,16 @@ export class Simulator {
     this.isRunning = true;
     void this.loop(this.run_);
   }
-  pause(): void {
+  async pause(): Promise<void> {
     this.stop();
-    if (this.session !== undefined) this.postFrame();
+    if (this.session === undefined) return;
+    await this.finishStep(this.session);
+    this.postFrame();
   }
   async step(steps = 1): Promise<void> {
     const session = this.opening();
     this.stop();
+    await this.finishStep(session);
     // A protocol knows no steps: it goes on a little.
     if (session.isPrepared) await this.advanceTo(session, session.step + steps);
     else this.advance(session, 0, SLICE);
@@ -209,7 +212,11 @@ export class Simulator {
   private advance(session: Session, steps: number, milliseconds: number): boolean {
     try {
       session.advance(steps, milliseconds);
-      this.history.keepWhereDue(session);
+      if (this.history.isDue(session)) {
+        // To go back to a step is to go back to its end.
+        if (session.isWithinStep) session.advance(1);
+        this.history.keepAnother(session);
+      }
       return true;
     } catch (error) {
       this.stop();
@@ -224,6 +231,11 @@ export class Simulator {
       if (!session.isPrepared && this.isDrawn) this.postFrame();
       await otherMessages();
     }
+  }
+
+  /** A state within a step has no hash on the command line. */
+  private async finishStep(session: Session): Promise<void> {
+    if (session.isWithinStep) await this.advanceTo(session, session.step + 1);
   }
 
   private beginSeries(): void {

@@ -60,9 +60,9 @@ export function commentAtTop(toml: string): string {
 /** A sweep is many runs; the playground shows the one with the values outside of the table [sweep]. */
 export function withoutSweep(toml: string): string {
   const lines = toml.split("\n");
-  const begin = lines.findIndex((line) => line.trim() === "[sweep]");
+  const begin = lines.findIndex((line) => /^\s*\[\s*sweep\s*\]\s*(#.*)?$/.test(line));
   if (begin < 0) return toml;
-  const length = lines.slice(begin + 1).findIndex((line) => /^\s*\[{1,2}[a-z_.]+\]{1,2}\s*(#.*)?$/.test(line));
+  const length = lines.slice(begin + 1).findIndex((line) => /^\s*\[{1,2}\s*[a-z_.]+\s*\]{1,2}\s*(#.*)?$/.test(line));
   lines.splice(begin, length < 0 ? lines.length - begin : length + 1);
   return lines.join("\n").trimEnd() + "\n";
 }

@@ -98,8 +98,10 @@ export class Transport {
     this.texts.time.textContent = shortNumber(Number(frame.time.toPrecision(5)));
     this.texts.count.textContent = `${grouped(frame.count)} ${agentsName}`;
     this.texts.pace.textContent =
-      frame.isRunning && frame.stepsPerSecond > 0
-        ? `${grouped(frame.stepsPerSecond)} steps/s`
+      frame.isRunning
+        ? frame.stepsPerSecond > 0
+          ? `${grouped(frame.stepsPerSecond)} steps/s`
+          : "running"
         : frame.isFinished
           ? "finished"
           : "paused";

@@ -26,8 +26,12 @@ class Watched {
 
 const TOML = "disks.count = 200\nrun.steps = 100000\nobserve.every = 10";
 
-async function hashAt(step: number): Promise<string> {
-  const session = (await loadGridlock()).open(TOML);
+/** Each step of these disks takes longer than a slice of work. */
+const LONG_STEPS =
+  'disks.count = 5000\ndisks.packing_fraction = 0.6\nbox.edge = "periodic"\nengine.kind = "exact"\nengine.time_step = 1.0\nrun.steps = 50';
+
+async function hashAt(step: number, toml = TOML): Promise<string> {
+  const session = (await loadGridlock()).open(toml);
   session.advance(step);
   return session.stateHash();
 }
@@ -38,9 +42,9 @@ describe("the simulator", () => {
     watched.push(new Watched());
     return watched.at(-1) as Watched;
   };
-  afterEach(() => {
+  afterEach(async () => {
     for (const one of watched.splice(0)) {
-      one.simulator.pause();
+      await one.simulator.pause();
       expect(one.failures).toEqual([]);
     }
   });
@@ -53,8 +57,24 @@ describe("the simulator", () => {
     one.simulator.run();
     await one.until(() => one.last.step > 500);
     expect(one.last.isRunning).toBe(true);
-    one.simulator.pause();
+    await one.simulator.pause();
     expect(one.last.stateHash).toBe(await hashAt(one.last.step));
+  });
+
+  it("pauses at the end of a step, however long a step takes", async () => {
+    const one = start();
+    await one.simulator.open(LONG_STEPS, []);
+    for (const least of [1, 3]) {
+      one.simulator.run();
+      await one.until(() => one.last.isRunning && one.last.step >= least);
+      await one.simulator.pause();
+      expect(one.last.isRunning).toBe(false);
+      expect(one.last.stateHash).toBe(await hashAt(one.last.step, LONG_STEPS));
+    }
+    const paused = one.last.step;
+    await one.simulator.rewind(1);
+    expect(one.last.step).toBe(paused - 1);
+    expect(one.last.stateHash).toBe(await hashAt(paused - 1, LONG_STEPS));
   });
 
   it("keeps to the speed that it is asked for", async () => {
@@ -88,7 +108,7 @@ describe("the simulator", () => {
     const { seriesColumns } = await one.simulator.open(TOML, []);
     one.simulator.run();
     await one.until(() => one.last.step > 300);
-    one.simulator.pause();
+    await one.simulator.pause();
     const steps = one.frames.flatMap((frame) => [...frame.series].filter((_, index) => index % seriesColumns.length === 0));
     expect(steps).toEqual([...steps.keys()].map((index) => 10 * index));
   });

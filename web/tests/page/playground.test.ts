@@ -68,6 +68,7 @@ describe("scenes", () => {
     expect(withoutSweep("a = 1\n\n[sweep]\nrun.seed = [\n  1, 2,\n]\n\n[run]\nsteps = 3\n")).toBe("a = 1\n\n[run]\nsteps = 3\n");
     expect(withoutSweep("[run]\nsteps = 3\n[sweep]\nx = [1]\n")).toBe("[run]\nsteps = 3\n");
     expect(withoutSweep("# [sweep]\n[run]\n")).toBe("# [sweep]\n[run]\n");
+    expect(withoutSweep("[ sweep ] # values\nx = [1]\n[ run ]\n")).toBe("[ run ]\n");
     expect(commentAtTop("# One.\n# Two.\n\n# no\nx = 1")).toBe("One. Two.");
   });
 });
