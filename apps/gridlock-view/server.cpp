@@ -83,13 +83,11 @@ int Server::bind(int port) {
   return bound;
 }
 
-void Server::serve() {
-  if (!is_stopping_) listen_after_bind();
-}
+void Server::serve() { listen_after_bind(); }
 
 void Server::stop() {
   is_stopping_ = true;
-  // httplib knows of a stop only once it listens.
+  // httplib knows of a stop only once it listens, which serve() may be about to do.
   while (!is_running() && svr_sock_ != INVALID_SOCKET) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }

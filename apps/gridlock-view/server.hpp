@@ -34,7 +34,7 @@ class Server : private httplib::Server {
   int bind(int port);
   /// Answers until stop(). Requires bind().
   void serve();
-  /// From another thread; returns at once. Answers that are being written are cut off.
+  /// From another thread than serve(), which must be called; returns once that listens. Answers that are being written are cut off.
   void stop();
 
  private:
