@@ -9,35 +9,35 @@ namespace gridlock {
 
 namespace {
 
-/// Visits each setting by `carry`, one of the two below, which knows how values of each type travel.
-template <class Carry>
+/// Visits each setting by `codec`, one of the two below, which knows how values of each type travel.
+template <class Codec>
 class SettingsInMessage final : public SettingVisitor {
  public:
-  explicit SettingsInMessage(Carry carry) : carry_(carry) {}
+  explicit SettingsInMessage(Codec codec) : codec_(codec) {}
 
   void enter(std::string_view /*name*/, std::string_view /*documentation*/) override {}
   void leave() override {}
-  void visit(SettingInfo const& /*info*/, double& value) override { carry_.plain(value); }
-  void visit(SettingInfo const& /*info*/, std::optional<double>& value) override { carry_.optional(value); }
-  void visit(SettingInfo const& /*info*/, std::uint64_t& value) override { carry_.plain(value); }
-  void visit(SettingInfo const& /*info*/, std::optional<std::uint64_t>& value) override { carry_.optional(value); }
-  void visit(SettingInfo const& /*info*/, bool& value) override { carry_.plain(value); }
-  void visit(SettingInfo const& /*info*/, std::string& value) override { carry_.list(value); }
-  void visit(SettingInfo const& /*info*/, std::vector<double>& value) override { carry_.list(value); }
+  void visit(SettingInfo const& /*info*/, double& value) override { codec_.plain(value); }
+  void visit(SettingInfo const& /*info*/, std::optional<double>& value) override { codec_.optional(value); }
+  void visit(SettingInfo const& /*info*/, std::uint64_t& value) override { codec_.plain(value); }
+  void visit(SettingInfo const& /*info*/, std::optional<std::uint64_t>& value) override { codec_.optional(value); }
+  void visit(SettingInfo const& /*info*/, bool& value) override { codec_.plain(value); }
+  void visit(SettingInfo const& /*info*/, std::string& value) override { codec_.list(value); }
+  void visit(SettingInfo const& /*info*/, std::vector<double>& value) override { codec_.list(value); }
   void visit_choice(SettingInfo const& /*info*/, std::span<std::string_view const> /*choices*/,
                     std::size_t& value) override {
-    carry_.plain(value);
+    codec_.plain(value);
   }
   void visit_tables(SettingInfo const& /*info*/, std::size_t size, std::function<void(std::size_t)> const& resize,
                     std::function<void(std::size_t, SettingVisitor&)> const& describe_one) override {
     std::size_t const before = size;
-    carry_.plain(size);
+    codec_.plain(size);
     if (size != before) resize(size);
     for (std::size_t k = 0; k < size; ++k) describe_one(k, *this);
   }
 
  private:
-  Carry carry_;
+  Codec codec_;
 };
 
 struct Write {

@@ -58,31 +58,29 @@ class MpiRun : public ::testing::Test {
     write(workplace_ / "r.toml", run_toml("30000", "[checkpoint]\nevery_seconds = 0.05\n"));
   }
 
+  /// Of r.toml.
+  void expect_same_results_on_any_number_of_ranks() const {
+    expect_good(in(workplace_, run_into("alone")));
+    for (int const ranks : {1, 2, 3, 8}) {
+      std::string const directory = "ranks" + std::to_string(ranks);
+      expect_good(on_ranks(workplace_, ranks, run_into(directory)));
+      expect_same_results("alone", directory);
+    }
+    expect_good(on_ranks(workplace_, 2, run_into("threads") + std::vector<std::string>{"-j", "2"}));
+    expect_same_results("alone", "threads");
+  }
+
   Workplace workplace_;
 };
 
 TEST_F(MpiRun, HasTheFilesOfOneProcessOnAnyNumberOfRanks) {
   write(workplace_ / "r.toml", run_toml());
-  expect_good(in(workplace_, run_into("alone")));
-  for (int const ranks : {1, 2, 3, 8}) {
-    std::string const directory = "ranks" + std::to_string(ranks);
-    expect_good(on_ranks(workplace_, ranks, run_into(directory)));
-    expect_same_results("alone", directory);
-  }
-  expect_good(on_ranks(workplace_, 2, run_into("threads") + std::vector<std::string>{"-j", "2"}));
-  expect_same_results("alone", "threads");
+  expect_same_results_on_any_number_of_ranks();
 }
 
 TEST_F(MpiRun, HasTheFilesOfOneProcessForModelsToo) {
   write(workplace_ / "r.toml", model_toml());
-  expect_good(in(workplace_, run_into("alone")));
-  for (int const ranks : {1, 2, 3, 8}) {
-    std::string const directory = "ranks" + std::to_string(ranks);
-    expect_good(on_ranks(workplace_, ranks, run_into(directory)));
-    expect_same_results("alone", directory);
-  }
-  expect_good(on_ranks(workplace_, 2, run_into("threads") + std::vector<std::string>{"-j", "2"}));
-  expect_same_results("alone", "threads");
+  expect_same_results_on_any_number_of_ranks();
 }
 
 TEST_F(MpiRun, StopsAModelAndContinuesItOnAnotherNumberOfRanks) {

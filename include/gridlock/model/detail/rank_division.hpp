@@ -49,7 +49,7 @@ class RankDivision {
     return seen_[rank].columns.contains(p.x * cells_.columns_per_length()) &&
            seen_[rank].rows.contains(p.y * cells_.rows_per_length());
   }
-  /// The ranks whose rims reach into the own rectangle.
+  /// The ranks whose rims overlap the own rectangle.
   [[nodiscard]] std::span<std::size_t const> neighbours() const { return neighbours_; }
   [[nodiscard]] bool is_neighbour(std::size_t rank) const;
 
