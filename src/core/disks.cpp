@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "gridlock/core/detail/disks_overview.hpp"
+
 namespace gridlock {
 
 RadiusRange radius_range(Disks const& disks) {
@@ -52,6 +54,23 @@ double covered_area(AgentsView const& agents) {
   double sum = 0.0;
   for (double const r : agents.column<Radius>()) sum += r * r;
   return std::numbers::pi * sum;
+}
+
+DisksOverview overview_of(Disks const& disks) {
+  return {.count = disks.size(),
+          .radii = radius_range(disks),
+          .largest_speed = largest_speed(disks),
+          .covered_area = covered_area(disks)};
+}
+
+void DisksOverview::add(DisksOverview const& others) {
+  if (others.count == 0) return;
+  radii = count == 0 ? others.radii
+                     : RadiusRange{.smallest = std::min(radii.smallest, others.radii.smallest),
+                                   .largest = std::max(radii.largest, others.radii.largest)};
+  count += others.count;
+  largest_speed = std::max(largest_speed, others.largest_speed);
+  covered_area += others.covered_area;
 }
 
 }  // namespace gridlock

@@ -72,7 +72,11 @@ std::unique_ptr<Engine> make_engine(EngineSettings const& settings, State const&
 }
 
 double step_duration(EngineSettings const& settings, State const& state) {
-  double const diameter = 2.0 * radius_range(state.agents).smallest;
+  return step_duration(settings, radius_range(state.agents).smallest);
+}
+
+double step_duration(EngineSettings const& settings, double smallest_radius) {
+  double const diameter = 2.0 * smallest_radius;
   double const speed = settings.speed.value_or(1.0);
   return settings.time_step * diameter / (speed > 0.0 ? speed : 1.0);
 }

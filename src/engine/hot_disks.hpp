@@ -34,9 +34,9 @@ inline DiskInTurn disk_in_turn(Disks const& disks, std::uint32_t row, std::vecto
           .row_in_state = row};
 }
 
-/// What has become of a disk.
-inline void write_back(DiskInTurn const& disk, Disks& to) {
-  std::size_t const row = disk.row_in_state;
+/// What has become of a disk; the population may begin with a later row of the state.
+inline void write_back(DiskInTurn const& disk, Disks& to, std::uint32_t first_row = 0) {
+  std::size_t const row = disk.row_in_state - first_row;
   to.column<X>()[row] = disk.position.x;
   to.column<Y>()[row] = disk.position.y;
   to.column<VelocityX>()[row] = disk.velocity.x;

@@ -11,6 +11,7 @@
 #include "engine/hot_disks.hpp"
 #include "grid/linked_grid.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/grid/detail/validate_rows.hpp"
 #include "gridlock/grid/validate.hpp"
 #include "packed_turns.hpp"
 #include "turn.hpp"
@@ -19,7 +20,7 @@ namespace gridlock {
 
 namespace {
 
-void require_bounds(EngineSettings const& settings, State const& state) {
+void require_bounds(EngineSettings const& settings, DisksOverview const& all) {
   if (!(std::isfinite(settings.time_step) && settings.time_step > 0.0)) {
     throw Error({.what = fmt::format("the time step is {}, not a positive number", settings.time_step),
                  .hint = "the usual value is 0.1",
@@ -30,25 +31,24 @@ void require_bounds(EngineSettings const& settings, State const& state) {
                  .hint = "the paper's value is 5",
                  .key = "engine.substeps"});
   }
-  if (state.agents.empty()) {
+  if (all.count == 0) {
     throw Error({.what = "there are no disks to move", .hint = "give at least one", .key = "disks.count"});
   }
 }
 
-std::string jump_text(State const& state, std::size_t i, double displacement, double contact) {
+std::string jump_text(LongSubstep const& disk) {
   return fmt::format("disk {} covers {:.6g} in one sub-step and could jump over a disk at contact distance {:.6g}",
-                     state.agents.ids()[i], displacement, contact);
+                     disk.id, disk.displacement, disk.contact);
 }
 
 constexpr char const* jump_hint = "use a smaller engine.time_step or more engine.substeps";
 
-void require_no_jumps(State const& state, double substep) {
-  double const smallest = radius_range(state.agents).smallest;
-  for (std::size_t i = 0; i < state.agents.size(); ++i) {
-    double const squared_displacement = squared_length(velocity(state.agents, i)) * substep * substep;
-    double const contact = state.agents.column<Radius>()[i] + smallest;
+void require_no_jumps(State const& some, DisksOverview const& all, double substep) {
+  for (std::size_t i = 0; i < some.agents.size(); ++i) {
+    double const squared_displacement = squared_length(velocity(some.agents, i)) * substep * substep;
+    double const contact = some.agents.column<Radius>()[i] + all.radii.smallest;
     if (is_short(squared_displacement, contact)) continue;
-    throw Error({.what = jump_text(state, i, std::sqrt(squared_displacement), contact),
+    throw Error({.what = jump_text({some.agents.ids()[i], std::sqrt(squared_displacement), contact}),
                  .hint = jump_hint,
                  .key = "engine.time_step"});
   }
@@ -56,10 +56,10 @@ void require_no_jumps(State const& state, double substep) {
 
 /// Pairs collide along the vector to the nearest image, which is the image that was hit as long as contact distance and
 /// sub-step together stay below half the box.
-void require_room_for_images(State const& state, double substep) {
-  if (!state.box.is_periodic() || state.agents.size() < 2) return;
-  double const shorter = std::min(state.box.width(), state.box.height());
-  double const needed = 2.0 * (2.0 * radius_range(state.agents).largest + largest_speed(state.agents) * substep);
+void require_room_for_images(Box const& box, DisksOverview const& all, double substep) {
+  if (!box.is_periodic() || all.count < 2) return;
+  double const shorter = std::min(box.width(), box.height());
+  double const needed = 2.0 * (2.0 * all.radii.largest + all.largest_speed * substep);
   if (needed <= shorter) return;
   throw Error({.what = fmt::format("a periodic box with a side of {:.6g} is too small: a disk could meet two images of "
                                    "another at once, which needs sides of at least {:.6g}",
@@ -68,21 +68,37 @@ void require_room_for_images(State const& state, double substep) {
                .key = "box"});
 }
 
+void require_short_ways(EngineSettings const& settings, State const& some, DisksOverview const& all) {
+  double const substep = step_duration(settings, all.radii.smallest) / static_cast<double>(settings.substeps);
+  require_no_jumps(some, all, substep);
+  require_room_for_images(some.box, all, substep);
+}
+
 }  // namespace
 
 void throw_long_substep(State const& state, std::size_t i, double displacement) {
-  double const contact = state.agents.column<Radius>()[i] + radius_range(state.agents).smallest;
-  throw RunFailure(
-      fmt::format("step {}: {}\n  hint: {}", state.clock.step, jump_text(state, i, displacement, contact), jump_hint));
+  throw_long_substep(state.clock.step,
+                     {.id = state.agents.ids()[i],
+                      .displacement = displacement,
+                      .contact = state.agents.column<Radius>()[i] + radius_range(state.agents).smallest});
+}
+
+void throw_long_substep(std::uint64_t step, LongSubstep const& disk) {
+  throw RunFailure(fmt::format("step {}: {}\n  hint: {}", step, jump_text(disk), jump_hint));
 }
 
 void require_room_for_turns(EngineSettings const& settings, State const& state) {
-  require_bounds(settings, state);
+  DisksOverview const all = overview_of(state.agents);
+  require_bounds(settings, all);
   // A wall allows for nothing: a disk that slides along it out of the box would be halted at every step.
   validate(state, {.overlap = rounding_of_contact(state)});
-  double const substep = step_duration(settings, state) / static_cast<double>(settings.substeps);
-  require_no_jumps(state, substep);
-  require_room_for_images(state, substep);
+  require_short_ways(settings, state, all);
+}
+
+void require_room_for_turns_of(EngineSettings const& settings, State const& some, DisksOverview const& all) {
+  require_bounds(settings, all);
+  validate_rows(some, all);
+  require_short_ways(settings, some, all);
 }
 
 CellLayout stepped_layout(EngineSettings const& settings, State const& state) {

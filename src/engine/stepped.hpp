@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
+#include "gridlock/core/detail/disks_overview.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 
@@ -14,8 +16,19 @@ void require_room_for_turns(EngineSettings const& settings, State const& state);
 /// A disk that covers a contact distance in one sub-step could come out behind the disk it should have met.
 inline bool is_short(double squared_displacement, double contact) { return squared_displacement < contact * contact; }
 
+/// The same for some of all disks, but for whether they overlap.
+void require_room_for_turns_of(EngineSettings const& settings, State const& some, DisksOverview const& all);
+
 /// Throws RunFailure: the disk of row i has become so fast that it could jump over another.
 [[noreturn]] void throw_long_substep(State const& state, std::size_t i, double displacement);
+
+/// A disk that could jump over another, whoever has it.
+struct LongSubstep {
+  Id id;
+  double displacement;
+  double contact;  ///< with the smallest disk
+};
+[[noreturn]] void throw_long_substep(std::uint64_t step, LongSubstep const& disk);
 
 /// The cells of the engine `stepped`: for lists the k × k asked for, or the finest whose 3×3 block is enough for the
 /// start; for the packed grid see packed_layout().

@@ -74,6 +74,7 @@ EngineRecord tiled_record() {
               },
           .cost_of_move = [](EngineSettings const& /*settings*/, State const& /*state*/) { return 1.0; },
           .make = [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
+            if (settings.ranks != nullptr) return std::make_unique<TiledOnRanks>(settings, state);
             return std::make_unique<TiledEngine>(settings, state);
           }};
 }
@@ -82,7 +83,7 @@ TiledEngine::TiledEngine(EngineSettings const& settings, State const& state)
     : settings_(settings),
       duration_(step_duration(settings, state)),
       box_(state.box),
-      thread_pool_(settings.ranks != nullptr ? 1 : settings.threads) {
+      thread_pool_(settings.threads) {
   require_room_for_turns(settings, state);
   lay_out(state);
 }
@@ -90,10 +91,7 @@ TiledEngine::TiledEngine(EngineSettings const& settings, State const& state)
 void TiledEngine::require_valid(State const& state) const { require_room_for_turns(settings_, state); }
 
 void TiledEngine::lay_out(State const& state) {
-  // Room for disks of twice the speed that the time step refers to, whatever the disks do now: the cells must be the
-  // same for a run and for its continuation from a file, since the order of the turns depends on them.
-  double const displacement_at_speed = settings_.time_step * 2.0 * radius_range(state.agents).smallest;
-  layout_ = packed_layout(state.box, state.agents, 2.0 * displacement_at_speed);
+  layout_ = tiled_layout(settings_, state.box, overview_of(state.agents));
   tiling_ = Tiling(layout_);
   rounds_ = tiling_.rounds(thread_pool_.size());
 }
@@ -110,11 +108,6 @@ void TiledEngine::advance(State& state, Counters& counters, StopCondition const&
   if (state.box != box_) {
     box_ = state.box;
     lay_out(state);
-  }
-  if (settings_.ranks != nullptr) {
-    tiled::advance_on_ranks(*settings_.ranks, rule_of(state), layout_, settings_.threads, state, counters,
-                            stop_condition);
-    return;
   }
   auto const is_before_stop = [&] { return !stop_condition.is_reached(state.clock, counters.pair_collisions); };
   bool is_stopped = false;

@@ -27,7 +27,6 @@ class TiledEngine final : public Engine {
   void require_valid(State const& state) const override;
 
  private:
-  /// Whether other processes share the steps; each of them has its own threads.
   void lay_out(State const& state);
   [[nodiscard]] tiled::TurnRule rule_of(State const& state) const;
 

@@ -13,6 +13,7 @@
 #include "core/magnitude.hpp"
 #include "grid/pairs.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/grid/detail/validate_rows.hpp"
 
 namespace gridlock {
 
@@ -107,42 +108,80 @@ void for_each_overlap(State const& state, Visit visit) {
   auto const r = state.agents.column<Radius>();
   double const cutoff = 2.0 * radius_range(state.agents).largest;
   for_each_pair(state, grid_for_cutoff(state, cutoff), cutoff, [&](std::size_t i, std::size_t j, Vector separation) {
-    double const contact = r[i] + r[j];
-    double const missing = contact * contact - squared_length(separation);
-    // √(d²) − contact would round an overlap of the last bit to nothing; this quotient stays below 0.
-    if (missing > 0.0) visit(i, j, -missing / (contact + std::sqrt(squared_length(separation))));
+    double const gap = gap_of_overlap(r[i] + r[j], squared_length(separation), 0.0);
+    if (gap < 0.0) visit(i, j, gap);
   });
+}
+
+/// Refuses disks that overlap their own image.
+void find_own_images(Box const& box, double largest_radius, std::vector<Problem>& problems) {
+  double const diameter = 2.0 * largest_radius;
+  if (!box.is_periodic() || diameter <= std::min(box.width(), box.height())) return;
+  problems.push_back({.what = fmt::format("a disk of diameter {} overlaps its own image in a periodic box of {} × {}",
+                                          diameter, box.width(), box.height()),
+                      .hint = "use a larger box or smaller disks",
+                      .key = "disks"});
+}
+
+void require_whole_rows(State const& state, double beyond_walls) {
+  std::vector<Problem> problems = find_broken_rows(state, beyond_walls);
+  if (problems.empty()) problems = find_extreme_magnitudes(state);
+  if (!problems.empty()) throw Error(std::move(problems));
 }
 
 }  // namespace
 
+double gap_of_overlap(double contact, double squared_distance, double tolerance) {
+  double const missing = contact * contact - squared_distance;
+  if (!(missing > 0.0)) return 0.0;
+  // √(d²) − contact would round an overlap of the last bit to nothing; this quotient stays below 0.
+  double const gap = -missing / (contact + std::sqrt(squared_distance));
+  return -gap > tolerance ? gap : 0.0;
+}
+
+std::vector<Problem> problems_of_overlaps(std::span<OverlappingPair const> first, std::size_t count) {
+  std::vector<Problem> problems;
+  for (auto const& [one, other, gap] : first.first(std::min(first.size(), most_overlaps_named))) {
+    auto const [a, b] = std::minmax(one, other);
+    problems.push_back(
+        {.what = fmt::format("disks {} and {} overlap by {:.3g}", a, b, -gap),
+         .hint = "move them apart or make them smaller; hard disks may touch but not overlap, and a protocol whose "
+                 "first stage is a quench of soft disks takes such a start",
+         .key = "disks"});
+  }
+  if (count > problems.size()) {
+    problems.back().what += fmt::format(" (and {} more like it)", count - problems.size());
+  }
+  return problems;
+}
+
 void validate(State const& state, Tolerance const& tolerance) {
-  std::vector<Problem> problems = find_broken_rows(state, tolerance.beyond_walls);
-  if (problems.empty()) problems = find_extreme_magnitudes(state);
-  if (!problems.empty()) throw Error(std::move(problems));
-  ProblemList overlaps;
+  require_whole_rows(state, tolerance.beyond_walls);
+  std::vector<OverlappingPair> overlaps;
+  std::size_t count = 0;
   for_each_overlap(state, [&](std::size_t i, std::size_t j, double gap) {
     if (-gap <= tolerance.overlap) return;
-    auto const [a, b] = std::minmax(state.agents.ids()[i], state.agents.ids()[j]);
-    overlaps.add(
-        fmt::format("disks {} and {} overlap by {:.3g}", a, b, -gap),
-        "move them apart or make them smaller; hard disks may touch but not overlap, and a protocol whose first "
-        "stage is a quench of soft disks takes such a start");
+    if (++count <= most_overlaps_named) overlaps.push_back({state.agents.ids()[i], state.agents.ids()[j], gap});
   });
-  overlaps.move_into(problems);
-  double const diameter = 2.0 * radius_range(state.agents).largest;
-  if (state.box.is_periodic() && diameter > std::min(state.box.width(), state.box.height())) {
-    problems.push_back({.what = fmt::format("a disk of diameter {} overlaps its own image in a periodic box of {} × {}",
-                                            diameter, state.box.width(), state.box.height()),
-                        .hint = "use a larger box or smaller disks",
-                        .key = "disks"});
-  }
+  std::vector<Problem> problems = problems_of_overlaps(overlaps, count);
+  find_own_images(state.box, radius_range(state.agents).largest, problems);
+  if (!problems.empty()) throw Error(std::move(problems));
+}
+
+void validate_rows(State const& some, DisksOverview const& all) {
+  require_whole_rows(some, 0.0);
+  std::vector<Problem> problems;
+  find_own_images(some.box, all.radii.largest, problems);
   if (!problems.empty()) throw Error(std::move(problems));
 }
 
 double rounding_of_contact(State const& state) {
-  double const last_digit = std::numeric_limits<double>::epsilon() * std::max(state.box.width(), state.box.height());
-  return std::max(1e-12 * 2.0 * radius_range(state.agents).smallest, 4.0 * last_digit);
+  return rounding_of_contact(state.box, radius_range(state.agents).smallest);
+}
+
+double rounding_of_contact(Box const& box, double smallest_radius) {
+  double const last_digit = std::numeric_limits<double>::epsilon() * std::max(box.width(), box.height());
+  return std::max(1e-12 * 2.0 * smallest_radius, 4.0 * last_digit);
 }
 
 double largest_overlap(State const& state) {

@@ -24,12 +24,13 @@ void take_part_in_model(Ranks& ranks, MessageReader& message) {
 
 void help(Ranks& ranks) {
   do_or_abandon(ranks, [&] {
+    State own{.box = Box(1.0, 1.0, Edge::wall)};
     while (true) {
       Ranks::Bytes const bytes = ranks.receive(0);
       MessageReader message(bytes);
       switch (message.next<TaskOfRanks>()) {
         case TaskOfRanks::steps_of_disks:
-          tiled::take_part(ranks, message);
+          tiled::take_part(ranks, message, own);
           break;
         case TaskOfRanks::steps_of_model:
           take_part_in_model(ranks, message);

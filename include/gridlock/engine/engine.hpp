@@ -183,5 +183,7 @@ std::vector<std::string> engine_kinds();
 
 /// The physical length of one step, time_step · σ_min / speed, where an absent or zero speed counts as 1.
 double step_duration(EngineSettings const& settings, State const& state);
+/// The same of disks of which the smallest has this radius.
+double step_duration(EngineSettings const& settings, double smallest_radius);
 
 }  // namespace gridlock

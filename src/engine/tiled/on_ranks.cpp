@@ -1,20 +1,29 @@
 #include "engine/tiled/on_ranks.hpp"
 
 #include <algorithm>
+#include <array>
 #include <exception>
 #include <new>
 #include <optional>
 #include <utility>
 
+#include "engine/hot_disks.hpp"
 #include "engine/stepped.hpp"
+#include "engine/tiled/share.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/grid/detail/packed_layout.hpp"
+#include "gridlock/grid/detail/validate_rows.hpp"
 
-namespace gridlock::tiled {
+namespace gridlock {
+
+namespace tiled {
 
 namespace {
 
-/// What a rank must know of a run besides its disks.
+/// What the leader asks for, and what a rank must know of a run besides its disks.
 struct Order {
+  std::uint64_t is_search;  ///< for overlaps; otherwise steps are taken
+  double tolerance;         ///< of overlaps
   double width, height;
   std::uint64_t is_periodic;
   double duration;
@@ -34,8 +43,21 @@ struct Order {
   [[nodiscard]] CellLayout layout() const { return {rule().box, columns, rows}; }
 };
 
-/// Disks in one message, so that the memory of messages does not grow with the system.
-constexpr std::size_t disks_of_message = 1 << 15;
+Order order_of(TurnRule const& rule, CellLayout const& layout, std::uint64_t threads) {
+  return {.is_search = 0,
+          .tolerance = 0.0,
+          .width = rule.box.width(),
+          .height = rule.box.height(),
+          .is_periodic = rule.box.is_periodic() ? std::uint64_t{1} : 0,
+          .duration = rule.duration,
+          .substeps = rule.substeps,
+          .contact = static_cast<std::uint64_t>(rule.contact),
+          .radii = rule.radii,
+          .columns = static_cast<std::uint64_t>(layout.columns()),
+          .rows = static_cast<std::uint64_t>(layout.rows()),
+          .threads = threads};
+}
+
 /// Numbers that the leader keeps before it adds them up.
 constexpr std::size_t most_sums = std::size_t{1} << 22;
 /// What another rank says of some steps, before its sums.
@@ -43,41 +65,50 @@ struct AnswerHead {
   std::uint64_t is_stop_asked;
   Counters whole_numbers;
 };
-
-/// Disks for one rank, in messages of bounded length; an empty one is the last.
-class DiskSender {
- public:
-  DiskSender(Ranks& ranks, std::size_t to) : ranks_(ranks), to_(to) {}
-
-  void add(DiskInTurn const& disk) {
-    waiting_.push_back(disk);
-    if (waiting_.size() == disks_of_message) flush();
-  }
-  void end() {
-    if (!waiting_.empty()) flush();
-    flush();
-  }
-
- private:
-  void flush() {
-    MessageWriter message;
-    message.add_all(std::span<DiskInTurn const>(waiting_));
-    ranks_.send(to_, message.take());
-    waiting_.clear();
-  }
-
-  Ranks& ranks_;
-  std::size_t to_;
-  std::vector<DiskInTurn> waiting_;
+/// How many overlaps a rank has found, before the first of them.
+struct OverlapsHead {
+  std::uint64_t count;
 };
 
-template <class Visit>
-void receive_disks(Ranks& ranks, std::size_t from, Visit visit) {
-  while (true) {
-    Ranks::Bytes const bytes = ranks.receive(from);
-    std::vector<DiskInTurn> const disks = MessageReader(bytes).rest<DiskInTurn>();
-    if (disks.empty()) return;
-    for (DiskInTurn const& disk : disks) visit(disk);
+/// Ranks send disks to each other, each to where it belongs. A round has so many of each rank, that the memory of messages does not
+/// grow with the system.
+constexpr std::size_t disks_of_round = std::size_t{1} << 16;
+
+/// All call it, each with disks number 0 … count − 1 that it has.
+template <class DiskOf, class RankOf, class Take>
+void exchange_disks(Ranks& ranks, std::size_t count, DiskOf disk_of, RankOf rank_of, Take take) {
+  std::size_t const self = ranks.rank();
+  std::vector<std::vector<DiskInTurn>> leaving(ranks.count());
+  std::vector<bool> is_done(ranks.count(), false);
+  std::size_t next = 0;
+  std::size_t sending = ranks.count();
+  while (sending > 0) {
+    if (!is_done[self]) {
+      std::size_t const end = std::min(count, next + disks_of_round);
+      for (; next < end; ++next) {
+        DiskInTurn const disk = disk_of(next);
+        std::size_t const rank = rank_of(disk);
+        rank == self ? take(disk) : leaving[rank].push_back(disk);
+      }
+      is_done[self] = next == count;
+      for (std::size_t rank = 0; rank < ranks.count(); ++rank) {
+        if (rank == self) continue;
+        MessageWriter message;
+        message.add(std::uint64_t{is_done[self] ? 1U : 0U});
+        message.add_all(std::span<DiskInTurn const>(leaving[rank]));
+        ranks.send(rank, message.take());
+        leaving[rank].clear();
+      }
+      if (is_done[self]) --sending;
+    }
+    for (std::size_t rank = 0; rank < ranks.count(); ++rank) {
+      if (rank == self || is_done[rank]) continue;
+      Ranks::Bytes const bytes = ranks.receive(rank);
+      MessageReader message(bytes);
+      is_done[rank] = message.next<std::uint64_t>() != 0;
+      for (DiskInTurn const& disk : message.rest<DiskInTurn>()) take(disk);
+      if (is_done[rank]) --sending;
+    }
   }
 }
 
@@ -112,12 +143,165 @@ class TileFinder {
   std::vector<std::size_t> row_of_;
 };
 
+/// The part of one rank, from when the disks leave the rows of all ranks until they are back.
+class PartOfRank {
+ public:
+  PartOfRank(Ranks& ranks, Order const& order, RowDivision const& rows, State const& own)
+      : ranks_(ranks), rows_(rows), layout_(order.layout()), tiling_(layout_), own_(own) {
+    hand_out(order);
+  }
+
+  [[nodiscard]] Share& share() { return *share_; }
+  [[nodiscard]] std::vector<Tiling::Rectangle> const& division() const { return division_; }
+  [[nodiscard]] Tiling const& tiling() const { return tiling_; }
+
+  /// The disks go back to the rows that they have come from.
+  void bring_home(State& own) {
+    std::vector<std::uint32_t> const disks = share_->own_disks();
+    exchange_disks(
+        ranks_, disks.size(), [&](std::size_t k) { return share_->disk(disks[k]); },
+        [&](DiskInTurn const& disk) { return rows_.rank_of(disk.row_in_state); },
+        [&](DiskInTurn const& disk) { write_back(disk, own.agents, first_row()); });
+  }
+
+  /// The disk that could have jumped over another, which one rank has; for the leader.
+  [[nodiscard]] std::optional<LongSubstep> long_substep(double smallest_radius) {
+    std::optional<Jump> const& jump = share_->jump();
+    if (!jump) return std::nullopt;
+    std::size_t const rank = rows_.rank_of(jump->row_in_state);
+    if (rank == ranks_.rank()) {
+      std::size_t const row = jump->row_in_state - first_row();
+      LongSubstep const disk{.id = own_.agents.ids()[row],
+                             .displacement = jump->displacement,
+                             .contact = own_.agents.column<Radius>()[row] + smallest_radius};
+      if (rank == 0) return disk;
+      ranks_.send(0, message_of(disk));
+    } else if (ranks_.rank() == 0) {
+      return MessageReader(ranks_.receive(rank)).next<LongSubstep>();
+    }
+    return std::nullopt;
+  }
+
+  /// The Ids of rows, whoever has them; for the leader, who alone knows the rows.
+  [[nodiscard]] std::vector<Id> ids_of(std::vector<std::uint32_t> rows) {
+    Ranks::Bytes const message = message_of_all(std::span<std::uint32_t const>(rows));
+    if (ranks_.rank() == 0) {
+      send_to_others(ranks_, message);
+    } else {
+      rows = MessageReader(ranks_.receive(0)).rest<std::uint32_t>();
+    }
+    std::vector<Id> known;
+    for (std::uint32_t const row : rows) {
+      if (rows_.rank_of(row) == ranks_.rank()) known.push_back(own_.agents.ids()[row - first_row()]);
+    }
+    if (ranks_.rank() > 0) {
+      ranks_.send(0, message_of_all(std::span<Id const>(known)));
+      return {};
+    }
+    std::vector<std::vector<Id>> of_ranks{std::move(known)};
+    for (std::size_t rank = 1; rank < ranks_.count(); ++rank) {
+      of_ranks.push_back(MessageReader(ranks_.receive(rank)).rest<Id>());
+    }
+    std::vector<std::size_t> next(ranks_.count(), 0);
+    std::vector<Id> ids;
+    for (std::uint32_t const row : rows) {
+      std::size_t const rank = rows_.rank_of(row);
+      ids.push_back(of_ranks[rank][next[rank]++]);
+    }
+    return ids;
+  }
+
+ private:
+  [[nodiscard]] std::uint32_t first_row() const { return static_cast<std::uint32_t>(rows_.first(ranks_.rank())); }
+
+  void hand_out(Order const& order) {
+    Disks const& disks = own_.agents;
+    TileFinder const finder(layout_, tiling_);
+    divide(finder);
+    std::vector<std::uint32_t> rank_of_tile(tiling_.tiles().size());
+    for (std::uint32_t rank = 0; rank < division_.size(); ++rank) {
+      division_[rank].for_each_tile([&](std::size_t column, std::size_t row) { rank_of_tile[tiling_.number_of(column, row)] = rank; });
+    }
+    std::vector<std::uint32_t> const id_index = id_indices(disks);
+    LargeArray<DiskInTurn> in_tiles;
+    in_tiles.reserve(disks_of_tiles_);
+    exchange_disks(
+        ranks_, disks.size(),
+        [&](std::size_t row) {
+          DiskInTurn disk = disk_in_turn(disks, static_cast<std::uint32_t>(row), id_index);
+          disk.row_in_state += first_row();
+          disk.id_index += first_row();
+          return disk;
+        },
+        [&](DiskInTurn const& disk) { return rank_of_tile[finder.tile_of(disk.position)]; },
+        [&](DiskInTurn const& disk) { in_tiles.push_back(disk); });
+    share_.emplace(ranks_, order.rule(), layout_, division_, order.threads, std::move(in_tiles));
+  }
+
+  /// The leader learns how many disks each tile has, and gives each rank its tiles.
+  void divide(TileFinder const& finder) {
+    std::vector<std::uint64_t> disks_of_tile(tiling_.tiles().size(), 0);
+    for (std::size_t i = 0; i < own_.agents.size(); ++i) ++disks_of_tile[finder.tile_of(position(own_.agents, i))];
+    std::vector<std::uint64_t> disks_of_rank(ranks_.count(), 0);
+    if (ranks_.rank() > 0) {
+      if (rows_.rows_of(ranks_.rank()) > 0) ranks_.send(0, message_of_all(std::span<std::uint64_t const>(disks_of_tile)));
+      Ranks::Bytes const bytes = ranks_.receive(0);
+      MessageReader message(bytes);
+      disks_of_tiles_ = message.next<std::uint64_t>();
+      division_ = message.rest<Tiling::Rectangle>();
+      return;
+    }
+    for (std::size_t rank = 1; rank < ranks_.count(); ++rank) {
+      if (rows_.rows_of(rank) == 0) continue;
+      Ranks::Bytes const bytes = ranks_.receive(rank);
+      MessageReader message(bytes);
+      for (std::uint64_t& disks : disks_of_tile) disks += message.next<std::uint64_t>();
+    }
+    division_ = tiled::divide(tiling_, disks_of_tile, ranks_.count());
+    for (std::size_t rank = 0; rank < ranks_.count(); ++rank) {
+      std::uint64_t disks = 0;
+      division_[rank].for_each_tile(
+          [&](std::size_t column, std::size_t row) { disks += disks_of_tile[tiling_.number_of(column, row)]; });
+      if (rank == 0) {
+        disks_of_tiles_ = disks;
+        continue;
+      }
+      MessageWriter message;
+      message.add(disks);
+      message.add_all(std::span<Tiling::Rectangle const>(division_));
+      ranks_.send(rank, message.take());
+    }
+  }
+
+  Ranks& ranks_;
+  RowDivision const& rows_;
+  CellLayout layout_;
+  Tiling tiling_;
+  State const& own_;
+  std::vector<Tiling::Rectangle> division_;  ///< of the tiles
+  std::uint64_t disks_of_tiles_ = 0;         ///< of this rank
+  std::optional<Share> share_;
+};
+
+/// All others learn what to do.
+void send_order(Ranks& ranks, Order const& order, RowDivision const& rows) {
+  MessageWriter message;
+  message.add(TaskOfRanks::steps_of_disks);
+  message.add(order);
+  message.add_all(rows.begins());
+  send_to_others(ranks, message.take());
+}
+
 /// The leader's side of one advance().
 class Leading {
  public:
-  Leading(Ranks& ranks, Order const& order, State& state, Counters& counters)
-      : ranks_(ranks), order_(order), layout_(order.layout()), tiling_(layout_), state_(state), counters_(counters) {
-    hand_out();
+  Leading(Ranks& ranks, Order const& order, RowDivision const& rows, State& own, Counters& counters)
+      : ranks_(ranks),
+        order_(order),
+        state_(own),
+        counters_(counters),
+        part_(ranks, order, rows, own) {
+    find_places();
   }
 
   /// All ranks are back from their steps when it returns, whatever the stop condition has thrown.
@@ -126,7 +310,7 @@ class Leading {
     while (!is_reached(stop_condition)) {
       looks.begin();
       std::uint64_t const done = take_steps(steps_until(stop_condition, looks.steps()));
-      if (share_->jump()) break;
+      if (share().jump()) break;
       try {
         if (stop_condition.stops_here()) break;
       } catch (...) {
@@ -136,60 +320,34 @@ class Leading {
       looks.end(done);
     }
     send_to_others(ranks_, message_of(std::uint64_t{0}));
-    gather_disks();
+    part_.bring_home(state_);
+    long_substep_ = part_.long_substep(order_.radii.smallest);
+    for (std::size_t rank = 1; rank < ranks_.count(); ++rank) {
+      ranks_.note_traffic(rank, MessageReader(ranks_.receive(rank)).next<Traffic>());
+    }
+    ranks_.note_traffic(0, ranks_.traffic());
   }
 
   /// Throws what the stop condition has thrown, or RunFailure for a disk that could have jumped over another.
   void require_good_end() const {
     if (failure_) std::rethrow_exception(failure_);
-    if (auto const& jump = share_->jump()) throw_long_substep(state_, jump->row_in_state, jump->displacement);
+    if (long_substep_) throw_long_substep(state_.clock.step, *long_substep_);
   }
 
  private:
+  [[nodiscard]] Share& share() { return part_.share(); }
   [[nodiscard]] bool is_reached(StopCondition const& stop) const {
     return stop.is_reached(state_.clock, counters_.pair_collisions);
   }
 
-  void hand_out() {
-    Disks const& disks = state_.agents;
-    TileFinder const finder(layout_, tiling_);
-    std::vector<std::uint64_t> disks_of_tile(tiling_.tiles().size(), 0);
-    for (std::size_t i = 0; i < disks.size(); ++i) ++disks_of_tile[finder.tile_of(position(disks, i))];
-    std::vector<Tiling::Rectangle> const division = divide(tiling_, disks_of_tile, ranks_.count());
-    MessageWriter message;
-    message.add(TaskOfRanks::steps_of_disks);
-    message.add(order_);
-    message.add_all(std::span<Tiling::Rectangle const>(division));
-    send_to_others(ranks_, message.take());
-    find_places(division);
-
-    std::vector<DiskSender> senders;
-    for (std::size_t rank = 0; rank < ranks_.count(); ++rank) senders.emplace_back(ranks_, rank);
-    std::uint64_t own_disks = 0;
-    division[0].for_each_tile(
-        [&](std::size_t column, std::size_t row) { own_disks += disks_of_tile[tiling_.number_of(column, row)]; });
-    LargeArray<DiskInTurn> own;
-    own.reserve(own_disks);
-    std::vector<std::uint32_t> const id_index = id_indices(disks);
-    for (std::uint32_t row = 0; row < disks.size(); ++row) {
-      DiskInTurn const disk = disk_in_turn(disks, row, id_index);
-      std::uint32_t const rank = places_[finder.tile_of(disk.position)].rank;
-      if (rank == 0) {
-        own.push_back(disk);
-      } else {
-        senders[rank].add(disk);
-      }
-    }
-    for (std::size_t rank = 1; rank < ranks_.count(); ++rank) senders[rank].end();
-    share_.emplace(ranks_, order_.rule(), layout_, division, order_.threads, std::move(own));
-  }
-
   /// Where the sums of each tile are, in the order of tiles.
-  void find_places(std::vector<Tiling::Rectangle> const& division) {
-    places_.resize(tiling_.tiles().size());
+  void find_places() {
+    std::vector<Tiling::Rectangle> const& division = part_.division();
+    Tiling const& tiling = part_.tiling();
+    places_.resize(tiling.tiles().size());
     for (std::uint32_t rank = 0; rank < division.size(); ++rank) {
       division[rank].for_each_tile(
-          [&](std::size_t column, std::size_t row) { places_[tiling_.number_of(column, row)].rank = rank; });
+          [&](std::size_t column, std::size_t row) { places_[tiling.number_of(column, row)].rank = rank; });
     }
     tiles_of_rank_.assign(ranks_.count(), 0);
     for (auto& [rank, place] : places_) place = static_cast<std::uint32_t>(tiles_of_rank_[rank]++);
@@ -199,7 +357,7 @@ class Leading {
   [[nodiscard]] std::uint64_t steps_until(StopCondition const& stop, std::uint64_t most) const {
     // Who waits for collisions stops at the first step that has enough.
     if (stop.pair_collisions != StopCondition().pair_collisions) return 1;
-    std::size_t const numbers_of_step = places_.size() * (layout_.is_periodic() ? 1 : 5);
+    std::size_t const numbers_of_step = places_.size() * (order_.is_periodic != 0 ? 1 : 5);
     most = std::clamp<std::uint64_t>(most, 1, most_sums / numbers_of_step + 1);
     Clock clock = state_.clock;
     std::uint64_t steps = 0;
@@ -215,13 +373,13 @@ class Leading {
   std::uint64_t take_steps(std::uint64_t steps) {
     send_to_others(ranks_, message_of(steps));
     std::uint64_t done = 0;
-    while (done < steps && !share_->jump()) {
-      share_->take_step();
+    while (done < steps && !share().jump()) {
+      share().take_step();
       ++done;
     }
     add_sums(done);
     // A step in which a disk could have jumped over another does not count.
-    std::uint64_t const whole = done - (share_->jump() ? 1 : 0);
+    std::uint64_t const whole = done - (share().jump() ? 1 : 0);
     for (std::uint64_t n = 0; n < whole; ++n) {
       ++state_.clock.step;
       state_.clock.time += order_.duration;
@@ -230,7 +388,7 @@ class Leading {
   }
 
   void add_sums(std::uint64_t steps) {
-    std::vector<ShareSums> of_ranks{share_->take_sums()};
+    std::vector<ShareSums> of_ranks{share().take_sums()};
     for (std::size_t rank = 1; rank < ranks_.count(); ++rank) {
       Ranks::Bytes const bytes = ranks_.receive(rank);
       MessageReader message(bytes);
@@ -259,16 +417,6 @@ class Leading {
     }
   }
 
-  void gather_disks() {
-    for (DiskInTurn const& disk : share_->own_disks()) write_back(disk, state_.agents);
-    for (std::size_t rank = 1; rank < ranks_.count(); ++rank) {
-      receive_disks(ranks_, rank, [&](DiskInTurn const& disk) { write_back(disk, state_.agents); });
-      Ranks::Bytes const bytes = ranks_.receive(rank);
-      ranks_.note_traffic(rank, MessageReader(bytes).next<Traffic>());
-    }
-    ranks_.note_traffic(0, ranks_.traffic());
-  }
-
   struct Place {
     std::uint32_t rank;
     std::uint32_t place;  ///< among the tiles of the rank
@@ -276,45 +424,19 @@ class Leading {
 
   Ranks& ranks_;
   Order order_;
-  CellLayout layout_;
-  Tiling tiling_;
   State& state_;
   Counters& counters_;
-  std::optional<Share> share_;
+  PartOfRank part_;
   std::exception_ptr failure_;  ///< of the stop condition
+  std::optional<LongSubstep> long_substep_;
   std::vector<Place> places_;
   std::vector<std::size_t> tiles_of_rank_;
 };
 
-}  // namespace
-
-void advance_on_ranks(Ranks& ranks, TurnRule const& rule, CellLayout const& layout, std::uint64_t threads, State& state,
-                      Counters& counters, StopCondition const& stop_condition) {
-  if (stop_condition.is_reached(state.clock, counters.pair_collisions)) return;
-  Order const order{.width = rule.box.width(),
-                    .height = rule.box.height(),
-                    .is_periodic = rule.box.is_periodic() ? std::uint64_t{1} : 0,
-                    .duration = rule.duration,
-                    .substeps = rule.substeps,
-                    .contact = static_cast<std::uint64_t>(rule.contact),
-                    .radii = rule.radii,
-                    .columns = static_cast<std::uint64_t>(layout.columns()),
-                    .rows = static_cast<std::uint64_t>(layout.rows()),
-                    .threads = threads};
-  std::optional<Leading> leading;
-  do_or_abandon(ranks, [&] { leading.emplace(ranks, order, state, counters).run(stop_condition); });
-  leading->require_good_end();
-}
-
-void take_part(Ranks& ranks, MessageReader& message) {
-  auto const order = message.next<Order>();
-  std::vector<Tiling::Rectangle> const division = message.rest<Tiling::Rectangle>();
-  LargeArray<DiskInTurn> own;
-  receive_disks(ranks, 0, [&](DiskInTurn const& disk) { own.push_back(disk); });
-  Share share(ranks, order.rule(), order.layout(), division, order.threads, std::move(own));
+void take_steps(Ranks& ranks, PartOfRank& part, State& own, double smallest_radius) {
+  Share& share = part.share();
   while (true) {
-    Ranks::Bytes const bytes = ranks.receive(0);
-    auto const steps = MessageReader(bytes).next<std::uint64_t>();
+    auto const steps = MessageReader(ranks.receive(0)).next<std::uint64_t>();
     if (steps == 0) break;
     for (std::uint64_t n = 0; n < steps && !share.jump(); ++n) share.take_step();
     ShareSums const sums = share.take_sums();
@@ -325,10 +447,112 @@ void take_part(Ranks& ranks, MessageReader& message) {
     answer.add_all(std::span<double const>(sums.wall_impulses));
     ranks.send(0, answer.take());
   }
-  DiskSender sender(ranks, 0);
-  for (DiskInTurn const& disk : share.own_disks()) sender.add(disk);
-  sender.end();
+  part.bring_home(own);
+  static_cast<void>(part.long_substep(smallest_radius));
   ranks.send(0, message_of(ranks.traffic()));
 }
 
-}  // namespace gridlock::tiled
+/// Tells the leader how many overlaps this rank has found, and the first of them.
+void tell_of_overlaps(Ranks& ranks, PartOfRank& part, double tolerance) {
+  std::vector<Overlap> const overlaps = part.share().find_overlaps(tolerance);
+  MessageWriter answer;
+  answer.add(OverlapsHead{.count = overlaps.size()});
+  answer.add_all(std::span(overlaps).first(std::min(overlaps.size(), most_overlaps_named)));
+  ranks.send(0, answer.take());
+  static_cast<void>(part.ids_of({}));
+}
+
+/// What is wrong with all disks.
+std::vector<Problem> gather_overlaps(Ranks& ranks, PartOfRank& part, double tolerance) {
+  std::vector<Overlap> overlaps = part.share().find_overlaps(tolerance);
+  std::size_t count = overlaps.size();
+  for (std::size_t rank = 1; rank < ranks.count(); ++rank) {
+    Ranks::Bytes const bytes = ranks.receive(rank);
+    MessageReader message(bytes);
+    count += message.next<OverlapsHead>().count;
+    std::ranges::copy(message.rest<Overlap>(), std::back_inserter(overlaps));
+  }
+  std::ranges::sort(overlaps, {}, [](Overlap const& overlap) { return std::pair(overlap.row, overlap.other_row); });
+  overlaps.resize(std::min(overlaps.size(), most_overlaps_named));
+  std::vector<std::uint32_t> rows;
+  for (Overlap const& overlap : overlaps) rows.insert(rows.end(), {overlap.row, overlap.other_row});
+  std::vector<Id> const ids = part.ids_of(rows);
+  std::vector<OverlappingPair> pairs;
+  for (std::size_t k = 0; k < overlaps.size(); ++k) pairs.push_back({ids[2 * k], ids[2 * k + 1], overlaps[k].gap});
+  return problems_of_overlaps(pairs, count);
+}
+
+}  // namespace
+
+void take_part(Ranks& ranks, MessageReader& message, State& own) {
+  auto const order = message.next<Order>();
+  RowDivision const rows(message.rest<std::uint64_t>());
+  PartOfRank part(ranks, order, rows, own);
+  if (order.is_search != 0) {
+    tell_of_overlaps(ranks, part, order.tolerance);
+  } else {
+    take_steps(ranks, part, own, order.radii.smallest);
+  }
+}
+
+}  // namespace tiled
+
+CellLayout tiled_layout(EngineSettings const& settings, Box const& box, DisksOverview const& all) {
+  // Room for disks of twice the speed that the time step refers to, whatever the disks do now: the cells must be the
+  // same for a run and for its continuation from a file, since the order of the turns depends on them.
+  double const displacement_at_speed = settings.time_step * 2.0 * all.radii.smallest;
+  return packed_layout(box, all.radii, all.count, 2.0 * displacement_at_speed);
+}
+
+TiledOnRanks::TiledOnRanks(EngineSettings const& settings, State const& state)
+    : TiledOnRanks(settings, state.box, overview_of(state.agents),
+                   RowDivision::of_leader(state.agents.size(), settings.ranks->count())) {
+  require_room_for_turns(settings, state);
+}
+
+TiledOnRanks::TiledOnRanks(EngineSettings const& settings, Box const& box, DisksOverview const& all,
+                           RowDivision const& rows)
+    : settings_(settings),
+      box_(box),
+      all_(all),
+      rows_(rows),
+      duration_(step_duration(settings, all.radii.smallest)) {}
+
+void TiledOnRanks::require_valid(State const& state) const { require_room_for_turns(settings_, state); }
+
+tiled::TurnRule TiledOnRanks::rule() const {
+  return {.box = box_,
+          .duration = duration_,
+          .substeps = settings_.substeps,
+          .contact = settings_.contact,
+          .radii = all_.radii};
+}
+
+void TiledOnRanks::advance(State& own, Counters& counters, StopCondition const& stop_condition) {
+  if (stop_condition.is_reached(own.clock, counters.pair_collisions)) return;
+  box_ = own.box;
+  tiled::Order const order = tiled::order_of(rule(), tiled_layout(settings_, box_, all_), settings_.threads);
+  std::optional<tiled::Leading> leading;
+  do_or_abandon(*settings_.ranks, [&] {
+    tiled::send_order(*settings_.ranks, order, rows_);
+    leading.emplace(*settings_.ranks, order, rows_, own, counters);
+    leading->run(stop_condition);
+  });
+  leading->require_good_end();
+}
+
+void TiledOnRanks::require_no_overlaps(State const& own) const {
+  Ranks& ranks = *settings_.ranks;
+  tiled::Order order = tiled::order_of(rule(), tiled_layout(settings_, box_, all_), settings_.threads);
+  order.is_search = 1;
+  order.tolerance = rounding_of_contact(box_, all_.radii.smallest);
+  std::vector<Problem> problems;
+  do_or_abandon(ranks, [&] {
+    tiled::send_order(ranks, order, rows_);
+    tiled::PartOfRank part(ranks, order, rows_, own);
+    problems = tiled::gather_overlaps(ranks, part, order.tolerance);
+  });
+  if (!problems.empty()) throw Error(std::move(problems));
+}
+
+}  // namespace gridlock

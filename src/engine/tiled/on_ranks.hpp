@@ -1,18 +1,53 @@
 #pragma once
 
-#include "engine/tiled/share.hpp"
+#include <cstdint>
+#include <vector>
+
+#include "engine/tiled/steps.hpp"
+#include "gridlock/core/detail/disks_overview.hpp"
 #include "gridlock/core/detail/ranks.hpp"
+#include "gridlock/core/detail/row_division.hpp"
 #include "gridlock/engine/engine.hpp"
+#include "gridlock/grid/cell_layout.hpp"
 
-namespace gridlock::tiled {
+namespace gridlock {
 
-/// Moves a state on together with other ranks, of which this one leads: hands out the disks, has all take their steps, and
-/// gathers the disks again. The bits, counters included, are those of one process.
-/// Errors: RunFailure where a disk has become too fast for its sub-steps.
-void advance_on_ranks(Ranks& ranks, TurnRule const& rule, CellLayout const& layout, std::uint64_t threads, State& state,
-                      Counters& counters, StopCondition const& stop_condition);
+/// The cells of the engine `tiled`.
+CellLayout tiled_layout(EngineSettings const& settings, Box const& box, DisksOverview const& all);
 
-/// The part of every other rank in it, after TaskOfRanks::steps_of_disks.
-void take_part(Ranks& ranks, MessageReader& message);
+/// The engine `tiled` on several ranks, of which this one leads; the others take part by tiled::take_part(). The state of each rank has the
+/// rows that a division gives it, in the order of the Ids; between two calls of advance() nobody has any others. The bits, counters included, are
+/// those of one process.
+class TiledOnRanks final : public Engine {
+ public:
+  /// All rows are those of the leader. Errors: those of TiledEngine.
+  TiledOnRanks(EngineSettings const& settings, State const& state);
+  /// The disks of all ranks are these; the caller has checked them.
+  TiledOnRanks(EngineSettings const& settings, Box const& box, DisksOverview const& all, RowDivision const& rows);
 
-}  // namespace gridlock::tiled
+  /// `own` is the part of the leader; clock and counters are those of all.
+  void advance(State& own, Counters& counters, StopCondition const& stop_condition) override;
+  [[nodiscard]] double time_step() const override { return duration_; }
+  void require_valid(State const& state) const override;
+
+  /// Throws Error for disks that overlap, whoever has them. Contract: every row is sound by itself (validate_rows()).
+  void require_no_overlaps(State const& own) const;
+
+ private:
+  [[nodiscard]] tiled::TurnRule rule() const;
+
+  EngineSettings settings_;
+  Box box_;
+  DisksOverview all_;
+  RowDivision rows_;
+  double duration_;
+};
+
+namespace tiled {
+
+/// What every other rank does after TaskOfRanks::steps_of_disks: its part in TiledOnRanks::advance() and require_no_overlaps().
+void take_part(Ranks& ranks, MessageReader& message, State& own);
+
+}  // namespace tiled
+
+}  // namespace gridlock

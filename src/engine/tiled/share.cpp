@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/sorted.hpp"
+#include "gridlock/grid/detail/validate_rows.hpp"
 
 namespace gridlock::tiled {
 
@@ -71,6 +72,10 @@ void Share::place(LargeArray<DiskInTurn>&& own, int reach) {
     find_neighbours();
     find_rounds();
   }
+  // A step may be under way. Its disks and grid go first, for the sort takes as much memory.
+  std::vector<TileResult> results;
+  if (steps_) results = std::move(steps_->results());
+  steps_.reset();
   std::vector<std::uint32_t> tiles = tiles_of(tiling_, own_);
   std::vector<std::uint32_t> const order =
       CellOfTurn(layout_, tiling_, tiles).order(own.size(), [&](std::size_t k) { return own[k].position; });
@@ -79,9 +84,6 @@ void Share::place(LargeArray<DiskInTurn>&& own, int reach) {
   sorted.reserve(own.size() + own.size() / 8 + 256);
   for (std::uint32_t const k : order) sorted.push_back(own[k]);
   own = {};
-  // A step may be under way.
-  std::vector<TileResult> results;
-  if (steps_) results = std::move(steps_->results());
   steps_.emplace(HotDisks(std::move(sorted)), rule_, layout_, tiling_, window_, std::move(tiles));
   if (!results.empty()) steps_->results() = std::move(results);
   steps_since_sort_ = 0;
@@ -192,7 +194,7 @@ void Share::fill_rounds(Tiling::Part const& part, std::vector<std::uint8_t> cons
 }
 
 void Share::take_step() {
-  if (steps_since_sort_ == steps_between_sorts) place(own_disks(), reach_);
+  if (steps_since_sort_ == steps_between_sorts) place(copies_of_own_disks(), reach_);
   ++steps_since_sort_;
   steps_->begin_step();
   late_.clear();
@@ -271,7 +273,7 @@ void Share::take_late_turns() {
   int needed_reach = 0;
   std::vector<LateDisk> shared = late_of_all(needed_reach);
   while (needed_reach > reach_) {
-    place(own_disks(), needed_reach);
+    place(copies_of_own_disks(), needed_reach);
     shared = late_of_all(needed_reach);
   }
   show_neighbourhoods(shared);
@@ -439,13 +441,38 @@ void Share::count_step() {
 
 ShareSums Share::take_sums() { return std::exchange(sums_, {}); }
 
-LargeArray<DiskInTurn> Share::own_disks() const {
-  LargeArray<DiskInTurn> own;
+std::vector<std::uint32_t> Share::own_disks() const {
+  std::vector<std::uint32_t> own;
   own.reserve(steps_->disks().size());
   for (int const cell : common_cells(layout_, own_cells_, own_cells_)) {
-    steps_->grid().for_each_in_cell(cell, [&](std::size_t row) { own.push_back(steps_->disks()[row]); });
+    steps_->grid().for_each_in_cell(cell, [&](std::size_t row) { own.push_back(static_cast<std::uint32_t>(row)); });
   }
   return own;
+}
+
+LargeArray<DiskInTurn> Share::copies_of_own_disks() const {
+  LargeArray<DiskInTurn> copies;
+  std::vector<std::uint32_t> const own = own_disks();
+  copies.reserve(own.size());
+  for (std::uint32_t const number : own) copies.push_back(disk(number));
+  return copies;
+}
+
+std::vector<Overlap> Share::find_overlaps(double tolerance) const {
+  std::vector<Overlap> overlaps;
+  PackedGrid const& grid = steps_->grid();
+  for (std::uint32_t const number : own_disks()) {
+    DiskInTurn const& one = disk(number);
+    // Cells are as wide as two disks in contact, and those of the rim around its own tiles a rank has too.
+    grid.for_each_in_block(grid.cell_of(number), 1, 1, [&](std::size_t row) {
+      DiskInTurn const& other = steps_->disks()[row];
+      if (one.id_index >= other.id_index) return;
+      double const squared = squared_length(rule_.box.displacement(one.position, other.position));
+      double const gap = gap_of_overlap(one.radius + other.radius, squared, tolerance);
+      if (gap < 0.0) overlaps.push_back({.row = one.row_in_state, .other_row = other.row_in_state, .gap = gap});
+    });
+  }
+  return overlaps;
 }
 
 void Share::copy_cells(std::span<int const> cells, CellsMessage& to) const {

@@ -30,6 +30,13 @@ struct Jump {
   double displacement;
 };
 
+/// Two disks that overlap.
+struct Overlap {
+  std::uint32_t row;  ///< in the state, of the one whose Id comes first
+  std::uint32_t other_row;
+  double gap;  ///< between their rims, below 0
+};
+
 /// What some cells hold, for another rank.
 struct CellsMessage {
   struct Cell {
@@ -72,8 +79,12 @@ class Share {
   /// The tiles that it counts for, in the order of its sums.
   [[nodiscard]] std::vector<std::uint32_t> const& tiles() const { return steps_->tiles(); }
 
-  /// The disks in the rectangle of this rank.
-  [[nodiscard]] LargeArray<DiskInTurn> own_disks() const;
+  /// The numbers of the disks in the rectangle of this rank, and one of them.
+  [[nodiscard]] std::vector<std::uint32_t> own_disks() const;
+  [[nodiscard]] DiskInTurn const& disk(std::uint32_t number) const { return steps_->disks()[number]; }
+
+  /// Disks of this rank that overlap others, wherever these are, by more than the tolerance; each pair is found by one rank.
+  [[nodiscard]] std::vector<Overlap> find_overlaps(double tolerance) const;
 
  private:
   /// What is done between two messages to a neighbour.
@@ -96,6 +107,7 @@ class Share {
   };
 
   void place(LargeArray<DiskInTurn>&& own, int reach);
+  [[nodiscard]] LargeArray<DiskInTurn> copies_of_own_disks() const;
   void find_neighbours();
   void find_rounds();
   [[nodiscard]] std::vector<std::uint8_t> latest_phases(std::vector<Tiling::Round> const& rounds) const;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <numbers>
 
 #include "gridlock/core/disks.hpp"
@@ -16,6 +17,9 @@ inline double widest_for_four(double smallest_radius) {
 /// The cells of a packed grid for turns: a 3×3 block is enough for disks whose displacement in a step is at most
 /// `displacement`, and where that leaves a choice a cell is no wider than widest_for_four(), so that equal disks never
 /// need a second block.
-CellLayout packed_layout(Box const& box, Disks const& disks, double displacement);
+CellLayout packed_layout(Box const& box, RadiusRange const& radii, std::size_t disks, double displacement);
+inline CellLayout packed_layout(Box const& box, Disks const& disks, double displacement) {
+  return packed_layout(box, radius_range(disks), disks.size(), displacement);
+}
 
 }  // namespace gridlock
