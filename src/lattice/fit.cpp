@@ -15,13 +15,10 @@ double safe_radius(double radius, Box const& box) {
   return radius - 4.0 * epsilon * std::max(box.width(), box.height());
 }
 
-LatticeFit make_fit(Box const& box, double radius, std::vector<Vector> const& all_sites, std::uint64_t count) {
-  LatticeFit fit{.radius = safe_radius(radius, box)};
+LatticeFit make_fit(Box const& box, double radius, std::uint64_t available, LatticeFit::Rows const& rows,
+                    std::uint64_t count) {
+  LatticeFit fit{.radius = safe_radius(radius, box), .count = count, .available = available, .rows = rows};
   fit.packing_fraction = static_cast<double>(count) * std::numbers::pi * fit.radius * fit.radius / box.area();
-  fit.sites.reserve(count);
-  std::uint64_t const available = all_sites.size();
-  // The n-th disk on site ⌊n·available/count⌋ spreads the empty sites evenly; the product fits for 4·10⁹ disks.
-  for (std::uint64_t n = 0; n < count; ++n) fit.sites.push_back(all_sites[n * available / count]);
   return fit;
 }
 
@@ -117,33 +114,40 @@ Rows best_periodic_rows(Box const& box, std::uint64_t count, bool is_turned) {
   return best;
 }
 
-std::vector<Vector> sites_of(Rows const& rows, Box const& box) {
+LatticeFit::Rows sites_of(Rows const& rows, Box const& box) {
   double const width = rows.is_turned ? box.height() : box.width();
   double const height = rows.is_turned ? box.width() : box.height();
-  Spacings spacings{};
-  Vector corner;
+  LatticeFit::Rows sites{.even_length = rows.even_length,
+                         .odd_length = rows.odd_length,
+                         .shift_of_odd = 0.5,
+                         .is_turned = rows.is_turned};
   if (box.is_periodic()) {
-    spacings = {width / static_cast<double>(rows.even_length), height / static_cast<double>(rows.count)};
-    corner = {0.25 * spacings.a_x, 0.5 * spacings.a_y};
+    sites.spacing = {width / static_cast<double>(rows.even_length), height / static_cast<double>(rows.count)};
+    sites.corner = {0.25 * sites.spacing.x, 0.5 * sites.spacing.y};
   } else {
-    spacings = stretched(rows, width, height, rows.radius);
+    auto const [a_x, a_y] = stretched(rows, width, height, rows.radius);
+    sites.spacing = {a_x, a_y};
     // One column or one row alone is in the middle.
-    corner = {rows.extent() > 0.0 ? rows.radius : 0.5 * width, rows.count > 1 ? rows.radius : 0.5 * height};
-  }
-  std::vector<Vector> sites;
-  sites.reserve(rows.sites());
-  for (std::uint64_t row = 0; row < rows.count; ++row) {
-    bool const is_odd = row % 2 == 1;
-    for (std::uint64_t n = 0; n < (is_odd ? rows.odd_length : rows.even_length); ++n) {
-      Vector const site{corner.x + (static_cast<double>(n) + (is_odd ? 0.5 : 0.0)) * spacings.a_x,
-                        corner.y + static_cast<double>(row) * spacings.a_y};
-      sites.push_back(rows.is_turned ? Vector{site.y, site.x} : site);
-    }
+    sites.corner = {rows.extent() > 0.0 ? rows.radius : 0.5 * width, rows.count > 1 ? rows.radius : 0.5 * height};
   }
   return sites;
 }
 
 }  // namespace
+
+Vector LatticeFit::site(std::uint64_t n) const {
+  // The n-th disk on site ⌊n·available/count⌋ spreads the empty sites evenly; the product fits for 4·10⁹ disks.
+  std::uint64_t const place = n * available / count;
+  std::uint64_t const two_rows = rows.even_length + rows.odd_length;
+  std::uint64_t const within = place % two_rows;
+  bool const is_odd = within >= rows.even_length;
+  std::uint64_t const row = 2 * (place / two_rows) + (is_odd ? 1 : 0);
+  std::uint64_t const column = is_odd ? within - rows.even_length : within;
+  double const shift = is_odd ? rows.shift_of_odd : 0.0;
+  Vector const site{rows.corner.x + (static_cast<double>(column) + (rows.offset.x + shift)) * rows.spacing.x,
+                    rows.corner.y + (static_cast<double>(row) + rows.offset.y) * rows.spacing.y};
+  return rows.is_turned ? Vector{site.y, site.x} : site;
+}
 
 LatticeFit fit_square_lattice(Box const& box, std::uint64_t count) {
   std::uint64_t best_columns = count;
@@ -159,22 +163,18 @@ LatticeFit fit_square_lattice(Box const& box, std::uint64_t count) {
       best_radius = radius;
     }
   }
-  double const a_x = box.width() / static_cast<double>(best_columns);
-  double const a_y = box.height() / static_cast<double>(best_rows);
-  std::vector<Vector> sites;
-  sites.reserve(best_columns * best_rows);
-  for (std::uint64_t row = 0; row < best_rows; ++row) {
-    for (std::uint64_t column = 0; column < best_columns; ++column) {
-      sites.push_back({(static_cast<double>(column) + 0.5) * a_x, (static_cast<double>(row) + 0.5) * a_y});
-    }
-  }
-  return make_fit(box, best_radius, sites, count);
+  LatticeFit::Rows const sites{
+      .even_length = best_columns,
+      .odd_length = best_columns,
+      .spacing = {box.width() / static_cast<double>(best_columns), box.height() / static_cast<double>(best_rows)},
+      .offset = {0.5, 0.5}};
+  return make_fit(box, best_radius, best_columns * best_rows, sites, count);
 }
 
 LatticeFit fit_triangular_lattice(Box const& box, std::uint64_t count) {
   auto const best_rows = box.is_periodic() ? best_periodic_rows : best_rows_between_walls;
   Rows const best = better_of(best_rows(box, count, false), best_rows(box, count, true));
-  return make_fit(box, best.radius, sites_of(best, box), count);
+  return make_fit(box, best.radius, best.sites(), sites_of(best, box), count);
 }
 
 }  // namespace gridlock

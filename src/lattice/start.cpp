@@ -3,15 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "core/magnitude.hpp"
 #include "grid/linked_grid.hpp"
+#include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
+#include "gridlock/lattice/detail/rows_of_start.hpp"
 #include "lattice/sizes.hpp"
 
 namespace gridlock {
@@ -22,15 +26,36 @@ constexpr double closest_packing = 0.90689968211710892530;  // π/√12
 constexpr double random_insertion_saturation = 0.547069;    // Wang 1994, doi:10.1016/0927-7757(93)02711-Z
 constexpr double most_fitted_up = 1.0 + 1e-9;               // how far above the largest fit still means the fit
 
-/// Radius in units of disks.radius and mass of every disk, in the order of the Ids.
-struct Kinds {
-  std::vector<double> size_ratio;
-  std::vector<double> mass;
-
-  [[nodiscard]] double largest_ratio() const { return *std::ranges::max_element(size_ratio); }
-  [[nodiscard]] double sum_of_squared_ratios() const {
-    return std::inner_product(size_ratio.begin(), size_ratio.end(), size_ratio.begin(), 0.0);
+/// Radius in units of disks.radius and mass of every disk, in the order of the Ids. Equal disks take no memory.
+class Kinds {
+ public:
+  /// Equal disks.
+  explicit Kinds(std::uint64_t count) : count_(count) {}
+  /// Contract: as many of both (asserted).
+  Kinds(std::vector<double> size_ratios, std::vector<double> masses)
+      : count_(size_ratios.size()), size_ratios_(std::move(size_ratios)), masses_(std::move(masses)) {
+    assert(masses_.size() == count_);
   }
+
+  [[nodiscard]] std::uint64_t count() const { return count_; }
+  [[nodiscard]] double size_ratio(std::size_t i) const { return size_ratios_.empty() ? 1.0 : size_ratios_[i]; }
+  [[nodiscard]] double mass(std::size_t i) const { return masses_.empty() ? 1.0 : masses_[i]; }
+  [[nodiscard]] double largest_ratio() const {
+    return size_ratios_.empty() ? 1.0 : *std::ranges::max_element(size_ratios_);
+  }
+  [[nodiscard]] double sum_of_squared_ratios() const {
+    if (size_ratios_.empty()) return static_cast<double>(count_);
+    return std::inner_product(size_ratios_.begin(), size_ratios_.end(), size_ratios_.begin(), 0.0);
+  }
+  void exchange(std::size_t i, std::size_t j) {
+    std::swap(size_ratios_[i], size_ratios_[j]);
+    std::swap(masses_[i], masses_[j]);
+  }
+
+ private:
+  std::uint64_t count_;
+  std::vector<double> size_ratios_;
+  std::vector<double> masses_;
 };
 
 /// How many disks of each kind: fraction · count rounded so that the numbers add up, largest remainders first.
@@ -82,29 +107,28 @@ void require_one_description_of_sizes(DisksSettings const& settings) {
 /// The kinds in order.
 Kinds kinds_of_species(std::vector<SpeciesSettings> const& species, std::uint64_t count) {
   require_whole(species);
-  Kinds kinds{std::vector<double>(count, 1.0), std::vector<double>(count, 1.0)};
+  std::vector<double> size_ratios(count, 1.0);
+  std::vector<double> masses(count, 1.0);
   std::vector<std::uint64_t> const numbers = numbers_of_kinds(species, count);
   std::size_t next = 0;
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     for (std::uint64_t n = 0; n < numbers[k] && next < count; ++n, ++next) {
-      kinds.size_ratio[next] = species[k].size_ratio;
-      kinds.mass[next] = species[k].mass;
+      size_ratios[next] = species[k].size_ratio;
+      masses[next] = species[k].mass;
     }
   }
-  return kinds;
+  return {std::move(size_ratios), std::move(masses)};
 }
 
 Kinds deal_kinds(DisksSettings const& settings, std::uint64_t count, std::uint64_t seed) {
   require_one_description_of_sizes(settings);
-  Kinds kinds = settings.species.empty() ? Kinds{quantiles_of_sizes(settings, count), std::vector<double>(count, 1.0)}
+  if (are_equal(settings)) return Kinds(count);
+  Kinds kinds = settings.species.empty() ? Kinds(quantiles_of_sizes(settings, count), std::vector<double>(count, 1.0))
                                          : kinds_of_species(settings.species, count);
-  if (are_equal(settings)) return kinds;
   // Fisher–Yates, so that every deal of the kinds over the sites is as likely as any other.
   RandomStream random(seed, 0, 0, Purpose::species);
   for (std::uint64_t last = count - 1; last > 0; --last) {
-    std::uint64_t const drawn = random.below(last + 1);
-    std::swap(kinds.size_ratio[last], kinds.size_ratio[drawn]);
-    std::swap(kinds.mass[last], kinds.mass[drawn]);
+    kinds.exchange(last, random.below(last + 1));
   }
   return kinds;
 }
@@ -146,13 +170,29 @@ double wanted_radius(DisksSettings const& settings, Box const& box, Kinds const&
   return radius;
 }
 
-State disks_on_sites(Box const& box, std::vector<Vector> const& sites, double radius, Kinds const& kinds,
-                     std::uint64_t seed) {
+/// The rows first … end − 1 of the start; `site_of(row)` is where a disk stands.
+template <class SiteOf>
+State disks_on_sites(Box const& box, SiteOf site_of, double radius, Kinds const& kinds, std::uint64_t seed, RowRange rows) {
   State state{.box = box, .seed = seed};
-  state.agents.reserve(sites.size());
-  for (std::size_t i = 0; i < sites.size(); ++i) {
-    state.agents.add(sites[i].x, sites[i].y, 0.0, 0.0, radius * kinds.size_ratio[i], kinds.mass[i], 0, 0);
+  if (rows.first == 0) {
+    state.agents.reserve(rows.end);
+    for (std::size_t i = 0; i < rows.end; ++i) {
+      Vector const site = site_of(i);
+      state.agents.add(site.x, site.y, 0.0, 0.0, radius * kinds.size_ratio(i), kinds.mass(i), 0, 0);
+    }
+    return state;
   }
+  LargeArray<Id> ids;
+  Disks::AllValues values;
+  ids.resize(rows.end - rows.first);
+  values.resize(ids.size());
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    std::size_t const i = rows.first + k;
+    Vector const site = site_of(i);
+    ids[k] = i;
+    values.put(k, {site.x, site.y, 0.0, 0.0, radius * kinds.size_ratio(i), kinds.mass(i), 0, 0});
+  }
+  state.agents.become(ids, values);
   return state;
 }
 
@@ -176,13 +216,13 @@ std::string size_in_words(DisksSettings const& settings, Box const& box, Kinds c
 
 /// The largest radius on a lattice.
 double largest_radius_on(StartKind lattice, Box const& box, Kinds const& kinds) {
-  return fit_lattice(lattice, box, kinds.mass.size()).radius / kinds.largest_ratio();
+  return fit_lattice(lattice, box, kinds.count()).radius / kinds.largest_ratio();
 }
 
 Error too_large_for_lattice(DisksSettings const& settings, Box const& box, Kinds const& kinds, double radius,
                             double largest) {
   bool const is_square = settings.start == StartKind::square;
-  std::uint64_t const count = kinds.mass.size();
+  std::uint64_t const count = kinds.count();
   StartKind const other = is_square ? StartKind::triangular : StartKind::square;
   double const largest_on_other = largest_radius_on(other, box, kinds);
   std::string hint = "use " + size_in_words(settings, box, kinds, largest) + " or less";
@@ -199,12 +239,13 @@ Error too_large_for_lattice(DisksSettings const& settings, Box const& box, Kinds
                 .key = size_key(settings)});
 }
 
-State lattice_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed) {
-  LatticeFit const fit = fit_lattice(settings.start, box, kinds.mass.size());
+State lattice_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed, RowRange rows) {
+  LatticeFit const fit = fit_lattice(settings.start, box, kinds.count());
   double const largest = fit.radius / kinds.largest_ratio();
   double const radius = wanted_radius(settings, box, kinds);
   if (radius > largest * most_fitted_up) throw too_large_for_lattice(settings, box, kinds, radius, largest);
-  return disks_on_sites(box, fit.sites, std::min(radius, largest), kinds, seed);
+  return disks_on_sites(
+      box, [&](std::size_t i) { return fit.site(i); }, std::min(radius, largest), kinds, seed, rows);
 }
 
 /// The range of allowed centres along one side.
@@ -223,11 +264,11 @@ class RandomInsertion {
   RandomInsertion(Box const& box, Kinds const& kinds, double radius, std::uint64_t seed)
       : box_(box),
         seed_(seed),
-        sites_(kinds.mass.size()),
-        radii_(kinds.size_ratio),
-        grid_(layout_for_cutoff(box, 2.0 * radius * kinds.largest_ratio(), kinds.mass.size())),
+        sites_(kinds.count()),
+        radii_(kinds.count()),
+        grid_(layout_for_cutoff(box, 2.0 * radius * kinds.largest_ratio(), kinds.count())),
         attempts_left_(most_attempts()) {
-    for (double& r : radii_) r *= radius;
+    for (std::size_t i = 0; i < radii_.size(); ++i) radii_[i] = kinds.size_ratio(i) * radius;
   }
 
   /// Places every disk, or gives up; says how many have a place.
@@ -297,7 +338,7 @@ class InsertionTrial {
  public:
   InsertionTrial(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed)
       : box_(box), kinds_(kinds), seed_(seed) {
-    if (kinds.mass.size() <= most_disks) return;
+    if (kinds.count() <= most_disks) return;
     box_ = Box(1.0, 1.0, Edge::periodic);
     kinds_ = deal_kinds(settings, most_disks, seed);
     is_sample_ = true;
@@ -308,7 +349,10 @@ class InsertionTrial {
   /// Whether the sample represents the mixture: a few disks that cover most of the area tell little.
   [[nodiscard]] bool is_representative() const {
     double squares = 0.0;
-    for (double const ratio : kinds_.size_ratio) squares += ratio * ratio * ratio * ratio;
+    for (std::size_t i = 0; i < kinds_.count(); ++i) {
+      double const ratio = kinds_.size_ratio(i);
+      squares += ratio * ratio * ratio * ratio;
+    }
     double const sum = kinds_.sum_of_squared_ratios();
     return !is_sample_ || sum * sum >= 1000.0 * squares;
   }
@@ -321,7 +365,7 @@ class InsertionTrial {
   };
   [[nodiscard]] Outcome insert(double packing_fraction) const {
     RandomInsertion insertion(box_, kinds_, radius_for(packing_fraction, box_, kinds_), seed_);
-    auto const disks = static_cast<double>(kinds_.mass.size());
+    auto const disks = static_cast<double>(kinds_.count());
     double const share = static_cast<double>(insertion.place_all()) / disks;
     return {share, insertion.packing_fraction(), static_cast<double>(insertion.attempts()) / disks};
   }
@@ -370,10 +414,10 @@ std::string instead_of_random(Box const& box, DisksSettings const& settings, Kin
 // Below, every mixture fits, and a trial would be time lost.
 constexpr double always_reached = 0.4;
 
-State random_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed) {
+State random_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed, RowRange rows) {
   double const radius = wanted_radius(settings, box, kinds);
   double const packing_fraction = packing_fraction_for(radius, box, kinds);
-  std::size_t const count = kinds.mass.size();
+  std::size_t const count = kinds.count();
   InsertionTrial const trial(box, settings, kinds, seed);
   auto const refuse = [&](std::string const& what, double reached) -> Error {
     return Error({.what = what,
@@ -404,11 +448,12 @@ State random_start(Box const& box, DisksSettings const& settings, Kinds const& k
                     placed, count, reached, packing_fraction),
         reached);
   }
-  return disks_on_sites(box, insertion.sites(), radius, kinds, seed);
+  return disks_on_sites(
+      box, [&](std::size_t i) { return insertion.sites()[i]; }, radius, kinds, seed, rows);
 }
 
 /// Points uniformly at random, wherever the other disks are.
-State uniform_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed) {
+State uniform_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed, RowRange rows) {
   double const radius = wanted_radius(settings, box, kinds);
   double const largest = radius * kinds.largest_ratio();
   if (2.0 * largest > std::min(box.width(), box.height())) {
@@ -417,24 +462,15 @@ State uniform_start(Box const& box, DisksSettings const& settings, Kinds const& 
                  .hint = "use a larger box or smaller disks",
                  .key = size_key(settings)});
   }
-  std::vector<Vector> sites(kinds.mass.size());
-  for (std::size_t i = 0; i < sites.size(); ++i) {
+  auto const site_of = [&](std::size_t i) {
     RandomStream random(seed, 0, i, Purpose::start_position);
-    double const own_radius = radius * kinds.size_ratio[i];
+    double const own_radius = radius * kinds.size_ratio(i);
     Span const x = span_of_centres(box, box.width(), own_radius);
     Span const y = span_of_centres(box, box.height(), own_radius);
     double const along_x = random.uniform();
-    sites[i] = {x.first + x.length * along_x, y.first + y.length * random.uniform()};
-  }
-  return disks_on_sites(box, sites, radius, kinds, seed);
-}
-
-void remove_drift(Disks& disks) {
-  double total_mass = 0.0;
-  for (double const m : disks.column<Mass>()) total_mass += m;
-  Vector const drift = (1.0 / total_mass) * momentum(disks);
-  for (double& vx : disks.column<VelocityX>()) vx -= drift.x;
-  for (double& vy : disks.column<VelocityY>()) vy -= drift.y;
+    return Vector{x.first + x.length * along_x, y.first + y.length * random.uniform()};
+  };
+  return disks_on_sites(box, site_of, radius, kinds, seed, rows);
 }
 
 }  // namespace
@@ -446,17 +482,23 @@ Box make_box(BoxSettings const& settings) {
 }
 
 State make_start(Box const& box, DisksSettings const& settings, std::uint64_t seed) {
-  std::uint64_t const count = settings.count.value_or(841);
+  return make_rows_of_start(box, settings, seed, {.first = 0, .end = count_of(settings)});
+}
+
+std::uint64_t count_of(DisksSettings const& settings) { return settings.count.value_or(841); }
+
+State make_rows_of_start(Box const& box, DisksSettings const& settings, std::uint64_t seed, RowRange rows) {
+  std::uint64_t const count = count_of(settings);
   if (count == 0) throw Error({.what = "there are 0 disks", .hint = "use at least 1", .key = "disks.count"});
   Kinds const kinds = deal_kinds(settings, count, seed);
   switch (settings.start) {
     case StartKind::square:
     case StartKind::triangular:
-      return lattice_start(box, settings, kinds, seed);
+      return lattice_start(box, settings, kinds, seed, rows);
     case StartKind::random:
-      return random_start(box, settings, kinds, seed);
+      return random_start(box, settings, kinds, seed, rows);
     case StartKind::uniform:
-      return uniform_start(box, settings, kinds, seed);
+      return uniform_start(box, settings, kinds, seed, rows);
     case StartKind::file:
       break;
   }
@@ -479,6 +521,19 @@ double expected_attempts(Box const& box, DisksSettings const& settings, std::uin
 }
 
 void draw_velocities(State& state, VelocitySettings const& settings) {
+  draw_velocities_of_rows(state, settings, state.agents.size(), [&](DriftSums& sums) { sums.add(state.agents); });
+}
+
+void DriftSums::add(Disks const& disks) {
+  for (std::size_t i = 0; i < disks.size(); ++i) {
+    double const m = disks.column<Mass>()[i];
+    mass += m;
+    momentum = momentum + m * velocity(disks, i);
+  }
+}
+
+void draw_velocities_of_rows(State& state, VelocitySettings const& settings, std::uint64_t count_of_all,
+                             std::function<void(DriftSums&)> const& add_all) {
   if (settings.kind == VelocityKind::file) {
     throw Error({.what = "velocities.kind = \"file\", but there is no file with velocities",
                  .hint = "give disks.file with a velocity column, or draw them: \"uniform\" or \"maxwell\"",
@@ -499,8 +554,13 @@ void draw_velocities(State& state, VelocitySettings const& settings) {
     vx[i] = v.x;
     vy[i] = v.y;
   }
-  bool const is_automatic = settings.drift == Drift::automatic && state.box.is_periodic() && state.agents.size() > 1;
-  if (settings.drift == Drift::remove || is_automatic) remove_drift(state.agents);
+  bool const is_automatic = settings.drift == Drift::automatic && state.box.is_periodic() && count_of_all > 1;
+  if (settings.drift != Drift::remove && !is_automatic) return;
+  DriftSums sums;
+  add_all(sums);
+  Vector const drift = (1.0 / sums.mass) * sums.momentum;
+  for (double& v : vx) v -= drift.x;
+  for (double& v : vy) v -= drift.y;
 }
 
 }  // namespace gridlock

@@ -16,6 +16,7 @@
 
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/setting.hpp"
+#include "gridlock/core/vector.hpp"
 
 namespace gridlock {
 
@@ -99,18 +100,33 @@ double expected_attempts(Box const& box, DisksSettings const& settings, std::uin
 /// Errors: kind = file throws Error, since there is no file here.
 void draw_velocities(State& state, VelocitySettings const& settings);
 
-/// The largest radius of equal disks on the best lattice of at least `count` sites, and its packing fraction.
+/// The largest radius of equal disks on the best lattice of at least `count` sites, its packing fraction, and `count` of its sites.
 ///
 /// square: columns × rows sites (c + ½, r + ½) in units of the spacings, columns and rows chosen for the largest radius.
 /// triangular: rows of p and p or p and p − 1 sites, every second one shifted by half a spacing, stretched to fill the
 /// box; number of rows, p and orientation chosen for the largest radius, min(a_x, √(a_x²/4 + a_y²), 2 a_y)/2.
 /// 841 disks in a hard square box reach π/4 and 0.8654. Sites left over are spread evenly.
-/// Cost: O(count).
+/// Cost: O(√count); a site O(1).
 struct LatticeFit {
+  /// Rows of sites along x, or along y where they are turned.
+  struct Rows {
+    std::uint64_t even_length = 1;  ///< sites in rows 0, 2, 4 …
+    std::uint64_t odd_length = 1;   ///< sites in rows 1, 3, 5 …
+    Vector spacing;
+    Vector corner;             ///< where the rows begin
+    Vector offset;             ///< of the first site from there, in spacings
+    double shift_of_odd = 0.0;  ///< of rows 1, 3, 5 …, in spacings
+    bool is_turned = false;
+  };
+
   double radius = 0.0;
   double packing_fraction = 0.0;
-  std::vector<Vector>
-      sites;  ///< exactly `count`, row after row from the lower left; they do not depend on the radius used
+  std::uint64_t count = 0;
+  std::uint64_t available = 0;  ///< sites of the lattice
+  Rows rows;
+
+  /// Site n < count, row after row from the lower left; sites do not depend on the radius that is used.
+  [[nodiscard]] Vector site(std::uint64_t n) const;
 };
 LatticeFit fit_square_lattice(Box const& box, std::uint64_t count);
 LatticeFit fit_triangular_lattice(Box const& box, std::uint64_t count);
