@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "grid/pairs.hpp"
+#include "gridlock/core/detail/exact_sum.hpp"
 
 namespace gridlock {
 
@@ -15,9 +16,9 @@ namespace {
 /// The mean radius; of agents without one half the mean spacing √(A/N).
 double mean_radius(Box const& box, AgentsView const& agents) {
   if (!agents.has<Radius>()) return 0.5 * std::sqrt(box.area() / static_cast<double>(agents.size()));
-  double sum = 0.0;
-  for (double const r : agents.column<Radius>()) sum += r;
-  return sum / static_cast<double>(agents.size());
+  ExactSum sum;
+  sum.add(agents.column<Radius>());
+  return sum.value() / static_cast<double>(agents.size());
 }
 
 /// The part of the box that centres can reach; absent for no agents and where the walls leave no area.

@@ -1,10 +1,12 @@
 #include "observe/speed.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
-#include "core/temperature.hpp"
+#include "observe/exact_sums.hpp"
+#include "observe/motion.hpp"
 
 namespace gridlock {
 
@@ -25,9 +27,10 @@ void Speed::begin(Snapshot const& start) {
   masses_.clear();
   for (double const mass : masses) {
     if (masses_.empty() || masses_.back().mass != mass) masses_.push_back({mass, 0.0});
-    masses_.back().share += 1.0 / n;
+    masses_.back().share += 1.0;
   }
-  double const energy = kinetic_energy(agents);
+  for (MassShare& of_mass : masses_) of_mass.share /= n;
+  double const energy = measured_kinetic_energy(start);
   bin_width_ =
       energy > 0.0 ? range_ * std::sqrt(2.0 * energy / (n * masses_.front().mass)) / static_cast<double>(bins_) : 0.0;
   counts_.assign(bin_width_ > 0.0 ? bins_ : 0, 0);
@@ -44,19 +47,18 @@ void Speed::sample(Snapshot const& now, std::span<double> row, bool counts_for_a
   std::ranges::fill(counts_, 0);
   double const bins_per_speed = bin_width_ > 0.0 ? 1.0 / bin_width_ : 0.0;
   auto const bins = static_cast<double>(counts_.size());
-  double speeds = 0.0;
-  double energies = 0.0;  // twice the kinetic ones
-  double squared_energies = 0.0;
-  for (std::size_t i = 0; i < agents.size(); ++i) {
+  std::array<ExactSum, 3> sums;
+  add_terms(sums, agents.size(), [&](std::size_t i) {
     double const squared_speed = velocity_x[i] * velocity_x[i] + velocity_y[i] * velocity_y[i];
     double const speed = std::sqrt(squared_speed);
     double const energy = mass[i] * squared_speed;
-    speeds += speed;
-    energies += energy;
-    squared_energies += energy * energy;
     double const bin = speed * bins_per_speed;
     if (bin < bins) ++counts_[static_cast<std::size_t>(bin)];
-  }
+    return std::array{speed, energy, energy * energy};
+  });
+  double const speeds = sums[0].value();
+  double const energies = sums[1].value();  // twice the kinetic ones
+  double const squared_energies = sums[2].value();
   bool const is_moving = energies > 0.0;
   row[speed_column] = n > 0.0 ? speeds / n : no_value;
   row[ratio_column] = is_moving ? n * squared_energies / (energies * energies) : no_value;
@@ -64,7 +66,7 @@ void Speed::sample(Snapshot const& now, std::span<double> row, bool counts_for_a
   average(speed_column, row[speed_column]);
   if (is_moving) average(ratio_column, row[ratio_column]);
   for (std::size_t b = 0; b < counts_.size(); ++b) shares_[b].add(static_cast<double>(counts_[b]) / n);
-  if (auto const kt = temperature(now.box, now.agents)) temperature_.add(*kt);
+  if (auto const kt = measured_temperature(now)) temperature_.add(*kt);
 }
 
 double Speed::maxwell_below(double v, double temperature) const {

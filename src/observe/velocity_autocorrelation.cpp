@@ -4,6 +4,9 @@
 #include <cmath>
 #include <optional>
 #include <utility>
+#include <vector>
+
+#include "observe/exact_sums.hpp"
 
 namespace gridlock {
 
@@ -43,13 +46,16 @@ void VelocityAutocorrelation::sample(Snapshot const& now, std::span<double> row,
   auto const velocity_x = now.agents.column<VelocityX>();
   auto const velocity_y = now.agents.column<VelocityY>();
   // With the squares at the origin as weights, the ratio of sums is the normalised correlation.
-  std::array<Block, agent_blocks> blocks{};
+  SumsOfBlocks<agent_blocks, 2> terms;
   for (std::size_t i = 0; i < ids.size(); ++i) {
     std::size_t const place = rows_.place_of(ids[i], i);
     if (place == IdIndex::not_found) continue;
     Vector const then = velocities_[place];
-    blocks[rows_.block_of(place, agent_blocks)].add({dot(then, {velocity_x[i], velocity_y[i]}), squared_length(then)});
+    terms.add(rows_.block_of(place, agent_blocks), {dot(then, {velocity_x[i], velocity_y[i]}), squared_length(then)});
   }
+  std::vector<ExactSum> const sums = terms.take_all();
+  std::array<Block, agent_blocks> blocks{};
+  for (std::size_t b = 0; b < agent_blocks; ++b) blocks[b] = {sums[2 * b].value(), sums[2 * b + 1].value()};
   auto const correlation = estimate_from(blocks);
   if (!correlation) return;
   row[0] = correlation->value;

@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -33,6 +34,12 @@
 
 namespace gridlock {
 
+/// What several observables measure of the velocities, see src/observe/motion.hpp.
+struct MeasuredMotion {
+  double kinetic_energy = 0.0;
+  std::optional<double> temperature;
+};
+
 /// What an observable sees of a world of any model: the agents now, and what happened since the start of the run.
 struct Snapshot {
   template <class Model>
@@ -43,6 +50,7 @@ struct Snapshot {
   Clock clock;
   AgentsView agents;
   Counters const& counters;
+  mutable std::optional<MeasuredMotion> motion = {};  ///< kept for the next observable that asks
 };
 
 /// What a world must have for an observable to be defined.

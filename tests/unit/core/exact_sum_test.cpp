@@ -18,7 +18,7 @@ namespace {
 
 static_assert(std::is_trivially_copyable_v<ExactSum>);
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double endless = std::numeric_limits<double>::infinity();
 constexpr double largest = std::numeric_limits<double>::max();
 constexpr double smallest = std::numeric_limits<double>::denorm_min();
 
@@ -28,7 +28,7 @@ double sum_of(std::span<double const> terms) {
   return sum.value();
 }
 
-std::uint64_t bits(double value) { return std::bit_cast<std::uint64_t>(value); }
+std::uint64_t exact_bits(double value) { return std::bit_cast<std::uint64_t>(value); }
 
 /// A sum bit by bit, in the manner of a school: positive and negative terms apart, each bit of a term carried at once.
 class SumByBits {
@@ -118,15 +118,15 @@ TEST(ExactSum, IsRoundedOnceToNearestEven) {
 
 TEST(ExactSum, OverflowsOnlyWhereTheWholeSumDoes) {
   EXPECT_EQ(sum_of(std::array{largest, largest, -largest}), largest);
-  EXPECT_EQ(sum_of(std::array{largest, largest}), infinity);
-  EXPECT_EQ(sum_of(std::array{-largest, -largest}), -infinity);
+  EXPECT_EQ(sum_of(std::array{largest, largest}), endless);
+  EXPECT_EQ(sum_of(std::array{-largest, -largest}), -endless);
   double const half_a_bit = 0x1p970;
   EXPECT_EQ(sum_of(std::array{largest, std::nextafter(half_a_bit, 0.0)}), largest);
-  EXPECT_EQ(sum_of(std::array{largest, half_a_bit}), infinity);
+  EXPECT_EQ(sum_of(std::array{largest, half_a_bit}), endless);
   std::vector<double> const many(10'000, largest);
   ExactSum sum;
   for (double const term : many) sum.add(term);
-  EXPECT_EQ(sum.value(), infinity);
+  EXPECT_EQ(sum.value(), endless);
   for (double const term : many) sum.add(-term);
   EXPECT_EQ(sum.value(), 0.0);
   // 2⁶⁰ terms: doubled sixty times.
@@ -134,18 +134,18 @@ TEST(ExactSum, OverflowsOnlyWhereTheWholeSumDoes) {
     ExactSum huge;
     huge.add(term);
     for (int k = 0; k < 60; ++k) huge.add(ExactSum(huge));
-    EXPECT_EQ(huge.value(), term > 0.0 ? infinity : -infinity);
+    EXPECT_EQ(huge.value(), term > 0.0 ? endless : -endless);
   }
 }
 
 TEST(ExactSum, TreatsInfinitiesAndNaNAsAPlainSumDoes) {
   double const nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(sum_of(std::array{1.0, infinity, -largest}), infinity);
-  EXPECT_EQ(sum_of(std::array{-infinity, 1.0}), -infinity);
-  EXPECT_TRUE(std::isnan(sum_of(std::array{infinity, -infinity})));
+  EXPECT_EQ(sum_of(std::array{1.0, endless, -largest}), endless);
+  EXPECT_EQ(sum_of(std::array{-endless, 1.0}), -endless);
+  EXPECT_TRUE(std::isnan(sum_of(std::array{endless, -endless})));
   EXPECT_TRUE(std::isnan(sum_of(std::array{1.0, nan})));
-  EXPECT_TRUE(std::isnan(sum_of(std::array{infinity, nan})));
-  for (double const rare : {infinity, -infinity, nan}) {
+  EXPECT_TRUE(std::isnan(sum_of(std::array{endless, nan})));
+  for (double const rare : {endless, -endless, nan}) {
     std::vector<double> terms(1000, 1.0);
     terms[700] = rare;
     ExactSum sum;
@@ -164,13 +164,13 @@ TEST(ExactSum, TreatsInfinitiesAndNaNAsAPlainSumDoes) {
 }
 
 TEST(ExactSum, OfNothingAndOfZerosIsPlusZero) {
-  EXPECT_EQ(bits(ExactSum().value()), bits(0.0));
-  EXPECT_EQ(bits(sum_of(std::array{-0.0, -0.0})), bits(0.0));
-  EXPECT_EQ(bits(sum_of(std::array{-1.5, 1.5})), bits(0.0));
+  EXPECT_EQ(exact_bits(ExactSum().value()), exact_bits(0.0));
+  EXPECT_EQ(exact_bits(sum_of(std::array{-0.0, -0.0})), exact_bits(0.0));
+  EXPECT_EQ(exact_bits(sum_of(std::array{-1.5, 1.5})), exact_bits(0.0));
   std::vector<double> const zeros(1000, -0.0);
   ExactSum sum;
   sum.add(zeros);
-  EXPECT_EQ(bits(sum.value()), bits(0.0));
+  EXPECT_EQ(exact_bits(sum.value()), exact_bits(0.0));
 }
 
 TEST(ExactSum, OfAllMagnitudesIsThatOfASumBitByBit) {
@@ -180,11 +180,12 @@ TEST(ExactSum, OfAllMagnitudesIsThatOfASumBitByBit) {
         std::pair(900, 1023), std::pair(-200, 200), std::pair(-52, 52)}) {
     for (std::size_t const count : {1U, 2U, 3U, 10U, 300U, 1500U}) {
       std::vector<double> terms = random_terms(count, least, most, ++seed);
-      ASSERT_EQ(bits(sum_of(terms)), bits(sum_by_bits(terms))) << count << " from 2^" << least << " to 2^" << most;
+      ASSERT_EQ(exact_bits(sum_of(terms)), exact_bits(sum_by_bits(terms)))
+          << count << " from 2^" << least << " to 2^" << most;
       // The same with all but one term cancelled.
       for (std::size_t k = 0; k + 1 < count; ++k) terms.push_back(-terms[k]);
       std::ranges::shuffle(terms, std::mt19937_64(seed));
-      ASSERT_EQ(bits(sum_of(terms)), bits(terms.size() == 1 ? terms[0] : sum_by_bits(terms)));
+      ASSERT_EQ(exact_bits(sum_of(terms)), exact_bits(terms.size() == 1 ? terms[0] : sum_by_bits(terms)));
     }
   }
 }
@@ -211,7 +212,7 @@ TEST(ExactSum, DependsOnNoOrderNorOnHowTermsAreDividedOrTakenTogether) {
         }
         total.add(part);
       }
-      ASSERT_EQ(bits(total.value()), bits(expected)) << "from 2^" << least << " to 2^" << most;
+      ASSERT_EQ(exact_bits(total.value()), exact_bits(expected)) << "from 2^" << least << " to 2^" << most;
     }
   }
 }
