@@ -9,8 +9,8 @@
 #include <numbers>
 #include <vector>
 
-#include "grid/pairs.hpp"
 #include "observe/exact_sums.hpp"
+#include "observe/region.hpp"
 
 namespace gridlock {
 
@@ -28,8 +28,9 @@ double neighbour_distance(Box const& box, std::size_t agents) {
 /// rounding of the component itself below 500.
 class BondSums {
  public:
-  explicit BondSums(std::size_t agents)
-      : units_(std::ldexp(1.0, 62 - static_cast<int>(std::bit_width(agents)))), sums_(agents), counts_(agents) {}
+  /// Of those agents, who are some of `all`.
+  BondSums(std::size_t agents, std::size_t all)
+      : units_(std::ldexp(1.0, 62 - static_cast<int>(std::bit_width(all)))), sums_(agents), counts_(agents) {}
 
   /// A bond of two agents: six is even, so that the direction back gives the same number.
   void add(std::size_t i, std::size_t j, std::complex<double> bond) {
@@ -64,12 +65,9 @@ class BondSums {
 };
 
 /// The bonds of each agent with its neighbours k, exp(6 i θ_jk), whose mean is its ψ6.
-BondSums bonds_of(Box const& box, AgentsView const& agents) {
-  double const cutoff = neighbour_distance(box, agents.size());
-  PointsInBox const points{box, agents.column<X>(), agents.column<Y>()};
-  PackedGrid const grid(layout_for_cutoff(box, cutoff, agents.size()), points.x, points.y);
-  BondSums bonds(agents.size());
-  for_each_pair(points, grid, cutoff, [&](std::size_t i, std::size_t j, Vector separation) {
+BondSums bonds_of(Region const& region, std::size_t all) {
+  BondSums bonds(region.size(), all);
+  region.for_each_pair([&](std::size_t i, std::size_t j, Vector separation) {
     if (squared_length(separation) > 0.0) bonds.add(i, j, sixth_power_of_direction(separation));
   });
   return bonds;
@@ -77,15 +75,19 @@ BondSums bonds_of(Box const& box, AgentsView const& agents) {
 
 }  // namespace
 
-std::optional<BondOrientationOrder> bond_orientation_order(Box const& box, AgentsView const& agents) {
-  if (agents.empty()) return std::nullopt;
-  BondSums const bonds = bonds_of(box, agents);
+std::optional<BondOrientationOrder> bond_orientation_order(Box const& box, AgentsView const& agents,
+                                                           OtherAgents const* others) {
+  std::size_t const all = count_of_all(agents, others);
+  if (all == 0) return std::nullopt;
+  Region const region(box, agents, others, neighbour_distance(box, all));
+  BondSums const bonds = bonds_of(region, all);
   std::array<ExactSum, 3> sums;
-  add_terms(sums, agents.size(), [&](std::size_t i) {
+  add_terms(sums, region.own(), [&](std::size_t i) {
     std::complex<double> const order = bonds.mean(i);
     return std::array{order.real(), order.imag(), std::abs(order)};
   });
-  auto const count = static_cast<double>(agents.size());
+  if (others != nullptr) others->add_up(sums);
+  auto const count = static_cast<double>(all);
   std::complex<double> const global(sums[0].value(), sums[1].value());
   return BondOrientationOrder{.global_order = std::abs(global) / count, .local_order = sums[2].value() / count};
 }
@@ -93,7 +95,8 @@ std::optional<BondOrientationOrder> bond_orientation_order(Box const& box, Agent
 std::vector<double> local_bond_orientation_orders(Box const& box, AgentsView const& agents) {
   std::vector<double> values;
   if (agents.empty()) return values;
-  BondSums const bonds = bonds_of(box, agents);
+  Region const region(box, agents, nullptr, neighbour_distance(box, agents.size()));
+  BondSums const bonds = bonds_of(region, agents.size());
   for (std::size_t i = 0; i < agents.size(); ++i) values.push_back(std::abs(bonds.mean(i)));
   return values;
 }
@@ -107,7 +110,7 @@ void BondOrientation::begin(Snapshot const&) {
 void BondOrientation::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {
   std::ranges::fill(row, no_value);
   if (!schedule_.is_due(counts_for_average)) return;
-  auto const order = bond_orientation_order(now.box, now.agents);
+  auto const order = bond_orientation_order(now.box, now.agents, now.others);
   if (!order) return;
   row[0] = order->global_order;
   row[1] = order->local_order;

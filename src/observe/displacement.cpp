@@ -48,6 +48,7 @@ void Displacement::begin(Snapshot const& start) {
   Crossings<ImageX> const image_x(start.agents);
   Crossings<ImageY> const image_y(start.agents);
   rows_ = IdIndex(ids);
+  blocks_ = IdBlocks(start, rows_);
   sites_.assign(ids.size(), {});
   for (std::size_t i = 0; i < ids.size(); ++i) {
     sites_[rows_.place_of(ids[i], i)] = {x[i], y[i], image_x[i], image_y[i]};
@@ -76,11 +77,13 @@ void Displacement::sample(Snapshot const& now, std::span<double> row, bool) {
     double const crossed_y = static_cast<double>(image_y[i]) - static_cast<double>(from.image_y);
     Vector const moved = unwrapped_displacement(box, {from.x, from.y}, {x[i], y[i]}, {crossed_x, crossed_y});
     double const squared = squared_length(moved);
-    std::size_t const block = rows_.block_of(place, agent_blocks);
+    std::size_t const block = blocks_.block_of(ids[i]);
     terms.add(block, {std::sqrt(squared) / side, squared, moved.x, moved.y});
     ++counts[block];
   }
-  std::vector<ExactSum> const of_blocks = terms.take_all();
+  std::vector<ExactSum> of_blocks = terms.take_all();
+  now.add_up(of_blocks);
+  now.add_up(counts);
   ExactSum x_of_all;
   ExactSum y_of_all;
   double count = 0.0;

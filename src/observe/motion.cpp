@@ -18,15 +18,17 @@ MeasuredMotion measure(Snapshot const& now) {
   if (!now.box.is_periodic()) {
     std::array<ExactSum, 1> sum;
     add_terms(sum, now.agents.size(), [&](std::size_t i) { return std::array{twice_energy(i)}; });
+    now.add_up(sum);
     double const energy = 0.5 * sum[0].value();
-    return {energy, temperature_between_walls(now.agents.size(), energy)};
+    return {energy, temperature_between_walls(now.count(), energy)};
   }
   std::array<ExactSum, 4> sums;
   add_terms(sums, now.agents.size(), [&](std::size_t i) {
     return std::array{twice_energy(i), mass[i] * velocity_x[i], mass[i] * velocity_y[i], mass[i]};
   });
+  now.add_up(sums);
   double const energy = 0.5 * sums[0].value();
-  return {energy, periodic_temperature(now.agents.size(), energy, {sums[1].value(), sums[2].value()}, sums[3].value())};
+  return {energy, periodic_temperature(now.count(), energy, {sums[1].value(), sums[2].value()}, sums[3].value())};
 }
 
 MeasuredMotion const& motion_of(Snapshot const& now) {

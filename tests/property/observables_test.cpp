@@ -1,4 +1,5 @@
-// What is measured of the same agents has the same bits, however their rows are ordered.
+// What is measured of the same agents has the same bits, however their rows are ordered, and however they are divided among ranks,
+// here threads.
 
 #include <gtest/gtest.h>
 
@@ -12,10 +13,15 @@
 #include <utility>
 #include <vector>
 
+#include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/random.hpp"
+#include "gridlock/grid/cell_layout.hpp"
+#include "gridlock/observe/detail/agents_on_ranks.hpp"
 #include "gridlock/observe/observable.hpp"
+#include "io/checkpoint.hpp"
 #include "reference/shuffled_rows.hpp"
+#include "thread_ranks.hpp"
 
 namespace gridlock {
 namespace {
@@ -119,6 +125,8 @@ void add(Numbers& numbers, double value) {
 }
 
 constexpr std::uint64_t samples = 8;
+/// Between two origins of the velocity autocorrelation.
+constexpr std::uint64_t resumed_at = 4;
 
 class Recorder {
  public:
@@ -130,6 +138,17 @@ class Recorder {
       observable->sample(now, row, counts_for_average);
       for (double const value : row) add(numbers_, value);
     }
+  }
+  /// Goes on as a run does that was stopped and resumed: `start` is that of the whole run.
+  void resume(Snapshot const& start) {
+    auto const serialize_all = [this](Archive& archive) {
+      for (std::size_t k = 0; k < observables_.size(); ++k) {
+        serialize_inside(archive, std::to_string(k), [&] { observables_[k]->serialize(archive); });
+      }
+    };
+    auto const saved = to_checkpoint(serialize_all);
+    observables_ = make_observables(settings(), start);
+    from_checkpoint(saved, "saved", serialize_all);
   }
   Numbers finish() {
     for (auto const& observable : observables_) {
@@ -151,7 +170,8 @@ class Recorder {
   Numbers numbers_;
 };
 
-/// What one process measures of the rows in some order: anew for every sample where a seed is given.
+/// What one process measures of the rows in some order: anew for every sample where a seed is given, and in a run that was
+/// stopped and resumed then.
 Numbers measured(Case const& c, std::uint64_t shuffle_seed = 0) {
   State state = start_of(c);
   auto const shuffled = [&](std::uint64_t sample) {
@@ -163,6 +183,7 @@ Numbers measured(Case const& c, std::uint64_t shuffle_seed = 0) {
   for (std::uint64_t sample = 1; sample <= samples; ++sample) {
     fly(state, 0.05);
     State const now = shuffled(sample);
+    if (shuffle_seed != 0 && sample == resumed_at) recorder.resume({start, counters});
     recorder.sample({now, counters_at(sample)}, sample > 1);
   }
   return recorder.finish();
@@ -174,6 +195,95 @@ TEST(Observables, MeasureTheSameBitsInAnyOrderOfTheRows) {
     ASSERT_EQ(measured(c, 1000), expected) << name_of(c);
     ASSERT_EQ(measured(c, 2000), expected) << name_of(c);
   }
+}
+
+/// Rows first … end − 1 of a state.
+State rows_of(State const& state, std::size_t first, std::size_t end) {
+  State part{.box = state.box, .agents = {}, .clock = state.clock, .seed = state.seed};
+  Disks const& d = state.agents;
+  for (std::size_t i = first; i < end; ++i) {
+    EXPECT_TRUE(part.agents.add_as(d.ids()[i], d.column<X>()[i], d.column<Y>()[i], d.column<VelocityX>()[i],
+                                   d.column<VelocityY>()[i], d.column<Radius>()[i], d.column<Mass>()[i],
+                                   d.column<ImageX>()[i], d.column<ImageY>()[i]));
+  }
+  return part;
+}
+
+/// Where the rows of each rank begin, and the end: blocks of any size, some of them empty.
+std::vector<std::size_t> random_cuts(std::size_t rows, std::size_t ranks, std::uint64_t seed) {
+  RandomStream random(seed, 2, ranks, Purpose::start_position);
+  std::vector<std::size_t> cuts{0, rows};
+  while (cuts.size() < ranks + 1) cuts.push_back(random.below(4) == 0 ? cuts.back() : random.below(rows + 1));
+  std::ranges::sort(cuts);
+  return cuts;
+}
+
+/// What each of several ranks measures, of the rows in the order of a seed, in a run that was stopped and resumed.
+std::vector<Numbers> measured_on_ranks(Case const& c, std::size_t ranks, std::uint64_t shuffle_seed) {
+  State const start = shuffle_seed == 0 ? start_of(c) : reference::with_rows_shuffled(start_of(c), shuffle_seed);
+  std::vector<std::size_t> const cuts = random_cuts(c.count, ranks, c.seed);
+  std::vector<Numbers> results(ranks);
+  test::ThreadRanks(ranks).run_on_all([&](Ranks& here) {
+    std::size_t const rank = here.rank();
+    State state = rows_of(start, cuts[rank], cuts[rank + 1]);
+    Counters const counters;
+    AgentsOnRanks const others(here, state.agents.size());
+    EXPECT_EQ(others.first_row(), cuts[rank]);
+    EXPECT_EQ(others.count_of_all(), c.count);
+    State const own_start = state;
+    Recorder recorder({state, counters, &others});
+    for (std::uint64_t sample = 1; sample <= samples; ++sample) {
+      fly(state, 0.05);
+      if (sample == resumed_at) recorder.resume({own_start, counters, &others});
+      recorder.sample({state, counters_at(sample), &others}, sample > 1);
+    }
+    results[rank] = recorder.finish();
+  });
+  return results;
+}
+
+TEST(ObservablesOnRanks, MeasureTheBitsOfOneProcess) {
+  for (Case const& c : cases()) {
+    Numbers const expected = measured(c);
+    for (std::size_t ranks = 1; ranks <= 6; ++ranks) {
+      for (std::uint64_t const shuffle_seed : {0U, 3000U}) {
+        for (Numbers const& numbers : measured_on_ranks(c, ranks, shuffle_seed)) {
+          ASSERT_EQ(numbers, expected) << name_of(c) << " on " << ranks << " ranks";
+        }
+      }
+    }
+  }
+}
+
+TEST(ObservablesOnRanks, MeasureTheBitsOfOneProcessWhereMassesAreTooManyToKeep) {
+  Case const c{.count = 70'000, .is_mixture = true, .seed = 77};
+  Numbers const expected = measured(c);
+  for (Numbers const& numbers : measured_on_ranks(c, 3, 0)) ASSERT_EQ(numbers, expected);
+}
+
+TEST(ObservablesOnRanks, SearchSlabsThatHoldEachPointOnceAndAboutAsManyEach) {
+  Case const c{.count = 20'000, .crowd = 0.5, .seed = 5};
+  State const start = start_of(c);
+  constexpr std::size_t ranks = 4;
+  std::vector<std::size_t> own(ranks);
+  std::vector<std::size_t> all(ranks);
+  test::ThreadRanks(ranks).run_on_all([&](Ranks& here) {
+    std::size_t const rank = here.rank();
+    State const state = rows_of(start, rank * c.count / ranks, (rank + 1) * c.count / ranks);
+    AgentsOnRanks const others(here, state.agents.size());
+    double const cutoff = 0.01;
+    PointsOfCells const points = others.points_of_cells(layout_for_cutoff(state.box, cutoff, c.count), cutoff,
+                                                        state.agents.column<X>(), state.agents.column<Y>());
+    own[rank] = points.own;
+    all[rank] = points.x.size();
+  });
+  std::size_t sum = 0;
+  for (std::size_t rank = 0; rank < ranks; ++rank) {
+    sum += own[rank];
+    EXPECT_NEAR(static_cast<double>(own[rank]), 5000.0, 500.0) << "one row of cells has 400";
+    EXPECT_LT(all[rank], 7000U);
+  }
+  EXPECT_EQ(sum, c.count);
 }
 
 }  // namespace
