@@ -164,7 +164,7 @@ double ExactSum::value() const {
   std::size_t const offset = lowest % limb_bits;
   // Three limbs from the lowest bit on: 53 bits and more.
   std::uint64_t mantissa = (limb_at(limb) | limb_at(limb + 1) << limb_bits) >> offset;
-  if (offset > 0) mantissa |= limb_at(limb + 2) << (2 * limb_bits - offset);
+  if (offset > 0) mantissa |= limb_at(limb + 2) << (64 - offset);
   auto const is_set = [&](std::size_t bit) { return ((limb_at(bit / limb_bits) >> (bit % limb_bits)) & 1) != 0; };
   if (is_set(lowest - 1)) {
     bool is_above_half =
