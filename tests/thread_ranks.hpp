@@ -44,6 +44,18 @@ class ThreadRanks {
     if (failure) std::rethrow_exception(failure);
   }
 
+  /// Calls work(ranks) for every rank. An exception of one ends the program.
+  void run_on_all(std::function<void(Ranks&)> const& work) {
+    std::vector<std::thread> threads;
+    for (std::size_t rank = 0; rank < count_; ++rank) {
+      threads.emplace_back([this, rank, &work] {
+        OneRank here(*this, rank);
+        work(here);
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+  }
+
   /// Messages sent so far.
   [[nodiscard]] std::size_t messages() const { return messages_; }
 

@@ -14,14 +14,21 @@ double total_mass(AgentsView const& agents) {
 
 }  // namespace
 
-std::optional<double> temperature(Box const& box, AgentsView const& agents) {
-  auto const n = static_cast<double>(agents.size());
-  double const energy = kinetic_energy(agents);
-  if (!box.is_periodic()) return n > 0.0 ? std::optional(energy / n) : std::nullopt;
-  if (n < 2.0) return std::nullopt;
-  double const drift_energy = 0.5 * squared_length(momentum(agents)) / total_mass(agents);
+std::optional<double> temperature_between_walls(std::size_t agents, double kinetic_energy) {
+  return agents > 0 ? std::optional(kinetic_energy / static_cast<double>(agents)) : std::nullopt;
+}
+
+std::optional<double> periodic_temperature(std::size_t agents, double kinetic_energy, Vector momentum, double mass) {
+  if (agents < 2) return std::nullopt;
+  double const drift_energy = 0.5 * squared_length(momentum) / mass;
   // Disks that all move alike differ from their drift by rounding only, which may be negative.
-  return std::max(0.0, energy - drift_energy) / (n - 1.0);
+  return std::max(0.0, kinetic_energy - drift_energy) / (static_cast<double>(agents) - 1.0);
+}
+
+std::optional<double> temperature(Box const& box, AgentsView const& agents) {
+  double const energy = kinetic_energy(agents);
+  if (!box.is_periodic()) return temperature_between_walls(agents.size(), energy);
+  return periodic_temperature(agents.size(), energy, momentum(agents), total_mass(agents));
 }
 
 }  // namespace gridlock

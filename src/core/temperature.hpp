@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
 #include "gridlock/core/disks.hpp"
@@ -17,5 +18,9 @@ namespace gridlock {
 /// Source: D. Frenkel & B. Smit, Understanding Molecular Simulation (2002), chapter 4.
 std::optional<double> temperature(Box const& box, AgentsView const& agents);
 inline std::optional<double> temperature(State const& state) { return temperature(state.box, state.agents); }
+
+/// The same of so many agents with such sums.
+std::optional<double> temperature_between_walls(std::size_t agents, double kinetic_energy);
+std::optional<double> periodic_temperature(std::size_t agents, double kinetic_energy, Vector momentum, double mass);
 
 }  // namespace gridlock

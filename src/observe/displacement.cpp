@@ -3,8 +3,10 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "core/unwrapped.hpp"
+#include "observe/exact_sums.hpp"
 
 namespace gridlock {
 
@@ -46,6 +48,7 @@ void Displacement::begin(Snapshot const& start) {
   Crossings<ImageX> const image_x(start.agents);
   Crossings<ImageY> const image_y(start.agents);
   rows_ = IdIndex(ids);
+  blocks_ = IdBlocks(start, rows_);
   sites_.assign(ids.size(), {});
   for (std::size_t i = 0; i < ids.size(); ++i) {
     sites_[rows_.place_of(ids[i], i)] = {x[i], y[i], image_x[i], image_y[i]};
@@ -57,15 +60,15 @@ void Displacement::begin(Snapshot const& start) {
 
 void Displacement::sample(Snapshot const& now, std::span<double> row, bool) {
   Box const& box = now.box;
+  double const side = box.side();
   auto const ids = now.agents.ids();
   auto const x = now.agents.column<X>();
   auto const y = now.agents.column<Y>();
   Crossings<ImageX> const image_x(now.agents);
   Crossings<ImageY> const image_y(now.agents);
-  length_ = {};
-  squared_length_ = {};
-  Vector sum{};
-  double count = 0.0;
+  enum Sum : std::size_t { of_length, of_square, of_x, of_y, sums };
+  SumsOfBlocks<agent_blocks, sums> terms;
+  std::array<std::uint64_t, agent_blocks> counts{};
   for (std::size_t i = 0; i < ids.size(); ++i) {
     std::size_t const place = rows_.place_of(ids[i], i);
     if (place == IdIndex::not_found) continue;
@@ -74,14 +77,27 @@ void Displacement::sample(Snapshot const& now, std::span<double> row, bool) {
     double const crossed_y = static_cast<double>(image_y[i]) - static_cast<double>(from.image_y);
     Vector const moved = unwrapped_displacement(box, {from.x, from.y}, {x[i], y[i]}, {crossed_x, crossed_y});
     double const squared = squared_length(moved);
-    std::size_t const block = rows_.block_of(place, agent_blocks);
-    length_[block].add({std::sqrt(squared) / box.side(), 1.0});
-    squared_length_[block].add({squared, 1.0});
-    sum = sum + moved;
-    count += 1.0;
+    std::size_t const block = blocks_.block_of(ids[i]);
+    terms.add(block, {std::sqrt(squared) / side, squared, moved.x, moved.y});
+    ++counts[block];
   }
-  centre_ = {};
-  if (count > 0.0) centre_.add({std::sqrt(squared_length(sum)) / box.side(), count});
+  std::vector<ExactSum> of_blocks = terms.take_all();
+  now.add_up(of_blocks);
+  now.add_up(counts);
+  ExactSum x_of_all;
+  ExactSum y_of_all;
+  double count = 0.0;
+  for (std::size_t block = 0; block < agent_blocks; ++block) {
+    auto const of_block = std::span(of_blocks).subspan(block * sums, sums);
+    auto const weight = static_cast<double>(counts[block]);
+    length_[block] = {of_block[of_length].value(), weight};
+    squared_length_[block] = {of_block[of_square].value(), weight};
+    x_of_all.add(of_block[of_x]);
+    y_of_all.add(of_block[of_y]);
+    count += weight;
+  }
+  double const length_of_sum = std::sqrt(squared_length({x_of_all.value(), y_of_all.value()}));
+  centre_ = {length_of_sum / side, count};
   auto const length = estimate_from(length_);
   auto const squared_length = estimate_from(squared_length_);
   row[0] = length ? length->value : no_value;

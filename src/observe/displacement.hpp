@@ -8,6 +8,7 @@
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/observe/observable.hpp"
+#include "observe/id_blocks.hpp"
 #include "observe/id_index.hpp"
 
 namespace gridlock {
@@ -38,7 +39,7 @@ namespace gridlock {
 /// doi:10.1002/andp.19053220806.
 class Displacement final : public Observable {
  public:
-  static constexpr std::size_t agent_blocks = 16;
+  static constexpr std::size_t agent_blocks = IdBlocks::count;
 
   [[nodiscard]] Requirements requirements(Box const& box) const override;
   [[nodiscard]] std::vector<ColumnInfo> columns() const override;
@@ -56,6 +57,7 @@ class Displacement final : public Observable {
   };
 
   IdIndex rows_;
+  IdBlocks blocks_;
   std::vector<Site> sites_;
   std::array<Block, agent_blocks> length_{};          ///< Σ |u| of the last sample, in units of the side
   std::array<Block, agent_blocks> squared_length_{};  ///< Σ u² of the last sample

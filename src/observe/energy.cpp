@@ -1,5 +1,7 @@
 #include "observe/energy.hpp"
 
+#include "observe/motion.hpp"
+
 namespace gridlock {
 
 namespace {
@@ -12,12 +14,12 @@ constexpr std::size_t drift_column = 1;
 void Energy::begin(Snapshot const& start) {
   reset({{"kinetic_energy", "mass · length² / time²", "Total kinetic energy ½ Σ m v²."},
          {"kinetic_energy_drift", "", "Relative change of the kinetic energy since the start."}});
-  start_ = kinetic_energy(start.agents);
+  start_ = measured_kinetic_energy(start);
   last_ = start_;
 }
 
 void Energy::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {
-  last_ = kinetic_energy(now.agents);
+  last_ = measured_kinetic_energy(now);
   row[energy_column] = last_;
   row[drift_column] = has_drift() ? drift() : no_value;
   if (counts_for_average) average(energy_column, last_);

@@ -1,22 +1,30 @@
 #include "observe/id_index.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
+
+#include "gridlock/core/detail/rows_in_order.hpp"
 
 namespace gridlock {
 
-IdIndex::IdIndex(std::span<Id const> ids) {
+IdIndex::IdIndex(std::span<Id const> ids) : size_(ids.size()) {
   std::vector<Id> sorted(ids.begin(), ids.end());
-  std::ranges::sort(sorted);
-  take(std::move(sorted));
-}
-
-void IdIndex::take(std::vector<Id>&& sorted) {
-  size_ = sorted.size();
+  if (!std::ranges::is_sorted(ids)) {
+    std::vector<std::uint32_t> const rows = rows_in_order(ids);
+    place_of_row_.resize(size_);
+    for (std::uint32_t place = 0; place < rows.size(); ++place) {
+      sorted[place] = ids[rows[place]];
+      place_of_row_[rows[place]] = place;
+    }
+  }
   first_ = sorted.empty() ? 0 : sorted.front();
   bool const has_no_gap = sorted.empty() || sorted.back() - first_ == size_ - 1;
   sorted_ = has_no_gap ? std::vector<Id>() : std::move(sorted);
+}
+
+std::size_t IdIndex::count_below(Id id) const {
+  if (sorted_.empty()) return id <= first_ ? 0 : std::min<Id>(id - first_, size_);
+  return static_cast<std::size_t>(std::ranges::lower_bound(sorted_, id) - sorted_.begin());
 }
 
 std::size_t IdIndex::search(Id id) const {
@@ -25,16 +33,15 @@ std::size_t IdIndex::search(Id id) const {
 }
 
 void IdIndex::serialize(Archive& archive) {
-  std::vector<Id> ids = sorted_;
-  if (ids.empty()) {
-    ids.resize(size_);
-    std::iota(ids.begin(), ids.end(), first_);
-  }
-  archive.visit("ids", ids);
+  std::vector<Id> ids(size_);
+  for (std::size_t row = 0; row < size_; ++row) ids[row] = id_at(place_of_row(row));
+  archive.visit_rows("ids", ids);
+  if (!archive.is_restoring()) return;
+  std::vector<Id> sorted = ids;
+  std::ranges::sort(sorted);
   // No Id is given twice either: without gaps the last one would tell another number of Ids.
-  archive.require(std::ranges::adjacent_find(ids, std::ranges::greater_equal{}) == ids.end(),
-                  "the names are not in order");
-  take(std::move(ids));
+  archive.require(std::ranges::adjacent_find(sorted) == sorted.end(), "two agents have one name");
+  *this = IdIndex(ids);
 }
 
 }  // namespace gridlock

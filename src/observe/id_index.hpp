@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -12,7 +13,8 @@ namespace gridlock {
 /// The agents alive at one time, each with a fixed place in Id order, so that what was noted then can be compared
 /// with rows that have been reordered, born or removed since.
 /// Cost: one comparison where the Ids follow one another without a gap or a row is still in its place, O(log N)
-/// otherwise. Memory: 8 bytes an agent, none where the Ids follow one another, as those of a start do.
+/// otherwise. Memory: 8 bytes an agent, none where the Ids follow one another, as those of a start do; 4 bytes an agent more where
+/// the rows were not in Id order.
 class IdIndex {
  public:
   static constexpr std::size_t not_found = static_cast<std::size_t>(-1);
@@ -28,18 +30,25 @@ class IdIndex {
     return row < size_ && sorted_[row] == id ? row : search(id);
   }
 
-  /// Which of `blocks` runs of neighbouring Ids, equal in size to one agent, a place belongs to.
-  [[nodiscard]] std::size_t block_of(std::size_t place, std::size_t blocks) const { return place * blocks / size_; }
+  /// How many of the agents have a lower Id.
+  [[nodiscard]] std::size_t count_below(Id id) const;
 
+  /// The place of the agent that was in a row then.
+  [[nodiscard]] std::size_t place_of_row(std::size_t row) const {
+    return place_of_row_.empty() ? row : place_of_row_[row];
+  }
+
+  /// One Id for each row of then, in the order of the rows.
   void serialize(Archive& archive);
 
  private:
-  void take(std::vector<Id>&& sorted);
+  [[nodiscard]] Id id_at(std::size_t place) const { return sorted_.empty() ? first_ + place : sorted_[place]; }
   [[nodiscard]] std::size_t search(Id id) const;
 
   Id first_ = 0;
   std::size_t size_ = 0;
-  std::vector<Id> sorted_;  ///< empty where the Ids are first_, first_ + 1, …
+  std::vector<Id> sorted_;                   ///< empty where the Ids are first_, first_ + 1, …
+  std::vector<std::uint32_t> place_of_row_;  ///< empty where the rows were in Id order
 };
 
 }  // namespace gridlock

@@ -1,30 +1,35 @@
 #include "observe/pair_correlation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
 #include <utility>
 
-#include "grid/pairs.hpp"
+#include "gridlock/core/detail/exact_sum.hpp"
+#include "observe/region.hpp"
 
 namespace gridlock {
 
 namespace {
 
 /// The mean radius; of agents without one half the mean spacing √(A/N).
-double mean_radius(Box const& box, AgentsView const& agents) {
-  if (!agents.has<Radius>()) return 0.5 * std::sqrt(box.area() / static_cast<double>(agents.size()));
-  double sum = 0.0;
-  for (double const r : agents.column<Radius>()) sum += r;
-  return sum / static_cast<double>(agents.size());
+double mean_radius(Snapshot const& now) {
+  auto const count = static_cast<double>(now.count());
+  if (!now.agents.has<Radius>()) return 0.5 * std::sqrt(now.box.area() / count);
+  std::array<ExactSum, 1> sum;
+  sum[0].add(now.agents.column<Radius>());
+  now.add_up(sum);
+  return sum[0].value() / count;
 }
 
 /// The part of the box that centres can reach; absent for no agents and where the walls leave no area.
-std::optional<Box> domain_of_centres(Box const& box, AgentsView const& agents) {
-  if (agents.empty()) return std::nullopt;
-  if (box.is_periodic() || !agents.has<Radius>()) return box;
-  double const margin = 2.0 * mean_radius(box, agents);
+std::optional<Box> domain_of_centres(Snapshot const& now) {
+  Box const& box = now.box;
+  if (now.count() == 0) return std::nullopt;
+  if (box.is_periodic() || !now.agents.has<Radius>()) return box;
+  double const margin = 2.0 * mean_radius(now);
   double const width = box.width() - margin;
   double const height = box.height() - margin;
   return width > 0.0 && height > 0.0 ? std::optional(Box(width, height, Edge::wall)) : std::nullopt;
@@ -43,9 +48,9 @@ double probability_of_nearer_points(Box const& box, double r) {
 void PairCorrelation::begin(Snapshot const& start) {
   schedule_.reset();
   bin_width_ = 0.0;
-  if (auto const domain = domain_of_centres(start.box, start.agents)) {
+  if (auto const domain = domain_of_centres(start)) {
     double const most = 0.5 * std::min(domain->width(), domain->height());
-    bin_width_ = std::min(range_ * 2.0 * mean_radius(start.box, start.agents), most) / static_cast<double>(bins_);
+    bin_width_ = std::min(range_ * 2.0 * mean_radius(start), most) / static_cast<double>(bins_);
   }
   counts_.assign(bin_width_ > 0.0 ? bins_ : 0, 0);
   correlation_.assign(counts_.size(), {});
@@ -54,24 +59,26 @@ void PairCorrelation::begin(Snapshot const& start) {
 void PairCorrelation::sample(Snapshot const& now, std::span<double>, bool counts_for_average) {
   // There is no column to fill, so what does not count need not be measured.
   if (!schedule_.is_due(counts_for_average) || !counts_for_average || counts_.empty()) return;
-  auto const domain = domain_of_centres(now.box, now.agents);
+  auto const domain = domain_of_centres(now);
   double const range = bin_width_ * static_cast<double>(counts_.size());
-  auto const n = static_cast<double>(now.agents.size());
+  auto const n = static_cast<double>(now.count());
   // A box that has shrunk below the range, or lost its agents, has nothing to compare with.
   if (!domain || n < 2.0 || range > 0.5 * std::min(domain->width(), domain->height()) * (1.0 + 1e-12)) return;
 
   std::ranges::fill(counts_, 0);
-  PointsInBox const points{now.box, now.agents.column<X>(), now.agents.column<Y>()};
-  PackedGrid const grid(layout_for_cutoff(now.box, range, now.agents.size()), points.x, points.y);
-  for_each_pair(points, grid, range, [&](std::size_t, std::size_t, Vector separation) {
+  Region const region(now.box, now.agents, now.others, range);
+  // A pair of agents of two ranks is found by both.
+  std::size_t const own = region.own();
+  region.for_each_pair([&](std::size_t i, std::size_t j, Vector separation) {
     auto const bin = static_cast<std::size_t>(std::sqrt(squared_length(separation)) / bin_width_);
-    ++counts_[std::min(bin, counts_.size() - 1)];
+    counts_[std::min(bin, counts_.size() - 1)] += (i < own ? 1U : 0U) + (j < own ? 1U : 0U);
   });
+  now.add_up(counts_);
   double const pairs = 0.5 * n * (n - 1.0);
   for (std::size_t b = 0; b < counts_.size(); ++b) {
     double const expected = pairs * (probability_of_nearer_points(*domain, static_cast<double>(b + 1) * bin_width_) -
                                      probability_of_nearer_points(*domain, static_cast<double>(b) * bin_width_));
-    correlation_[b].add(static_cast<double>(counts_[b]) / expected);
+    correlation_[b].add(0.5 * static_cast<double>(counts_[b]) / expected);
   }
 }
 

@@ -54,8 +54,8 @@ class PairCorrelation final : public Observable {
   StructureSchedule schedule_;
   double range_;  ///< in mean diameters
   std::uint64_t bins_;
-  double bin_width_ = 0.0;  ///< 0 where g(r) is undefined
-  std::vector<std::uint64_t> counts_;
+  double bin_width_ = 0.0;             ///< 0 where g(r) is undefined
+  std::vector<std::uint64_t> counts_;  ///< of agents that have another one at such a distance: two a pair
   std::vector<BlockAverage> correlation_;
 };
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "core/temperature.hpp"
+#include "observe/motion.hpp"
 
 namespace gridlock {
 
@@ -55,8 +55,8 @@ void Pressure::sample(Snapshot const& now, std::span<double> row, bool counts_fo
     row[column] = value;
     if (counts_for_average) average(column, value, weight);
   };
-  if (auto const kt = temperature(now.box, now.agents)) {
-    double const thermal = static_cast<double>(now.agents.size()) * *kt;
+  if (auto const kt = measured_temperature(now)) {
+    double const thermal = static_cast<double>(now.count()) * *kt;
     set(virial_column, (thermal + 0.5 * virial / duration) / box.area(), duration);
     if (thermal > 0.0) set(compressibility_column, 1.0 + 0.5 * virial / (thermal * duration), thermal * duration);
   }

@@ -36,7 +36,7 @@ void Rates::sample(Snapshot const& now, std::span<double> row, bool counts_for_a
   auto const wall_hits = static_cast<double>(counters.all_wall_hits() - last_.all_wall_hits());
   auto const halted = static_cast<double>(counters.halted_moves - last_.halted_moves);
   auto const turns = static_cast<double>(counters.moves - last_.moves);
-  double const disk_time = static_cast<double>(now.agents.size()) * (now.clock.time - last_time_);
+  double const disk_time = static_cast<double>(now.count()) * (now.clock.time - last_time_);
   last_ = counters;
   last_time_ = now.clock.time;
 

@@ -1,10 +1,13 @@
 #include "observe/speed.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
-#include "core/temperature.hpp"
+#include "observe/exact_sums.hpp"
+#include "observe/motion.hpp"
 
 namespace gridlock {
 
@@ -13,21 +16,42 @@ namespace {
 constexpr std::size_t speed_column = 0;
 constexpr std::size_t ratio_column = 1;
 
+/// The different masses in rising order; where they are many, those to sixteen binary digits, which move Maxwell's curve by less than
+/// 1e-5 of itself: no rank is to have a mass for each agent.
+std::vector<CountedValue> masses_of(Snapshot const& now) {
+  constexpr std::size_t many = std::size_t{1} << 16U;
+  auto const column = now.agents.column<Mass>();
+  std::vector<double> masses(column.begin(), column.end());
+  std::ranges::sort(masses);
+  std::vector<CountedValue> counted;
+  for (double const mass : masses) add_counted(counted, {mass, 1});
+  auto const round = [&] {
+    std::vector<CountedValue> rounded;
+    for (auto const& [mass, agents] : counted) {
+      int exponent = 0;
+      double const fraction = std::frexp(mass, &exponent);
+      add_counted(rounded, {std::ldexp(std::round(fraction * 0x1p16), exponent - 16), agents});
+    }
+    counted = std::move(rounded);
+  };
+  std::array<std::uint64_t, 1> ranks_with_many{counted.size() > many ? 1U : 0U};
+  now.add_up(ranks_with_many);
+  if (ranks_with_many[0] > 0) round();
+  if (now.others != nullptr) counted = now.others->merge(std::move(counted));
+  if (ranks_with_many[0] == 0 && counted.size() > many) round();
+  return counted;
+}
+
 }  // namespace
 
 void Speed::begin(Snapshot const& start) {
   reset({{"mean_speed", "length / time", "Mean speed of the agents."},
          {"speed_moment_ratio", "", "⟨v⁴⟩/⟨v²⟩², with energies for unequal masses; 2 in thermal equilibrium."}});
-  AgentsView const& agents = start.agents;
-  auto const n = static_cast<double>(agents.size());
-  std::vector<double> masses(agents.column<Mass>().begin(), agents.column<Mass>().end());
-  std::ranges::sort(masses);
+  auto const n = static_cast<double>(start.count());
+  std::vector<CountedValue> const masses = masses_of(start);
   masses_.clear();
-  for (double const mass : masses) {
-    if (masses_.empty() || masses_.back().mass != mass) masses_.push_back({mass, 0.0});
-    masses_.back().share += 1.0 / n;
-  }
-  double const energy = kinetic_energy(agents);
+  for (auto const& [mass, agents] : masses) masses_.push_back({mass, static_cast<double>(agents) / n});
+  double const energy = measured_kinetic_energy(start);
   bin_width_ =
       energy > 0.0 ? range_ * std::sqrt(2.0 * energy / (n * masses_.front().mass)) / static_cast<double>(bins_) : 0.0;
   counts_.assign(bin_width_ > 0.0 ? bins_ : 0, 0);
@@ -37,26 +61,27 @@ void Speed::begin(Snapshot const& start) {
 
 void Speed::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {
   AgentsView const& agents = now.agents;
-  auto const n = static_cast<double>(agents.size());
+  auto const n = static_cast<double>(now.count());
   auto const mass = agents.column<Mass>();
   auto const velocity_x = agents.column<VelocityX>();
   auto const velocity_y = agents.column<VelocityY>();
   std::ranges::fill(counts_, 0);
   double const bins_per_speed = bin_width_ > 0.0 ? 1.0 / bin_width_ : 0.0;
   auto const bins = static_cast<double>(counts_.size());
-  double speeds = 0.0;
-  double energies = 0.0;  // twice the kinetic ones
-  double squared_energies = 0.0;
-  for (std::size_t i = 0; i < agents.size(); ++i) {
+  std::array<ExactSum, 3> sums;
+  add_terms(sums, agents.size(), [&](std::size_t i) {
     double const squared_speed = velocity_x[i] * velocity_x[i] + velocity_y[i] * velocity_y[i];
     double const speed = std::sqrt(squared_speed);
     double const energy = mass[i] * squared_speed;
-    speeds += speed;
-    energies += energy;
-    squared_energies += energy * energy;
     double const bin = speed * bins_per_speed;
     if (bin < bins) ++counts_[static_cast<std::size_t>(bin)];
-  }
+    return std::array{speed, energy, energy * energy};
+  });
+  now.add_up(sums);
+  now.add_up(counts_);
+  double const speeds = sums[0].value();
+  double const energies = sums[1].value();  // twice the kinetic ones
+  double const squared_energies = sums[2].value();
   bool const is_moving = energies > 0.0;
   row[speed_column] = n > 0.0 ? speeds / n : no_value;
   row[ratio_column] = is_moving ? n * squared_energies / (energies * energies) : no_value;
@@ -64,7 +89,7 @@ void Speed::sample(Snapshot const& now, std::span<double> row, bool counts_for_a
   average(speed_column, row[speed_column]);
   if (is_moving) average(ratio_column, row[ratio_column]);
   for (std::size_t b = 0; b < counts_.size(); ++b) shares_[b].add(static_cast<double>(counts_[b]) / n);
-  if (auto const kt = temperature(now.box, now.agents)) temperature_.add(*kt);
+  if (auto const kt = measured_temperature(now)) temperature_.add(*kt);
 }
 
 double Speed::maxwell_below(double v, double temperature) const {

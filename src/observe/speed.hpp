@@ -24,6 +24,7 @@ namespace gridlock {
 ///
 ///     f(v) = (1/N) Σ_i (m_i v / kT) exp(−m_i v² / 2kT)
 ///
+/// with m_i to 16 binary digits where more than 65,536 masses differ.
 /// Cost: one pass over the disks, one square root each.
 /// Source: J. C. Maxwell (1860), doi:10.1080/14786446008642818, here for two dimensions.
 class Speed final : public AveragingObservable {

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <optional>
 #include <utility>
+#include <vector>
+
+#include "observe/exact_sums.hpp"
 
 namespace gridlock {
 
@@ -14,6 +17,7 @@ std::vector<ColumnInfo> VelocityAutocorrelation::columns() const {
 void VelocityAutocorrelation::begin(Snapshot const&) {
   has_origin_ = false;
   rows_ = {};
+  blocks_.reset();
   velocities_.clear();
   curve_.clear();
   over_origins_.clear();
@@ -27,6 +31,7 @@ void VelocityAutocorrelation::set_origin(Snapshot const& now) {
   samples_since_origin_ = 0;
   origin_time_ = now.clock.time;
   rows_ = IdIndex(ids);
+  blocks_.reset();
   velocities_.assign(ids.size(), {});
   for (std::size_t i = 0; i < ids.size(); ++i) {
     velocities_[rows_.place_of(ids[i], i)] = {velocity_x[i], velocity_y[i]};
@@ -38,18 +43,23 @@ void VelocityAutocorrelation::sample(Snapshot const& now, std::span<double> row,
   if (!has_origin_ && !counts_for_average) return;
   bool const is_origin_due = !has_origin_ || (origin_every_ > 0 && samples_since_origin_ == origin_every_);
   if (is_origin_due) set_origin(now);
+  if (!blocks_) blocks_ = IdBlocks(now, rows_);
   std::size_t const point = samples_since_origin_++;
   auto const ids = now.agents.ids();
   auto const velocity_x = now.agents.column<VelocityX>();
   auto const velocity_y = now.agents.column<VelocityY>();
   // With the squares at the origin as weights, the ratio of sums is the normalised correlation.
-  std::array<Block, agent_blocks> blocks{};
+  SumsOfBlocks<agent_blocks, 2> terms;
   for (std::size_t i = 0; i < ids.size(); ++i) {
     std::size_t const place = rows_.place_of(ids[i], i);
     if (place == IdIndex::not_found) continue;
     Vector const then = velocities_[place];
-    blocks[rows_.block_of(place, agent_blocks)].add({dot(then, {velocity_x[i], velocity_y[i]}), squared_length(then)});
+    terms.add(blocks_->block_of(ids[i]), {dot(then, {velocity_x[i], velocity_y[i]}), squared_length(then)});
   }
+  std::vector<ExactSum> sums = terms.take_all();
+  now.add_up(sums);
+  std::array<Block, agent_blocks> blocks{};
+  for (std::size_t b = 0; b < agent_blocks; ++b) blocks[b] = {sums[2 * b].value(), sums[2 * b + 1].value()};
   auto const correlation = estimate_from(blocks);
   if (!correlation) return;
   row[0] = correlation->value;
@@ -85,17 +95,26 @@ std::vector<Distribution> VelocityAutocorrelation::distributions() const {
            .columns_of_values = {std::move(lag), std::move(correlation), std::move(error)}}};
 }
 
+void VelocityAutocorrelation::serialize_velocities(Archive& archive, char const* name, double Vector::*component) {
+  std::vector<double> values;
+  for (std::size_t row = 0; row < velocities_.size(); ++row) {
+    values.push_back(velocities_[rows_.place_of_row(row)].*component);
+  }
+  archive.visit_rows(name, values);
+  if (!archive.is_restoring()) return;
+  archive.require(values.size() == velocities_.size(), "not every agent has a velocity");
+  for (std::size_t row = 0; row < values.size(); ++row) velocities_[rows_.place_of_row(row)].*component = values[row];
+}
+
 void VelocityAutocorrelation::serialize(Archive& archive) {
   archive.visit("has_origin", has_origin_);
   archive.visit("samples_since_origin", samples_since_origin_);
   archive.visit("origin_time", origin_time_);
   serialize_inside(archive, "origin", [&] { rows_.serialize(archive); });
-  std::vector<double> velocities;
-  for (Vector const v : velocities_) velocities.insert(velocities.end(), {v.x, v.y});
-  archive.visit("velocities", velocities);
-  archive.require(velocities.size() == 2 * rows_.size(), "not every agent has a velocity");
-  velocities_.resize(rows_.size());
-  for (std::size_t k = 0; k < velocities_.size(); ++k) velocities_[k] = {velocities[2 * k], velocities[2 * k + 1]};
+  if (archive.is_restoring()) velocities_.resize(rows_.size());
+  serialize_velocities(archive, VelocityX::name, &Vector::x);
+  serialize_velocities(archive, VelocityY::name, &Vector::y);
+  if (archive.is_restoring()) blocks_.reset();
   // An error that is absent is written as NaN.
   std::vector<double> curve;
   for (auto const& [lag, correlation] : curve_) {

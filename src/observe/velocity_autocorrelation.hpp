@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "gridlock/core/vector.hpp"
 #include "gridlock/observe/estimate.hpp"
 #include "gridlock/observe/observable.hpp"
+#include "observe/id_blocks.hpp"
 #include "observe/id_index.hpp"
 
 namespace gridlock {
@@ -26,7 +28,7 @@ namespace gridlock {
 /// Source: B. J. Alder & T. E. Wainwright (1970), doi:10.1103/PhysRevA.1.18.
 class VelocityAutocorrelation final : public Observable {
  public:
-  static constexpr std::size_t agent_blocks = 16;
+  static constexpr std::size_t agent_blocks = IdBlocks::count;
 
   explicit VelocityAutocorrelation(std::uint64_t origin_every = 0) : origin_every_(origin_every) {}
 
@@ -42,6 +44,8 @@ class VelocityAutocorrelation final : public Observable {
 
  private:
   void set_origin(Snapshot const& now);
+  /// One component of each, in the order of the rows at the origin.
+  void serialize_velocities(Archive& archive, char const* name, double Vector::*component);
 
   struct Point {
     double lag;
@@ -54,6 +58,7 @@ class VelocityAutocorrelation final : public Observable {
   std::uint64_t samples_since_origin_ = 0;
   double origin_time_ = 0.0;
   IdIndex rows_;
+  std::optional<IdBlocks> blocks_;  ///< of the agents at the origin; absent when they have just been restored
   std::vector<Vector> velocities_;  ///< at the origin, in Id order
   std::vector<Point> curve_;
   std::vector<BlockAverage> over_origins_;  ///< of the points of the curve, where there is more than one origin

@@ -235,7 +235,7 @@ class Population {
   template <class Value>
   static void serialize(Archive& archive, char const* name, LargeArray<Value>& values) {
     std::vector<Value> plain(values.begin(), values.end());
-    archive.visit(name, plain);
+    archive.visit_rows(name, plain);
     if (archive.is_restoring()) values.assign(plain.begin(), plain.end());
   }
 

@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -29,20 +30,47 @@
 #include "gridlock/core/setting.hpp"
 #include "gridlock/core/world.hpp"
 #include "gridlock/engine/engine.hpp"
+#include "gridlock/observe/detail/other_agents.hpp"
 #include "gridlock/observe/estimate.hpp"
 
 namespace gridlock {
 
+/// What several observables measure of the velocities, see src/observe/motion.hpp.
+struct MeasuredMotion {
+  double kinetic_energy = 0.0;
+  std::optional<double> temperature;
+};
+
 /// What an observable sees of a world of any model: the agents now, and what happened since the start of the run.
+///
+/// Where the rows of a world are divided among ranks, each rank has a snapshot of its own rows, whose Ids stay the same, and of the
+/// `others`. All ranks begin, sample and restore the same observables together, and get the same numbers.
 struct Snapshot {
   template <class Model>
-  Snapshot(World<Model> const& world, Counters const& what_happened)
-      : box(world.box), clock(world.clock), agents(world.agents), counters(what_happened) {}
+  Snapshot(World<Model> const& world, Counters const& what_happened, OtherAgents const* agents_of_other_ranks = nullptr)
+      : box(world.box),
+        clock(world.clock),
+        agents(world.agents),
+        counters(what_happened),
+        others(agents_of_other_ranks) {}
+
+  /// How many agents there are, on all ranks.
+  [[nodiscard]] std::size_t count() const { return count_of_all(agents, others); }
+
+  /// Each number becomes the sum of those of all ranks; with one process it is that already.
+  void add_up(std::span<ExactSum> sums) const {
+    if (others != nullptr) others->add_up(sums);
+  }
+  void add_up(std::span<std::uint64_t> counts) const {
+    if (others != nullptr) others->add_up(counts);
+  }
 
   Box const& box;
   Clock clock;
   AgentsView agents;
-  Counters const& counters;
+  Counters const& counters;                           ///< of all ranks
+  OtherAgents const* others;                          ///< none in one process
+  mutable std::optional<MeasuredMotion> motion = {};  ///< kept for the next observable that asks
 };
 
 /// What a world must have for an observable to be defined.

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "io/checkpoint.hpp"
@@ -46,23 +48,24 @@ TEST(IdIndex, ComeBackFromACheckpointWithAndWithoutGaps) {
   }
 }
 
-TEST(IdIndex, BlocksAreConsecutiveAndEqualToOneAgent) {
-  for (std::size_t agents = 1; agents < 100; ++agents) {
-    std::vector<Id> ids(agents);
-    for (std::size_t i = 0; i < agents; ++i) ids[i] = i;
-    IdIndex const rows(ids);
-    std::vector<std::size_t> sizes(16, 0);
-    std::size_t previous = 0;
-    for (std::size_t place = 0; place < agents; ++place) {
-      std::size_t const block = rows.block_of(place, 16);
-      ASSERT_LT(block, 16U);
-      ASSERT_GE(block, previous);
-      previous = block;
-      ++sizes[block];
+TEST(IdIndex, KeepsTheOrderOfTheRowsInACheckpoint) {
+  for (std::vector<Id> const& ids : {std::vector<Id>{4, 5, 6}, {6, 4, 5}, {9, 4, 6}}) {
+    IdIndex saved(ids);
+    IdIndex restored;
+    from_checkpoint(to_checkpoint([&](Archive& archive) { saved.serialize(archive); }), "a",
+                    [&](Archive& archive) { restored.serialize(archive); });
+    for (std::size_t row = 0; row < ids.size(); ++row) {
+      EXPECT_EQ(saved.place_of_row(row), saved.place_of(ids[row], row));
+      EXPECT_EQ(restored.place_of_row(row), saved.place_of_row(row));
     }
-    for (std::size_t const size : sizes) {
-      ASSERT_GE(size, agents / 16) << agents;
-      ASSERT_LE(size, agents / 16 + 1) << agents;
+  }
+}
+
+TEST(IdIndex, CountsTheAgentsWithALowerId) {
+  for (std::vector<Id> const& ids : {std::vector<Id>{}, {4, 6, 5}, {4, 9, 6, (Id{1} << 32) | 3}}) {
+    IdIndex const rows(ids);
+    for (Id const id : {Id{0}, Id{3}, Id{4}, Id{5}, Id{6}, Id{7}, Id{100}, (Id{1} << 32) | 4, ~Id{0}}) {
+      EXPECT_EQ(rows.count_below(id), std::ranges::count_if(ids, [&](Id other) { return other < id; })) << id;
     }
   }
 }

@@ -184,7 +184,7 @@ class PackedGrid {
   }
 
   /// Calls visit(j) once for every agent nearer to p than `cutoff`, and for a few that are farther, in the order in
-  /// which for_each_in_block() comes to them.
+  /// which for_each_in_block() comes to them. Contract: the window, if there is one, holds that block, on the same side of the cell.
   template <class Visit>
   void for_each_candidate(Vector p, double cutoff, Visit visit) const;
 
@@ -378,6 +378,8 @@ void PackedGrid::for_each_candidate(Vector p, double cutoff, Visit visit) const 
   float const limit = local_limit(cutoff * cutoff, std::max(reach_columns, reach_rows));
   LocalPoint const inside = local(p, column, row);
   LocalPoint const here{place(inside.x), place(inside.y)};
+  bool const has_all_columns = window_.end_column - window_.first_column >= layout_.columns();
+  bool const has_all_rows = window_.end_row - window_.first_row >= layout_.rows();
   // Every agent of a block is written and only the count depends on who is near, see PairBuffer.
   std::array<std::uint32_t, 64> found;
   std::size_t count = 0;
@@ -388,7 +390,9 @@ void PackedGrid::for_each_candidate(Vector p, double cutoff, Visit visit) const 
   layout_.for_each_cell_seen_from(column, row, reach_columns, reach_rows, [&](CellLayout::CellSeen cell) {
     LocalPoint const seen{here.x - static_cast<float>(cell.to_the_right) * local_width_,
                           here.y - static_cast<float>(cell.up) * local_height_};
-    for (Block const* block = &block_at(cell.column, cell.row);; block = &blocks_[block->next]) {
+    int const seen_column = has_all_columns ? cell.column : column + cell.to_the_right;
+    int const seen_row = has_all_rows ? cell.row : row + cell.up;
+    for (Block const* block = &block_at(seen_column, seen_row);; block = &blocks_[block->next]) {
       unsigned const near = bits_of(is_near(*block, seen, limit));
       if (count + slots > found.size()) hand_out();
       for (std::size_t s = 0; s < slots; ++s) {

@@ -1,0 +1,180 @@
+#include "gridlock/core/detail/exact_sum.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace gridlock {
+
+namespace {
+
+/// Terms taken together in add(span).
+constexpr std::size_t batch = 256;
+
+/// Two numbers in one register of any processor: a compiler does not change the order of a sum by itself.
+using Double2 = double __attribute__((vector_size(16)));
+using Bits2 = std::int64_t __attribute__((vector_size(16)));
+
+inline Double2 two_at(double const* terms) {
+  Double2 result;
+  std::memcpy(&result, terms, sizeof result);
+  return result;
+}
+
+/// Σ |x|, rounded; not finite where a term is not.
+double sum_of_magnitudes(std::span<double const, batch> terms) {
+  Bits2 const magnitude_bits = Bits2{} + std::numeric_limits<std::int64_t>::max();
+  auto const magnitudes_at = [&](std::size_t k) {
+    return reinterpret_cast<Double2>(reinterpret_cast<Bits2>(two_at(&terms[k])) & magnitude_bits);
+  };
+  Double2 even{};
+  Double2 odd{};
+  for (std::size_t k = 0; k < batch; k += 4) {
+    even += magnitudes_at(k);
+    odd += magnitudes_at(k + 2);
+  }
+  Double2 const sum = even + odd;
+  return sum[0] + sum[1];
+}
+
+/// A term, or two at once, in three parts: its leading bits, those that follow, and the rest.
+template <class Number>
+struct Parts {
+  Number leading;
+  Number following;
+  Number rest;
+};
+
+/// The bits of x above the unit u = 2⁻⁵³σ are (σ + x) − σ, without error for |x| ≤ σ/2: a sum σ + x has no finer ones. All leading
+/// parts of a batch with Σ |x| ≤ σ/2 are multiples of u and together below σ, so that adding them is exact. What is left of each is
+/// at most u, and is taken apart in the same way.
+/// Source: S. M. Rump, T. Ogita & S. Oishi, Accurate floating-point summation (2008), doi:10.1137/050645671.
+template <class Number>
+inline Parts<Number> parts_of(Number x, double sigma, double next_sigma) {
+  Number const leading = (sigma + x) - sigma;
+  Number const left = x - leading;
+  Number const following = (next_sigma + left) - next_sigma;
+  return {leading, following, left - following};
+}
+
+/// Of a whole batch.
+struct SumsOfParts {
+  Double2 leading{};
+  Double2 following{};
+  Bits2 has_rest{};
+
+  void add(Double2 terms, double sigma, double next_sigma) {
+    Parts const parts = parts_of(terms, sigma, next_sigma);
+    leading += parts.leading;
+    following += parts.following;
+    has_rest |= parts.rest != 0.0;
+  }
+};
+
+}  // namespace
+
+void ExactSum::add(std::span<double const> terms) {
+  // 2⁻⁹⁷σ and its like stay normal numbers, and σ is finite.
+  constexpr double least = 1e-200;
+  constexpr double most = 1e300;
+  for (; terms.size() >= batch; terms = terms.subspan(batch)) {
+    auto const some = terms.first<batch>();
+    double const magnitude = sum_of_magnitudes(some);
+    if (magnitude == 0.0) continue;
+    if (!(magnitude > least && magnitude < most)) {
+      for (double const term : some) add(term);
+      continue;
+    }
+    double const sigma = std::ldexp(1.0, std::ilogb(magnitude) + 2);
+    // Twice the rests of a batch.
+    double const next_sigma = sigma * 0x1p-44;
+    SumsOfParts even;
+    SumsOfParts odd;
+    for (std::size_t k = 0; k < batch; k += 4) {
+      even.add(two_at(&some[k]), sigma, next_sigma);
+      odd.add(two_at(&some[k + 2]), sigma, next_sigma);
+    }
+    Double2 const leading = even.leading + odd.leading;
+    Double2 const following = even.following + odd.following;
+    add(leading[0] + leading[1]);
+    add(following[0] + following[1]);
+    Bits2 const has_rest = even.has_rest | odd.has_rest;
+    if ((has_rest[0] | has_rest[1]) == 0) continue;
+    for (double const term : some) add(parts_of(term, sigma, next_sigma).rest);
+  }
+  for (double const term : terms) add(term);
+}
+
+void ExactSum::add(ExactSum const& other) {
+  ExactSum carried = other;
+  carried.carry();
+  carry();
+  for (std::size_t k = 0; k < limbs; ++k) limbs_[k] += carried.limbs_[k];
+  carry();
+  has_positive_infinity_ = has_positive_infinity_ || other.has_positive_infinity_;
+  has_negative_infinity_ = has_negative_infinity_ || other.has_negative_infinity_;
+  has_nan_ = has_nan_ || other.has_nan_;
+}
+
+void ExactSum::add_rare(double term) {
+  if (std::isnan(term)) {
+    has_nan_ = true;
+  } else if (std::isinf(term)) {
+    (term > 0.0 ? has_positive_infinity_ : has_negative_infinity_) = true;
+  } else {
+    // Subnormal numbers have the unit of exponent 1; a zero adds nothing.
+    auto const bits = std::bit_cast<std::uint64_t>(term);
+    add_mantissa(bits & mantissa_mask, 1, sign_of(bits));
+  }
+}
+
+void ExactSum::carry() {
+  for (std::size_t k = 0; k + 1 < limbs; ++k) {
+    limbs_[k + 1] += limbs_[k] >> limb_bits;
+    limbs_[k] &= limb_mask;
+  }
+  terms_until_carry_ = terms_between_carries;
+}
+
+double ExactSum::value() const {
+  if (has_nan_ || (has_positive_infinity_ && has_negative_infinity_)) return std::numeric_limits<double>::quiet_NaN();
+  if (has_positive_infinity_) return std::numeric_limits<double>::infinity();
+  if (has_negative_infinity_) return -std::numeric_limits<double>::infinity();
+  ExactSum magnitude = *this;
+  magnitude.carry();
+  bool const is_negative = magnitude.limbs_.back() < 0;
+  if (is_negative) {
+    for (std::int64_t& limb : magnitude.limbs_) limb = -limb;
+    magnitude.carry();
+  }
+  auto const limb_at = [&](std::size_t k) {
+    return k < limbs ? static_cast<std::uint64_t>(magnitude.limbs_[k]) : std::uint64_t{0};
+  };
+  std::size_t top = limbs;
+  while (top > 0 && limb_at(top - 1) == 0) --top;
+  if (top == 0) return 0.0;
+  // The last limb begins above the largest double.
+  if (top == limbs)
+    return is_negative ? -std::numeric_limits<double>::infinity() : std::numeric_limits<double>::infinity();
+  // Bits are counted from that of 2⁻¹⁰⁷⁵, which is always 0: a subnormal number begins at bit 1.
+  std::size_t const bits = (top - 1) * limb_bits + static_cast<std::size_t>(std::bit_width(limb_at(top - 1)));
+  std::size_t const lowest = bits > mantissa_bits + 2 ? bits - (mantissa_bits + 1) : 1;
+  std::size_t const limb = lowest / limb_bits;
+  std::size_t const offset = lowest % limb_bits;
+  // Three limbs from the lowest bit on: 53 bits and more.
+  std::uint64_t mantissa = (limb_at(limb) | limb_at(limb + 1) << limb_bits) >> offset;
+  if (offset > 0) mantissa |= limb_at(limb + 2) << (64 - offset);
+  auto const is_set = [&](std::size_t bit) { return ((limb_at(bit / limb_bits) >> (bit % limb_bits)) & 1) != 0; };
+  if (is_set(lowest - 1)) {
+    bool is_above_half =
+        (limb_at((lowest - 1) / limb_bits) & ((std::uint64_t{1} << ((lowest - 1) % limb_bits)) - 1)) != 0;
+    for (std::size_t k = 0; k < (lowest - 1) / limb_bits; ++k) is_above_half = is_above_half || limb_at(k) != 0;
+    if (is_above_half || (mantissa & 1) != 0) ++mantissa;
+  }
+  // The mantissa and the power of two are exact, and only what is too large for a double becomes infinite.
+  double const value = std::ldexp(static_cast<double>(mantissa), static_cast<int>(lowest) - 1075);
+  return is_negative ? -value : value;
+}
+
+}  // namespace gridlock

@@ -1,0 +1,242 @@
+#include "gridlock/observe/detail/agents_on_ranks.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace gridlock {
+
+namespace {
+
+/// Merges what all ranks give, for all. Rank r gets what ranks r + 1, r + 2, r + 4 … have merged, as far as they are in its part of
+/// the tree, and gives it to the rank without its lowest bit; what is merged goes the same way back.
+///
+///     0 ◄─ 1    2 ◄─ 3        0 ◄─ 2        0 ◄─ 4
+template <class Merge>
+Ranks::Bytes merged_for_all(Ranks& ranks, Ranks::Bytes own, Merge merge) {
+  std::size_t const rank = ranks.rank();
+  std::size_t step = 1;
+  for (; step < ranks.count() && (rank & step) == 0; step *= 2) {
+    if (rank + step < ranks.count()) own = merge(std::move(own), ranks.receive(rank + step));
+  }
+  if (rank != 0) {
+    ranks.send(rank - step, std::move(own));
+    own = ranks.receive(rank - step);
+  }
+  while (step > 1) {
+    step /= 2;
+    if (rank + step < ranks.count()) ranks.send(rank + step, own);
+  }
+  return own;
+}
+
+template <class Number, class Add>
+void add_up_numbers(Ranks& ranks, std::span<Number> numbers, Add add) {
+  if (ranks.count() == 1 || numbers.empty()) return;
+  Ranks::Bytes const all =
+      merged_for_all(ranks, message_of_all(std::span<Number const>(numbers)),
+                     [&](Ranks::Bytes const& left, Ranks::Bytes const& right) {
+                       std::vector<Number> sums = MessageReader(left).next_values<Number>(numbers.size());
+                       std::vector<Number> const others = MessageReader(right).next_values<Number>(numbers.size());
+                       for (std::size_t k = 0; k < sums.size(); ++k) add(sums[k], others[k]);
+                       return message_of_all(std::span<Number const>(sums));
+                     });
+  MessageReader(all).read_into(numbers);
+}
+
+/// The rows of a layout, or its columns: whichever there are more of.
+class Lines {
+ public:
+  Lines(CellLayout const& layout, double cutoff)
+      : layout_(layout),
+        are_rows_(layout.rows() >= layout.columns()),
+        rim_(are_rows_ ? layout.rows_within(cutoff) : layout.columns_within(cutoff)) {}
+
+  [[nodiscard]] int count() const { return are_rows_ ? layout_.rows() : layout_.columns(); }
+  [[nodiscard]] int line_of(double x, double y) const { return are_rows_ ? layout_.row_of(y) : layout_.column_of(x); }
+  [[nodiscard]] int rim() const { return rim_; }
+
+  /// Lines begin … end − 1 with the rim around them.
+  [[nodiscard]] CellWindow window(int begin, int end) const {
+    CellWindow window{.first_column = 0, .end_column = layout_.columns(), .first_row = 0, .end_row = layout_.rows()};
+    if (are_rows_) {
+      window.first_row = begin - rim_;
+      window.end_row = end + rim_;
+    } else {
+      window.first_column = begin - rim_;
+      window.end_column = end + rim_;
+    }
+    return within(layout_, window);
+  }
+  /// The line beyond an edge, around a periodic box; −1 for none.
+  [[nodiscard]] int image(int line) const {
+    if (line >= 0 && line < count()) return line;
+    return layout_.is_periodic() ? (line + 2 * count()) % count() : -1;
+  }
+
+ private:
+  CellLayout const& layout_;
+  bool are_rows_;
+  int rim_;
+};
+
+/// Where the lines of each rank begin, and the end: each rank gets about as many points.
+std::vector<int> cuts_between(std::span<std::uint64_t const> points_of_lines, std::size_t ranks) {
+  std::uint64_t all = 0;
+  for (std::uint64_t const points : points_of_lines) all += points;
+  std::vector<int> cuts{0};
+  std::uint64_t before = 0;
+  for (std::size_t line = 0; line < points_of_lines.size(); ++line) {
+    // Rank k begins at the line in whose first half the k-th part of the points ends, or at the one after it.
+    while (cuts.size() < ranks && (2 * before + points_of_lines[line]) * ranks >= 2 * all * cuts.size()) {
+      cuts.push_back(static_cast<int>(line));
+    }
+    before += points_of_lines[line];
+  }
+  cuts.resize(ranks + 1, static_cast<int>(points_of_lines.size()));
+  return cuts;
+}
+
+/// Which lines each rank searches, and who needs to know the points of a line for it.
+class Slabs {
+ public:
+  Slabs(Lines const& lines, std::vector<int> cuts)
+      : cuts_(std::move(cuts)), ranks_around_(static_cast<std::size_t>(lines.count())) {
+    for (std::size_t rank = 0; rank + 1 < cuts_.size(); ++rank) {
+      if (cuts_[rank] == cuts_[rank + 1]) continue;
+      for (int k = 1; k <= lines.rim(); ++k) {
+        add_around(lines.image(cuts_[rank] - k), rank);
+        add_around(lines.image(cuts_[rank + 1] - 1 + k), rank);
+      }
+    }
+  }
+
+  [[nodiscard]] std::size_t owner(int line) const {
+    return static_cast<std::size_t>(std::ranges::upper_bound(cuts_, line) - cuts_.begin() - 1);
+  }
+  /// The ranks in whose rim a line lies.
+  [[nodiscard]] std::span<std::size_t const> ranks_around(int line) const {
+    return ranks_around_[static_cast<std::size_t>(line)];
+  }
+
+ private:
+  void add_around(int line, std::size_t rank) {
+    if (line < 0 || owner(line) == rank) return;
+    // A rim that meets itself on the other side of the box has a line once.
+    std::vector<std::size_t>& ranks = ranks_around_[static_cast<std::size_t>(line)];
+    if (ranks.empty() || ranks.back() != rank) ranks.push_back(rank);
+  }
+
+  std::vector<int> cuts_;
+  std::vector<std::vector<std::size_t>> ranks_around_;
+};
+
+/// x and y of points, one after the other: those of a slab and those of its rim.
+struct PointsForRank {
+  std::vector<double> own;
+  std::vector<double> rim;
+};
+
+/// Gives each rank its points, and returns those of this one.
+PointsForRank exchange(Ranks& ranks, std::vector<PointsForRank> points) {
+  // Most ranks have nothing for most others: all learn who sends to whom.
+  std::vector<std::uint64_t> receivers;
+  for (std::size_t rank = 0; rank < points.size(); ++rank) {
+    bool const has_points = !points[rank].own.empty() || !points[rank].rim.empty();
+    if (rank != ranks.rank() && has_points) receivers.push_back(rank);
+  }
+  std::vector<Ranks::Bytes> const receivers_of =
+      ranks.gather_for_all(message_of_all(std::span<std::uint64_t const>(receivers)));
+  for (std::uint64_t const rank : receivers) {
+    PointsForRank const sent = std::exchange(points[rank], {});
+    MessageWriter message;
+    message.add(std::uint64_t{sent.own.size()});
+    message.add_all(std::span<double const>(sent.own));
+    message.add_all(std::span<double const>(sent.rim));
+    ranks.send(rank, message.take());
+  }
+  PointsForRank mine = std::move(points[ranks.rank()]);
+  for (std::size_t rank = 0; rank < receivers_of.size(); ++rank) {
+    auto const to = MessageReader(receivers_of[rank]).rest<std::uint64_t>();
+    if (std::ranges::find(to, ranks.rank()) == to.end()) continue;
+    Ranks::Bytes const message = ranks.receive(rank);
+    MessageReader reader(message);
+    auto const own = reader.next_values<double>(reader.next<std::uint64_t>());
+    auto const rim = reader.rest<double>();
+    mine.own.insert(mine.own.end(), own.begin(), own.end());
+    mine.rim.insert(mine.rim.end(), rim.begin(), rim.end());
+  }
+  return mine;
+}
+
+}  // namespace
+
+AgentsOnRanks::AgentsOnRanks(Ranks& ranks, std::size_t own) : ranks_(ranks) {
+  std::vector<Ranks::Bytes> const counts = ranks.gather_for_all(message_of(std::uint64_t{own}));
+  for (std::size_t rank = 0; rank < counts.size(); ++rank) {
+    if (rank == ranks.rank()) first_row_ = count_;
+    count_ += MessageReader(counts[rank]).next<std::uint64_t>();
+  }
+}
+
+void AgentsOnRanks::add_up(std::span<ExactSum> sums) const {
+  add_up_numbers(ranks_, sums, [](ExactSum& sum, ExactSum const& other) { sum.add(other); });
+}
+
+void AgentsOnRanks::add_up(std::span<std::uint64_t> counts) const {
+  add_up_numbers(ranks_, counts, [](std::uint64_t& sum, std::uint64_t other) { sum += other; });
+}
+
+std::vector<CountedValue> AgentsOnRanks::merge(std::vector<CountedValue> values) const {
+  Ranks::Bytes const all =
+      merged_for_all(ranks_, message_of_all(std::span<CountedValue const>(values)),
+                     [](Ranks::Bytes const& left, Ranks::Bytes const& right) {
+                       std::vector<CountedValue> const first = MessageReader(left).rest<CountedValue>();
+                       std::vector<CountedValue> const second = MessageReader(right).rest<CountedValue>();
+                       std::vector<CountedValue> sorted;
+                       std::merge(first.begin(), first.end(), second.begin(), second.end(), std::back_inserter(sorted),
+                                  [](CountedValue const& a, CountedValue const& b) { return a.value < b.value; });
+                       std::vector<CountedValue> merged;
+                       for (CountedValue const& next : sorted) add_counted(merged, next);
+                       return message_of_all(std::span<CountedValue const>(merged));
+                     });
+  return MessageReader(all).rest<CountedValue>();
+}
+
+PointsOfCells AgentsOnRanks::points_of_cells(CellLayout const& layout, double cutoff, std::span<double const> x,
+                                             std::span<double const> y) const {
+  Lines const lines(layout, cutoff);
+  std::vector<int> line_of_point;
+  std::vector<std::uint64_t> points_of_lines(static_cast<std::size_t>(lines.count()));
+  line_of_point.reserve(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    line_of_point.push_back(lines.line_of(x[i], y[i]));
+    ++points_of_lines[static_cast<std::size_t>(line_of_point.back())];
+  }
+  add_up(points_of_lines);
+  std::vector<int> const cuts = cuts_between(points_of_lines, ranks_.count());
+
+  Slabs const slabs(lines, cuts);
+  std::vector<PointsForRank> for_ranks(ranks_.count());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    std::vector<double>& own = for_ranks[slabs.owner(line_of_point[i])].own;
+    own.insert(own.end(), {x[i], y[i]});
+    for (std::size_t const rank : slabs.ranks_around(line_of_point[i])) {
+      for_ranks[rank].rim.insert(for_ranks[rank].rim.end(), {x[i], y[i]});
+    }
+  }
+  PointsForRank const mine = exchange(ranks_, std::move(for_ranks));
+  PointsOfCells points{.x = {},
+                       .y = {},
+                       .own = mine.own.size() / 2,
+                       .window = lines.window(cuts[ranks_.rank()], cuts[ranks_.rank() + 1])};
+  for (std::vector<double> const* const some : {&mine.own, &mine.rim}) {
+    for (std::size_t k = 0; k < some->size(); k += 2) {
+      points.x.push_back((*some)[k]);
+      points.y.push_back((*some)[k + 1]);
+    }
+  }
+  return points;
+}
+
+}  // namespace gridlock

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "gridlock/core/population.hpp"
+#include "gridlock/observe/observable.hpp"
+#include "observe/id_index.hpp"
+
+namespace gridlock {
+
+/// Sixteen runs of neighbouring Ids, of all agents of all ranks in Id order, equal in size to one agent: the agent in place p of N is in
+/// run 16 p / N, rounded down.
+class IdBlocks {
+ public:
+  static constexpr std::size_t count = 16;  ///< a power of two
+
+  IdBlocks() = default;
+  /// Of the agents in an index, on ranks in those of all ranks, which make them together. Cost: 64 rounds of messages.
+  IdBlocks(Snapshot const& now, IdIndex const& index);
+
+  /// Of an agent in the index.
+  [[nodiscard]] std::size_t block_of(Id id) const {
+    // Bisection without branches, for Ids in no order.
+    std::size_t block = 0;
+    for (std::size_t step = count / 2; step > 0; step /= 2) block += first_[block + step] <= id ? step : 0;
+    return block;
+  }
+
+ private:
+  std::array<Id, count> first_{};  ///< the first Id of each block
+};
+
+}  // namespace gridlock

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "gridlock/core/agents_view.hpp"
+#include "gridlock/core/disks.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
+#include "gridlock/grid/detail/point_pairs.hpp"
+#include "gridlock/observe/detail/other_agents.hpp"
+
+namespace gridlock {
+
+/// The pairs of agents nearer than a cutoff: of all agents, or on ranks of those in a part of the box. Each agent is among the own
+/// ones of one rank, whose neighbours all are there. Contract: the agents have x and y; the cutoff is that of for_each_pair().
+class Region {
+ public:
+  Region(Box const& box, AgentsView const& agents, OtherAgents const* others, double cutoff)
+      : cutoff_(cutoff),
+        layout_(layout_for_cutoff(box, cutoff, count_of_all(agents, others))),
+        points_of_cells_(points_of_cells(agents, others)),
+        points_{box, points_of_cells_ ? points_of_cells_->x : agents.column<X>(),
+                points_of_cells_ ? points_of_cells_->y : agents.column<Y>()},
+        own_(points_of_cells_ ? points_of_cells_->own : points_.x.size()),
+        grid_(make_grid()) {}
+  Region(Region const&) = delete;
+  Region& operator=(Region const&) = delete;
+
+  /// Agents 0 … own() − 1 are the own ones, those up to size() around them.
+  [[nodiscard]] std::size_t own() const { return own_; }
+  [[nodiscard]] std::size_t size() const { return points_.x.size(); }
+
+  /// Calls visit(i, j, separation) once for every pair with an own agent, separation = r_j − r_i.
+  template <class Visit>
+  void for_each_pair(Visit visit) const {
+    if (!points_of_cells_) {
+      gridlock::for_each_pair(points_, grid_, cutoff_, std::move(visit));
+      return;
+    }
+    for (std::size_t i = 0; i < own_; ++i) {
+      for_each_neighbour(points_, grid_, cutoff_, points_[i], [&](std::size_t j, Vector separation) {
+        if (j > i) visit(i, j, separation);
+      });
+    }
+  }
+
+ private:
+  [[nodiscard]] std::optional<PointsOfCells> points_of_cells(AgentsView const& agents,
+                                                             OtherAgents const* others) const {
+    if (others == nullptr) return std::nullopt;
+    return others->points_of_cells(layout_, cutoff_, agents.column<X>(), agents.column<Y>());
+  }
+  [[nodiscard]] PackedGrid make_grid() const {
+    if (!points_of_cells_) return {layout_, points_.x, points_.y};
+    PackedGrid grid(layout_, points_of_cells_->window, size());
+    for (std::size_t i = 0; i < size(); ++i) grid.insert(i, points_[i]);
+    return grid;
+  }
+
+  double cutoff_;
+  CellLayout layout_;
+  std::optional<PointsOfCells> points_of_cells_;  ///< on ranks
+  PointsInBox points_;
+  std::size_t own_;
+  PackedGrid grid_;
+};
+
+}  // namespace gridlock
