@@ -4,7 +4,6 @@
 #include <type_traits>
 
 #include "column_lender.hpp"
-#include "gridlock/core/detail/rows_in_order.hpp"
 
 namespace gridlock::python {
 
@@ -90,20 +89,6 @@ std::vector<NamedColumn> AgentTable::columns() {
     std::visit([&](auto& values) { columns.push_back({column.name, std::span(values)}); }, column.values);
   }
   return columns;
-}
-
-Frame AgentTable::frame(Box const& box, Clock const& clock, std::uint64_t seed) const {
-  Frame frame = gridlock::frame_of(box, clock, seed, places_);
-  std::vector<std::uint32_t> const rows = rows_in_order(ids());
-  for (TableColumn const& column : others_) {
-    std::visit(
-        [&](auto const& values) {
-          auto const ordered = gathered(values, rows);
-          frame.columns.push_back({column.name, std::vector(ordered.begin(), ordered.end())});
-        },
-        column.values);
-  }
-  return frame;
 }
 
 std::uint64_t AgentTable::hash(Box const& box, Clock const& clock, std::uint64_t seed) const {

@@ -13,7 +13,6 @@
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/disks.hpp"
-#include "gridlock/core/frame.hpp"
 #include "gridlock/core/population.hpp"
 #include "gridlock/core/world.hpp"
 
@@ -56,7 +55,6 @@ class AgentTable {
 
   [[nodiscard]] AgentsView view() const;
   [[nodiscard]] std::vector<NamedColumn> columns();
-  [[nodiscard]] Frame frame(Box const& box, Clock const& clock, std::uint64_t seed) const;
   [[nodiscard]] std::uint64_t hash(Box const& box, Clock const& clock, std::uint64_t seed) const;
   void serialize(Archive& archive);
   [[nodiscard]] std::shared_ptr<void> release();
@@ -72,9 +70,6 @@ class AgentTable {
 
 // What a World asks of its agents.
 inline std::vector<NamedColumn> columns_of(AgentTable& agents) { return agents.columns(); }
-inline Frame frame_of(Box const& box, Clock const& clock, std::uint64_t seed, AgentTable const& agents) {
-  return agents.frame(box, clock, seed);
-}
 inline std::uint64_t hash(Box const& box, Clock const& clock, std::uint64_t seed, AgentTable const& agents) {
   return agents.hash(box, clock, seed);
 }

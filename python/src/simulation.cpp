@@ -277,7 +277,7 @@ class PythonSimulation {
   void write_state(std::string const& path) {
     Use const use(*this);
     check_changes();
-    write_xyz(simulation().frame(), path);
+    write_xyz(*simulation().frame_source(), path);
   }
 
  private:

@@ -1,51 +1,41 @@
 #include "io/checkpoint.hpp"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
-#include <xxhash.h>
 
-#include <array>
+#include <algorithm>
 #include <bit>
-#include <cstdint>
-#include <cstring>
-#include <map>
-#include <memory>
-#include <type_traits>
+#include <cassert>
+#include <cctype>
+#include <set>
 #include <utility>
-#include <variant>
-#include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "io/checkpoint_file.hpp"
 #include "io/file.hpp"
 
 namespace gridlock {
 
 namespace {
 
-using Json = nlohmann::json;
-using Bytes = std::vector<std::uint8_t>;
-
-constexpr std::string_view magic = "GRIDLOCK";
-constexpr std::uint32_t format_version = 4;
-constexpr std::size_t checksum_offset = 16;
-constexpr std::size_t header_size = 32;
-/// A million disks need about 80 MB.
-constexpr std::uint64_t largest_checkpoint = std::uint64_t{1} << 36;
+namespace fs = std::filesystem;
+using Kind = checkpoint::File::Kind;
 
 constexpr char const* newest_name = "checkpoint.gridlock";
 constexpr char const* previous_name = "checkpoint.previous.gridlock";
+constexpr std::string_view part_prefix = "checkpoint.part.";
+constexpr std::string_view part_suffix = ".gridlock";
 
-static_assert(std::endian::native == std::endian::little,
-              "the lists of a checkpoint are written as they lie in memory");
+/// The member that lists the parts of a checkpoint: rows and checksum of each.
+constexpr char const* parts_member = "parts";
+constexpr std::size_t numbers_per_part = 3;
 
-/// What kind of numbers a list holds: the first byte of its value.
-template <class Number>
-constexpr std::uint8_t letter_of() {
-  if constexpr (std::is_same_v<Number, double>) return 'd';
-  if constexpr (std::is_same_v<Number, std::int32_t>) return 'i';
-  if constexpr (std::is_same_v<Number, std::uint32_t>) return 'u';
-  return 'q';
+char in_parts(char letter) { return static_cast<char>(std::toupper(static_cast<unsigned char>(letter))); }
+
+std::string name_of_part(std::size_t rank, CheckpointPart const& part) {
+  return fmt::format("{}{}.{:016x}{:016x}{}", part_prefix, rank, part.checksum[1], part.checksum[0], part_suffix);
 }
+
+bool is_name_of_part(std::string_view name) { return name.starts_with(part_prefix) && name.ends_with(part_suffix); }
 
 /// Names members by the path to them, so that the file is a map without maps in it.
 class NamedArchive : public Archive {
@@ -62,9 +52,14 @@ class NamedArchive : public Archive {
   std::vector<std::string> path_;
 };
 
-/// The members, each as its bytes in CBOR, in the order of their names.
+/// What goes into a file.
+enum class Saved { everything, rows, all_but_rows };
+
 class SavingArchive final : public NamedArchive {
  public:
+  explicit SavingArchive(Saved saved) : saved_(saved) {}
+
+  [[nodiscard]] checkpoint::Members& members() { return members_; }
   [[nodiscard]] bool is_restoring() const override { return false; }
   void visit(std::string_view name, bool& value) override { save(name, value); }
   /// As the bits it has, since CBOR keeps one kind of NaN only.
@@ -75,281 +70,308 @@ class SavingArchive final : public NamedArchive {
   void visit(std::string_view name, std::vector<std::int32_t>& values) override { save_list(name, values); }
   void visit(std::string_view name, std::vector<std::uint32_t>& values) override { save_list(name, values); }
   void visit(std::string_view name, std::vector<std::uint64_t>& values) override { save_list(name, values); }
+  void visit_rows(std::string_view name, std::vector<double>& values) override { save_rows(name, values); }
+  void visit_rows(std::string_view name, std::vector<std::int32_t>& values) override { save_rows(name, values); }
+  void visit_rows(std::string_view name, std::vector<std::uint32_t>& values) override { save_rows(name, values); }
+  void visit_rows(std::string_view name, std::vector<std::uint64_t>& values) override { save_rows(name, values); }
 
-  /// Calls take(text) for all parts of the checkpoint, in their order.
-  template <class Take>
-  void for_each_part(Take take) const {
-    take(map_head(members_.size()));
-    for (auto const& [name, value] : members_) {
-      take(in_cbor(name));
-      take(value);
+ private:
+  template <class Value>
+  void save(std::string_view name, Value const& value) {
+    if (saved_ != Saved::rows) members_.add(full(name), value);
+  }
+  template <class Number>
+  void save_list(std::string_view name, std::vector<Number> const& values) {
+    if (saved_ != Saved::rows) members_.add_list(full(name), values);
+  }
+  template <class Number>
+  void save_rows(std::string_view name, std::vector<Number> const& values) {
+    if (saved_ == Saved::all_but_rows) {
+      members_.add_bytes(full(name), in_parts(checkpoint::letter_of<Number>()), {});
+    } else {
+      members_.add_list(full(name), values);
     }
   }
 
- private:
-  static std::string in_cbor(Json const& value) {
-    std::string bytes;
-    Json::to_cbor(value, bytes);
-    return bytes;
-  }
-
-  /// What CBOR puts before that many pairs of a name and a value: the length in as few bytes as hold it.
-  static std::string map_head(std::uint64_t pairs) {
-    constexpr unsigned char map_of_length_0 = 0xA0;
-    // A whole number differs from the head of a map only in the three bits that tell their kinds.
-    std::string head = in_cbor(Json(pairs));
-    head[0] = static_cast<char>(static_cast<unsigned char>(head[0]) | map_of_length_0);
-    return head;
-  }
-
-  void save(std::string_view name, Json const& value) { members_[full(name)] = in_cbor(value); }
-
-  template <class Number>
-  void save_list(std::string_view name, std::vector<Number> const& values) {
-    Bytes bytes(1 + values.size() * sizeof(Number));
-    bytes[0] = letter_of<Number>();
-    if (!values.empty()) std::memcpy(bytes.data() + 1, values.data(), values.size() * sizeof(Number));
-    save(name, Json::binary(std::move(bytes)));
-  }
-
-  std::map<std::string, std::string> members_;
+  Saved saved_;
+  checkpoint::Members members_;
 };
 
-using Member = std::variant<bool, std::uint64_t, std::string, Bytes>;
-
-/// Whether the bytes begin with one flat map as it is written here: names, numbers, truths, strings and bytes of known
-/// lengths (RFC 8949). Anything deeper, pieces of strings inside pieces too, is followed by the library call by call, and
-/// would exhaust the stack. Cost: one look at each member.
-bool is_flat_map(std::string_view cbor) {
-  enum Kind : unsigned { whole_number = 0, bytes = 2, text = 3, map = 5, simple = 7 };
-  struct Head {
-    unsigned kind;
-    std::uint64_t argument;
-  };
-  std::size_t at = 0;
-  auto const take_head = [&]() -> std::optional<Head> {
-    if (at == cbor.size()) return std::nullopt;
-    unsigned const first = static_cast<unsigned char>(cbor[at++]);
-    unsigned const info = first & 31U;
-    if (info < 24) return Head{first >> 5, info};
-    if (info > 27) return std::nullopt;
-    std::size_t const length = std::size_t{1} << (info - 24);
-    if (cbor.size() - at < length) return std::nullopt;
-    std::uint64_t argument = 0;
-    for (std::size_t k = 0; k < length; ++k) argument = argument << 8 | static_cast<unsigned char>(cbor[at++]);
-    return Head{first >> 5, argument};
-  };
-  auto const skip_item = [&] {
-    auto const head = take_head();
-    if (!head) return false;
-    if (head->kind == whole_number || head->kind == simple) return true;
-    if ((head->kind != bytes && head->kind != text) || cbor.size() - at < head->argument) return false;
-    at += head->argument;
-    return true;
-  };
-  auto const outer = take_head();
-  if (!outer || outer->kind != map) return false;
-  for (std::uint64_t n = 0; n < outer->argument; ++n) {
-    bool const has_name = skip_item();
-    bool const has_value = has_name && skip_item();
-    if (!has_value) return false;
+/// The parts that a checkpoint names, in the order of the ranks; none where it has its rows itself.
+std::vector<CheckpointPart> parts_of(checkpoint::File const& file) {
+  if (file.version() == checkpoint::whole_version) return {};
+  std::vector<CheckpointPart> parts;
+  try {
+    checkpoint::File::Place const& list = file.at(parts_member, Kind::list);
+    std::vector<std::uint64_t> numbers(file.count<std::uint64_t>(list));
+    file.read(list, 0, std::span(numbers));
+    for (std::size_t k = 0; k + numbers_per_part <= numbers.size(); k += numbers_per_part) {
+      parts.push_back({.rows = numbers[k], .checksum = {numbers[k + 1], numbers[k + 2]}});
+    }
+  } catch (Error const& error) {
+    checkpoint::refuse(file.name(), error.problems().front().what, error.problems().front().hint);
   }
-  return true;
+  return parts;
 }
 
-/// Reads a flat map of members.
-class MemberReader final : public nlohmann::json_sax<Json> {
- public:
-  std::map<std::string, Member> members;
-
-  bool null() override { return false; }
-  bool boolean(bool value) override { return add(value); }
-  bool number_integer(number_integer_t) override { return false; }
-  bool number_unsigned(number_unsigned_t value) override { return add(std::uint64_t{value}); }
-  bool number_float(number_float_t, string_t const&) override { return false; }
-  bool string(string_t& value) override { return add(std::move(value)); }
-  bool binary(binary_t& value) override { return add(Bytes(std::move(value))); }
-  bool start_object(std::size_t) override { return !std::exchange(is_inside_, true); }
-  bool key(string_t& name) override {
-    key_ = std::move(name);
-    return true;
-  }
-  bool end_object() override { return true; }
-  bool start_array(std::size_t) override { return false; }
-  bool end_array() override { return false; }
-  bool parse_error(std::size_t, std::string const&, nlohmann::detail::exception const&) override { return false; }
-
- private:
-  bool add(Member&& value) { return is_inside_ && members.try_emplace(key_, std::move(value)).second; }
-
-  bool is_inside_ = false;
-  std::string key_;
+/// A file whose list of rows is a run of the rows of the whole, and what of it one process has.
+struct Piece {
+  checkpoint::File file;
+  std::uint64_t rows;   ///< in the file
+  std::uint64_t first;  ///< of these is the first that the process has
+  std::uint64_t count;
 };
+
+checkpoint::File opened_part(fs::path const& path, CheckpointPart const& part) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) checkpoint::refuse(path.string(), "it is missing", checkpoint::again_hint);
+  checkpoint::File file(checkpoint::bytes_of_file(path));
+  if (file.checksum() != part.checksum) {
+    checkpoint::refuse(path.string(), "it is a part of another checkpoint", checkpoint::again_hint);
+  }
+  return file;
+}
+
+/// The parts that have rows of the share. Errors: Error naming the file that is missing or damaged.
+std::vector<Piece> pieces_of(checkpoint::File const& file, fs::path const& directory, CheckpointShare const& share) {
+  std::vector<Piece> pieces;
+  std::uint64_t begin = 0;
+  std::vector<CheckpointPart> const parts = parts_of(file);
+  for (std::size_t rank = 0; rank < parts.size(); ++rank) {
+    std::uint64_t const end = begin + parts[rank].rows;
+    std::uint64_t const first = std::max(begin, share.first_row);
+    std::uint64_t const last = std::min(end, share.end_row);
+    if (first < last) {
+      pieces.push_back({.file = opened_part(directory / name_of_part(rank, parts[rank]), parts[rank]),
+                        .rows = parts[rank].rows,
+                        .first = first - begin,
+                        .count = last - first});
+    }
+    begin = end;
+  }
+  bool const has_end = share.rank + 1 == share.count && share.end_row != CheckpointShare::all_rows;
+  std::uint64_t const least = share.end_row == CheckpointShare::all_rows ? share.first_row : share.end_row;
+  if (!parts.empty() && (begin < least || (has_end && begin > least))) {
+    checkpoint::refuse(file.name(), fmt::format("its parts have {} rows, and this run has others", begin),
+                       "it was written for another configuration");
+  }
+  return pieces;
+}
 
 class RestoringArchive final : public NamedArchive {
  public:
-  explicit RestoringArchive(std::map<std::string, Member> members) : members_(std::move(members)) {}
+  RestoringArchive(checkpoint::File const& file, std::vector<Piece> const& pieces, CheckpointShare const& share)
+      : file_(file), pieces_(pieces), share_(share) {}
 
   [[nodiscard]] bool is_restoring() const override { return true; }
-  void visit(std::string_view name, bool& value) override { value = get<bool>(name); }
-  void visit(std::string_view name, double& value) override { value = std::bit_cast<double>(get<std::uint64_t>(name)); }
-  void visit(std::string_view name, std::uint64_t& value) override { value = get<std::uint64_t>(name); }
-  void visit(std::string_view name, std::string& value) override { value = get<std::string>(name); }
+  void visit(std::string_view name, bool& value) override { value = file_.at(full(name), Kind::truth).number != 0; }
+  void visit(std::string_view name, double& value) override { value = std::bit_cast<double>(number(name)); }
+  void visit(std::string_view name, std::uint64_t& value) override { value = number(name); }
+  void visit(std::string_view name, std::string& value) override {
+    value = file_.text(file_.at(full(name), Kind::text));
+  }
   void visit(std::string_view name, std::vector<double>& values) override { restore(name, values); }
   void visit(std::string_view name, std::vector<std::int32_t>& values) override { restore(name, values); }
   void visit(std::string_view name, std::vector<std::uint32_t>& values) override { restore(name, values); }
   void visit(std::string_view name, std::vector<std::uint64_t>& values) override { restore(name, values); }
+  void visit_rows(std::string_view name, std::vector<double>& values) override { restore_rows(name, values); }
+  void visit_rows(std::string_view name, std::vector<std::int32_t>& values) override { restore_rows(name, values); }
+  void visit_rows(std::string_view name, std::vector<std::uint32_t>& values) override { restore_rows(name, values); }
+  void visit_rows(std::string_view name, std::vector<std::uint64_t>& values) override { restore_rows(name, values); }
 
  private:
-  template <class Value>
-  Value const& get(std::string_view name) const {
-    auto const found = members_.find(full(name));
-    Value const* const value = found == members_.end() ? nullptr : std::get_if<Value>(&found->second);
-    if (value == nullptr) {
-      throw Error({.what = fmt::format("it does not hold \"{}\"", full(name)),
-                   .hint = "it was written by another version, or for another configuration"});
-    }
-    return *value;
-  }
+  [[nodiscard]] std::uint64_t number(std::string_view name) const { return file_.at(full(name), Kind::number).number; }
 
   template <class Number>
   void restore(std::string_view name, std::vector<Number>& values) const {
-    Bytes const& bytes = get<Bytes>(name);
-    require(!bytes.empty() && bytes[0] == letter_of<Number>() && (bytes.size() - 1) % sizeof(Number) == 0,
-            "a list holds numbers of another kind");
-    values.resize((bytes.size() - 1) / sizeof(Number));
-    if (!values.empty()) std::memcpy(values.data(), bytes.data() + 1, bytes.size() - 1);
+    checkpoint::File::Place const& list = file_.at(full(name), Kind::list);
+    values.resize(file_.count<Number>(list));
+    file_.read(list, 0, std::span(values));
   }
 
-  std::map<std::string, Member> members_;
+  template <class Number>
+  void restore_rows(std::string_view name, std::vector<Number>& values) const {
+    checkpoint::File::Place const& list = file_.at(full(name), Kind::list);
+    bool const is_in_parts = file_.version() == checkpoint::version_of_parts;
+    if (is_in_parts && file_.letter(list) == in_parts(checkpoint::letter_of<Number>())) {
+      return restore_from_pieces(name, values);
+    }
+    std::uint64_t const count = file_.count<Number>(list);
+    bool const is_empty = count == 0;
+    std::uint64_t const first = is_empty ? 0 : share_.first_row;
+    std::uint64_t const end = share_.end_row == CheckpointShare::all_rows || is_empty ? count : share_.end_row;
+    bool const is_last = share_.rank + 1 == share_.count;
+    require(first <= end && end <= count && (is_empty || !is_last || end == count),
+            "a list has not a value for each agent");
+    values.resize(end - first);
+    file_.read(list, first, std::span(values));
+  }
+
+  /// A list that is empty in all parts was empty.
+  template <class Number>
+  void restore_from_pieces(std::string_view name, std::vector<Number>& values) const {
+    std::string const member = full(name);
+    values.clear();
+    std::uint64_t rows = 0;
+    for (Piece const& piece : pieces_) {
+      checkpoint::File::Place const& list = piece.file.at(member, Kind::list);
+      std::uint64_t const count = piece.file.count<Number>(list);
+      if (count != piece.rows && count != 0) {
+        throw Error({.what = fmt::format("its part {} has {} values of \"{}\" for {} rows", piece.file.name(), count,
+                                         member, piece.rows),
+                     .hint = checkpoint::again_hint});
+      }
+      rows += piece.count;
+      if (count == 0) continue;
+      std::size_t const had = values.size();
+      values.resize(had + piece.count);
+      piece.file.read(list, piece.first, std::span(values).subspan(had));
+    }
+    require(values.empty() || values.size() == rows, "a list has not a value for each agent");
+  }
+
+  checkpoint::File const& file_;
+  std::vector<Piece> const& pieces_;
+  CheckpointShare const& share_;
 };
 
-/// XXH3 of 128 bits over text that comes in parts.
-class Checksum {
- public:
-  Checksum() : state_(XXH3_createState(), &XXH3_freeState) { XXH3_128bits_reset(state_.get()); }
-  void add(std::string_view text) { XXH3_128bits_update(state_.get(), text.data(), text.size()); }
-  [[nodiscard]] std::string bytes() const {
-    XXH128_canonical_t canonical;
-    XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(state_.get()));
-    return {reinterpret_cast<char const*>(canonical.digest), sizeof canonical.digest};
+void restore_from(checkpoint::File const& file, std::vector<Piece> const& pieces, CheckpointShare const& share,
+                  SerializeAll const& serialize) {
+  RestoringArchive archive(file, pieces, share);
+  try {
+    serialize(archive);
+  } catch (Error const& error) {
+    checkpoint::refuse(file.name(), error.problems().front().what, error.problems().front().hint);
   }
-
- private:
-  std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state_;
-};
-
-std::string checksum_of(std::string_view payload) {
-  Checksum checksum;
-  checksum.add(payload);
-  return checksum.bytes();
 }
 
-/// Calls take(text) for the parts of a checkpoint of everything `serialize` visits, one after the other.
-template <class Take>
-void save_in_parts(SerializeAll const& serialize, Take take) {
-  SavingArchive archive;
-  serialize(archive);
-  Checksum checksum;
-  archive.for_each_part([&](std::string_view part) { checksum.add(part); });
-  std::string header(magic);
-  header.resize(checksum_offset, '\0');
-  std::memcpy(header.data() + magic.size(), &format_version, sizeof format_version);
-  take(header + checksum.bytes());
-  archive.for_each_part(take);
+void append_to(AtomicFile& file, std::uint32_t version, checkpoint::Members const& members) {
+  members.write(version, [&](std::string_view piece) { file.append(piece); });
 }
 
-[[noreturn]] void refuse(std::string const& name, std::string const& why, std::string hint) {
-  throw Error(
-      {.what = fmt::format("cannot use the checkpoint {}: {}", name, why), .hint = std::move(hint), .file = name});
+std::vector<fs::path> part_files(fs::path const& directory) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  fs::directory_iterator entry(directory, error);
+  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    if (is_name_of_part(entry->path().filename().string())) files.push_back(entry->path());
+  }
+  return files;
 }
 
-constexpr char const* again_hint = "put back a copy of the file, or start the run again with --overwrite";
-
-/// What follows the header, once header and checksum have been found right.
-std::string_view payload_of(std::string_view bytes, std::string const& name) {
-  if (bytes.size() < header_size || !bytes.starts_with(magic)) {
-    refuse(name, "it is not a checkpoint, or only the beginning of one", again_hint);
+/// Removes the parts that no checkpoint of the directory has. While it cannot be told which these are, all stay.
+void remove_unneeded_parts(fs::path const& directory) {
+  std::vector<fs::path> const files = part_files(directory);
+  if (files.empty()) return;
+  std::set<std::string> needed;
+  std::error_code ignored;
+  try {
+    for (char const* name : {newest_name, previous_name}) {
+      if (!fs::exists(directory / name, ignored)) continue;
+      std::vector<CheckpointPart> const parts = parts_of(checkpoint::File(checkpoint::bytes_of_file(directory / name)));
+      for (std::size_t rank = 0; rank < parts.size(); ++rank) needed.insert(name_of_part(rank, parts[rank]));
+    }
+  } catch (Error const&) {
+    return;
   }
-  std::uint32_t version = 0;
-  std::memcpy(&version, bytes.data() + magic.size(), sizeof version);
-  if (version != format_version) {
-    refuse(name, fmt::format("it has format {}, and this version of gridlock reads format {}", version, format_version),
-           "resume with the version that wrote it, or start the run again");
+  for (fs::path const& file : files) {
+    if (!needed.contains(file.filename().string())) fs::remove(file, ignored);
   }
-  std::string_view const payload = bytes.substr(header_size);
-  if (checksum_of(payload) != bytes.substr(checksum_offset, header_size - checksum_offset)) {
-    refuse(name, "it is damaged: its checksum is wrong", again_hint);
-  }
-  return payload;
 }
 
 }  // namespace
 
 std::string to_checkpoint(SerializeAll const& serialize) {
+  SavingArchive archive(Saved::everything);
+  serialize(archive);
   std::string bytes;
-  save_in_parts(serialize, [&](std::string_view part) { bytes += part; });
+  archive.members().write(checkpoint::whole_version, [&](std::string_view piece) { bytes += piece; });
   return bytes;
 }
 
 void from_checkpoint(std::string_view bytes, std::string const& name, SerializeAll const& serialize) {
-  std::string_view const payload = payload_of(bytes, name);
-  MemberReader reader;
-  if (!is_flat_map(payload) || !Json::sax_parse(payload.begin(), payload.end(), &reader, Json::input_format_t::cbor)) {
-    refuse(name, "its content cannot be read", "it was written by another version");
+  checkpoint::File const file(checkpoint::bytes_of_text(bytes, name));
+  if (file.version() != checkpoint::whole_version) {
+    checkpoint::refuse(name, "its rows are in other files", "restore it from its directory");
   }
-  RestoringArchive archive(std::move(reader.members));
-  try {
+  restore_from(file, {}, {}, serialize);
+}
+
+CheckpointPart write_checkpoint_part(fs::path const& directory, CheckpointShare const& share,
+                                     SerializeAll const& serialize) {
+  assert(share.end_row != CheckpointShare::all_rows);
+  SavingArchive archive(Saved::rows);
+  serialize(archive);
+  CheckpointPart const part{.rows = share.end_row - share.first_row, .checksum = archive.members().checksum()};
+  AtomicFile file(directory / name_of_part(share.rank, part));
+  append_to(file, checkpoint::whole_version, archive.members());
+  file.commit();
+  return part;
+}
+
+void write_checkpoint(fs::path const& directory, SerializeAll const& serialize,
+                      std::vector<CheckpointPart> const& parts) {
+  {
+    SavingArchive archive(parts.empty() ? Saved::everything : Saved::all_but_rows);
     serialize(archive);
-  } catch (Error const& error) {
-    refuse(name, error.problems().front().what, error.problems().front().hint);
+    if (!parts.empty()) {
+      std::vector<std::uint64_t> numbers;
+      for (CheckpointPart const& part : parts) {
+        numbers.insert(numbers.end(), {part.rows, part.checksum[0], part.checksum[1]});
+      }
+      archive.members().add_list(parts_member, numbers);
+    }
+    AtomicFile file(directory / newest_name);
+    append_to(file, parts.empty() ? checkpoint::whole_version : checkpoint::version_of_parts, archive.members());
+    file.commit(directory / previous_name);
   }
+  remove_unneeded_parts(directory);
 }
 
-void write_checkpoint(std::filesystem::path const& directory, SerializeAll const& serialize) {
-  AtomicFile file(directory / newest_name);
-  save_in_parts(serialize, [&](std::string_view part) { file.append(part); });
-  file.commit(directory / previous_name);
-}
-
-std::optional<Restored> restore_checkpoint(std::filesystem::path const& directory, SerializeAll const& serialize) {
+std::optional<Restored> restore_checkpoint(fs::path const& directory, SerializeAll const& serialize,
+                                           CheckpointShare const& share, AgreeOnRefusal const& agree) {
   std::string note;
   std::optional<Error> error;
   for (char const* name : {newest_name, previous_name}) {
-    std::filesystem::path const path = directory / name;
+    fs::path const path = directory / name;
     std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored)) continue;
+    if (!fs::exists(path, ignored)) continue;
     // Not among what a damaged one may be replaced for: the next checkpoint would go into it too.
     require_regular_file(path);
+    Problem problem;
     try {
-      from_checkpoint(read_file(path, largest_checkpoint), path.string(), serialize);
-      return Restored{path, note};
+      checkpoint::File const file(checkpoint::bytes_of_file(path));
+      restore_from(file, pieces_of(file, directory, share), share, serialize);
     } catch (Error const& refusal) {
-      if (!error) error = refusal;
-      note = refusal.problems().front().what;
+      problem = refusal.problems().front();
     }
+    std::string const reason = agree ? agree(problem.what) : problem.what;
+    if (reason.empty()) return Restored{path, note};
+    if (problem.what.empty()) problem = {.what = reason, .hint = checkpoint::again_hint, .file = path.string()};
+    if (!error) error = Error(problem);
+    note = reason;
   }
   if (error) throw *error;
   return std::nullopt;
 }
 
-bool has_checkpoint(std::filesystem::path const& directory) {
+bool has_checkpoint(fs::path const& directory) {
   std::error_code ignored;
-  return std::filesystem::exists(directory / newest_name, ignored) ||
-         std::filesystem::exists(directory / previous_name, ignored);
+  return fs::exists(directory / newest_name, ignored) || fs::exists(directory / previous_name, ignored);
 }
 
-void remove_previous_checkpoint(std::filesystem::path const& directory) {
+void remove_previous_checkpoint(fs::path const& directory) {
   std::error_code ignored;
-  if (std::filesystem::exists(directory / newest_name, ignored)) {
-    std::filesystem::remove(directory / previous_name, ignored);
-  }
+  if (!fs::exists(directory / newest_name, ignored)) return;
+  fs::remove(directory / previous_name, ignored);
+  remove_unneeded_parts(directory);
 }
 
-void remove_checkpoints(std::filesystem::path const& directory) {
+void remove_checkpoints(fs::path const& directory) {
   std::error_code ignored;
-  std::filesystem::remove(directory / newest_name, ignored);
-  std::filesystem::remove(directory / previous_name, ignored);
+  fs::remove(directory / newest_name, ignored);
+  fs::remove(directory / previous_name, ignored);
+  for (fs::path const& file : part_files(directory)) fs::remove(file, ignored);
 }
 
 }  // namespace gridlock

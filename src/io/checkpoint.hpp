@@ -1,10 +1,15 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "gridlock/core/archive.hpp"
 
@@ -20,11 +25,42 @@ using SerializeAll = std::function<void(Archive&)>;
 ///            16   XXH3 of all that follows, 128 bits
 ///            32   a map of CBOR: "name.of.member" → number, text, or the numbers of a list as bytes
 ///
+/// The first byte of a list tells the kind of its numbers: d, i, u or q; D, I, U or Q where it is a list of rows, and they are in the parts.
 std::string to_checkpoint(SerializeAll const& serialize);
 
 /// Restores what to_checkpoint() made. `name` names the file in errors.
 /// Errors: Error if the bytes are not a checkpoint, have another format version, are corrupted, or lack a member.
 void from_checkpoint(std::string_view bytes, std::string const& name, SerializeAll const& serialize);
+
+/// What one of several processes that have the rows of the agents in turn has of a checkpoint: the rows that
+/// Archive::visit_rows() visits there. All of them where there is one process.
+struct CheckpointShare {
+  static constexpr std::uint64_t all_rows = std::numeric_limits<std::uint64_t>::max();
+  std::size_t rank = 0;
+  std::size_t count = 1;  ///< processes
+  std::uint64_t first_row = 0;
+  std::uint64_t end_row = all_rows;
+};
+
+/// A file with the rows of one process, as the others have to know it. Plain numbers, to be sent.
+struct CheckpointPart {
+  std::uint64_t rows = 0;
+  std::array<std::uint64_t, 2> checksum{};
+
+  friend bool operator==(CheckpointPart const&, CheckpointPart const&) = default;
+};
+
+/// Writes the rows of one of several processes, and nothing else that `serialize` visits, into a file of its own beside the
+/// checkpoint. It is on the disk when this returns, and is nothing until write_checkpoint() names it: first every process
+/// writes its part, then one of them the checkpoint. Each list of rows has a value for each row of the share, or none in any process.
+///
+/// The name has the rank and the checksum, so that a part replaces nothing but its own copy:
+///
+///     checkpoint.part.RANK.CHECKSUM.gridlock
+///
+/// Errors: RunFailure with the reason of the operating system.
+CheckpointPart write_checkpoint_part(std::filesystem::path const& directory, CheckpointShare const& share,
+                                     SerializeAll const& serialize);
 
 /// Writes the checkpoint of a directory. The file appears under its name only when it is complete and on the disk, and
 /// the one it replaces is kept as the previous one:
@@ -32,9 +68,13 @@ void from_checkpoint(std::string_view bytes, std::string const& name, SerializeA
 ///     checkpoint.gridlock  →  checkpoint.previous.gridlock
 ///     (a temporary file)   →  checkpoint.gridlock
 ///
+/// With parts, those of all processes in the order of their ranks, the file has everything but the rows, and which parts have
+/// them. Afterwards parts are removed that neither this checkpoint nor the previous one has.
+///
 /// Errors: RunFailure with the reason of the operating system; the checkpoints that are there stay as they are.
 /// Cost: about 0.3 s and the size of the file, 70 bytes a disk, in memory.
-void write_checkpoint(std::filesystem::path const& directory, SerializeAll const& serialize);
+void write_checkpoint(std::filesystem::path const& directory, SerializeAll const& serialize,
+                      std::vector<CheckpointPart> const& parts = {});
 
 /// Where a state came from.
 struct Restored {
@@ -44,17 +84,26 @@ struct Restored {
   friend bool operator==(Restored const&, Restored const&) = default;
 };
 
+/// Exchanges among processes why a checkpoint cannot be used: takes the reason of this process, empty where there is none,
+/// and returns the first reason that any process has, the same in all of them.
+using AgreeOnRefusal = std::function<std::string(std::string const& reason)>;
+
 /// Restores the newest checkpoint of a directory that is whole; nothing where there is none.
+///
+/// Any number of processes restore what any number has written: each gives its own share, all call this at once, and where one
+/// finds a file damaged, `agree` has all of them go back to the previous checkpoint. A process reads all of checkpoint.gridlock, and of
+/// the parts those with rows of its share, by pieces; it has its own rows in memory, and no others.
 /// Errors: Error where there are checkpoints and none can be used, or where one of them is not a regular file.
-std::optional<Restored> restore_checkpoint(std::filesystem::path const& directory, SerializeAll const& serialize);
+std::optional<Restored> restore_checkpoint(std::filesystem::path const& directory, SerializeAll const& serialize,
+                                           CheckpointShare const& share = {}, AgreeOnRefusal const& agree = {});
 
 /// Whether there is anything to restore.
 bool has_checkpoint(std::filesystem::path const& directory);
 
-/// Removes the previous checkpoint of a directory where there is a newer one.
+/// Removes the previous checkpoint of a directory where there is a newer one, with the parts that only it has.
 void remove_previous_checkpoint(std::filesystem::path const& directory);
 
-/// Removes the checkpoints of a directory.
+/// Removes the checkpoints of a directory, and all parts.
 void remove_checkpoints(std::filesystem::path const& directory);
 
 }  // namespace gridlock

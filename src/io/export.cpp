@@ -49,7 +49,8 @@ Frame with_momenta(Frame frame) {
 
 void write_all_xyz(H5mdReader const& trajectory, ExportSettings const& settings) {
   AtomicFile file(settings.file);
-  for_each_frame(trajectory, settings.every, [&](Frame frame) { append_xyz(with_momenta(std::move(frame)), file); });
+  for_each_frame(trajectory, settings.every,
+                 [&](Frame frame) { append_xyz(*frame_source_of(with_momenta(std::move(frame))), file); });
   file.commit();
 }
 
@@ -140,7 +141,7 @@ std::string vtp_text(Frame const& frame) {
   VtkArrays const arrays(frame);
   std::string points;
   std::string data = VtkArrays::text("id", 1, frame.ids);
-  for (h5md::Element const& element : h5md::elements_of(frame)) {
+  for (h5md::Element const& element : h5md::elements_of(frame.columns)) {
     (element.name == "position" && element.is_vector() ? points : data) += arrays.array(element);
   }
   if (points.empty()) {

@@ -90,6 +90,10 @@ void remove_if_abandoned(std::filesystem::path const& path) {
       .what = fmt::format("cannot read {}: {}", path.string(), why), .hint = std::move(hint), .file = path.string()});
 }
 
+[[noreturn]] void refuse_too_large(std::filesystem::path const& path, std::uint64_t largest) {
+  refuse_reading(path, fmt::format("it is larger than {} bytes", largest), "is it the right file?");
+}
+
 }  // namespace
 
 AtomicFile::AtomicFile(std::filesystem::path path, AtName at_name)
@@ -176,6 +180,27 @@ void require_regular_file(std::filesystem::path const& path) {
   refuse_reading(path, "it is not a regular file", "remove it");
 }
 
+std::uint64_t size_of_file(std::filesystem::path const& path, std::uint64_t largest) {
+  std::error_code error;
+  std::uint64_t const size = std::filesystem::file_size(path, error);
+  if (error) refuse_reading(path, error.message(), "");
+  if (size > largest) refuse_too_large(path, largest);
+  return size;
+}
+
+void read_piece(std::filesystem::path const& path, std::uint64_t offset, std::span<char> into) {
+  Descriptor const file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.is_open()) refuse_reading(path, reason(errno), "");
+  while (!into.empty()) {
+    ssize_t const got = pread(file.number(), into.data(), into.size(), static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) refuse_reading(path, reason(errno), "");
+    if (got == 0) refuse_reading(path, "it has become shorter", "is another program writing to it?");
+    into = into.subspan(static_cast<std::size_t>(got));
+    offset += static_cast<std::uint64_t>(got);
+  }
+}
+
 std::string read_file(std::filesystem::path const& path, std::uint64_t largest) {
   Descriptor const file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (file.number() < 0) {
@@ -184,11 +209,8 @@ std::string read_file(std::filesystem::path const& path, std::uint64_t largest) 
   struct stat status {};
   if (fstat(file.number(), &status) != 0) refuse_reading(path, reason(errno), "");
   if (S_ISDIR(status.st_mode)) refuse_reading(path, "it is a directory", "name a file inside it");
-  auto const too_large = [&] {
-    refuse_reading(path, fmt::format("it is larger than {} bytes", largest), "is it the right file?");
-  };
   auto const size = static_cast<std::uint64_t>(status.st_size);
-  if (size > largest) too_large();
+  if (size > largest) refuse_too_large(path, largest);
 
   // The size is only a first guess: a pipe has none, and the file may grow while it is read.
   std::string content(static_cast<std::size_t>(size) + 1, '\0');
@@ -200,7 +222,7 @@ std::string read_file(std::filesystem::path const& path, std::uint64_t largest) 
     if (got < 0) refuse_reading(path, reason(errno), "");
     if (got == 0) break;
     filled += static_cast<std::size_t>(got);
-    if (filled > largest) too_large();
+    if (filled > largest) refuse_too_large(path, largest);
   }
   content.resize(filled);
   return content;

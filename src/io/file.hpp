@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -58,6 +59,12 @@ void remove_leftovers(std::filesystem::path const& directory);
 /// Refuses a name of anything but a regular file; reading a pipe would wait for its writer for ever.
 /// Errors: Error naming the file.
 void require_regular_file(std::filesystem::path const& path);
+
+/// The bytes that a file has. Errors: Error where there is none, or where it is larger than `largest` bytes.
+std::uint64_t size_of_file(std::filesystem::path const& path, std::uint64_t largest);
+
+/// Fills `into` with what a file holds from `offset` on. Errors: Error for a file that is unreadable or shorter.
+void read_piece(std::filesystem::path const& path, std::uint64_t offset, std::span<char> into);
 
 /// The bytes of a file.
 /// Errors: Error for a file that is missing, a directory, unreadable or larger than `largest` bytes (2 GiB).

@@ -1,8 +1,5 @@
 #include "io/h5md_layout.hpp"
 
-#include <xxhash.h>
-
-#include <memory>
 #include <string_view>
 
 namespace gridlock::h5md {
@@ -25,25 +22,15 @@ std::string unit_of(std::string_view element) {
   return element == "mass" ? "mass" : "";
 }
 
-class Checksum {
- public:
-  Checksum() { XXH3_64bits_reset(state_.get()); }
-  void add(auto numbers) { XXH3_64bits_update(state_.get(), numbers.data(), numbers.size_bytes()); }
-  [[nodiscard]] std::uint64_t digest() const { return XXH3_64bits_digest(state_.get()); }
-
- private:
-  std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state_{XXH3_createState(), &XXH3_freeState};
-};
-
 }  // namespace
 
-std::vector<Element> elements_of(Frame const& frame) {
+std::vector<Element> elements_of(std::vector<FrameColumn> const& columns) {
   std::vector<Element> elements;
-  for (std::size_t c = 0; c < frame.columns.size(); ++c) {
+  for (std::size_t c = 0; c < columns.size(); ++c) {
     std::string vector;
-    if (c + 1 < frame.columns.size()) vector = vector_name(frame.columns[c], frame.columns[c + 1]);
+    if (c + 1 < columns.size()) vector = vector_name(columns[c], columns[c + 1]);
     if (vector.empty()) {
-      elements.push_back({frame.columns[c].name, {c}, unit_of(frame.columns[c].name)});
+      elements.push_back({columns[c].name, {c}, unit_of(columns[c].name)});
     } else {
       elements.push_back({vector, {c, c + 1}, unit_of(vector)});
       ++c;
@@ -66,13 +53,18 @@ std::size_t width_of(FrameValues const& values) {
   return std::visit([](auto const& numbers) { return sizeof(numbers[0]); }, values);
 }
 
-std::uint64_t checksum(Frame const& frame, std::span<double const> observables, std::uint64_t state_hash) {
+Checksum begun_checksum(Box const& box, Clock const& clock, std::uint64_t seed, std::size_t agents,
+                        std::uint64_t state_hash) {
   Checksum sum;
-  double const reals[] = {frame.box.width(), frame.box.height(), frame.clock.time};
-  std::uint64_t const wholes[] = {frame.box.is_periodic() ? 1U : 0U, frame.clock.step, frame.seed, frame.size(),
-                                  state_hash};
+  double const reals[] = {box.width(), box.height(), clock.time};
+  std::uint64_t const wholes[] = {box.is_periodic() ? 1U : 0U, clock.step, seed, agents, state_hash};
   sum.add(std::span(reals));
   sum.add(std::span(wholes));
+  return sum;
+}
+
+std::uint64_t checksum(Frame const& frame, std::span<double const> observables, std::uint64_t state_hash) {
+  Checksum sum = begun_checksum(frame.box, frame.clock, frame.seed, frame.size(), state_hash);
   sum.add(std::span(frame.ids));
   for (FrameColumn const& column : frame.columns) {
     sum.add(std::span(column.name));

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/all_cores.hpp"
+#include "core/resources.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/h5md.hpp"
 #include "io/deflated_chunk.hpp"
@@ -23,9 +24,12 @@ namespace {
 using hdf5::Access;
 using hdf5::Handle;
 
-/// Frames below this many numbers are not worth waking other threads for.
+/// Chunks of fewer numbers together are not worth waking other threads for.
 constexpr std::size_t least_parallel_numbers = 100'000;
 constexpr std::size_t room_for_indices = 65536;
+/// Chunks in memory at a time: for each core, so that all of them have work until nearly the end, and at least.
+constexpr std::size_t chunks_per_core = 3;
+constexpr std::size_t least_chunks_in_memory = 12;
 
 hid_t native_of(FrameValues const& values) {
   return std::visit([](auto const& numbers) { return hdf5::native<std::remove_cvref_t<decltype(numbers[0])>>(); },
@@ -71,7 +75,7 @@ void set_unit(Handle const& file, std::string const& path, std::string const& un
 /// Writes the head of a new trajectory: everything that is there before the first frame.
 class Beginning {
  public:
-  Beginning(Handle const& file, H5mdSettings const& settings, Frame const& first)
+  Beginning(Handle const& file, H5mdSettings const& settings, FrameSource const& first)
       : file_(file), settings_(settings), frame_(first), group_("/particles/" + settings.agents) {}
 
   void write() {
@@ -109,10 +113,10 @@ class Beginning {
     create_dataset(file_, group_ + "/id/step", hdf5::native<std::uint64_t>(), one_for_each_frame());
     create_dataset(file_, group_ + "/id/time", hdf5::native<double>(), one_for_each_frame());
     set_unit(file_, group_ + "/id/time", "time");
-    for (h5md::Element const& element : h5md::elements_of(frame_)) {
+    for (h5md::Element const& element : h5md::elements_of(frame_.columns())) {
       std::string const path = group_ + "/" + element.name;
       hdf5::create_group(file_, path);
-      create_dataset(file_, path + "/value", native_of(frame_.columns[element.columns[0]].values),
+      create_dataset(file_, path + "/value", native_of(frame_.columns()[element.columns[0]].values),
                      element.is_vector() ? vectors : scalars, {.compression = compression});
       set_unit(file_, path + "/value", element.unit);
       link_clock(path);
@@ -123,7 +127,7 @@ class Beginning {
     Handle const box = hdf5::create_group(file_, group_ + "/box");
     constexpr int dimension = h5md::dimensions;
     hdf5::set_attribute(box, "dimension", std::span(&dimension, 1));
-    std::string const edge = frame_.box.is_periodic() ? "periodic" : "none";
+    std::string const edge = frame_.box().is_periodic() ? "periodic" : "none";
     hdf5::set_attribute(box, "boundary", std::vector<std::string>{edge, edge, "none"});
     hdf5::create_group(file_, group_ + "/box/edges");
     constexpr hsize_t d = h5md::dimensions;
@@ -148,7 +152,7 @@ class Beginning {
     hdf5::create_group(file_, "/parameters");
     hdf5::write_text(file_, "/parameters/configuration", settings_.configuration);
     hdf5::write_text(file_, "/parameters/version", settings_.version);
-    write_one("/parameters/seed", frame_.seed);
+    write_one("/parameters/seed", frame_.seed());
     hdf5::create_group(file_, "/parameters/frames");
     for (char const* name : {"state_hash", "checksum"}) {
       create_dataset(file_, std::string("/parameters/frames/") + name, hdf5::native<std::uint64_t>(),
@@ -196,30 +200,36 @@ class Beginning {
 
   Handle const& file_;
   H5mdSettings const& settings_;
-  Frame const& frame_;
+  FrameSource const& frame_;
   std::string group_;
 };
 
-/// A chunk ready to go into the file.
+/// A dataset with numbers for each agent.
+struct Dataset {
+  std::string path;
+  Handle handle;
+  std::vector<std::size_t> columns;  ///< of the frame, one for each component; none for the Ids
+  std::uint64_t fill = 0;            ///< of agents that are not there
+};
+
+/// A chunk on its way into the file.
 struct Chunk {
-  std::string dataset;
-  ChunkSource source;
+  Dataset const* dataset = nullptr;
   std::vector<hsize_t> offset;  ///< frame, row and component of its first number
-  std::vector<std::byte> bytes;
+  FrameValues values;
+  std::vector<std::byte> bytes = {};
 };
 
 }  // namespace
 
 class H5mdWriter::Trajectory {
  public:
-  Trajectory(std::filesystem::path path, Frame const& first)
-      : path_(std::move(path)), elements_(h5md::elements_of(first)) {
-    for (FrameColumn const& column : first.columns) columns_.emplace_back(column.name, column.values.index());
-  }
+  Trajectory(std::filesystem::path path, FrameSource const& first)
+      : path_(std::move(path)), elements_(h5md::elements_of(first.columns())), columns_(first.columns()) {}
 
-  void create(H5mdSettings const& settings, Frame const& first);
+  void create(H5mdSettings const& settings, FrameSource const& first);
   void append();
-  void write(H5mdFrame const& frame);
+  void write(FrameSource const& frame, std::span<double const> observables, std::uint64_t state_hash);
 
   [[nodiscard]] std::filesystem::path const& path() const { return path_; }
   [[nodiscard]] std::vector<std::uint64_t> const& steps() const { return steps_; }
@@ -228,20 +238,22 @@ class H5mdWriter::Trajectory {
  private:
   void require_whole() const;
   void look_into(Handle const& file);
-  void require_columns(Frame const& frame) const;
-  void add_chunks(std::string const& dataset, FrameValues const& values, std::optional<hsize_t> component);
-  void gather_chunks(Frame const& frame);
-  void deflate_chunks();
-  [[nodiscard]] std::size_t most_bytes_of_frame() const;
-  void put_values(Handle const& file, H5mdFrame const& frame);
-  void put_chunks(Handle const& file, std::size_t agents);
+  void require_columns(FrameSource const& frame) const;
+  [[nodiscard]] std::vector<Dataset> open_datasets(Handle const& file) const;
+  [[nodiscard]] std::size_t most_bytes_of_frame(std::size_t agents) const;
+  [[nodiscard]] std::size_t extend(Dataset const& dataset, std::size_t agents) const;
+  [[nodiscard]] std::uint64_t put_agents(Handle const& file, FrameSource const& frame,
+                                         std::span<double const> observables, std::uint64_t state_hash) const;
+  void deflate(std::vector<Chunk>& chunks, bool keeps_fill) const;
+  void put_chunks(std::vector<Chunk>& chunks, bool keeps_fill) const;
+  void put_box(Handle const& file, Box const& box) const;
   template <class Number>
   void put(Handle const& file, std::string const& path, Number value) const;
   [[nodiscard]] std::size_t frame_count() const { return steps_.size(); }
 
   std::filesystem::path path_;
   std::vector<h5md::Element> elements_;
-  std::vector<std::pair<std::string, std::size_t>> columns_;  ///< name and type of each
+  std::vector<FrameColumn> columns_;  ///< without values
   std::string group_;
   std::vector<std::string> observables_;
   std::size_t rows_per_chunk_ = 0;
@@ -249,10 +261,9 @@ class H5mdWriter::Trajectory {
   bool is_edge_periodic_ = false;
   std::vector<std::uint64_t> steps_;
   std::vector<std::uint64_t> state_hashes_;
-  std::vector<Chunk> chunks_;
 };
 
-void H5mdWriter::Trajectory::create(H5mdSettings const& settings, Frame const& first) {
+void H5mdWriter::Trajectory::create(H5mdSettings const& settings, FrameSource const& first) {
   std::filesystem::path temporary = path_;
   temporary += ".part";
   {
@@ -313,60 +324,101 @@ void H5mdWriter::Trajectory::look_into(Handle const& file) {
   state_hashes_ = hdf5::read<std::uint64_t>(hdf5::open_dataset(file, "/parameters/frames/state_hash"), {{0}, frames});
 }
 
-void H5mdWriter::Trajectory::require_columns(Frame const& frame) const {
-  bool const is_same = std::ranges::equal(frame.columns, columns_, {}, [](FrameColumn const& column) {
-    return std::pair(column.name, column.values.index());
-  });
-  if (!is_same || frame.box.is_periodic() != is_edge_periodic_) {
+void H5mdWriter::Trajectory::require_columns(FrameSource const& frame) const {
+  if (frame.columns() != columns_ || frame.box().is_periodic() != is_edge_periodic_) {
     throw RunFailure(fmt::format("{}: a frame has other columns or edges than the first one", path_.string()));
   }
 }
 
-void H5mdWriter::Trajectory::add_chunks(std::string const& dataset, FrameValues const& values,
-                                        std::optional<hsize_t> component) {
-  std::span<std::byte const> const bytes = h5md::bytes_of(values);
-  std::size_t const width = h5md::width_of(values);
-  std::size_t const size = rows_per_chunk_ * width;
-  std::size_t at = 0;
-  do {  // also for no agents: the dataset gets longer all the same
-    std::vector<hsize_t> offset{frame_count(), at / width};
-    if (component) offset.push_back(*component);
-    chunks_.push_back({.dataset = dataset,
-                       .source = {.bytes = bytes.subspan(at, std::min(size, bytes.size() - at)),
-                                  .width = width,
-                                  .capacity = rows_per_chunk_},
-                       .offset = std::move(offset),
-                       .bytes = {}});
-    at += size;
-  } while (at < bytes.size());
-}
-
-void H5mdWriter::Trajectory::gather_chunks(Frame const& frame) {
-  chunks_.clear();
-  for (h5md::Element const& element : elements_) {
-    std::string const dataset = group_ + "/" + element.name + "/value";
-    for (std::size_t c = 0; c < element.columns.size(); ++c) {
-      add_chunks(dataset, frame.columns[element.columns[c]].values,
-                 element.is_vector() ? std::optional<hsize_t>(c) : std::nullopt);
-    }
-  }
-}
-
-void H5mdWriter::Trajectory::deflate_chunks() {
-  auto const deflate = [&](std::size_t k) { chunks_[k].bytes = deflated_chunk(chunks_[k].source, compression_); };
-  std::size_t const numbers = chunks_.size() * rows_per_chunk_;
-  if (numbers < least_parallel_numbers) {
-    for (std::size_t k = 0; k < chunks_.size(); ++k) deflate(k);
-  } else {
-    on_all_cores([&] { tbb::parallel_for(std::size_t{0}, chunks_.size(), deflate); });
-  }
+/// The Ids first, and then the columns, as the checksum takes them.
+std::vector<Dataset> H5mdWriter::Trajectory::open_datasets(Handle const& file) const {
+  std::vector<Dataset> datasets;
+  auto const add = [&](std::string const& name, std::vector<std::size_t> const& columns, std::uint64_t fill) {
+    std::string const path = group_ + "/" + name + "/value";
+    datasets.push_back({path, hdf5::open_dataset(file, path), columns, fill});
+  };
+  add("id", {}, h5md::absent_id);
+  for (h5md::Element const& element : elements_) add(element.name, element.columns, 0);
+  return datasets;
 }
 
 /// Numbers that cannot be deflated grow by less than a hundredth; the indices of the chunks need the rest.
-std::size_t H5mdWriter::Trajectory::most_bytes_of_frame() const {
-  std::size_t bytes = 0;
-  for (Chunk const& chunk : chunks_) bytes += chunk.source.capacity * chunk.source.width;
+std::size_t H5mdWriter::Trajectory::most_bytes_of_frame(std::size_t agents) const {
+  std::size_t const chunks = std::max<std::size_t>((agents + rows_per_chunk_ - 1) / rows_per_chunk_, 1);
+  std::size_t width = sizeof(Id);
+  for (FrameColumn const& column : columns_) width += h5md::width_of(column.values);
+  std::size_t const bytes = chunks * rows_per_chunk_ * width;
   return bytes + bytes / 100 + room_for_indices;
+}
+
+/// Adds room for a frame, also for one of no agents; returns for how many agents frames have room.
+std::size_t H5mdWriter::Trajectory::extend(Dataset const& dataset, std::size_t agents) const {
+  std::vector<hsize_t> extent = hdf5::extent_of(dataset.handle);
+  extent[0] = frame_count() + 1;
+  extent[1] = std::max<hsize_t>(extent[1], agents);
+  hdf5::require(H5Dset_extent(dataset.handle.id(), extent.data()), "extend " + dataset.path);
+  return extent[1];
+}
+
+/// Writes what there is for each agent, some chunks at a time; returns the checksum.
+std::uint64_t H5mdWriter::Trajectory::put_agents(Handle const& file, FrameSource const& frame,
+                                                 std::span<double const> observables, std::uint64_t state_hash) const {
+  std::vector<Dataset> const datasets = open_datasets(file);
+  // A frame that was cut short may have left other numbers where this one has none but the fill value.
+  bool const was_cut_short = std::ranges::any_of(
+      datasets, [&](Dataset const& dataset) { return hdf5::extent_of(dataset.handle)[0] > frame_count(); });
+  std::size_t const most_chunks = std::max(least_chunks_in_memory, chunks_per_core * usable_cores());
+  h5md::Checksum sum = h5md::begun_checksum(frame.box(), frame.clock(), frame.seed(), frame.size(), state_hash);
+  std::vector<Chunk> chunks;
+  for (Dataset const& dataset : datasets) {
+    std::size_t const room = extend(dataset, frame.size());
+    bool const is_of_ids = dataset.columns.empty();
+    for (std::size_t c = 0; c < (is_of_ids ? 1 : dataset.columns.size()); ++c) {
+      if (!is_of_ids) sum.add(std::span(frame.columns()[dataset.columns[c]].name));
+      for_each_piece(was_cut_short ? room : frame.size(), rows_per_chunk_, [&](std::size_t start, std::size_t rows) {
+        std::size_t const first = std::min(start, frame.size());
+        std::size_t const count = std::min(rows, frame.size() - first);
+        std::vector<hsize_t> offset{frame_count(), start};
+        if (dataset.columns.size() == 2) offset.push_back(c);
+        chunks.push_back(
+            {&dataset, std::move(offset),
+             is_of_ids ? FrameValues(frame.ids(first, count)) : frame.values(dataset.columns[c], first, count)});
+        sum.add(h5md::bytes_of(chunks.back().values));
+        if (chunks.size() == most_chunks) put_chunks(chunks, was_cut_short);
+      });
+    }
+  }
+  put_chunks(chunks, was_cut_short);
+  sum.add(observables);
+  return sum.digest();
+}
+
+void H5mdWriter::Trajectory::deflate(std::vector<Chunk>& chunks, bool keeps_fill) const {
+  auto const deflate_one = [&](std::size_t k) {
+    Chunk& chunk = chunks[k];
+    ChunkSource const source{.bytes = h5md::bytes_of(chunk.values),
+                             .width = h5md::width_of(chunk.values),
+                             .capacity = rows_per_chunk_,
+                             .fill = chunk.dataset->fill,
+                             .keeps_fill = keeps_fill};
+    chunk.bytes = deflated_chunk(source, compression_);
+    chunk.values = {};
+  };
+  if (chunks.size() * rows_per_chunk_ < least_parallel_numbers) {
+    for (std::size_t k = 0; k < chunks.size(); ++k) deflate_one(k);
+  } else {
+    on_all_cores([&] { tbb::parallel_for(std::size_t{0}, chunks.size(), deflate_one); });
+  }
+}
+
+void H5mdWriter::Trajectory::put_chunks(std::vector<Chunk>& chunks, bool keeps_fill) const {
+  deflate(chunks, keeps_fill);
+  for (auto const& [dataset, offset, values, bytes] : chunks) {
+    if (bytes.empty()) continue;
+    hdf5::require(H5Dwrite_chunk(dataset->handle.id(), H5P_DEFAULT, 0, offset.data(), bytes.size(), bytes.data()),
+                  "write " + dataset->path);
+  }
+  chunks.clear();
 }
 
 template <class Number>
@@ -377,67 +429,36 @@ void H5mdWriter::Trajectory::put(Handle const& file, std::string const& path, Nu
   hdf5::write(dataset, {{frame_count()}, {1}}, std::span<Number const>(&value, 1));
 }
 
-void H5mdWriter::Trajectory::put_chunks(Handle const& file, std::size_t agents) {
-  std::string present;
-  Handle dataset;
-  std::vector<hsize_t> extent;
-  for (Chunk const& chunk : chunks_) {
-    if (chunk.dataset != present) {
-      present = chunk.dataset;
-      dataset = hdf5::open_dataset(file, present);
-      extent = hdf5::extent_of(dataset);
-      extent[0] = frame_count() + 1;
-      extent[1] = std::max<hsize_t>(extent[1], agents);
-      hdf5::require(H5Dset_extent(dataset.id(), extent.data()), "extend " + present);
-    }
-    // While there has never been an agent, the dataset has no room for a chunk, not even for one of fill values.
-    if (chunk.bytes.empty() || extent[1] == 0) continue;
-    hdf5::require(
-        H5Dwrite_chunk(dataset.id(), H5P_DEFAULT, 0, chunk.offset.data(), chunk.bytes.size(), chunk.bytes.data()),
-        "write " + present);
-  }
-}
-
-void H5mdWriter::Trajectory::put_values(Handle const& file, H5mdFrame const& frame) {
-  for (std::size_t k = 0; k < observables_.size(); ++k) {
-    put(file, "/observables/" + observables_[k] + "/value", frame.observables[k]);
-  }
-  put(file, "/parameters/frames/state_hash", frame.state_hash);
-  put(file, "/parameters/frames/checksum", h5md::checksum(frame.frame, frame.observables, frame.state_hash));
+void H5mdWriter::Trajectory::put_box(Handle const& file, Box const& box) const {
   Handle const edges = hdf5::open_dataset(file, group_ + "/box/edges/value");
   constexpr hsize_t d = h5md::dimensions;
   std::array<hsize_t, 3> const extent{frame_count() + 1, d, d};
   hdf5::require(H5Dset_extent(edges.id(), extent.data()), "extend the box");
-  double const box[] = {frame.frame.box.width(), 0, 0, 0, frame.frame.box.height(), 0, 0, 0, 1};
-  hdf5::write(edges, {{frame_count(), 0, 0}, {1, d, d}}, std::span<double const>(box));
+  double const numbers[] = {box.width(), 0, 0, 0, box.height(), 0, 0, 0, 1};
+  hdf5::write(edges, {{frame_count(), 0, 0}, {1, d, d}}, std::span<double const>(numbers));
 }
 
-void H5mdWriter::Trajectory::write(H5mdFrame const& frame) {
-  require_columns(frame.frame);
-  assert(frame.observables.size() == observables_.size());
-  gather_chunks(frame.frame);
-  FrameValues const ids = frame.frame.ids;
-  std::size_t const first_of_ids = chunks_.size();
-  add_chunks(group_ + "/id/value", ids, std::nullopt);
-  for (std::size_t k = first_of_ids; k < chunks_.size(); ++k) chunks_[k].source.fill = h5md::absent_id;
-
-  hdf5::reserve(path_, most_bytes_of_frame());
+void H5mdWriter::Trajectory::write(FrameSource const& frame, std::span<double const> observables,
+                                   std::uint64_t state_hash) {
+  require_columns(frame);
+  assert(observables.size() == observables_.size());
+  hdf5::reserve(path_, most_bytes_of_frame(frame.size()));
   Handle file = hdf5::open_file(path_, Access::append);
-  // A frame that was cut short may have left other numbers where this one has none but the fill value.
-  bool const was_cut_short = hdf5::extent_of(hdf5::open_dataset(file, group_ + "/id/value"))[0] > frame_count();
-  for (Chunk& chunk : chunks_) chunk.source.keeps_fill = was_cut_short;
-  deflate_chunks();
-  put_chunks(file, frame.frame.size());
-  put_values(file, frame);
-  put(file, group_ + "/id/time", frame.frame.clock.time);
+  std::uint64_t const checksum = put_agents(file, frame, observables, state_hash);
+  for (std::size_t k = 0; k < observables_.size(); ++k) {
+    put(file, "/observables/" + observables_[k] + "/value", observables[k]);
+  }
+  put(file, "/parameters/frames/state_hash", state_hash);
+  put(file, "/parameters/frames/checksum", checksum);
+  put_box(file, frame.box());
+  put(file, group_ + "/id/time", frame.clock().time);
   // The frame counts as soon as its step is there, so that goes to the file after all the rest.
   hdf5::flush(file);
-  put(file, group_ + "/id/step", frame.frame.clock.step);
+  put(file, group_ + "/id/step", frame.clock().step);
   hdf5::flush(file);
   file.close("write to the file");
-  steps_.push_back(frame.frame.clock.step);
-  state_hashes_.push_back(frame.state_hash);
-  chunks_.clear();
+  steps_.push_back(frame.clock().step);
+  state_hashes_.push_back(state_hash);
 }
 
 namespace {
@@ -477,13 +498,14 @@ H5mdWriter::~H5mdWriter() = default;
 H5mdWriter::H5mdWriter(H5mdWriter&&) noexcept = default;
 H5mdWriter& H5mdWriter::operator=(H5mdWriter&&) noexcept = default;
 
-H5mdWriter H5mdWriter::create(std::filesystem::path const& path, H5mdSettings const& settings, Frame const& first) {
+H5mdWriter H5mdWriter::create(std::filesystem::path const& path, H5mdSettings const& settings,
+                              FrameSource const& first) {
   auto trajectory = std::make_unique<Trajectory>(path, first);
   guarded<RunFailure>(path, [&] { trajectory->create(settings, first); });
   return H5mdWriter(std::move(trajectory));
 }
 
-H5mdWriter H5mdWriter::append(std::filesystem::path const& path, Frame const& first) {
+H5mdWriter H5mdWriter::append(std::filesystem::path const& path, FrameSource const& first) {
   auto trajectory = std::make_unique<Trajectory>(path, first);
   guarded<Error>(path, [&] { trajectory->append(); });
   return H5mdWriter(std::move(trajectory));
@@ -503,10 +525,10 @@ std::optional<std::uint64_t> H5mdWriter::state_hash_at(std::uint64_t step) const
   return trajectory_->state_hashes()[static_cast<std::size_t>(found - steps.begin())];
 }
 
-void H5mdWriter::write(H5mdFrame const& frame) {
+void H5mdWriter::write(FrameSource const& frame, std::span<double const> observables, std::uint64_t state_hash) {
   guarded<RunFailure>(trajectory_->path(), [&] {
     try {
-      trajectory_->write(frame);
+      trajectory_->write(frame, observables, state_hash);
     } catch (hdf5::Failure const&) {
       leave_readable(trajectory_->path());
       throw;

@@ -1,11 +1,11 @@
 #pragma once
 
-#include "gridlock/core/frame.hpp"
+#include "gridlock/core/frame_source.hpp"
 #include "io/file.hpp"
 
 namespace gridlock {
 
 /// Appends a frame as write_xyz() writes it; frames one after the other make a film.
-void append_xyz(Frame const& frame, AtomicFile& file);
+void append_xyz(FrameSource const& frame, AtomicFile& file);
 
 }  // namespace gridlock

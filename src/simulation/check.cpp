@@ -97,13 +97,6 @@ void note_frames_beyond(char const* key, char const* unit, std::vector<double> c
                               {"end", end}}});
 }
 
-/// The names of the columns a frame will have.
-Frame empty_frame(Simulation const& simulation) {
-  Frame frame{.box = simulation.box(), .clock = {}, .seed = 0, .ids = {}, .columns = {}};
-  for (std::string_view const name : simulation.view().names()) frame.columns.push_back({std::string(name), {}});
-  return frame;
-}
-
 }  // namespace
 
 void check(Configuration const& configuration, IsGiven const& is_given) {
@@ -131,7 +124,7 @@ void check_end(Setup const& setup) {
   static_cast<void>(FrameSchedule(trajectory, 1.0));
   if (setup.simulation == nullptr) return;
   Simulation const& simulation = *setup.simulation;
-  static_cast<void>(with_columns(empty_frame(simulation), trajectory.columns));
+  static_cast<void>(chosen_columns(simulation.view().names(), trajectory.columns));
   if (run.collisions_per_disk &&
       *run.collisions_per_disk * static_cast<double>(simulation.agents()) / 2.0 >= most_collisions) {
     throw Error({.what = fmt::format("no run reaches {:.3g} collisions per disk", *run.collisions_per_disk),

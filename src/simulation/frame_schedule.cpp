@@ -72,21 +72,29 @@ void describe(TrajectorySettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "author", .documentation = "Whose trajectory it is, as the file says."}, settings.author);
 }
 
-Frame with_columns(Frame frame, std::string const& columns) {
-  if (columns == "all") return frame;
+std::vector<std::size_t> chosen_columns(std::vector<std::string_view> const& names, std::string const& columns) {
   std::vector<std::string> wanted;
   std::istringstream words(columns);
   for (std::string word; words >> word;) wanted.push_back(word);
+  bool const is_all = columns == "all";
   for (std::string const& name : wanted) {
-    if (frame.find(name) != nullptr) continue;
-    std::vector<std::string> names;
-    for (FrameColumn const& column : frame.columns) names.push_back(column.name);
+    if (is_all || std::ranges::count(names, name) > 0) continue;
     throw Error({.what = fmt::format("there is no column \"{}\"", name),
                  .hint = fmt::format("the columns are {}", fmt::join(names, ", ")),
                  .key = "trajectory.columns"});
   }
-  std::erase_if(frame.columns, [&](FrameColumn const& column) { return !std::ranges::count(wanted, column.name); });
-  return frame;
+  std::vector<std::size_t> places;
+  for (std::size_t place = 0; place < names.size(); ++place) {
+    if (is_all || std::ranges::count(wanted, names[place]) > 0) places.push_back(place);
+  }
+  return places;
+}
+
+std::unique_ptr<FrameSource> with_columns(std::unique_ptr<FrameSource> frame, std::string const& columns) {
+  std::vector<std::string_view> names;
+  for (FrameColumn const& column : frame->columns()) names.emplace_back(column.name);
+  std::vector<std::size_t> places = chosen_columns(names, columns);
+  return with_columns(std::move(frame), std::move(places));
 }
 
 FrameSchedule::FrameSchedule(TrajectorySettings const& settings, double time_step)

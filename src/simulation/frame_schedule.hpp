@@ -1,17 +1,22 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "gridlock/core/frame.hpp"
+#include "gridlock/core/frame_source.hpp"
 #include "gridlock/simulation/detail/trajectory_settings.hpp"
 
 namespace gridlock {
 
-/// The frame with the columns asked for only, in its own order; the Ids always stay.
-/// Errors: Error under trajectory.columns for a name that is no column.
-Frame with_columns(Frame frame, std::string const& columns);
+/// The places of the columns asked for, in increasing order. Errors: Error under trajectory.columns for a name that is no column.
+std::vector<std::size_t> chosen_columns(std::vector<std::string_view> const& names, std::string const& columns);
+
+/// The frame with the columns asked for only, in its own order; the Ids always stay. Errors: those of chosen_columns().
+std::unique_ptr<FrameSource> with_columns(std::unique_ptr<FrameSource> frame, std::string const& columns);
 
 /// The steps after the start of a run at which frames are due; a function of the settings alone, so that a run that is
 /// resumed has the frames of one that was never interrupted.

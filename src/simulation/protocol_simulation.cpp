@@ -423,7 +423,9 @@ std::vector<Distribution> ProtocolSimulation::distributions() const {
   return distributions;
 }
 
-Frame ProtocolSimulation::frame() const { return is_prepared_ ? simulation_->frame() : frame_of(state_); }
+std::unique_ptr<FrameSource> ProtocolSimulation::frame_source() const {
+  return is_prepared_ ? simulation_->frame_source() : frame_source_of(state_);
+}
 
 std::optional<FrameContacts> ProtocolSimulation::contacts() const {
   if (!is_prepared_ || has_run() || protocol_.results().empty() || protocol_.results().back().levels.empty()) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <memory>
 #include <utility>
 
 #include "gridlock/core/error.hpp"
@@ -12,7 +13,7 @@ namespace gridlock {
 TrajectoryWriter::TrajectoryWriter(TrajectorySettings const& settings, double time_step, Origin origin)
     : settings_(settings), schedule_(settings, time_step), origin_(std::move(origin)) {}
 
-void TrajectoryWriter::open(Simulation const& simulation, Frame const& frame) {
+void TrajectoryWriter::open(Simulation const& simulation, FrameSource const& frame) {
   std::error_code ignored;
   if (std::filesystem::exists(origin_.file, ignored)) {
     try {
@@ -51,7 +52,7 @@ void TrajectoryWriter::restore(Simulation const& simulation, std::uint64_t first
       throw Error({.what = fmt::format("{} is of another run: {}", origin_.file.string(),
                                        to_text(*difference, "the trajectory", "config.resolved.toml"))});
     }
-    writer_ = H5mdWriter::append(origin_.file, with_columns(simulation.frame(), settings_.columns));
+    writer_ = H5mdWriter::append(origin_.file, *with_columns(simulation.frame_source(), settings_.columns));
   } catch (Error const& error) {
     refuse(error.problems().front().what);
   }
@@ -66,20 +67,16 @@ void TrajectoryWriter::restore(Simulation const& simulation, std::uint64_t first
 void TrajectoryWriter::write(Simulation const& simulation, std::span<double const> sample) {
   Clock const clock = simulation.clock();
   std::uint64_t const state_hash = simulation.state_hash();
-  Frame frame;
-  if (!writer_) {
-    frame = with_columns(simulation.frame(), settings_.columns);
-    open(simulation, frame);
-  }
+  std::unique_ptr<FrameSource> const frame = with_columns(simulation.frame_source(), settings_.columns);
+  if (!writer_) open(simulation, *frame);
   if (auto const last = writer_->last_step(); last && *last >= clock.step) {
     if (writer_->state_hash_at(clock.step) == state_hash) return;
     throw RunFailure(fmt::format("{} holds another run: its frames do not have the state of step {}",
                                  origin_.file.string(), clock.step));
   }
-  if (frame.columns.empty()) frame = with_columns(simulation.frame(), settings_.columns);
   std::vector<double> observables(sample.begin(), sample.end());
   if (observables.empty()) observables.assign(simulation.columns().size(), no_value);
-  writer_->write({.frame = std::move(frame), .observables = std::move(observables), .state_hash = state_hash});
+  writer_->write(*frame, observables, state_hash);
 }
 
 }  // namespace gridlock

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "gridlock/core/frame.hpp"
+#include "gridlock/core/frame_source.hpp"
 #include "gridlock/io/h5md.hpp"
 #include "gridlock/simulation/detail/trajectory_settings.hpp"
 #include "gridlock/simulation/run.hpp"
@@ -39,7 +39,7 @@ class TrajectoryWriter final : public Writer {
   void serialize(Archive&) override {}
 
  private:
-  void open(Simulation const& simulation, Frame const& frame);
+  void open(Simulation const& simulation, FrameSource const& frame);
 
   TrajectorySettings settings_;
   FrameSchedule schedule_;

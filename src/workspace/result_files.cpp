@@ -12,6 +12,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/workspace/run_directory.hpp"
+#include "io/checkpoint.hpp"
 #include "io/file.hpp"
 
 namespace gridlock {
@@ -158,6 +159,8 @@ void remove_results(fs::path const& directory) {
     remove_file(directory / entry.name);
     remove_directory_of(entry.maker, directory / entry.name);
   }
+  // The names of their parts are not known before they are written.
+  if (has(entries, "checkpoint.gridlock")) remove_checkpoints(directory);
   std::error_code ignored;
   if (has(entries, "plan.json") && fs::is_directory(fs::symlink_status(directory / "runs", ignored))) {
     remove_runs(directory / "runs");

@@ -68,12 +68,16 @@ Table to_table(Distribution const& distribution) {
 }
 
 /// The share of the box that agents with a radius cover; nothing for agents without.
-std::optional<double> packing_fraction_of(Frame const& frame) {
-  FrameColumn const* const column = frame.find(Radius::name);
-  if (column == nullptr) return std::nullopt;
+std::optional<double> packing_fraction_of(FrameSource const& frame) {
+  std::optional<std::size_t> const place = frame.find(Radius::name);
+  if (!place) return std::nullopt;
+  constexpr std::size_t rows_in_memory = 100'000;
   double area = 0.0;
-  for (double const r : std::get<std::vector<double>>(column->values)) area += std::numbers::pi * r * r;
-  return area / frame.box.area();
+  for_each_piece(frame.size(), rows_in_memory, [&](std::size_t first, std::size_t count) {
+    FrameValues const radii = frame.values(*place, first, count);
+    for (double const r : std::get<std::vector<double>>(radii)) area += std::numbers::pi * r * r;
+  });
+  return area / frame.box().area();
 }
 
 /// What the ranks of a run have sent, and how long each has waited.
@@ -92,14 +96,14 @@ std::vector<Traffic> traffic_of(Ranks const* ranks) {
 }
 
 std::string summary_json(Configuration const& configuration, std::uint64_t start_hash, RunRecord const& record,
-                         Frame const& frame, std::vector<Traffic> const& ranks) {
+                         FrameSource const& frame, std::vector<Traffic> const& ranks) {
   Json json;
   json["gridlock"] = version();
   json["status"] = to_text(record.status);
   if (!record.failure.empty()) json["failure"] = record.failure;
   json["start_hash"] = fmt::format("{:016x}", start_hash);
   json["state_hash"] = fmt::format("{:016x}", record.state_hash);
-  json["seed"] = frame.seed;
+  json["seed"] = frame.seed();
   json["model"] = configuration.model.kind;
   for (auto const& [name, choice] : configuration.kind().choices(configuration)) json[name] = choice;
   // "agents" is an average where they come and go.
@@ -125,7 +129,7 @@ std::string summary_json(Configuration const& configuration, std::uint64_t start
 }
 
 void write_results(std::filesystem::path const& directory, Configuration const& configuration, std::uint64_t start_hash,
-                   RunRecord const& record, Frame const& frame, std::vector<Traffic> const& ranks) {
+                   RunRecord const& record, FrameSource const& frame, std::vector<Traffic> const& ranks) {
   // Last to come and first to go, so that a directory with a summary is a complete one.
   std::error_code ignored;
   std::filesystem::remove(directory / summary_name, ignored);
@@ -197,7 +201,7 @@ class RunInDirectory {
                              "checkpoint.previous.gridlock", trajectory_name, begun_trajectory_name}) {
       record_result(directory_ / name);
     }
-    if (!setup_.start_file.empty()) write_xyz(simulation_.frame(), directory_ / "start.xyz");
+    if (!setup_.start_file.empty()) write_xyz(*simulation_.frame_source(), directory_ / "start.xyz");
     write_file(directory_ / configuration_name, configuration_);
     for (Event const& note : setup_.notes) {
       if (!note.is_default) log_.write(note);
@@ -295,7 +299,7 @@ class RunInDirectory {
     if (status == RunStatus::interrupted) save();
     RunRecord record = run_.record();
     try {
-      write_results(directory_, setup_.configuration, start_hash_, record, simulation_.frame(),
+      write_results(directory_, setup_.configuration, start_hash_, record, *simulation_.frame_source(),
                     traffic_of(hooks_.ranks));
     } catch (RunFailure const& failure) {
       // A full disk ends the run first and keeps its results out next: the first reason is the one to tell.

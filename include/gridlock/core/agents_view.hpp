@@ -44,6 +44,8 @@ class AgentsView {
   [[nodiscard]] bool empty() const { return ids_.empty(); }
   [[nodiscard]] std::span<Id const> ids() const { return ids_; }
 
+  /// All columns by name, in the order they are declared.
+  [[nodiscard]] std::span<std::pair<std::string_view, Values> const> columns() const { return columns_; }
   /// Of all columns, in the order they are declared.
   [[nodiscard]] std::vector<std::string_view> names() const {
     std::vector<std::string_view> names;

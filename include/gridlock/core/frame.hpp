@@ -14,16 +14,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
-#include <type_traits>
-#include <utility>
 #include <variant>
 #include <vector>
 
+#include "gridlock/core/agents_view.hpp"
 #include "gridlock/core/box.hpp"
-#include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/core/population.hpp"
 #include "gridlock/core/world.hpp"
 
@@ -69,22 +66,8 @@ struct FrameContacts {
   friend bool operator==(FrameContacts const&, FrameContacts const&) = default;
 };
 
-/// A population as a frame, every column of it. Cost: a sort of the Ids unless they are in order, and a copy.
-template <class... Columns>
-Frame frame_of(Box const& box, Clock const& clock, std::uint64_t seed, Population<Columns...> const& population) {
-  Frame frame{.box = box, .clock = clock, .seed = seed, .ids = {}, .columns = {}};
-  std::vector<std::uint32_t> const rows = rows_in_order(population.ids());
-  frame.ids.reserve(rows.size());
-  for (std::uint32_t const row : rows) frame.ids.push_back(population.ids()[row]);
-  auto const add = [&](char const* name, auto const& values) {
-    std::vector<std::remove_cvref_t<decltype(values[0])>> ordered;
-    ordered.reserve(rows.size());
-    for (std::uint32_t const row : rows) ordered.push_back(values[row]);
-    frame.columns.push_back({name, std::move(ordered)});
-  };
-  (add(Columns::name, population.template column<Columns>()), ...);
-  return frame;
-}
+/// Agents as a frame, every column of them. Cost: a sort of the Ids unless they are in order, and a copy.
+Frame frame_of(Box const& box, Clock const& clock, std::uint64_t seed, AgentsView const& agents);
 
 /// A world as a frame.
 template <class Model>

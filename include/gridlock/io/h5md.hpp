@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "gridlock/core/frame.hpp"
+#include "gridlock/core/frame_source.hpp"
 
 namespace gridlock {
 
@@ -69,17 +70,24 @@ struct H5mdFrame {
 /// is written in the single-writer-multiple-reader mode of HDF5, whose order keeps the file readable in that mode even
 /// where the process is killed in the middle of it; append() then continues after the last whole frame. What the
 /// operating system had not brought to the disk when the power failed is not covered.
-/// Errors: RunFailure where the file cannot be written. Cost: docs/reference/trajectories.md.
+/// Errors: RunFailure where the file cannot be written. Cost: docs/reference/trajectories.md; of the rows of a frame, some
+/// 10 MB for each core in memory at most, whatever the size of the frame.
 class H5mdWriter {
  public:
   /// Begins a trajectory with the columns of `first`, which is not written yet. The file appears under its name whole;
   /// one that was there before is replaced.
-  static H5mdWriter create(std::filesystem::path const& path, H5mdSettings const& settings, Frame const& first);
+  static H5mdWriter create(std::filesystem::path const& path, H5mdSettings const& settings, FrameSource const& first);
+  static H5mdWriter create(std::filesystem::path const& path, H5mdSettings const& settings, Frame const& first) {
+    return create(path, settings, *frame_source_of(first));
+  }
 
   /// Continues a trajectory, repairing it where its writer was killed.
   /// Errors: Error where it is no trajectory of these columns, or where its last frame is damaged or cut off; then the file
   /// stays as it is.
-  static H5mdWriter append(std::filesystem::path const& path, Frame const& first);
+  static H5mdWriter append(std::filesystem::path const& path, FrameSource const& first);
+  static H5mdWriter append(std::filesystem::path const& path, Frame const& first) {
+    return append(path, *frame_source_of(first));
+  }
 
   ~H5mdWriter();
   H5mdWriter(H5mdWriter&& other) noexcept;
@@ -91,8 +99,9 @@ class H5mdWriter {
   /// The state hash of the frame at that step, where there is one.
   [[nodiscard]] std::optional<std::uint64_t> state_hash_at(std::uint64_t step) const;
 
-  /// Adds a frame; when it returns, no end of the process can lose it.
-  void write(H5mdFrame const& frame);
+  /// Adds a frame, with what H5mdFrame has beside it; when it returns, no end of the process can lose it.
+  void write(FrameSource const& frame, std::span<double const> observables, std::uint64_t state_hash);
+  void write(H5mdFrame const& frame) { write(*frame_source_of(frame.frame), frame.observables, frame.state_hash); }
 
  private:
   class Trajectory;

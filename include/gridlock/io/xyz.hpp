@@ -15,6 +15,7 @@
 
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/frame.hpp"
+#include "gridlock/core/frame_source.hpp"
 
 namespace gridlock {
 
@@ -25,7 +26,10 @@ namespace gridlock {
 /// the smallest first; A for all agents without either, X for all where there are more than 20 kinds. It is not called
 /// `species`, which ASE allows for chemical symbols only.
 /// Contract: the frame has the columns x and y. Errors: RunFailure.
-void write_xyz(Frame const& frame, std::filesystem::path const& path);
+void write_xyz(FrameSource const& frame, std::filesystem::path const& path);
+inline void write_xyz(Frame const& frame, std::filesystem::path const& path) {
+  write_xyz(*frame_source_of(frame), path);
+}
 
 /// Writes a state as extended XYZ with every bit that hash() covers.
 ///

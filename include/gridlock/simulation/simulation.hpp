@@ -25,6 +25,7 @@
 #include "gridlock/core/archive.hpp"
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/frame.hpp"
+#include "gridlock/core/frame_source.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/observe/observable.hpp"
 #include "gridlock/simulation/event.hpp"
@@ -96,8 +97,10 @@ class Simulation {
   [[nodiscard]] virtual std::vector<NamedEstimate> results() const = 0;
   [[nodiscard]] virtual std::vector<Distribution> distributions() const = 0;
 
-  /// All agents and all columns as they are now.
-  [[nodiscard]] virtual Frame frame() const = 0;
+  /// All agents and all columns as they are now, handed out in pieces; valid as long as a view() is.
+  [[nodiscard]] virtual std::unique_ptr<FrameSource> frame_source() const = 0;
+  /// The same at once.
+  [[nodiscard]] Frame frame() const { return frame_source()->whole(); }
 
   /// The contacts of the agents, where a protocol has just ended in a minimum of their energy.
   [[nodiscard]] virtual std::optional<FrameContacts> contacts() const { return std::nullopt; }

@@ -60,7 +60,7 @@ class WorldSimulation : public Simulation {
   [[nodiscard]] std::vector<NamedEstimate> results() const override { return observables_.results(); }
   [[nodiscard]] std::vector<Distribution> distributions() const override { return observables_.distributions(); }
 
-  [[nodiscard]] Frame frame() const override { return frame_of(world_); }
+  [[nodiscard]] std::unique_ptr<FrameSource> frame_source() const override { return frame_source_of(world_); }
 
   void serialize(Archive& archive) override {
     serialize_inside(archive, "world", [&] { gridlock::serialize(archive, world_); });

@@ -48,6 +48,31 @@ TEST(H5md, AFrameThatWasCutShortLeavesNothingInTheOneInItsPlace) {
   EXPECT_EQ(reader.frame(1).frame, frame_at(2, 0).frame);
 }
 
+/// As many agents with no other numbers than their own.
+H5mdFrame frame_of_many(std::uint64_t step, std::size_t agents) {
+  Frame frame{.box = Box(1.0, 1.0, Edge::periodic), .clock = {step, 0.0}, .seed = 1, .ids = {}, .columns = {}};
+  std::vector<double> x;
+  for (std::size_t k = 0; k < agents; ++k) {
+    frame.ids.push_back(k);
+    x.push_back(static_cast<double>(step) + 0.001 * static_cast<double>(k));
+  }
+  frame.columns = {{"x", x}, {"y", std::vector<double>(agents)}};
+  return {.frame = frame, .observables = {}, .state_hash = step};
+}
+
+TEST(H5md, AFrameThatWasCutShortMayHaveHadMoreAgents) {
+  // Chunks have 64 rows here.
+  for (std::size_t const agents : {0, 10, 64, 100, 128, 150}) {
+    TemporaryDirectory const directory;
+    H5mdFrame const first = frame_of_many(0, 3);
+    H5mdWriter::create(directory / "t.h5", {.agents = "disks"}, first.frame).write(first);
+    H5mdWriter::append(directory / "t.h5", first.frame).write(frame_of_many(1, 150));
+    take_last_step_off(directory / "t.h5", 1);
+    H5mdWriter::append(directory / "t.h5", first.frame).write(frame_of_many(2, agents));
+    EXPECT_EQ(H5mdReader(directory / "t.h5").frame(1).frame, frame_of_many(2, agents).frame) << agents;
+  }
+}
+
 TEST(H5md, AFirstFrameOfNobodyThatWasCutShortIsWrittenAgain) {
   TemporaryDirectory const directory;
   Frame const nobody{.box = Box(1.0, 1.0, Edge::periodic),

@@ -14,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
 #include "io/file.hpp"
@@ -122,6 +123,23 @@ TEST(H5md, FramesLargerThanAChunkAreWholeOnAnyNumberOfCores) {
   H5mdWriter writer = H5mdWriter::create(directory / "t.h5", settings(), frame.frame);
   writer.write(frame);
   expect_same(H5mdReader(directory / "t.h5").frame(0), frame);
+}
+
+// More chunks than are in memory at a time, and rows that are not in the order of the Ids.
+TEST(H5md, AFrameInPiecesIsTheFrameThatItWouldBeAtOnce) {
+  TemporaryDirectory const directory;
+  RandomStream random(8, 0, 0, Purpose::start_position);
+  State state{.box = Box(1.0, 1.0, Edge::periodic), .clock = {3, 0.75}, .seed = 9};
+  for (std::size_t k = 0; k < 300'000; ++k) {
+    state.agents.add(random.uniform(), random.uniform(), random.normal(), 0.0, 0.01, 1.0, 0,
+                     static_cast<std::int32_t>(random.bits()));
+  }
+  for (Id id = 0; id < 50'000; id += 7) state.agents.remove(id);
+  H5mdWriter writer = H5mdWriter::create(directory / "t.h5", {}, *frame_source_of(state));
+  writer.write(*frame_source_of(state), {}, 5);
+  H5mdFrame const read = H5mdReader(directory / "t.h5").frame(0);
+  EXPECT_EQ(read.frame, frame_of(state));
+  EXPECT_EQ(read.state_hash, 5U);
 }
 
 TEST(H5md, GoesOnWhereItStopped) {

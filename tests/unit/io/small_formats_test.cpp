@@ -38,7 +38,7 @@ TEST(H5mdLayout, JoinsTheComponentsOfOneVectorOnlyAndKnowsTheirUnits) {
                                 {"mass", reals},
                                 {"radius", reals}}};
   std::string text;
-  for (h5md::Element const& element : h5md::elements_of(frame)) {
+  for (h5md::Element const& element : h5md::elements_of(frame.columns)) {
     text += element.name + (element.is_vector() ? " vector" : "") + " [" + element.unit + "], ";
   }
   EXPECT_EQ(text,

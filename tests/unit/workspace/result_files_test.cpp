@@ -26,6 +26,20 @@ TEST(ResultFiles, OnlyThoseRecordedAreRemoved) {
   EXPECT_EQ(read_file(directory / "mine.csv"), "1");
 }
 
+TEST(ResultFiles, PartsOfACheckpointGoWithIt) {
+  TemporaryDirectory const directory;
+  for (char const* name : {"checkpoint.gridlock", "checkpoint.part.0.12ab.gridlock", "checkpoint.part.0.12ab.mine"}) {
+    write_file(directory / name, "1");
+  }
+  record_result(directory / "series.csv");
+  remove_results(directory.path());
+  EXPECT_TRUE(fs::exists(directory / "checkpoint.part.0.12ab.gridlock")) << "no checkpoint of this list";
+  record_result(directory / "checkpoint.gridlock");
+  remove_results(directory.path());
+  EXPECT_FALSE(fs::exists(directory / "checkpoint.part.0.12ab.gridlock"));
+  EXPECT_TRUE(fs::exists(directory / "checkpoint.part.0.12ab.mine"));
+}
+
 TEST(ResultFiles, AListFromAStrangerReachesNothingOutsideItsDirectoryAndNoDirectory) {
   TemporaryDirectory const directory;
   fs::create_directories(directory / "run" / "mine");

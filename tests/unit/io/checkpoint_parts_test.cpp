@@ -1,0 +1,376 @@
+// Checkpoints of which several processes write a part each; here they are one process, one part after the other.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <barrier>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/core/random.hpp"
+#include "io/checkpoint.hpp"
+#include "io/file.hpp"
+#include "unit/io/temporary_directory.hpp"
+
+namespace gridlock {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Agents of which a process has some rows, and what all processes have.
+struct Agents {
+  std::uint64_t step = 0;
+  std::string name;
+  std::vector<double> sums;
+  std::vector<std::uint64_t> ids;
+  std::vector<double> x;
+  std::vector<std::int32_t> images;
+  std::vector<std::uint32_t> kinds;
+  std::vector<double> origins;  ///< none before they are noted
+
+  void serialize(Archive& archive) {
+    archive.visit("step", step);
+    archive.visit("name", name);
+    archive.visit("sums", sums);
+    serialize_inside(archive, "agents", [&] {
+      archive.visit_rows("id", ids);
+      archive.visit_rows("x", x);
+      archive.visit_rows("image", images);
+      archive.visit_rows("kind", kinds);
+      archive.visit_rows("origin", origins);
+    });
+  }
+
+  friend bool operator==(Agents const&, Agents const&) = default;
+};
+
+SerializeAll serializing(Agents& agents) {
+  return [&agents](Archive& archive) { agents.serialize(archive); };
+}
+
+Agents agents_at(std::uint64_t step, std::size_t rows, bool has_origins = true) {
+  RandomStream random(5, step, 0, Purpose::start_position);
+  Agents agents{.step = step, .name = "ants", .sums = {1.5, -0.0}};
+  for (std::size_t k = 0; k < rows; ++k) {
+    agents.ids.push_back(2 * k);
+    agents.x.push_back(random.uniform());
+    agents.images.push_back(static_cast<std::int32_t>(random.bits()));
+    agents.kinds.push_back(static_cast<std::uint32_t>(random.bits()));
+    if (has_origins) agents.origins.push_back(random.normal());
+  }
+  return agents;
+}
+
+template <class Value>
+std::vector<Value> rows_of(std::vector<Value> const& all, CheckpointShare const& share) {
+  if (all.empty()) return {};
+  return {all.begin() + static_cast<std::ptrdiff_t>(share.first_row),
+          all.begin() + static_cast<std::ptrdiff_t>(share.end_row)};
+}
+
+/// What one process has.
+Agents part_of(Agents const& all, CheckpointShare const& share) {
+  Agents part = all;
+  part.ids = rows_of(all.ids, share);
+  part.x = rows_of(all.x, share);
+  part.images = rows_of(all.images, share);
+  part.kinds = rows_of(all.kinds, share);
+  part.origins = rows_of(all.origins, share);
+  return part;
+}
+
+/// Shares of any sizes, some of them perhaps of no rows.
+std::vector<CheckpointShare> shares_of(std::size_t count, std::size_t rows, RandomStream& random) {
+  std::vector<std::uint64_t> cuts{0, rows};
+  for (std::size_t k = 1; k < count; ++k) cuts.push_back(random.below(rows + 1));
+  std::ranges::sort(cuts);
+  std::vector<CheckpointShare> shares;
+  for (std::size_t rank = 0; rank < count; ++rank) {
+    shares.push_back({.rank = rank, .count = count, .first_row = cuts[rank], .end_row = cuts[rank + 1]});
+  }
+  return shares;
+}
+
+void save(fs::path const& directory, Agents const& agents, std::vector<CheckpointShare> const& shares) {
+  std::vector<CheckpointPart> parts;
+  for (CheckpointShare const& share : shares) {
+    Agents part = part_of(agents, share);
+    parts.push_back(write_checkpoint_part(directory, share, serializing(part)));
+  }
+  Agents leader = part_of(agents, shares.front());
+  write_checkpoint(directory, serializing(leader), parts);
+}
+
+void save(fs::path const& directory, Agents const& agents, std::size_t count) {
+  RandomStream random(6, count, 0, Purpose::start_position);
+  save(directory, agents, shares_of(count, agents.ids.size(), random));
+}
+
+std::map<std::string, std::string> files_in(fs::path const& directory) {
+  std::map<std::string, std::string> files;
+  for (auto const& entry : fs::directory_iterator(directory)) {
+    files[entry.path().filename().string()] = read_file(entry.path());
+  }
+  return files;
+}
+
+void put_files(fs::path const& directory, std::map<std::string, std::string> const& files) {
+  for (auto const& entry : fs::directory_iterator(directory)) fs::remove(entry.path());
+  for (auto const& [name, content] : files) std::ofstream(directory / name, std::ios::binary) << content;
+}
+
+std::vector<std::string> parts_in(fs::path const& directory) {
+  std::vector<std::string> parts;
+  for (auto const& [name, content] : files_in(directory)) {
+    if (name.starts_with("checkpoint.part.")) parts.push_back(name);
+  }
+  return parts;
+}
+
+Agents restored_from(fs::path const& directory, std::string& note) {
+  Agents restored;
+  auto const found = restore_checkpoint(directory, serializing(restored));
+  note = found ? found->note : "there is none";
+  return restored;
+}
+
+Agents restored_from(fs::path const& directory) {
+  std::string note;
+  return restored_from(directory, note);
+}
+
+TEST(CheckpointParts, OfAnyNumberOfProcessesAreRestoredByAnyOther) {
+  RandomStream random(1, 0, 0, Purpose::start_position);
+  for (int round = 0; round < 60; ++round) {
+    TemporaryDirectory const directory;
+    std::size_t const rows = round % 7 == 0 ? 0 : random.below(200);
+    Agents const agents = agents_at(static_cast<std::uint64_t>(round), rows, round % 3 != 0);
+    std::size_t const writers = random.below(7);
+    if (writers == 0) {
+      Agents whole = agents;
+      write_checkpoint(directory.path(), serializing(whole));
+    } else {
+      save(directory.path(), agents, shares_of(writers, rows, random));
+    }
+    EXPECT_EQ(parts_in(directory.path()).size(), writers);
+    EXPECT_EQ(restored_from(directory.path()), agents);
+    for (CheckpointShare const& share : shares_of(1 + random.below(6), rows, random)) {
+      Agents part;
+      ASSERT_TRUE(restore_checkpoint(directory.path(), serializing(part), share));
+      EXPECT_EQ(part, part_of(agents, share)) << writers << " writers, rank " << share.rank;
+    }
+  }
+}
+
+TEST(CheckpointParts, OnlyThoseOfTheNewestAndThePreviousCheckpointStay) {
+  TemporaryDirectory const directory;
+  fs::path const& path = directory.path();
+  save(path, agents_at(1, 50), 3);
+  EXPECT_EQ(parts_in(path).size(), 3U);
+  save(path, agents_at(2, 50), 5);
+  EXPECT_EQ(parts_in(path).size(), 3U + 5U);
+  save(path, agents_at(3, 50), 2);
+  EXPECT_EQ(parts_in(path).size(), 5U + 2U);
+  save(path, agents_at(3, 50), 2);
+  EXPECT_EQ(parts_in(path).size(), 2U) << "the same once more has the same parts";
+  EXPECT_EQ(restored_from(path).step, 3U);
+  Agents whole = agents_at(4, 50);
+  write_checkpoint(path, serializing(whole));
+  EXPECT_EQ(parts_in(path).size(), 2U);
+  remove_previous_checkpoint(path);
+  EXPECT_EQ(files_in(path).size(), 1U);
+  save(path, agents_at(5, 50), 4);
+  remove_checkpoints(path);
+  EXPECT_TRUE(fs::is_empty(path));
+}
+
+TEST(CheckpointParts, KilledBetweenAnyTwoStepsLeaveACheckpoint) {
+  TemporaryDirectory const directory;
+  fs::path const& path = directory.path();
+  save(path, agents_at(1, 40), 3);
+  save(path, agents_at(2, 40), 2);
+  auto const before = files_in(path);
+  save(path, agents_at(3, 40), 4);
+  auto const after = files_in(path);
+
+  // What a save does to the files, one step after the other.
+  std::vector<std::map<std::string, std::string>> moments{before};
+  auto const step = [&](auto const& change) {
+    auto files = moments.back();
+    change(files);
+    moments.push_back(files);
+  };
+  auto const is_part = [](std::string const& name) { return name.starts_with("checkpoint.part."); };
+  for (auto const& file : after) {
+    if (is_part(file.first) && !before.contains(file.first)) step([&](auto& files) { files.insert(file); });
+  }
+  EXPECT_EQ(moments.size(), 1U + 4U);
+  step([](auto& files) {
+    files["checkpoint.previous.gridlock"] = files["checkpoint.gridlock"];
+    files.erase("checkpoint.gridlock");
+  });
+  step([&](auto& files) { files["checkpoint.gridlock"] = after.at("checkpoint.gridlock"); });
+  for (auto const& file : before) {
+    if (is_part(file.first) && !after.contains(file.first)) step([&](auto& files) { files.erase(file.first); });
+  }
+  ASSERT_EQ(moments.back(), after);
+  EXPECT_EQ(moments.size(), 1U + 4U + 2U + 3U);
+
+  for (std::size_t k = 0; k < moments.size(); ++k) {
+    put_files(path, moments[k]);
+    std::string note;
+    Agents const restored = restored_from(path, note);
+    EXPECT_EQ(note, "");
+    EXPECT_EQ(restored, agents_at(k < 6 ? 2 : 3, 40)) << "after step " << k;
+    // The run goes on from there, and nothing is left over.
+    save(path, agents_at(3, 40), 4);
+    save(path, agents_at(4, 40), 2);
+    EXPECT_EQ(parts_in(path).size(), 4U + 2U) << "after step " << k;
+    EXPECT_EQ(restored_from(path), agents_at(4, 40));
+  }
+}
+
+/// Restores from a directory in which one file is not as it was written; it has to be named, and the previous one be used.
+void expect_previous(fs::path const& directory, std::string const& damaged, std::string const& what) {
+  std::string note;
+  Agents const restored = restored_from(directory, note);
+  EXPECT_EQ(restored, agents_at(1, 30)) << damaged << ": " << what;
+  EXPECT_NE(note.find(damaged), std::string::npos) << note << ": " << what;
+}
+
+TEST(CheckpointParts, ThatAreDamagedAreNamedAndThePreviousCheckpointIsUsed) {
+  TemporaryDirectory const directory;
+  fs::path const& path = directory.path();
+  save(path, agents_at(1, 30), 2);
+  auto const before = files_in(path);
+  save(path, agents_at(2, 30), 3);
+  auto const good = files_in(path);
+  RandomStream random(2, 0, 0, Purpose::start_position);
+  int damaged_files = 0;
+  for (auto const& file : good) {
+    std::string const& name = file.first;
+    if (name == "checkpoint.previous.gridlock" || before.contains(name) != (name == "checkpoint.gridlock")) continue;
+    ++damaged_files;
+    std::string const& content = file.second;
+    auto const expect_refusal_of = [&](std::string const& bad, std::string const& what) {
+      auto files = good;
+      files[name] = bad;
+      put_files(path, files);
+      expect_previous(path, name, what);
+    };
+    for (std::size_t k = 0; k < content.size(); k += 1 + random.below(8)) {
+      std::string flipped = content;
+      flipped[k] = static_cast<char>(flipped[k] ^ (1 << random.below(8)));
+      expect_refusal_of(flipped, "flipped at " + std::to_string(k));
+      expect_refusal_of(content.substr(0, k), "cut at " + std::to_string(k));
+    }
+    expect_refusal_of(content + "x", "longer");
+    if (name == "checkpoint.gridlock") continue;
+    auto missing = good;
+    missing.erase(name);
+    put_files(path, missing);
+    expect_previous(path, name, "missing");
+    for (auto const& [other, other_content] : good) {
+      if (other.starts_with("checkpoint.part.") && other != name) expect_refusal_of(other_content, other);
+    }
+  }
+  EXPECT_EQ(damaged_files, 1 + 3);
+}
+
+TEST(CheckpointParts, WithAnotherNumberOfRowsAreRefusedNamingThem) {
+  TemporaryDirectory const directory;
+  Agents const agents = agents_at(1, 30);
+  save(directory.path(), agents, 3);
+  auto const refusal_to = [&](CheckpointShare const& share) {
+    Agents part;
+    try {
+      static_cast<void>(restore_checkpoint(directory.path(), serializing(part), share));
+    } catch (Error const& error) {
+      return std::string(error.problems().front().what);
+    }
+    return std::string();
+  };
+  EXPECT_EQ(refusal_to({.rank = 1, .count = 2, .first_row = 12, .end_row = 30}), "");
+  for (std::uint64_t const end : {29, 31}) {
+    std::string const refusal = refusal_to({.rank = 1, .count = 2, .first_row = 12, .end_row = end});
+    EXPECT_NE(refusal.find("checkpoint.gridlock: its parts have 30 rows"), std::string::npos) << refusal;
+  }
+  EXPECT_NE(refusal_to({.rank = 0, .count = 2, .first_row = 0, .end_row = 31}), "");
+
+  Agents whole = agents;
+  write_checkpoint(directory.path(), serializing(whole));
+  remove_previous_checkpoint(directory.path());
+  EXPECT_EQ(refusal_to({.rank = 1, .count = 2, .first_row = 12, .end_row = 30}), "");
+  for (std::uint64_t const end : {29, 31}) {
+    EXPECT_NE(refusal_to({.rank = 1, .count = 2, .first_row = 12, .end_row = end}), "");
+  }
+
+  // A list that lacks a value.
+  CheckpointShare const first{.rank = 0, .count = 2, .first_row = 0, .end_row = 10};
+  CheckpointShare const second{.rank = 1, .count = 2, .first_row = 10, .end_row = 30};
+  Agents part = part_of(agents, first);
+  part.x.pop_back();
+  std::vector<CheckpointPart> const parts{write_checkpoint_part(directory.path(), first, serializing(part)), [&] {
+                                            Agents other = part_of(agents, second);
+                                            return write_checkpoint_part(directory.path(), second, serializing(other));
+                                          }()};
+  write_checkpoint(directory.path(), serializing(part), parts);
+  remove_previous_checkpoint(directory.path());
+  std::string const refusal = refusal_to({});
+  EXPECT_NE(refusal.find("checkpoint.part.0."), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find("9 values of \"agents.x\" for 10 rows"), std::string::npos) << refusal;
+}
+
+TEST(CheckpointParts, WhereOneProcessFindsDamageAllGoBackToThePreviousCheckpoint) {
+  TemporaryDirectory const directory;
+  save(directory.path(), agents_at(1, 30), 2);
+  save(directory.path(), agents_at(2, 30), 3);
+  RandomStream random(3, 0, 0, Purpose::start_position);
+  std::vector<CheckpointShare> const shares{{.rank = 0, .count = 3, .first_row = 0, .end_row = 2},
+                                            {.rank = 1, .count = 3, .first_row = 2, .end_row = 28},
+                                            {.rank = 2, .count = 3, .first_row = 28, .end_row = 30}};
+  // The last rows, which only the last process needs.
+  std::string last;
+  for (std::string const& name : parts_in(directory.path())) {
+    if (name.starts_with("checkpoint.part.2.")) last = name;
+  }
+  ASSERT_NE(last, "");
+  fs::resize_file(directory.path() / last, 40);
+
+  std::vector<std::string> reasons(shares.size());
+  std::barrier meeting(static_cast<std::ptrdiff_t>(shares.size()));
+  std::vector<Agents> restored(shares.size());
+  std::vector<std::string> notes(shares.size());
+  {
+    std::vector<std::jthread> processes;
+    for (std::size_t rank = 0; rank < shares.size(); ++rank) {
+      processes.emplace_back([&, rank] {
+        auto const agree = [&](std::string const& reason) {
+          meeting.arrive_and_wait();
+          reasons[rank] = reason;
+          meeting.arrive_and_wait();
+          auto const first = std::ranges::find_if(reasons, [](std::string const& text) { return !text.empty(); });
+          return first == reasons.end() ? std::string() : *first;
+        };
+        notes[rank] =
+            restore_checkpoint(directory.path(), serializing(restored[rank]), shares[rank], agree).value().note;
+      });
+    }
+  }
+  for (std::size_t rank = 0; rank < shares.size(); ++rank) {
+    EXPECT_EQ(restored[rank], part_of(agents_at(1, 30), shares[rank])) << rank;
+    EXPECT_NE(notes[rank].find(last), std::string::npos) << notes[rank];
+  }
+}
+
+}  // namespace
+}  // namespace gridlock
