@@ -8,8 +8,12 @@
 namespace gridlock {
 
 TimeStepCaveats time_step_caveats(Box const& box, Disks const& disks) {
+  return time_step_caveats(box, covered_area(disks));
+}
+
+TimeStepCaveats time_step_caveats(Box const& box, double covered_area) {
   TimeStepCaveats caveats{.centre_drifts = box.is_periodic(), .too_dense = std::nullopt};
-  double const packing_fraction = covered_area(disks) / box.area();
+  double const packing_fraction = covered_area / box.area();
   if (packing_fraction > TimeStepCaveats::largest_packing_fraction) caveats.too_dense = packing_fraction;
   return caveats;
 }

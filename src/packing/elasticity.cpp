@@ -37,7 +37,7 @@ StrainedBackbone strain(ContactNetwork const& network, std::span<Contact const> 
   };
   for (Contact const& contact : contacts) {
     bool const is_at_wall = contact.second >= network.size();
-    Block const block = block_of(contact, network.potential, is_at_wall);
+    HessianBlock const block = block_of(contact, network.potential, is_at_wall);
     auto const stretches = strained(contact.distance * contact.normal);
     for (std::size_t a = 0; a < strains; ++a) {
       Vector const change = block * stretches[a];

@@ -5,7 +5,7 @@
 
 namespace gridlock {
 
-Block block_of(Contact const& contact, Potential potential, bool is_at_wall) {
+HessianBlock block_of(Contact const& contact, Potential potential, bool is_at_wall) {
   double const stiffness = stiffness_of(contact, potential);
   // A wall is straight: the force on a disk does not turn as the disk slides along.
   double const stress = is_at_wall ? 0.0 : force_of(contact, potential) / contact.distance;
@@ -26,13 +26,13 @@ Unknowns::Unknowns(std::vector<bool> const& takes_part) : place(takes_part.size(
 
 SparseMatrix hessian_of(std::span<Contact const> contacts, Potential potential, Unknowns const& unknowns) {
   std::size_t const all = unknowns.place.size();
-  std::vector<Block> diagonal(unknowns.disks);
+  std::vector<HessianBlock> diagonal(unknowns.disks);
   std::vector<Eigen::Triplet<double, int>> entries;
   entries.reserve(4 * contacts.size() + 3 * unknowns.disks);
   for (Contact const& contact : contacts) {
     if (contact.overlap() <= 0.0) continue;
     bool const is_at_wall = contact.second >= all;
-    Block const block = block_of(contact, potential, is_at_wall);
+    HessianBlock const block = block_of(contact, potential, is_at_wall);
     std::uint32_t const a = unknowns.place[contact.first];
     std::uint32_t const b = is_at_wall ? Unknowns::none : unknowns.place[contact.second];
     if (a != Unknowns::none) diagonal[a] += block;

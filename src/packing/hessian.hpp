@@ -26,22 +26,22 @@ struct Unknowns {
 };
 
 /// A symmetric matrix of 2 × 2.
-struct Block {
+struct HessianBlock {
   double xx = 0.0;
   double xy = 0.0;
   double yy = 0.0;
 
-  Block& operator+=(Block const& other) {
+  HessianBlock& operator+=(HessianBlock const& other) {
     xx += other.xx;
     xy += other.xy;
     yy += other.yy;
     return *this;
   }
-  friend Vector operator*(Block const& m, Vector v) { return {m.xx * v.x + m.xy * v.y, m.xy * v.x + m.yy * v.y}; }
+  friend Vector operator*(HessianBlock const& m, Vector v) { return {m.xx * v.x + m.xy * v.y, m.xy * v.x + m.yy * v.y}; }
 };
 
 /// The second derivatives of the energy of a contact by the separation of its two disks: k n nᵀ − (f/r) (1 − n nᵀ), at a wall k n nᵀ.
-Block block_of(Contact const& contact, Potential potential, bool is_at_wall);
+HessianBlock block_of(Contact const& contact, Potential potential, bool is_at_wall);
 
 /// The second derivatives of the energy by the positions, the lower triangle.
 ///

@@ -99,10 +99,10 @@ void note_frames_beyond(char const* key, char const* unit, std::vector<double> c
 
 }  // namespace
 
-void check(Configuration const& configuration, IsGiven const& is_given) {
+void check(Configuration const& configuration, IsGiven const& is_given, Ranks const* ranks) {
   refuse_tables_of_others(configuration, is_given);
   configuration.kind().check(configuration);
-  require_memory(configuration);
+  require_memory(configuration, ranks);
 }
 
 void require_use_of_ranks(Configuration const& configuration, std::size_t ranks) {

@@ -11,7 +11,7 @@ namespace gridlock {
 
 /// Refuses what is wrong with a configuration before anything is made of it: tables of models that are not run, settings
 /// with which no run is possible, more memory than there is. Errors: Error.
-void check(Configuration const& configuration, IsGiven const& is_given);
+void check(Configuration const& configuration, IsGiven const& is_given, Ranks const* ranks);
 
 /// Refuses a run that so many ranks cannot share. Errors: Error.
 void require_use_of_ranks(Configuration const& configuration, std::size_t ranks);

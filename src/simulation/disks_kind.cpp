@@ -11,12 +11,14 @@
 
 #include "core/magnitude.hpp"
 #include "core/saturating.hpp"
+#include "gridlock/core/detail/disks_overview.hpp"
 #include "gridlock/core/detail/time_step_rule.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/validate.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/simulation/world_simulation.hpp"
 #include "simulation/countable_time.hpp"
+#include "simulation/divided_disks.hpp"
 #include "simulation/expected_work.hpp"
 #include "simulation/patient_engine.hpp"
 #include "simulation/protocol_simulation.hpp"
@@ -124,8 +126,8 @@ void resolve(Configuration& configuration) {
 }
 
 /// A speed near 0 makes a time step that cannot be computed with.
-void require_bounded_step(EngineSettings const& engine, State const& state) {
-  double const duration = step_duration(engine, state);
+void require_bounded_step(EngineSettings const& engine, DisksOverview const& disks) {
+  double const duration = step_duration(engine, disks.radii.smallest);
   if (!engine_record(engine.kind).has_time_step || duration <= most_magnitude) return;
   throw Error({.what = fmt::format("engine.speed = {} makes a time step of {:.3g}, too long to compute with",
                                    engine.speed.value_or(1.0), duration),
@@ -134,10 +136,10 @@ void require_bounded_step(EngineSettings const& engine, State const& state) {
 }
 
 /// A run that starts so late that its clock cannot count on would never end, or end at once.
-void require_clock(State const& state, std::filesystem::path const& start_file, EngineSettings const& engine) {
+void require_clock(Clock const& clock, DisksOverview const& disks, std::filesystem::path const& start_file,
+                   EngineSettings const& engine) {
   // As many as any run can have from there; the counts of steps end at 2⁶⁴ − 1.
   constexpr std::uint64_t most_steps = never_reached / 2;
-  Clock const& clock = state.clock;
   auto const refuse = [&](std::string what, std::string hint) {
     throw Error({.what = start_file.empty() ? what : fmt::format("{}: {}", start_file.string(), what),
                  .hint = std::move(hint),
@@ -147,7 +149,7 @@ void require_clock(State const& state, std::filesystem::path const& start_file, 
     refuse(fmt::format("step {} is too late for a start: the counts of a run end at {}", clock.step, never_reached),
            "set step in its second line to a smaller number, such as 0");
   }
-  double const duration = step_duration(engine, state);
+  double const duration = step_duration(engine, disks.radii.smallest);
   if (can_count(clock.time, duration)) return;
   refuse(fmt::format("at time {:.6g} a clock cannot count steps of {:.6g}: numbers of that size are {:.3g} apart",
                      clock.time, duration, spacing_at(clock.time)),
@@ -162,12 +164,11 @@ void require_hard_start(DisksSettings const& disks, State const& state) {
                .key = "disks.start"});
 }
 
-/// The engine; what is wrong with a state from a file is blamed on the file. What counts as valid is the engine's to say:
-/// the exact one allows for the rounding of disks it left in contact.
-std::unique_ptr<Engine> engine_for(State const& state, std::filesystem::path const& start_file,
-                                   EngineSettings const& settings) {
+/// Calls `act`; what is wrong with a state from a file is blamed on the file.
+template <class Act>
+auto blaming_file(std::filesystem::path const& start_file, Act act) {
   try {
-    return make_engine(settings, state);
+    return act();
   } catch (Error const& error) {
     if (start_file.empty()) throw;
     std::vector<Problem> problems = error.problems();
@@ -180,13 +181,19 @@ std::unique_ptr<Engine> engine_for(State const& state, std::filesystem::path con
   }
 }
 
+/// The engine. What counts as valid is the engine's to say: the exact one allows for the rounding of disks it left in contact.
+std::unique_ptr<Engine> engine_for(State const& state, std::filesystem::path const& start_file,
+                                   EngineSettings const& settings) {
+  return blaming_file(start_file, [&] { return make_engine(settings, state); });
+}
+
 /// Collisions soon give some disk twice v_max (one turn in 3000 in equilibrium, exp(−8)): a sub-step in which it covers a
 /// contact distance could jump over a disk. The rare disk that is faster still is caught in its turn.
-void require_short_substeps(EngineSettings const& engine, State const& state) {
+void require_short_substeps(EngineSettings const& engine, DisksOverview const& disks) {
   if (!engine_record(engine.kind).has_time_step) return;
-  double const substep = step_duration(engine, state) / static_cast<double>(engine.substeps);
+  double const substep = step_duration(engine, disks.radii.smallest) / static_cast<double>(engine.substeps);
   double const displacement = 2.0 * engine.speed.value_or(1.0) * substep;
-  double const contact = 2.0 * radius_range(state.agents).smallest;
+  double const contact = 2.0 * disks.radii.smallest;
   if (displacement < contact) return;
   throw Error(
       {.what = fmt::format("a disk at twice the speed {} would cover {:.6g} in one sub-step and could jump over "
@@ -209,9 +216,11 @@ bool keep_apart(State const& state, std::size_t i, std::size_t j) {
          (is_fixed_in_y && std::abs(d.y) >= contact);
 }
 
+/// Beyond that nobody looks at all pairs.
+constexpr std::size_t most_disks_for_all_pairs = 2000;
+
 /// Whether any two disks can ever meet, as far as that is plain to see.
 bool can_collide(State const& state) {
-  constexpr std::size_t most_disks_for_all_pairs = 2000;
   if (state.agents.size() < 2 || !(kinetic_energy(state.agents) > 0.0)) return false;
   if (state.agents.size() > most_disks_for_all_pairs) return true;
   for (std::size_t i = 0; i < state.agents.size(); ++i) {
@@ -222,18 +231,21 @@ bool can_collide(State const& state) {
   return false;
 }
 
-/// Refuses a run whose disks never collide, where nothing else ends it.
-void require_collisions(RunSettings const& run, State const& state) {
-  if (run.steps || run.time || can_collide(state)) return;
+[[noreturn]] void refuse_rest() {
   throw Error({.what = "disks that never collide cannot reach run.collisions_per_disk",
                .hint = "give run.steps or run.time as well",
                .key = "run.collisions_per_disk"});
 }
 
+/// Refuses a run whose disks never collide, where nothing else ends it.
+void require_collisions(RunSettings const& run, State const& state) {
+  if (!run.steps && !run.time && !can_collide(state)) refuse_rest();
+}
+
 /// Where the engine has a time step and that is known to mislead.
-std::optional<Event> misleading_rule(State const& state, EngineRecord const& engine) {
+std::optional<Event> misleading_rule(Box const& box, DisksOverview const& disks, EngineRecord const& engine) {
   if (!engine.has_time_step) return std::nullopt;
-  TimeStepCaveats const caveats = time_step_caveats(state.box, state.agents);
+  TimeStepCaveats const caveats = time_step_caveats(box, disks.covered_area);
   if (!caveats.any()) return std::nullopt;
   Event event{
       .kind = EventKind::misleading_rule, .key = "engine.kind", .values = {{"engine", std::string(engine.name)}}};
@@ -245,8 +257,8 @@ std::optional<Event> misleading_rule(State const& state, EngineRecord const& eng
   return event;
 }
 
-std::optional<Event> nothing_moves(State const& state, VelocitySettings const& velocities) {
-  if (kinetic_energy(state.agents) > 0.0) return std::nullopt;
+std::optional<Event> nothing_moves(DisksOverview const& disks, VelocitySettings const& velocities) {
+  if (disks.largest_speed > 0.0) return std::nullopt;
   return Event{.kind = EventKind::nothing_moves, .key = velocities.max > 0.0 ? "disks.file" : "velocities.max"};
 }
 
@@ -318,6 +330,9 @@ class DisksKind final : public ModelKind {
     if (!configuration.protocol.empty()) return Problem{.what = "a run with a [[protocol]]", .key = "protocol"};
     if (engine_record(configuration.engine.kind).uses_ranks) return {};
     return Problem{.what = fmt::format("the engine \"{}\"", configuration.engine.kind), .key = "engine.kind"};
+  }
+  [[nodiscard]] bool is_divided_among_ranks(Configuration const& configuration) const override {
+    return !not_shared_by_ranks(configuration);
   }
   [[nodiscard]] bool ends_within_steps(Configuration const& configuration) const override {
     return !engine_record(configuration.engine.kind).has_time_step;
@@ -422,30 +437,68 @@ std::unique_ptr<Simulation> prepared_simulation(Configuration const& configurati
   return std::make_unique<ProtocolSimulation>(protocol, std::move(state), make);
 }
 
+/// The whole start, where rows of it cannot be made without the others, or pairs of all disks are looked at.
+std::optional<State> start_to_hand_out(Setup& setup, SetupOptions const& options) {
+  DisksSettings const& disks = setup.configuration.disks;
+  bool const is_function_of_row = disks.start == StartKind::square || disks.start == StartKind::triangular;
+  bool const is_small = disks.count.value_or(0) <= most_disks_for_all_pairs;
+  if (!options.start && disks.file.empty() && is_function_of_row && !is_small) return std::nullopt;
+  return start_of(setup, options);
+}
+
+/// What is wrong with the settings of a run of these disks, and what is worth telling.
+void check_disks(Setup& setup, EngineSettings const& settings, Box const& box, Clock const& clock,
+                 DisksOverview const& disks) {
+  require_clock(clock, disks, setup.start_file, settings);
+  require_short_substeps(settings, disks);
+  if (auto note = misleading_rule(box, disks, engine_record(settings.kind))) setup.notes.push_back(*std::move(note));
+  if (auto note = nothing_moves(disks, setup.configuration.velocities)) setup.notes.push_back(*std::move(note));
+}
+
+/// Ranks share the disks: none has all of them.
+void build_divided(Setup& setup, SetupOptions const& options) {
+  Configuration& configuration = setup.configuration;
+  bool const has_speed = configuration.engine.speed.has_value();
+  std::optional<State> whole = start_to_hand_out(setup, options);
+  resolve(configuration);
+  EngineSettings settings = configuration.engine;
+  settings.threads = threads_of(configuration, options.threads, options.ranks);
+  settings.ranks = options.ranks;
+  if (whole) {
+    require_collisions(configuration.run, *whole);
+    require_hard_start(configuration.disks, *whole);
+  }
+  auto disks = blaming_file(setup.start_file, [&] {
+    return std::make_unique<DividedDisks>(*options.ranks, configuration, std::move(whole));
+  });
+  if (has_speed) require_bounded_step(configuration.engine, disks->all());
+  check_disks(setup, settings, disks->box(), disks->clock(), disks->all());
+  if (!configuration.run.steps && !configuration.run.time && !(disks->all().largest_speed > 0.0)) refuse_rest();
+  blaming_file(setup.start_file, [&] { disks->begin(settings, configuration.run, configuration.observe); });
+  setup.simulation = std::move(disks);
+}
+
 void DisksKind::build(Setup& setup, SetupOptions const& options) const {
   Configuration& configuration = setup.configuration;
   RunSettings const& run = configuration.run;
+  if (options.ranks != nullptr && is_divided_among_ranks(configuration)) {
+    build_divided(setup, options);
+    return;
+  }
   State state = start_of(setup, options);
-  if (configuration.engine.speed) require_bounded_step(configuration.engine, state);
+  if (configuration.engine.speed) require_bounded_step(configuration.engine, overview_of(state.agents));
   resolve(configuration);
   EngineSettings settings = configuration.engine;
   settings.threads = options.threads.value_or(settings.threads);
-  if (options.ranks != nullptr) {
-    settings.threads = threads_of(configuration, options.threads, options.ranks);
-    settings.ranks = options.ranks;
-  }
   EngineRecord const& record = engine_record(settings.kind);
   if (!configuration.protocol.empty()) {
     setup.simulation = prepared_simulation(configuration, settings, std::move(state));
     return;
   }
-  require_clock(state, setup.start_file, settings);
   require_collisions(run, state);
   require_hard_start(configuration.disks, state);
   std::unique_ptr<Engine> engine = engine_for(state, setup.start_file, settings);
-  require_short_substeps(settings, state);
-  if (auto note = misleading_rule(state, record)) setup.notes.push_back(*std::move(note));
-  if (auto note = nothing_moves(state, configuration.velocities)) setup.notes.push_back(*std::move(note));
+  check_disks(setup, settings, state.box, state.clock, overview_of(state.agents));
   setup.cost_of_move = record.cost_of_move(settings, state);
   std::unique_ptr<EngineFor<HardDisks>> advancing = patient(std::move(engine), run, state);
   auto simulation = std::make_unique<DiskSimulation>(std::move(advancing), std::move(state));

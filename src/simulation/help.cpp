@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include "engine/tiled/on_ranks.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/simulation/detail/model_kind.hpp"
+#include "simulation/divided_disks.hpp"
 
 namespace gridlock {
 
@@ -24,19 +24,16 @@ void take_part_in_model(Ranks& ranks, MessageReader& message) {
 
 void help(Ranks& ranks) {
   do_or_abandon(ranks, [&] {
-    State own{.box = Box(1.0, 1.0, Edge::wall)};
+    DisksHelper disks(ranks);
     while (true) {
       Ranks::Bytes const bytes = ranks.receive(0);
       MessageReader message(bytes);
-      switch (message.next<TaskOfRanks>()) {
-        case TaskOfRanks::steps_of_disks:
-          tiled::take_part(ranks, message, own);
-          break;
-        case TaskOfRanks::steps_of_model:
-          take_part_in_model(ranks, message);
-          break;
-        case TaskOfRanks::leave:
-          return;
+      auto const task = message.next<TaskOfRanks>();
+      if (task == TaskOfRanks::leave) return;
+      if (task == TaskOfRanks::steps_of_model) {
+        take_part_in_model(ranks, message);
+      } else {
+        disks.carry_out(task, message);
       }
     }
   });

@@ -18,8 +18,12 @@ double patience_for(State const& state) {
   }
   double squares = 0.0;
   for (std::size_t i = 0; i < state.agents.size(); ++i) squares += squared_length(velocity(state.agents, i) - mean);
+  return patience_for(state.box, disks, radius_range(state.agents).smallest, squares);
+}
+
+double patience_for(Box const& box, double disks, double smallest_radius, double squares) {
   double const speed = std::sqrt(squares / disks);
-  double const mean_free_time = state.box.area() / (disks * 2.0 * radius_range(state.agents).smallest * speed);
+  double const mean_free_time = box.area() / (disks * 2.0 * smallest_radius * speed);
   return (1e4 + 4e6 / (disks * disks)) * mean_free_time;
 }
 

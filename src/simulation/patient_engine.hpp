@@ -17,6 +17,8 @@ namespace gridlock {
 /// each other now and then for long; yet it is soon over in a computer. Velocities count from their mean in a periodic
 /// box, where disks that all move alike never meet.
 double patience_for(State const& state);
+/// The same of so many disks, of which the smallest has this radius; velocities count from their mean, and these are their squares in sum.
+double patience_for(Box const& box, double disks, double smallest_radius, double squares);
 
 /// An engine for runs that only collisions can end: it gives up where none come.
 ///

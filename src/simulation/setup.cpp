@@ -47,7 +47,7 @@ Setup set_up(SettingsFile const& file, SetupOptions const& options) {
 }
 
 Setup set_up(Configuration configuration, SetupOptions const& options) {
-  check(configuration, options.is_given);
+  check(configuration, options.is_given, options.ranks);
   Setup setup;
   setup.notes = unused_settings(configuration, options.is_given);
   setup.configuration = std::move(configuration);

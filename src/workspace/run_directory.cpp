@@ -21,6 +21,7 @@
 #include "gridlock/io/xyz.hpp"
 #include "io/checkpoint.hpp"
 #include "io/file.hpp"
+#include "simulation/divided_disks.hpp"
 #include "simulation/expected_work.hpp"
 #include "simulation/settings_difference.hpp"
 #include "simulation/trajectory.hpp"
@@ -180,6 +181,7 @@ class RunInDirectory {
         configuration_(std::move(configuration)),
         plan_(plan_of(setup_)),
         simulation_(*setup_.simulation),
+        divided_(dynamic_cast<DividedDisks*>(setup_.simulation.get())),
         run_(simulation_, plan_) {
     TrajectorySettings const& settings = setup_.configuration.trajectory;
     if (!settings.has_frames()) return;
@@ -222,7 +224,8 @@ class RunInDirectory {
   /// Nothing but run.log and trajectory.h5 changes, and those only after `require`, which may refuse what was restored.
   void restore(std::function<void()> const& require) {
     std::uint64_t const first_step = simulation_.clock().step;
-    auto const restored = restore_checkpoint(directory_, [&](Archive& archive) { serialize(archive); });
+    SerializeAll const all = [&](Archive& archive) { serialize(archive); };
+    auto const restored = divided_ != nullptr ? divided_->restore(directory_, all) : restore_checkpoint(directory_, all);
     require();
     std::error_code ignored;
     std::filesystem::remove(directory_ / begun_trajectory_name, ignored);
@@ -376,7 +379,9 @@ class RunInDirectory {
                   .values = {{"why", why}}});
     };
     try {
-      write_checkpoint(directory_, [&](Archive& archive) { serialize(archive); });
+      SerializeAll const all = [&](Archive& archive) { serialize(archive); };
+      write_checkpoint(directory_, all,
+                       divided_ != nullptr ? divided_->write_parts(directory_, all) : std::vector<CheckpointPart>());
       saved_at_ = clock;
       saved_work_ = work;
       log_.write({.kind = EventKind::checkpoint_written, .severity = Severity::info, .step = clock.step});
@@ -395,6 +400,7 @@ class RunInDirectory {
   std::string configuration_;
   RunPlan plan_;
   Simulation& simulation_;  ///< of the set-up
+  DividedDisks* divided_;   ///< the same, where ranks divide its disks
   Run run_;
   std::optional<TrajectoryWriter> trajectory_;
   std::optional<Clock> saved_at_;  ///< where the newest checkpoint is of

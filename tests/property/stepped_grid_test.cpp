@@ -38,24 +38,24 @@ void expect_same_counters(Counters const& a, Counters const& b) {
   EXPECT_EQ(a.pair_virial, b.pair_virial);
 }
 
-struct Case {
+struct GridCase {
   std::string name;
   SceneSettings scene;
   CollisionRule contact = CollisionRule::always;
   double time_step = 0.1;
   std::uint64_t substeps = 5;
 
-  friend std::ostream& operator<<(std::ostream& out, Case const& c) {
+  friend std::ostream& operator<<(std::ostream& out, GridCase const& c) {
     return out << c.scene << ", time step " << c.time_step << ", sub-steps " << c.substeps
                << (c.contact == CollisionRule::always ? ", always" : ", approaching");
   }
 };
 
-std::vector<Case> cases() {
+std::vector<GridCase> grid_cases() {
   SceneSettings const dense{.count = 81, .packing_fraction = 0.7};
   SceneSettings const mixture{
       .width = 1.7, .height = 0.9, .count = 60, .packing_fraction = 0.5, .smallest_ratio = 0.3, .heaviest_mass = 5.0};
-  std::vector<Case> all{
+  std::vector<GridCase> all{
       {.name = "dense", .scene = dense},
       {.name = "dense_approaching", .scene = dense, .contact = CollisionRule::approaching},
       {.name = "mixture", .scene = mixture},
@@ -73,7 +73,7 @@ std::vector<Case> cases() {
   return all;
 }
 
-class SteppedCase : public testing::TestWithParam<Case> {
+class SteppedCase : public testing::TestWithParam<GridCase> {
  protected:
   [[nodiscard]] EngineSettings settings() const {
     return {.time_step = GetParam().time_step, .substeps = GetParam().substeps, .contact = GetParam().contact};
@@ -135,9 +135,9 @@ TEST_P(SteppedRule, GivesTheBitsOfTheRuleWrittenASecondTime) {
   EXPECT_NEAR(counters.pair_virial, rule.pair_virial, 1e-12 * (std::abs(rule.pair_virial) + 1.0));
 }
 
-auto const case_name = [](testing::TestParamInfo<Case> const& info) { return info.param.name; };
-INSTANTIATE_TEST_SUITE_P(Scenes, SteppedGrid, testing::ValuesIn(cases()), case_name);
-INSTANTIATE_TEST_SUITE_P(Scenes, SteppedRule, testing::ValuesIn(cases()), case_name);
+auto const case_name = [](testing::TestParamInfo<GridCase> const& info) { return info.param.name; };
+INSTANTIATE_TEST_SUITE_P(Scenes, SteppedGrid, testing::ValuesIn(grid_cases()), case_name);
+INSTANTIATE_TEST_SUITE_P(Scenes, SteppedRule, testing::ValuesIn(grid_cases()), case_name);
 
 TEST(SteppedStress, ThreeHundredTinySystemsOfAFewCellsGiveTheBitsOfAllPairs) {
   RandomStream random(2024, 0, 0, Purpose::start_position);

@@ -16,6 +16,7 @@
 /// }
 /// ```
 
+#include <algorithm>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
@@ -188,6 +189,22 @@ class Population {
     if (archive.is_restoring()) restore_slots(archive, generations);
   }
 
+  /// The same of a part, see become(): nothing but the rows, and no names that are used up.
+  void serialize_part(Archive& archive) {
+    serialize(archive, "id", ids_);
+    (serialize(archive, Columns::name, rows_.template values<Columns>()), ...);
+    if (!archive.is_restoring()) {
+      std::vector<std::uint32_t> none;
+      archive.visit("generation_of_slot", none);
+      archive.visit("free_slot", none);
+      return;
+    }
+    archive.require(((rows_.template values<Columns>().size() == ids_.size()) && ...),
+                    "the columns of the agents differ in length");
+    slots_.clear();
+    free_slots_.clear();
+  }
+
   /// Goes on with a copy of all rows and Ids, the columns side by side in memory, and returns the old memory: whoever has pointers into
   /// it keeps what it held. Cost: a copy.
   [[nodiscard]] std::shared_ptr<void> release() {
@@ -212,6 +229,9 @@ class Population {
     std::uint32_t generation = 0;
     [[nodiscard]] bool is_alive() const { return index != nobody; }
   };
+
+  /// Beyond 64 for each agent, in what is restored: each takes memory.
+  static constexpr std::size_t most_unused_names = std::size_t{1} << 22;
 
   static std::size_t slot_of(Id id) { return static_cast<std::size_t>(id & 0xFFFFFFFFU); }
   static std::uint32_t generation_of(Id id) { return static_cast<std::uint32_t>(id >> 32); }
@@ -242,8 +262,18 @@ class Population {
   void restore_slots(Archive& archive, std::vector<std::uint32_t> const& generations) {
     archive.require(((rows_.template values<Columns>().size() == ids_.size()) && ...),
                     "the columns of the agents differ in length");
-    slots_.assign(generations.size(), {});
-    for (std::size_t slot = 0; slot < slots_.size(); ++slot) slots_[slot].generation = generations[slot];
+    std::size_t slots = generations.size();
+    // Of a population that was serialized in parts only the living have a name.
+    bool const is_of_parts = generations.empty();
+    for (Id const id : ids_) {
+      if (is_of_parts) slots = std::max(slots, slot_of(id) + 1);
+    }
+    archive.require(!is_of_parts || slots <= 64 * ids_.size() + most_unused_names, "the Ids of the agents leave too many out");
+    slots_.assign(slots, {});
+    for (std::size_t slot = 0; slot < generations.size(); ++slot) slots_[slot].generation = generations[slot];
+    for (Id const id : ids_) {
+      if (is_of_parts) slots_[slot_of(id)].generation = generation_of(id);
+    }
     for (std::size_t row = 0; row < ids_.size(); ++row) {
       std::size_t const number = slot_of(ids_[row]);
       bool const is_free = number < slots_.size() && !slots_[number].is_alive();

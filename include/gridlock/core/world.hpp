@@ -98,6 +98,18 @@ constexpr std::uint64_t word_of(Value value) {
 std::uint64_t hash_of_world(Box const& box, Clock const& clock, std::uint64_t seed, std::size_t agents,
                             std::uint64_t sum_of_agents);
 
+/// The hashes of agents in sum, modulo 2⁶⁴. Cost: one pass over the agents.
+template <class... Columns>
+std::uint64_t sum_of_hashes(Population<Columns...> const& population) {
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < population.size(); ++i) {
+    // Words of 64 bits, so that a record has no padding and the same bytes under every compiler.
+    std::uint64_t const record[] = {population.ids()[i], word_of(population.template column<Columns>()[i])...};
+    sum += hash_words(record);
+  }
+  return sum;
+}
+
 /// The bitwise identity of a population at one time: equal for equal bits of box, clock, seed and every column of every
 /// agent.
 ///
@@ -105,13 +117,7 @@ std::uint64_t hash_of_world(Box const& box, Clock const& clock, std::uint64_t se
 /// Cost: one pass over the agents.
 template <class... Columns>
 std::uint64_t hash(Box const& box, Clock const& clock, std::uint64_t seed, Population<Columns...> const& population) {
-  std::uint64_t sum = 0;
-  for (std::size_t i = 0; i < population.size(); ++i) {
-    // Words of 64 bits, so that a record has no padding and the same bytes under every compiler.
-    std::uint64_t const record[] = {population.ids()[i], word_of(population.template column<Columns>()[i])...};
-    sum += hash_words(record);
-  }
-  return hash_of_world(box, clock, seed, population.size(), sum);
+  return hash_of_world(box, clock, seed, population.size(), sum_of_hashes(population));
 }
 
 /// The same of a world: equal for worlds of two models with the same columns and values.

@@ -66,7 +66,7 @@ class Simulation {
   [[nodiscard]] virtual Box const& box() const = 0;
   /// The agents as they are now; see AgentsView for how long it is valid.
   [[nodiscard]] virtual AgentsView view() const = 0;
-  [[nodiscard]] std::size_t agents() const { return view().size(); }
+  [[nodiscard]] virtual std::size_t agents() const { return view().size(); }
   /// The bitwise identity of the state.
   [[nodiscard]] virtual std::uint64_t state_hash() const = 0;
   [[nodiscard]] virtual std::vector<Count> counts() const = 0;

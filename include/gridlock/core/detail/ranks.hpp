@@ -124,6 +124,7 @@ class MessageReader {
     if (!values.empty()) std::memcpy(static_cast<void*>(values.data()), bytes_.data() + at_, values.size_bytes());
     at_ += values.size_bytes();
   }
+  [[nodiscard]] bool is_at_end() const { return at_ == bytes_.size(); }
   [[nodiscard]] std::string next_text() {
     std::string text(next<std::uint64_t>(), '\0');
     read_into(std::span<char>(text));
@@ -149,7 +150,21 @@ class MessageReader {
 };
 
 /// What the leader asks all others for: the first number of a message.
-enum class TaskOfRanks : std::uint64_t { leave, steps_of_disks, steps_of_model };
+enum class TaskOfRanks : std::uint64_t {
+  leave,
+  steps_of_model,
+  steps_of_disks,
+  // Of disks whose rows are divided.
+  begin_disks,
+  observe_disks,
+  sample_disks,
+  hash_disks,
+  find_patience,
+  give_rows,
+  write_rows,
+  restore_rows,
+  forget_disks,
+};
 
 template <class Value>
 Ranks::Bytes message_of(Value const& value) {
@@ -167,6 +182,21 @@ Ranks::Bytes message_of_all(std::span<Value const> values) {
 
 inline void send_to_others(Ranks& ranks, Ranks::Bytes const& message) {
   for (std::size_t rank = 1; rank < ranks.count(); ++rank) ranks.send(rank, message);
+}
+
+/// Rank after rank adds what it has to sums, in the order of the ranks; all get them.
+template <class Sums, class Add>
+Sums add_in_order(Ranks& ranks, Sums sums, Add add) {
+  std::size_t const rank = ranks.rank();
+  std::size_t const last = ranks.count() - 1;
+  if (rank > 0) sums = MessageReader(ranks.receive(rank - 1)).next<Sums>();
+  add(sums);
+  if (rank < last) {
+    ranks.send(rank + 1, message_of(sums));
+    return MessageReader(ranks.receive(last)).template next<Sums>();
+  }
+  for (std::size_t to = 0; to < last; ++to) ranks.send(to, message_of(sums));
+  return sums;
 }
 
 /// The leader lets all others go, who wait for what it asks of them.

@@ -15,16 +15,17 @@ class RowDivision {
   RowDivision() = default;
   /// As many for each, as far as that is possible.
   static RowDivision even(std::uint64_t rows, std::size_t ranks) {
-    RowDivision division;
-    for (std::size_t rank = 0; rank <= ranks; ++rank) division.begins_.push_back(rows / ranks * rank + std::min(rows % ranks, std::uint64_t{rank}));
-    return division;
+    std::vector<std::uint64_t> begins;
+    for (std::uint64_t rank = 0; rank <= ranks; ++rank) {
+      begins.push_back(rows / ranks * rank + std::min(rows % ranks, rank));
+    }
+    return RowDivision(std::move(begins));
   }
   /// The leader has all.
   static RowDivision of_leader(std::uint64_t rows, std::size_t ranks) {
-    RowDivision division;
-    division.begins_.assign(ranks + 1, rows);
-    division.begins_.front() = 0;
-    return division;
+    std::vector<std::uint64_t> begins(ranks + 1, rows);
+    begins.front() = 0;
+    return RowDivision(std::move(begins));
   }
   explicit RowDivision(std::vector<std::uint64_t> begins) : begins_(std::move(begins)) {}
 

@@ -20,6 +20,7 @@ struct TimeStepCaveats {
 };
 
 TimeStepCaveats time_step_caveats(Box const& box, Disks const& disks);
+TimeStepCaveats time_step_caveats(Box const& box, double covered_area);
 
 /// As a part of a sentence; empty where there is none.
 std::string in_words(TimeStepCaveats const& caveats);

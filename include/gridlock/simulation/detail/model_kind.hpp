@@ -63,6 +63,8 @@ class ModelKind {
   [[nodiscard]] virtual bool uses_threads(Configuration const& configuration) const = 0;
   /// What of a run several processes cannot share, SetupOptions::ranks, its setting and what to do about it; nothing where they can.
   [[nodiscard]] virtual std::optional<Problem> not_shared_by_ranks(Configuration const& configuration) const;
+  /// Whether several processes divide the agents, so that none has all of them.
+  [[nodiscard]] virtual bool is_divided_among_ranks(Configuration const& /*configuration*/) const { return false; }
   /// The part of a process that helps with steps of this model, see help(). Contract: one that ranks can share.
   virtual void take_part(Ranks& ranks, MessageReader& message) const;
   /// Whether a run can end within a step.
