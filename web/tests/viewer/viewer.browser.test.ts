@@ -203,7 +203,8 @@ describe("A finished run", () => {
   });
 
   test("has |ψ6| as the program averages it, and the grid in which neighbours are searched", async () => {
-    await page.goto(address);
+    place.run(`${SMALL_RUN}observe.structure_every = 1\n`, "ordered");
+    await page.goto(await place.view("ordered"));
     await seen("frame 1 of 4");
     await goTo(3);
     await seen("step 60");
@@ -220,7 +221,7 @@ describe("A finished run", () => {
       const values = (globalThis as unknown as { shownValues: Float32Array }).shownValues;
       return values.reduce((sum, value) => sum + value, 0) / values.length;
     });
-    const [head, ...rows] = readFileSync(place.of("results/series.csv"), "utf8").trim().split("\n").map((line) => line.split(","));
+    const [head, ...rows] = readFileSync(place.of("ordered/series.csv"), "utf8").trim().split("\n").map((line) => line.split(","));
     const last = rows.find((cells) => cells[0] === "60") as string[];
     expect(mean).toBeCloseTo(Number(last[(head as string[]).indexOf("local_bond_orientation_order")]), 5);
     const before = await page.locator(".viewer .picture").screenshot();
