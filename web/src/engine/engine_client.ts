@@ -2,7 +2,7 @@
  * The engine in a Web Worker: the page asks, the worker simulates and posts frames whose arrays are transferred.
  *
  * ```ts
- * const engine = await startEngine();
+ * const engine = startEngine();
  * engine.onFrame = (frame) => draw(frame.positions, frame.radii, frame.colour);
  * const info = await engine.open(toml);
  * engine.run({ stepsPerSecond: 600 });
@@ -89,6 +89,8 @@ export interface EngineEvents {
 
 /** All promises reject with a GridlockError as gridlock.ts throws it. */
 export interface Engine extends EngineEvents {
+  /** When what follows is known; calls need not wait for it. Rejects with an Error where the browser has no WebAssembly. */
+  readonly ready: Promise<void>;
   readonly version: string;
   readonly settings: readonly SettingDescription[];
   readonly models: readonly Named[];
@@ -127,11 +129,9 @@ export interface Engine extends EngineEvents {
 /** A set-up was given up before it was done. */
 export class EngineRenewed extends Error {}
 
-/** Starts a worker with the engine. Errors: Error where the browser has no WebAssembly or no workers. */
-export async function startEngine(): Promise<Engine> {
-  const client = new EngineClient();
-  await client.start();
-  return client;
+/** Starts a worker with the engine. Throws Error where the browser has no workers. */
+export function startEngine(): Engine {
+  return new EngineClient();
 }
 
 interface Pending {
@@ -149,6 +149,7 @@ class EngineClient implements Engine {
   private readonly pending = new Map<number, Pending>();
   private calls = 0;
   private worker = this.newWorker();
+  readonly ready = this.readCatalogue();
 
   private newWorker(): Worker {
     const worker = new EngineWorker();
@@ -157,7 +158,7 @@ class EngineClient implements Engine {
     return worker;
   }
 
-  async start(): Promise<void> {
+  private async readCatalogue(): Promise<void> {
     this.catalogue = await this.call<Catalogue>("catalogue");
   }
   get version(): string {
@@ -227,6 +228,8 @@ class EngineClient implements Engine {
     this.pending.clear();
     this.worker = this.newWorker();
     for (const one of pending) if (one.call === "open") one.reject(new EngineRenewed());
+    const asked = pending.find((one) => one.call === "catalogue");
+    if (asked !== undefined) this.call("catalogue").then(asked.resolve, asked.reject);
   }
   close(): void {
     this.worker.terminate();

@@ -30,7 +30,7 @@ const SLOW_MILLISECONDS = 700;
 export class Playground {
   readonly element = element("div", { class: "panel playground" });
   /** Begun before the page is built, which goes on meanwhile. */
-  private readonly starting = startEngine();
+  private readonly engine = startEngine();
   readonly drawing: Drawing;
   private readonly picture = element("div", { class: "picture" });
   private readonly charts = new RunCharts();
@@ -68,7 +68,6 @@ export class Playground {
   );
   private readonly range = new BarRange();
   private readonly setupSide = element("aside", { class: "side setup", "aria-label": "Set-up" });
-  private engine: Engine | undefined;
   private controls: Controls | undefined;
   private cells: Controls | undefined;
   private anySetting: AnySetting | undefined;
@@ -107,17 +106,17 @@ export class Playground {
     });
   }
 
-  /** Starts the engine and opens what the address says. */
+  /** Opens what the address says, and shows the controls when the engine has said what they are: before it has set up a run. */
   async start(): Promise<void> {
+    const { engine } = this;
+    engine.onFrame = (frame) => this.take(frame);
+    engine.onError = (error) => this.showProblem(error);
+    const showControls = engine.ready.then(() => this.addControls(engine));
     try {
-      this.engine = await this.starting;
+      await Promise.all([showControls, this.openLink(location.hash)]);
     } catch (error) {
-      return this.showProblem(error);
+      this.showProblem(error);
     }
-    this.addControls(this.engine);
-    this.engine.onFrame = (frame) => this.take(frame);
-    this.engine.onError = (error) => this.showProblem(error);
-    await this.openLink(location.hash);
   }
 
   /** Opens the set-up of a link; the usual scene where there is none, or none that can be used, and then says why. */
@@ -264,7 +263,7 @@ export class Playground {
   /** Opens set-ups one after the other; of those that come meanwhile the last. Ends when none waits any more. */
   private async open(setup: Setup): Promise<void> {
     this.next = setup;
-    if (this.isSlow) this.engine?.renew();
+    if (this.isSlow) this.engine.renew();
     this.opening ??= this.openAll();
     await this.opening;
   }
@@ -283,13 +282,12 @@ export class Playground {
   private stopSettingUp(): void {
     this.next = this.info === undefined ? undefined : this.setup;
     this.wantsToRun = false;
-    this.engine?.renew();
+    this.engine.renew();
     if (this.info === undefined) this.showProblem(new Error("No run is set up: choose a scene, or change the set-up."));
   }
 
   private async openOne(setup: Setup): Promise<void> {
-    const engine = this.engine;
-    if (engine === undefined) return;
+    const { engine } = this;
     try {
       const info = await this.described(engine, setup);
       this.setup = setup;
@@ -345,7 +343,7 @@ export class Playground {
     const options = coloursOf(info);
     if (!options.some((one) => one.value === this.chosenColour)) this.chosenColour = usualColour(info);
     setOptions(this.colour, options, this.chosenColour);
-    void this.engine?.colourBy(this.columnOf(this.chosenColour));
+    void this.engine.colourBy(this.columnOf(this.chosenColour));
   }
 
   /** The column that the engine is to send; where the page needs none, one that costs nothing to make. */
@@ -399,7 +397,7 @@ export class Playground {
   /** The contacts of a packing: there are some where a protocol has just ended, and nothing has moved since. */
   private async findContacts(frame: EngineFrame): Promise<void> {
     const mayHave = frame.isPrepared && frame.preparation.stages > 0 && frame.step === 0 && !frame.isRunning;
-    const found = mayHave ? await this.engine?.contacts() : undefined;
+    const found = mayHave ? await this.engine.contacts() : undefined;
     if (this.frame !== frame) return;
     const had = this.contacts !== undefined;
     this.contacts =
@@ -463,7 +461,7 @@ export class Playground {
     this.range.reset();
     if (name === NEIGHBOURHOOD) this.grid.checked = true;
     this.draw();
-    await this.engine?.colourBy(this.columnOf(name));
+    await this.engine.colourBy(this.columnOf(name));
     await this.noteAddress();
   }
 
@@ -526,7 +524,7 @@ export class Playground {
   }
 
   private async guard(act: (engine: Engine) => Promise<void>): Promise<void> {
-    if (this.engine === undefined || this.info === undefined) return;
+    if (this.info === undefined) return;
     try {
       await act(this.engine);
     } catch (error) {
@@ -563,7 +561,7 @@ export class Playground {
   }
 
   private async copyHash(): Promise<void> {
-    if (this.engine !== undefined) await copy(await this.engine.stateHash(), "State hash");
+    await copy(await this.engine.stateHash(), "State hash");
   }
 
   private fileName(): string {
