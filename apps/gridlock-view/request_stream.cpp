@@ -15,7 +15,6 @@ namespace gridlock::view {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 /// A stop is seen after so long at most.
@@ -23,8 +22,8 @@ constexpr int slice = 50;
 /// httplib reads ranges by a regular expression, whose stack grows with the text.
 constexpr std::size_t longest_range = 128;
 
-int left_until(Clock::time_point end) {
-  return static_cast<int>(std::chrono::duration_cast<milliseconds>(end - Clock::now()).count());
+int left_until(std::chrono::steady_clock::time_point end) {
+  return static_cast<int>(std::chrono::duration_cast<milliseconds>(end - std::chrono::steady_clock::now()).count());
 }
 
 bool begins_with_name(std::string_view line, std::string_view name) {
@@ -62,13 +61,11 @@ bool RequestStream::wait(short events, int milliseconds) const {
   return false;
 }
 
-bool RequestStream::wait_for_first_byte() const {
-  auto const begin = Clock::now();
+bool RequestStream::wait_for_bytes(Clock::time_point begin, int most_milliseconds) const {
   while (!is_stopping_) {
-    if (wait(POLLIN, slice)) return true;
     auto const waited = std::chrono::duration_cast<milliseconds>(Clock::now() - begin).count();
-    if (waited >= limits_.idle_milliseconds || (waited >= limits_.crowded_milliseconds && should_hurry_()))
-      return false;
+    if (waited >= most_milliseconds || (waited >= limits_.crowded_milliseconds && should_hurry_())) return false;
+    if (wait(POLLIN, slice)) return true;
   }
   return false;
 }
@@ -76,8 +73,8 @@ bool RequestStream::wait_for_first_byte() const {
 RequestStream::Head RequestStream::read_head() {
   received_.erase(0, end_);
   at_ = end_ = 0;
-  if (received_.empty() && !wait_for_first_byte()) return Head::none;
-  auto const end = Clock::now() + milliseconds(limits_.head_milliseconds);
+  if (received_.empty() && !wait_for_bytes(Clock::now(), limits_.idle_milliseconds)) return Head::none;
+  auto const begin = Clock::now();
   for (std::size_t searched = 0;;) {
     std::size_t const found = received_.find("\r\n\r\n", searched);
     if (found != std::string::npos && found <= limits_.most_head_bytes) {
@@ -86,7 +83,7 @@ RequestStream::Head RequestStream::read_head() {
     }
     if (received_.size() > limits_.most_head_bytes) return Head::too_large;
     searched = received_.size() < 3 ? 0 : received_.size() - 3;
-    if (!wait(POLLIN, left_until(end))) return is_stopping_ ? Head::none : Head::too_slow;
+    if (!wait_for_bytes(begin, limits_.head_milliseconds)) return is_stopping_ ? Head::none : Head::too_slow;
     char bytes[4096];
     ssize_t const count = recv(socket_, bytes, sizeof(bytes), MSG_DONTWAIT);
     if (count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR)) return Head::none;

@@ -3,6 +3,7 @@
 #include <httplib.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <string>
@@ -23,7 +24,7 @@ class RequestStream final : public httplib::Stream {
     bad_range,  ///< longer than any range a browser asks for
   };
 
-  /// `should_hurry` is asked while nothing has come of a request yet.
+  /// `should_hurry` is asked while a request has not come as a whole.
   RequestStream(socket_t socket, ConnectionLimits const& limits, std::atomic<bool> const& is_stopping,
                 std::function<bool()> should_hurry)
       : socket_(socket), limits_(limits), is_stopping_(is_stopping), should_hurry_(std::move(should_hurry)) {}
@@ -43,9 +44,12 @@ class RequestStream final : public httplib::Stream {
   [[nodiscard]] socket_t socket() const override { return socket_; }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   /// Waits for the socket; false when the time is over or the server stops.
   bool wait(short events, int milliseconds) const;
-  bool wait_for_first_byte() const;
+  /// The same for bytes of a request, from `begin` on; less long while other connections wait.
+  bool wait_for_bytes(Clock::time_point begin, int most_milliseconds) const;
 
   socket_t socket_;
   ConnectionLimits limits_;

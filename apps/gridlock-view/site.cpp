@@ -194,16 +194,23 @@ std::map<std::string, fs::path> files_of_page(fs::path const& page) {
   return files;
 }
 
-/// How a run has ended; "unfinished" where it is at work, was killed or has not begun.
-std::string status_of(Contents const& contents, ShownRun const& run) {
-  auto const file = contents.find(run, "summary.json");
-  if (!file) return "unfinished";
+/// How a run has ended, as its summary says; nothing where there is none.
+std::optional<std::string> end_of(Contents const& contents, ShownRun const& run) {
+  if (!contents.find(run, "summary.json")) return std::nullopt;
   try {
     auto const summary = read_summary(run.directory);
-    return summary ? to_text(summary->status) : "unfinished";
+    return summary ? std::optional(to_text(summary->status)) : std::nullopt;
   } catch (std::exception const&) {
     return "damaged";
   }
+}
+
+/// How a run has ended; "unfinished" where it is at work, "abandoned" where it has not ended and no program is at work on it.
+std::string status_of(Contents const& contents, ShownRun const& run) {
+  if (auto const end = end_of(contents, run)) return *end;
+  if (DirectoryLock::is_held(run.directory)) return "unfinished";
+  // It may have ended in between.
+  return end_of(contents, run).value_or("abandoned");
 }
 
 /// Calls `work`; what the library refuses becomes an answer.

@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <system_error>
+#include <thread>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/workspace/run_directory.hpp"
@@ -13,6 +15,18 @@
 namespace gridlock {
 
 namespace {
+
+/// Who looks whether a lock is held has it for a moment, and is no reason to give up.
+constexpr int attempts = 5;
+constexpr std::chrono::milliseconds between_attempts{10};
+
+bool lock_file(int descriptor, int operation) {
+  for (int attempt = 1;; ++attempt) {
+    if (flock(descriptor, operation | LOCK_NB) == 0) return true;
+    if (attempt == attempts) return false;
+    std::this_thread::sleep_for(between_attempts);
+  }
+}
 
 [[noreturn]] void refuse(std::string const& what, std::string hint) {
   throw Error({.what = what, .hint = std::move(hint), .key = "-o"});
@@ -28,7 +42,7 @@ DirectoryLock::DirectoryLock(std::filesystem::path const& directory, Sharing sha
                          std::generic_category().message(errno)),
              "name another directory with -o");
     }
-    if (flock(descriptor_, (sharing == Sharing::alone ? LOCK_EX : LOCK_SH) | LOCK_NB) != 0) {
+    if (!lock_file(descriptor_, sharing == Sharing::alone ? LOCK_EX : LOCK_SH)) {
       close(descriptor_);
       refuse(fmt::format("another process is working in {}", directory.string()),
              "wait until it has ended, or name another directory with -o");
@@ -42,6 +56,15 @@ DirectoryLock::~DirectoryLock() {
   // The last one of those who share it tidies up.
   if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) unlink(path_.c_str());
   close(descriptor_);
+}
+
+bool DirectoryLock::is_held(std::filesystem::path const& directory) {
+  int const descriptor = open((directory / file_name).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  // Who ends takes the file away.
+  if (descriptor < 0) return errno != ENOENT;
+  bool const is_held = flock(descriptor, LOCK_SH | LOCK_NB) != 0;
+  close(descriptor);
+  return is_held;
 }
 
 }  // namespace gridlock

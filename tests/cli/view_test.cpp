@@ -393,6 +393,21 @@ TEST_F(View, EndsConnectionsThatOnlyWait) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(15));
 }
 
+TEST_F(View, AnswersSoonBesideManyRequestsThatAreHalfSent) {
+  make_run();
+  Viewer const viewer(workplace_, "results");
+  std::vector<std::unique_ptr<Connection>> half;
+  for (int k = 0; k < 300; ++k) {
+    half.push_back(std::make_unique<Connection>(viewer.port()));
+    half.back()->send("GET / HTTP/1.1\r\nHost:");
+  }
+  auto const begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(viewer.get("/").status, 200);
+  // Five rounds of 64 connections that were each waited for as long as one that is alone would take 25 seconds.
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(4));
+  EXPECT_EQ(read_answer(half.front()->receive()).status, 408);
+}
+
 TEST_F(View, AnswersSeveralRequestsOfOneConnection) {
   make_run();
   Viewer const viewer(workplace_, "results");
@@ -576,8 +591,10 @@ TEST_F(View, FollowsARunWhileItIsWrittenKilledAndResumed) {
   run.signal(SIGKILL);
   EXPECT_EQ(run.wait().exit_code, 128 + SIGKILL);
   seen = frames_seen(viewer, seen);
+  EXPECT_EQ(Json::parse(viewer.get("/data/runs/run/about.json").body)["status"], "abandoned");
   Process const resumed(GRIDLOCK_PROGRAM, {"resume", results, "-q"}, elsewhere.path());
   follow(seen, 5);
+  EXPECT_EQ(Json::parse(viewer.get("/data/runs/run/about.json").body)["status"], "unfinished");
   resumed.signal(SIGTERM);
   resumed.wait();
 }

@@ -173,6 +173,15 @@ val merge(std::string const& toml, val const& overrides) {
   return answer([&] { return given_settings(settings_of(toml, strings_of(overrides))); });
 }
 
+/// A mistake as no test finds one: what it leaves behind cannot be used any more.
+void trap() { __builtin_trap(); }
+
+/// The same by calls that fill the stack.
+int fill_stack(int depth) {
+  int volatile const deeper = depth + 1;
+  return fill_stack(deeper) + deeper;
+}
+
 val catalogue() {
   return answer([&] {
     return text_of({{"version", GRIDLOCK_VERSION},
@@ -189,6 +198,8 @@ EMSCRIPTEN_BINDINGS(gridlock) {
   emscripten::function("open", &open);
   emscripten::function("read", &read);
   emscripten::function("merge", &merge);
+  emscripten::function("trap", &trap);
+  emscripten::function("fillStack", &fill_stack);
   emscripten::class_<Binding>("Session")
       .smart_ptr<std::shared_ptr<Binding>>("Session")
       .function("description", &Binding::description)

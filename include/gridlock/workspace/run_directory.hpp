@@ -42,6 +42,10 @@ class DirectoryLock {
   DirectoryLock(DirectoryLock const&) = delete;
   DirectoryLock& operator=(DirectoryLock const&) = delete;
 
+  /// Whether a process is at work in the directory, as far as the file system tells: one that keeps locks of each machine apart knows of
+  /// this one alone.
+  static bool is_held(std::filesystem::path const& directory);
+
  private:
   std::filesystem::path path_;
   int descriptor_ = -1;

@@ -178,7 +178,9 @@ TEST(DirectoryLock, IsSharedByThoseThatAskForItAndKeepsOthersOut) {
     EXPECT_NO_THROW(DirectoryLock(directory.path(), Sharing::with_others));
     EXPECT_THROW(DirectoryLock(directory.path(), Sharing::alone), Error);
   }
+  EXPECT_FALSE(DirectoryLock::is_held(directory.path()));
   DirectoryLock const alone(directory.path(), Sharing::alone);
+  EXPECT_TRUE(DirectoryLock::is_held(directory.path()));
   EXPECT_THROW(DirectoryLock(directory.path(), Sharing::with_others), Error);
 }
 

@@ -1,3 +1,14 @@
+/** The shortest text that reads back as the same number, as the program writes it: "1.0", "1e-05", "nan". */
+export function numberText(value: number): string {
+  if (Number.isNaN(value)) return "nan";
+  if (!Number.isFinite(value)) return value > 0 ? "inf" : "-inf";
+  if (Object.is(value, -0)) return "-0.0";
+  const [digits, exponent] = value.toExponential().split("e") as [string, string];
+  const isPlain = value === 0 || (Number(exponent) >= -4 && Number(exponent) < 16);
+  if (!isPlain) return `${digits}e${exponent[0]}${exponent.slice(1).padStart(2, "0")}`;
+  return Number.isInteger(value) ? `${value}.0` : String(value);
+}
+
 /** The rows of a series as they come, kept column by column, thinned where there are too many to draw. */
 export class Series {
   private readonly columns: number[][];
@@ -42,18 +53,12 @@ export class Series {
     return this.columns[this.names.indexOf(name)] ?? [];
   }
 
-  /** As a table with commas; cells without a value are empty. */
+  /** As series.csv, byte for byte: steps are counts, all else are numbers. */
   toCsv(): string {
     const lines = [this.names.join(",")];
+    const textOf = (name: string, value: number): string => (name === "step" ? String(value) : numberText(value));
     for (let row = 0; row < this.length; ++row) {
-      lines.push(
-        this.columns
-          .map((column) => {
-            const value = column[row] as number;
-            return Number.isNaN(value) ? "" : String(value);
-          })
-          .join(","),
-      );
+      lines.push(this.columns.map((column, at) => textOf(this.names[at] as string, column[row] as number)).join(","));
     }
     return lines.join("\n") + "\n";
   }

@@ -2,7 +2,7 @@
  * The engine in a Web Worker: the page asks, the worker simulates and posts frames whose arrays are transferred.
  *
  * ```ts
- * const engine = await startEngine();
+ * const engine = startEngine();
  * engine.onFrame = (frame) => draw(frame.positions, frame.radii, frame.colour);
  * const info = await engine.open(toml);
  * engine.run({ stepsPerSecond: 600 });
@@ -89,6 +89,8 @@ export interface EngineEvents {
 
 /** All promises reject with a GridlockError as gridlock.ts throws it. */
 export interface Engine extends EngineEvents {
+  /** When what follows is known; calls need not wait for it. Rejects with an Error where the browser has no WebAssembly. */
+  readonly ready: Promise<void>;
   readonly version: string;
   readonly settings: readonly SettingDescription[];
   readonly models: readonly Named[];
@@ -117,18 +119,23 @@ export interface Engine extends EngineEvents {
   results(): Promise<readonly NamedEstimate[]>;
   stateHash(): Promise<string>;
   configuration(): Promise<string>;
+  /** Ends the worker, whatever it does, and starts another, in which nothing is open. open() rejects with EngineRenewed where it waits; all else that
+   * waits is never answered. */
+  renew(): void;
   /** Ends the worker. */
   close(): void;
 }
 
-/** Starts a worker with the engine. Errors: Error where the browser has no WebAssembly or no workers. */
-export async function startEngine(): Promise<Engine> {
-  const client = new EngineClient(new EngineWorker());
-  await client.start();
-  return client;
+/** A set-up was given up before it was done. */
+export class EngineRenewed extends Error {}
+
+/** Starts a worker with the engine. Throws Error where the browser has no workers. */
+export function startEngine(): Engine {
+  return new EngineClient();
 }
 
 interface Pending {
+  readonly call: string;
   resolve(value: unknown): void;
   reject(error: Error): void;
 }
@@ -141,13 +148,17 @@ class EngineClient implements Engine {
   private catalogue: Catalogue = { version: "", settings: [], models: [], engines: [] };
   private readonly pending = new Map<number, Pending>();
   private calls = 0;
+  private worker = this.newWorker();
+  readonly ready = this.readCatalogue();
 
-  constructor(private readonly worker: Worker) {
+  private newWorker(): Worker {
+    const worker = new EngineWorker();
     worker.onmessage = ({ data }: MessageEvent<Reply>) => this.take(data);
     worker.onerror = (event) => this.fail(new Error(event.message || "the engine's worker cannot be started"));
+    return worker;
   }
 
-  async start(): Promise<void> {
+  private async readCatalogue(): Promise<void> {
     this.catalogue = await this.call<Catalogue>("catalogue");
   }
   get version(): string {
@@ -211,6 +222,15 @@ class EngineClient implements Engine {
   configuration(): Promise<string> {
     return this.call("configuration");
   }
+  renew(): void {
+    this.worker.terminate();
+    const pending = [...this.pending.values()];
+    this.pending.clear();
+    this.worker = this.newWorker();
+    for (const one of pending) if (one.call === "open") one.reject(new EngineRenewed());
+    const asked = pending.find((one) => one.call === "catalogue");
+    if (asked !== undefined) this.call("catalogue").then(asked.resolve, asked.reject);
+  }
   close(): void {
     this.worker.terminate();
     this.fail(new Error("the engine is closed"));
@@ -219,7 +239,7 @@ class EngineClient implements Engine {
   private call<Value>(call: string, ...args: unknown[]): Promise<Value> {
     const request: Request = { id: ++this.calls, call, args };
     return new Promise<Value>((resolve, reject) => {
-      this.pending.set(request.id, { resolve: resolve as (value: unknown) => void, reject });
+      this.pending.set(request.id, { call, resolve: resolve as (value: unknown) => void, reject });
       this.worker.postMessage(request);
     });
   }
@@ -229,7 +249,8 @@ class EngineClient implements Engine {
       this.onFrame?.(reply.frame);
       // The next one when the browser has drawn this one.
       const request: Request = { id: 0, call: "frameDrawn", args: [] };
-      requestAnimationFrame(() => this.worker.postMessage(request));
+      const { worker } = this;
+      requestAnimationFrame(() => worker.postMessage(request));
     } else if (reply.type === "failure") {
       this.onError?.(errorOf(reply.error));
     } else {

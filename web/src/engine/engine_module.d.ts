@@ -32,9 +32,17 @@ declare module "virtual:gridlock-engine" {
     open(toml: string, overrides: readonly string[]): Answer<SessionBinding>;
     read(toml: string, overrides: readonly string[]): Answer<string>;
     merge(toml: string, overrides: readonly string[]): Answer<string>;
+    /** Both end the engine, for tests of what follows. */
+    trap(): never;
+    fillStack(depth: number): never;
   }
 
-  export default function createEngine(options: { wasmBinary: ArrayBuffer }): Promise<EngineModule>;
+  /** Makes an instance with these imports and hands it over. */
+  export type InstantiateWasm = (
+    imports: WebAssembly.Imports,
+    done: (instance: WebAssembly.Instance, module: WebAssembly.Module) => void,
+  ) => Record<string, never>;
+  export default function createEngine(options: { instantiateWasm: InstantiateWasm }): Promise<EngineModule>;
   /** Base64 of the gzip of the WebAssembly. */
   export const packedModule: string;
 }

@@ -12,7 +12,7 @@
  * ```
  */
 
-import createEngine, { packedModule, type Answer, type EngineModule, type SessionBinding } from "virtual:gridlock-engine";
+import createEngine, { packedModule, type Answer, type EngineModule, type InstantiateWasm, type SessionBinding } from "virtual:gridlock-engine";
 
 /** One thing that is wrong, in the words of the command line. */
 export interface Problem {
@@ -251,17 +251,29 @@ export interface Gridlock {
    * Sets up a run. Overrides are "disks.count=400", as for `--set`. Errors: `input` with the texts of the command line.
    */
   open(toml: string, overrides?: readonly string[]): Session;
+  /** Ends the engine as a mistake in it would, for tests: every call after it is refused. */
+  breakDown(how: "trap" | "fillStack"): never;
 }
 
 /** The engine of a page or of a program; each has memory of its own. Errors: Error where WebAssembly cannot be used. */
 export async function loadGridlock(): Promise<Gridlock> {
-  return new LoadedGridlock(await createEngine({ wasmBinary: await unpacked(packedModule) }));
+  return new Promise((resolve, reject) => {
+    // Emscripten waits for `done` and knows of no failure.
+    const instantiateWasm: InstantiateWasm = (imports, done) => {
+      WebAssembly.instantiateStreaming(unpacked(packedModule), imports).then(({ instance, module }) => done(instance, module), reject);
+      return {};
+    };
+    createEngine({ instantiateWasm }).then((module) => resolve(new LoadedGridlock(module)), reject);
+  });
 }
 
-async function unpacked(base64: string): Promise<ArrayBuffer> {
-  const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+/** Compiled while the rest is unpacked. */
+function unpacked(base64: string): Response {
+  const letters = atob(base64);
+  const bytes = new Uint8Array(letters.length);
+  for (let at = 0; at < letters.length; ++at) bytes[at] = letters.charCodeAt(at);
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return new Response(stream).arrayBuffer();
+  return new Response(stream, { headers: { "Content-Type": "application/wasm" } });
 }
 
 /**
@@ -340,6 +352,9 @@ class LoadedGridlock implements Gridlock {
   }
   open(toml: string, overrides: readonly string[] = []): Session {
     return new OpenSession(this.calls, this.calls.make(() => this.module.open(toml, overrides)));
+  }
+  breakDown(how: "trap" | "fillStack"): never {
+    return this.calls.make<never>(() => (how === "trap" ? this.module.trap() : this.module.fillStack(0)));
   }
 }
 

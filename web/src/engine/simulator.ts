@@ -159,6 +159,11 @@ export class Simulator {
     this.isDrawn = true;
   }
 
+  /** For tests. */
+  async breakDown(how: "trap" | "fillStack"): Promise<void> {
+    (await this.engine()).breakDown(how);
+  }
+
   private async engine(): Promise<Gridlock> {
     this.gridlock ??= await loadGridlock();
     return this.gridlock;

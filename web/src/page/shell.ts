@@ -37,7 +37,8 @@ export class Shell {
     this.help = helpDialog(() => this.version);
     host.append(this.bar(theme), this.main, this.help);
     document.addEventListener("keydown", (event) => this.key(event));
-    window.addEventListener("hashchange", () => void this.views[this.shown]?.openLink?.(location.hash));
+    // The address may have been noted anew since.
+    window.addEventListener("hashchange", ({ newURL }) => void this.views[this.shown]?.openLink?.(new URL(newURL).hash));
   }
 
   /** Shows a panel; makes it where it is shown for the first time. */

@@ -7,8 +7,11 @@ export interface LinkContent {
   /** How it is shown; what is left out is usual. */
   readonly colour?: string;
   readonly grid?: boolean;
+  /** Infinity: as fast as it can. */
   readonly stepsPerSecond?: number;
 }
+
+const UNLIMITED = "unlimited";
 
 /** The bytes behind a stream. Throws RangeError where there are more than `most`. */
 async function through(
@@ -56,7 +59,9 @@ export async function encodeLink(content: LinkContent): Promise<string> {
   }
   if (content.colour !== undefined) parts.push(`colour=${encodeURIComponent(content.colour)}`);
   if (content.grid === true) parts.push("grid=1");
-  if (content.stepsPerSecond !== undefined) parts.push(`speed=${content.stepsPerSecond}`);
+  if (content.stepsPerSecond !== undefined) {
+    parts.push(`speed=${content.stepsPerSecond === Infinity ? UNLIMITED : content.stepsPerSecond}`);
+  }
   return `#${parts.join("&")}`;
 }
 
@@ -69,7 +74,7 @@ export async function decodeLink(hash: string): Promise<LinkContent> {
   const packed = parts.get("toml");
   const scene = parts.get("scene");
   const colour = parts.get("colour");
-  const speed = Number(parts.get("speed"));
+  const speed = parts.get("speed") === UNLIMITED ? Infinity : Number(parts.get("speed"));
   return {
     ...(packed === null ? {} : { toml: await unpack(packed) }),
     ...(scene === null ? {} : { scene }),

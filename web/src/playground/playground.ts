@@ -3,7 +3,7 @@ import { Series } from "../charts/series.ts";
 import { Drawing } from "../drawing/drawing.ts";
 import type { Frame } from "../drawing/frame.ts";
 import type { Contacts, Overlay } from "../drawing/overlay.ts";
-import { startEngine, type Engine, type EngineFrame, type SessionInfo } from "../engine/engine_client.ts";
+import { EngineRenewed, startEngine, type Engine, type EngineFrame, type SessionInfo } from "../engine/engine_client.ts";
 import { element, iconButton, select, setOptions, words } from "../page/dom.ts";
 import { menu } from "../page/menu.ts";
 import { copy } from "../page/notices.ts";
@@ -23,12 +23,14 @@ const FIRST_SCENE = "paper";
 const OWN = ""; // the value of the scene that is a text of the user's own
 const JUST_ENDED_MILLISECONDS = 400;
 const CHART_MILLISECONDS = 200; // between two drawings of the charts
+/** After so long the page says that it sets up, and does not wait for the end where another set-up comes. */
+const SLOW_MILLISECONDS = 700;
 
 /** The engines in the browser: a set-up, its picture, its charts, and the keys that move it. */
 export class Playground {
   readonly element = element("div", { class: "panel playground" });
   /** Begun before the page is built, which goes on meanwhile. */
-  private readonly starting = startEngine();
+  private readonly engine = startEngine();
   readonly drawing: Drawing;
   private readonly picture = element("div", { class: "picture" });
   private readonly charts = new RunCharts();
@@ -51,22 +53,32 @@ export class Playground {
   private readonly note = element("div", { class: "note", hidden: true });
   private readonly editor = new Editor((toml) => void this.openToml(toml));
   private readonly colour = select("Colour by", [], "", (name) => void this.colourBy(name));
-  private readonly grid = element("input", { type: "checkbox", onchange: () => this.showOverlay() });
+  private readonly grid = element("input", { type: "checkbox", onchange: () => this.showGrid() });
   private readonly forces = element("input", { type: "checkbox", checked: true, onchange: () => this.showOverlay() });
   private readonly forcesField = element("label", { class: "check", hidden: true }, this.forces, "Forces of the packing");
   private contacts: Contacts | undefined;
   private readonly block = element("input", { type: "checkbox", checked: true, onchange: () => this.showOverlay() });
   private readonly preparation = element("div", { class: "preparation", hidden: true });
+  private readonly settingUp = element(
+    "div",
+    { class: "preparation", role: "status", hidden: true },
+    element("span", {}, "The run is being set up."),
+    element("progress", { "aria-label": "Setting up" }),
+    element("button", { type: "button", class: "button", onclick: () => this.stopSettingUp() }, "Stop"),
+  );
   private readonly range = new BarRange();
   private readonly setupSide = element("aside", { class: "side setup", "aria-label": "Set-up" });
-  private engine: Engine | undefined;
   private controls: Controls | undefined;
   private cells: Controls | undefined;
   private anySetting: AnySetting | undefined;
   private inspector: Inspector | undefined;
   private setup = new Setup("");
   private next: Setup | undefined;
-  private isOpening = false;
+  /** Ends when no set-up waits any more. */
+  private opening: Promise<void> | undefined;
+  private isSlow = false;
+  private links = 0; // how many were opened: of two the later one counts
+  private notes = 0; // of the address
   /** What the user has asked for last: a set-up that is changed meanwhile moves on. */
   private wantsToRun = false;
   private isAwaited = false;
@@ -94,21 +106,22 @@ export class Playground {
     });
   }
 
-  /** Starts the engine and opens what the address says. */
+  /** Opens what the address says, and shows the controls when the engine has said what they are: before it has set up a run. */
   async start(): Promise<void> {
+    const { engine } = this;
+    engine.onFrame = (frame) => this.take(frame);
+    engine.onError = (error) => this.showProblem(error);
+    const showControls = engine.ready.then(() => this.addControls(engine));
     try {
-      this.engine = await this.starting;
+      await Promise.all([showControls, this.openLink(location.hash)]);
     } catch (error) {
-      return this.showProblem(error);
+      this.showProblem(error);
     }
-    this.addControls(this.engine);
-    this.engine.onFrame = (frame) => this.take(frame);
-    this.engine.onError = (error) => this.showProblem(error);
-    await this.openLink(location.hash);
   }
 
   /** Opens the set-up of a link; the usual scene where there is none, or none that can be used, and then says why. */
   async openLink(hash: string): Promise<void> {
+    const mine = ++this.links;
     let link: LinkContent = {};
     let trouble: unknown;
     try {
@@ -116,6 +129,7 @@ export class Playground {
     } catch (error) {
       trouble = error;
     }
+    if (mine !== this.links) return;
     this.transport.stepsPerSecond = link.stepsPerSecond ?? USUAL_SPEED;
     this.grid.checked = link.grid === true;
     this.chosenColour = link.colour ?? "";
@@ -124,11 +138,12 @@ export class Playground {
       trouble = new Error(`there is no scene “${link.scene}”; choose one from the list`);
     }
     if (link.toml !== undefined) await this.open(new Setup(withoutSweep(link.toml)));
+    if (mine !== this.links) return;
     if (this.info === undefined || link.toml === undefined) {
       if (!this.problem.hidden) trouble = new Error(this.problem.textContent ?? "");
       await this.openScene(known?.name ?? FIRST_SCENE, link.colour);
     }
-    if (trouble !== undefined) this.showProblem(trouble);
+    if (trouble !== undefined && mine === this.links) this.showProblem(trouble);
   }
 
   /** What a key does; whether it does anything. */
@@ -141,7 +156,7 @@ export class Playground {
       c: () => this.nextColour(),
       g: () => {
         this.grid.checked = !this.grid.checked;
-        this.showOverlay();
+        this.showGrid();
       },
       l: () => void this.copyLink(),
       "0": () => this.drawing.resetView(),
@@ -190,7 +205,7 @@ export class Playground {
       }),
     );
     this.tools.append(measure, fit, link, save);
-    this.picture.append(this.preparation);
+    this.picture.append(this.preparation, this.settingUp);
     const stage = element(
       "section",
       { class: "stage", "aria-label": "Picture of the run" },
@@ -245,23 +260,34 @@ export class Playground {
     await this.open(new Setup(withoutSweep(toml)));
   }
 
-  /** Opens set-ups one after the other; of those that come meanwhile the last. */
+  /** Opens set-ups one after the other; of those that come meanwhile the last. Ends when none waits any more. */
   private async open(setup: Setup): Promise<void> {
     this.next = setup;
-    if (this.isOpening) return;
-    this.isOpening = true;
+    if (this.isSlow) this.engine.renew();
+    this.opening ??= this.openAll();
+    await this.opening;
+  }
+
+  private async openAll(): Promise<void> {
     while (this.next !== undefined) {
       const now: Setup = this.next;
       await this.openOne(now);
       if (this.next === now) this.next = undefined;
     }
-    this.isOpening = false;
+    this.opening = undefined;
     await this.noteAddress();
   }
 
+  /** Gives up what is being set up; the run before begins anew, for its engine has gone too. */
+  private stopSettingUp(): void {
+    this.next = this.info === undefined ? undefined : this.setup;
+    this.wantsToRun = false;
+    this.engine.renew();
+    if (this.info === undefined) this.showProblem(new Error("No run is set up: choose a scene, or change the set-up."));
+  }
+
   private async openOne(setup: Setup): Promise<void> {
-    const engine = this.engine;
-    if (engine === undefined) return;
+    const { engine } = this;
     try {
       const info = await this.described(engine, setup);
       this.setup = setup;
@@ -278,11 +304,19 @@ export class Playground {
   private async described(engine: Engine, setup: Setup): Promise<SessionInfo> {
     this.early = [];
     this.isAwaited = true;
+    const slow = setTimeout(() => this.showSettingUp(true), SLOW_MILLISECONDS);
     try {
       return await engine.open(setup.toml, setup.overrides);
     } finally {
+      clearTimeout(slow);
+      this.showSettingUp(false);
       this.isAwaited = false;
     }
+  }
+
+  private showSettingUp(isSlow: boolean): void {
+    this.isSlow = isSlow;
+    this.settingUp.hidden = !isSlow;
   }
 
   private shownToml(): string {
@@ -309,7 +343,7 @@ export class Playground {
     const options = coloursOf(info);
     if (!options.some((one) => one.value === this.chosenColour)) this.chosenColour = usualColour(info);
     setOptions(this.colour, options, this.chosenColour);
-    void this.engine?.colourBy(this.columnOf(this.chosenColour));
+    void this.engine.colourBy(this.columnOf(this.chosenColour));
   }
 
   /** The column that the engine is to send; where the page needs none, one that costs nothing to make. */
@@ -363,7 +397,7 @@ export class Playground {
   /** The contacts of a packing: there are some where a protocol has just ended, and nothing has moved since. */
   private async findContacts(frame: EngineFrame): Promise<void> {
     const mayHave = frame.isPrepared && frame.preparation.stages > 0 && frame.step === 0 && !frame.isRunning;
-    const found = mayHave ? await this.engine?.contacts() : undefined;
+    const found = mayHave ? await this.engine.contacts() : undefined;
     if (this.frame !== frame) return;
     const had = this.contacts !== undefined;
     this.contacts =
@@ -408,6 +442,11 @@ export class Playground {
     this.drawing.setOverlay(this.overlay());
   }
 
+  private showGrid(): void {
+    this.showOverlay();
+    void this.noteAddress();
+  }
+
   private pick(row: number | null): void {
     const { info, frame, inspector } = this;
     if (info === undefined || frame === undefined || inspector === undefined) return;
@@ -422,7 +461,7 @@ export class Playground {
     this.range.reset();
     if (name === NEIGHBOURHOOD) this.grid.checked = true;
     this.draw();
-    await this.engine?.colourBy(this.columnOf(name));
+    await this.engine.colourBy(this.columnOf(name));
     await this.noteAddress();
   }
 
@@ -480,11 +519,12 @@ export class Playground {
   }
 
   private async setSpeed(_speed: number | undefined): Promise<void> {
+    void this.noteAddress();
     if (this.frame?.isRunning === true) await this.guard((engine) => engine.run(this.speed()));
   }
 
   private async guard(act: (engine: Engine) => Promise<void>): Promise<void> {
-    if (this.engine === undefined || this.info === undefined) return;
+    if (this.info === undefined) return;
     try {
       await act(this.engine);
     } catch (error) {
@@ -492,26 +532,27 @@ export class Playground {
     }
   }
 
-  private async linkContent(): Promise<LinkContent> {
-    const { sceneName } = this.setup;
+  private linkContent(): LinkContent {
+    // What has been changed is no longer the scene, with its colour.
+    const sceneName = this.setup.isChanged ? undefined : this.setup.sceneName;
     const usual =
       (sceneName === undefined ? undefined : findScene(sceneName)?.colour) ??
       (this.info === undefined ? "" : usualColour(this.info));
     return {
-      ...(sceneName !== undefined && !this.setup.isChanged
-        ? { scene: sceneName }
-        : { toml: this.setup.isChanged ? this.merged : this.setup.toml }),
+      ...(sceneName !== undefined ? { scene: sceneName } : { toml: this.shownToml() }),
       ...(this.chosenColour === usual ? {} : { colour: this.chosenColour }),
       ...(this.grid.checked ? { grid: true } : {}),
-      ...(this.transport.stepsPerSecond === undefined || this.transport.stepsPerSecond === USUAL_SPEED
-        ? {}
-        : { stepsPerSecond: this.transport.stepsPerSecond }),
+      ...(this.transport.stepsPerSecond === USUAL_SPEED ? {} : { stepsPerSecond: this.transport.stepsPerSecond ?? Infinity }),
     };
   }
 
   /** The address of the page is always a link to the set-up. */
   private async noteAddress(): Promise<void> {
-    if (this.info !== undefined) history.replaceState(null, "", await encodeLink(await this.linkContent()));
+    const mine = ++this.notes;
+    if (this.info === undefined || this.opening !== undefined) return;
+    const link = await encodeLink(this.linkContent());
+    // A set-up that is opened meanwhile notes its own.
+    if (mine === this.notes && this.opening === undefined) history.replaceState(null, "", link);
   }
 
   private async copyLink(): Promise<void> {
@@ -520,7 +561,7 @@ export class Playground {
   }
 
   private async copyHash(): Promise<void> {
-    if (this.engine !== undefined) await copy(await this.engine.stateHash(), "State hash");
+    await copy(await this.engine.stateHash(), "State hash");
   }
 
   private fileName(): string {
@@ -528,6 +569,7 @@ export class Playground {
   }
 
   private showProblem(error: unknown): void {
+    if (error instanceof EngineRenewed) return;
     this.problem.hidden = false;
     this.problem.textContent = error instanceof Error ? error.message : String(error);
     if (this.info !== undefined) this.controls?.show(this.info.values);

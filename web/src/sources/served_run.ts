@@ -32,6 +32,7 @@ export class ServedRun implements FrameSource {
   private agents = "agents";
   private columns: readonly string[] = [];
   private series: Description["table"] | undefined;
+  private notes: readonly string[] = [];
 
   private constructor(readonly name: string, private readonly address: string, private info: RunInfo) {}
 
@@ -54,7 +55,7 @@ export class ServedRun implements FrameSource {
 
   get description(): Description {
     const table = this.series ?? { times: this.times, quantities: this.quantities };
-    return { agents: this.agents, columns: this.columns, steps: this.steps, times: this.times, table, notes: [] };
+    return { agents: this.agents, columns: this.columns, steps: this.steps, times: this.times, table, notes: this.notes };
   }
 
   async refresh(): Promise<boolean> {
@@ -95,8 +96,13 @@ export class ServedRun implements FrameSource {
   /** series.csv has all samples, and is there at the end. Until then the samples at the frames have to do. */
   private async readSeriesAtEnd(): Promise<void> {
     this.series = undefined;
+    this.notes = [];
     if (!this.info.files.some((file) => file.name === "series.csv")) return;
     const units = new Map(this.quantities.map((one: Quantity) => [one.name, one.unit]));
-    this.series = readSeries(await (await request(`${this.address}files/series.csv`)).text(), units);
+    try {
+      this.series = readSeries(await (await request(`${this.address}files/series.csv`)).text(), units);
+    } catch (error) {
+      this.notes = [`series.csv cannot be read: ${error instanceof Error ? error.message : String(error)}. The charts show the samples at the frames.`];
+    }
   }
 }

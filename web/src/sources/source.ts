@@ -51,7 +51,7 @@ export interface FrameSource {
   readonly description: Description;
   /** Whether more frames may come: then refresh() is worth asking. */
   readonly isGrowing: boolean;
-  /** "finished", "unfinished" and so on, of a run; empty for a file. */
+  /** "finished", "unfinished", "abandoned" and so on, of a run; empty for a file. */
   readonly status: string;
   /** Looks for more; true where the description has changed. */
   refresh(): Promise<boolean>;
@@ -66,6 +66,12 @@ export class SourceError extends Error {
     this.name = "SourceError";
   }
 }
+
+/** The first letters of a text that may be of any length. */
+export function cut(text: string): string {
+  return text.length > MOST_LETTERS ? `${text.slice(0, MOST_LETTERS)}…` : text;
+}
+const MOST_LETTERS = 30;
 
 /** The error as a message with its hint. */
 export function textOf(error: unknown): string {

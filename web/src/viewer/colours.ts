@@ -4,21 +4,24 @@ import { MOST_KINDS, rangeOf, type Colouring } from "../drawing/colouring.ts";
 import { numberAt, type Frame, type Numbers } from "../drawing/frame.ts";
 import { words } from "../page/dom.ts";
 import type { SourceFrame } from "../sources/source.ts";
+import { localBondOrientationOrders } from "./bond_orientation.ts";
 
 export const PLAIN = "plain";
 export const DISPLACEMENT = "displacement";
 export const SPEED = "speed";
 export const DIRECTION = "direction";
+export const ORDER = "psi6";
 const NO_COLOURS = new Set(["x", "y", "image_x", "image_y", "position_z"]);
 
 /** By the names of the columns: made from them, or one of them. */
 export function coloursOf(columns: readonly string[], frames: number): { value: string; name: string }[] {
   const made = [PLAIN];
   if (frames > 1) made.push(DISPLACEMENT);
+  if (!columns.includes(ORDER)) made.push(ORDER);
   if (columns.includes("velocity_x") && columns.includes("velocity_y")) {
     made.push(...[SPEED, DIRECTION].filter((name) => !columns.includes(name)));
   }
-  const names: Readonly<Record<string, string>> = { [PLAIN]: "size" };
+  const names: Readonly<Record<string, string>> = { [PLAIN]: "size", [ORDER]: "|ψ6|" };
   const own = columns.filter((name) => !NO_COLOURS.has(name));
   return [...made, ...own].map((value) => ({ value, name: names[value] ?? words(value) }));
 }
@@ -90,6 +93,19 @@ export function displacements(frame: SourceFrame, first: SourceFrame): Float32Ar
   });
 }
 
+/** The most cells along an edge that a screen shows. */
+const MOST_CELLS = 4096;
+
+/** The grid in which neighbours are searched: its cells are no smaller than the largest agent. Nothing where agents have no size. */
+export function gridOf({ box, columns, ids }: SourceFrame): { columns: number; rows: number } | undefined {
+  const radius = columns["radius"];
+  let side = 0;
+  for (let row = 0; radius !== undefined && row < ids.length; ++row) side = Math.max(side, 2 * numberAt(radius, row));
+  if (!(side > 0)) return undefined;
+  const cells = (length: number): number => Math.min(MOST_CELLS, Math.max(1, Math.floor(length / side)));
+  return { columns: cells(box.width), rows: cells(box.height) };
+}
+
 /** How a frame is coloured; `first` is the first frame of the source, where that is needed. */
 export function colouringOf(frame: SourceFrame, chosen: string, range: ValueRange, first: SourceFrame | undefined): Colouring {
   const { columns, ids } = frame;
@@ -97,6 +113,9 @@ export function colouringOf(frame: SourceFrame, chosen: string, range: ValueRang
   const shown = (values: Numbers): Colouring => ({ by: "values", label, values, ...range.cover(chosen, values) });
   if (chosen === DISPLACEMENT && first !== undefined) return shown(displacements(frame, first));
   const own = columns[chosen];
+  if (own === undefined && chosen === ORDER) {
+    return { by: "values", label: "|ψ6|", values: localBondOrientationOrders(frame), least: 0, most: 1 };
+  }
   if (chosen === DIRECTION) {
     const values = directions(frame);
     return values === undefined ? { by: "plain" } : { by: "directions", label, values };

@@ -1,11 +1,11 @@
-import { element, setOptions, words } from "../page/dom.ts";
+import { element, setOptions } from "../page/dom.ts";
 import type { ServedContents } from "../sources/served.ts";
 import type { FrameSource } from "../sources/source.ts";
 
 const MANY_RUNS = 20;
 
 const STATUSES: Readonly<Record<string, string>> = {
-  finished: "finished", unfinished: "being written", interrupted: "interrupted: gridlock resume continues it", failed: "failed: these are its frames until then",
+  finished: "finished", unfinished: "being written", abandoned: "interrupted: no program of this machine is at work on it; gridlock resume continues it", interrupted: "interrupted: gridlock resume continues it", failed: "failed: these are its frames until then",
   damaged: "its summary.json is damaged",
 };
 
@@ -21,6 +21,8 @@ export class SourcePanel {
   private readonly runsField = element("div", { hidden: true }, this.filter, this.runs);
   private readonly back = element("button", { type: "button", class: "button", hidden: true }, "Back to the run");
   private all: readonly string[] = [];
+  /** How runs are called, where anything better is known than their directories. */
+  names: ReadonlyMap<string, string> = new Map();
 
   constructor(chooseRun: (id: string) => void, openFiles: (files: readonly File[]) => void, goBack: () => void) {
     this.runs.addEventListener("change", () => chooseRun(this.runs.value));
@@ -47,7 +49,7 @@ export class SourcePanel {
   /** `canGoBack` where it is a file of the user's in place of a run that is served. */
   showSource(source: FrameSource, canGoBack: boolean): void {
     this.back.hidden = !canGoBack;
-    this.name.textContent = source.name;
+    this.name.textContent = this.nameOf(source.name);
     this.status.textContent = STATUSES[source.status] ?? "";
     const { notes } = source.description;
     this.note.hidden = notes.length === 0;
@@ -59,10 +61,14 @@ export class SourcePanel {
     this.problem.textContent = text ?? "";
   }
 
+  private nameOf(run: string): string {
+    return this.names.get(run) ?? run;
+  }
+
   private showRuns(chosen: string): void {
     const part = this.filter.value.trim();
-    const shown = part === "" ? this.all : this.all.filter((name) => name.includes(part));
-    const options = shown.map((value) => ({ value, name: words(value) }));
+    const shown = part === "" ? this.all : this.all.filter((name) => name.includes(part) || this.nameOf(name).includes(part));
+    const options = shown.map((value) => ({ value, name: this.nameOf(value) }));
     if (!shown.includes(chosen)) options.unshift({ value: "", name: shown.length === 0 ? "no such run" : "Choose a run…" });
     setOptions(this.runs, options, shown.includes(chosen) ? chosen : "");
   }

@@ -9,10 +9,11 @@ import type { ThemeSwitch } from "../page/theme.ts";
 import { FileSource } from "../sources/file_source.ts";
 import { isServed, Served, type ServedContents } from "../sources/served.ts";
 import { frameAtTime, SourceError, textOf, type FrameSource, type SourceFrame } from "../sources/source.ts";
-import { colouringOf, coloursOf, DISPLACEMENT, toDrawn, usualColour, ValueRange } from "./colours.ts";
+import { colouringOf, coloursOf, DISPLACEMENT, gridOf, toDrawn, usualColour, ValueRange } from "./colours.ts";
 import { Film } from "./film.ts";
 import { FrameCache } from "./frame_cache.ts";
 import { Playback } from "./playback.ts";
+import { namesOfRuns, type SweepPlan } from "./run_names.ts";
 import { Selection } from "./selection.ts";
 import { SourcePanel } from "./source_panel.ts";
 
@@ -30,6 +31,8 @@ export class Viewer {
   private readonly film = new Film(this.playback, () => void copy(this.shown?.stateHash ?? "", "State hash"), this.tools);
   private readonly panel = new SourcePanel((id) => void this.openRun(id), (files) => void this.openFiles(files), () => void this.openRun(this.run));
   private readonly colour = select("Colour by", [], "", (name) => this.colourBy(name));
+  private readonly grid = element("input", { type: "checkbox", onchange: () => this.showOverlay() });
+  private readonly gridField = element("label", { class: "check", hidden: true }, this.grid, "Grid of k × k cells");
   private readonly selection = new Selection();
   private readonly charts = new RunCharts();
   private readonly noCharts = element("p", { class: "group hint", hidden: true }, "There are no quantities against time in this file.");
@@ -62,6 +65,7 @@ export class Viewer {
     try {
       this.contents = await this.served.contents();
       const first = this.contents.runs[0];
+      await this.readNames(this.contents);
       this.panel.showContents(this.contents, first ?? "");
       if (first === undefined) throw new SourceError("No run of the sweep has begun yet.", "They appear here as they begin.");
       await this.openRun(first);
@@ -84,6 +88,7 @@ export class Viewer {
     const acts: Readonly<Record<string, () => void>> = {
       " ": () => playback.toggle(), ".": () => void playback.choose(playback.index + 1), ",": () => void playback.choose(playback.index - 1),
       Home: () => void playback.choose(0), End: () => void playback.choose(playback.count - 1), c: () => this.nextColour(),
+      g: () => { this.grid.checked = !this.grid.checked; this.showOverlay(); },
       "0": () => this.drawing.resetView(), Escape: () => this.selection.clear(),
     };
     acts[key]?.();
@@ -101,12 +106,22 @@ export class Viewer {
     const fit = iconButton("fit", "Show the whole box", () => this.drawing.resetView(), "Show the whole box (0)");
     this.tools.append(measure, fit, menu("Save", "save", () => this.exports()));
     const colour = element("label", { class: "field row" }, element("span", { class: "name" }, "Colour by"), this.colour);
-    const look = element("div", { class: "group" }, element("h2", {}, "Look"), colour);
+    const look = element("div", { class: "group" }, element("h2", {}, "Look"), colour, this.gridField);
     const side = element("aside", { class: "side setup", "aria-label": "Run and look" }, this.panel.element, look, this.selection.element);
     const stage = element("section", { class: "stage", "aria-label": "Picture of the run" }, this.picture, this.film.element);
     const charts = element("aside", { class: "side charts", "aria-label": "Charts" }, this.noCharts, this.charts.element);
     this.element.append(stage, side, charts);
     this.film.update();
+  }
+
+  /** The values of the runs of a sweep, which its directories only hint at. */
+  private async readNames(contents: ServedContents): Promise<void> {
+    if (this.served === undefined || contents.kind !== "sweep") return;
+    try {
+      this.panel.names = namesOfRuns(JSON.parse(await this.served.table("plan.json")) as SweepPlan);
+    } catch {
+      this.panel.names = new Map(); // those of the directories have to do
+    }
   }
 
   private async openRun(id: string): Promise<void> {
@@ -163,7 +178,10 @@ export class Viewer {
     const contents = await this.served.contents();
     const isOther = contents.runs.length !== this.contents?.runs.length;
     this.contents = contents;
-    if (isOther) this.panel.showContents(contents, this.run);
+    if (isOther) {
+      await this.readNames(contents);
+      this.panel.showContents(contents, this.run);
+    }
     // A run that had nothing to show may have something now.
     if (this.source === undefined) await this.openRun(this.run === "" ? (contents.runs[0] ?? "") : this.run);
   }
@@ -210,7 +228,9 @@ export class Viewer {
   }
 
   private showOverlay(): void {
-    this.drawing.setOverlay({ selected: this.selection.rows });
+    const grid = this.shown === undefined ? undefined : gridOf(this.shown);
+    this.gridField.hidden = grid === undefined;
+    this.drawing.setOverlay({ selected: this.selection.rows, ...(this.grid.checked && grid !== undefined ? { grid } : {}) });
   }
 
   private showColours(): void {

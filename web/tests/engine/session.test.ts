@@ -1,10 +1,11 @@
 import { spawnSync } from "node:child_process";
-import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
 import { beforeAll, describe, expect, it } from "vitest";
 
+import { Series } from "../../src/charts/series.ts";
 import { GridlockError, loadGridlock, type Gridlock, type Problem } from "../../src/engine/gridlock.ts";
 import { program } from "../viewer/runs.ts";
 
@@ -23,6 +24,32 @@ function refusal(act: () => unknown): GridlockError {
   throw new Error("nothing was refused");
 }
 const problemsOf = (toml: string, ...overrides: string[]): readonly Problem[] => refusal(() => gridlock.open(toml, overrides)).problems;
+
+describe("the series", () => {
+  it("is written as the program writes series.csv, byte for byte", () => {
+    const folder = mkdtempSync(join(tmpdir(), "gridlock-series-"));
+    try {
+      for (const toml of [
+        "disks.count = 60\nrun.steps = 300\nobserve.every = 10\n",
+        'disks.count = 60\nengine.kind = "exact"\nbox.edge = "periodic"\nrun.steps = 100\nobserve.every = 10\n',
+        'model.kind = "epidemic"\nrun.steps = 100\nobserve.every = 10\n',
+      ]) {
+        writeFileSync(join(folder, "run.toml"), toml);
+        const { status, stderr } = spawnSync(program(), ["run", "run.toml", "-o", "results", "-q", "--no-pictures", "--overwrite"], { cwd: folder, encoding: "utf8" });
+        expect(stderr, toml).toBe("");
+        expect(status).toBe(0);
+        const session = gridlock.open(toml);
+        session.advance(1000);
+        const series = new Series(session.seriesColumns().map((column) => column.name));
+        series.add(session.series());
+        expect(series.toCsv()).toBe(readFileSync(join(folder, "results/series.csv"), "utf8"));
+        session.dispose();
+      }
+    } finally {
+      rmSync(folder, { recursive: true });
+    }
+  });
+});
 
 describe("settings that cannot be used", () => {
   it("are refused with the texts of the command line, all at once", () => {

@@ -121,6 +121,20 @@ describe("the simulator", () => {
     expect(one.simulator.stateHash()).toBe(await hashAt(5));
   });
 
+  it.each(["trap", "fillStack"] as const)("has a new engine for the next set-up after a %s", async (how) => {
+    const one = start();
+    await one.simulator.open(TOML, []);
+    await one.simulator.step(5);
+    const ended = how === "trap" ? /the engine has stopped: .*unreachable/ : /the engine has stopped: .*(call stack|bounds)/i;
+    await expect(one.simulator.breakDown(how)).rejects.toThrow(ended);
+    // What it left behind cannot be trusted.
+    expect(() => one.simulator.stateHash()).toThrow("the engine has stopped");
+    await expect(one.simulator.read(TOML, [])).rejects.toThrow("the engine has stopped");
+    await one.simulator.open(TOML, []);
+    await one.simulator.step(5);
+    expect(one.last).toMatchObject({ step: 5, stateHash: await hashAt(5) });
+  });
+
   it("stops at the end, and goes on when it is lengthened", async () => {
     const one = start();
     await one.simulator.open("disks.count = 100\nrun.steps = 40", []);

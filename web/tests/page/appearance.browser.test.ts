@@ -49,6 +49,7 @@ const PHONE: BrowserContextOptions = {
   isMobile: true,
   hasTouch: true,
 };
+const SMALL_PHONE: BrowserContextOptions = { ...PHONE, viewport: { width: 360, height: 640 } };
 /** Of pixels; letters are drawn by fonts, which differ a little from machine to machine. */
 const TOLERANCE = 0.01;
 
@@ -160,6 +161,18 @@ describe("nobody is left out", () => {
       });
     });
   }
+
+  test("on a small phone no key lies over another, or over what the run says", async () => {
+    await withPage("#scene=paper", SMALL_PHONE, async (_, page) => {
+      const keys = (await page.getByRole("group", { name: "Run" }).boundingBox())!;
+      for (const part of [".status", ".tools", "input[aria-label='Step of the run']"]) {
+        const box = (await page.locator(part).first().boundingBox())!;
+        expect(box.y + box.height, part).toBeLessThanOrEqual(keys.y);
+      }
+      const picture = (await page.locator(".picture").boundingBox())!;
+      expect(picture.height).toBeGreaterThan(300);
+    });
+  });
 
   test("a phone shows all without scrolling sideways, with keys a finger can hit", async () => {
     for (const width of [320, 390]) {

@@ -335,6 +335,81 @@ describe("the set-up", () => {
     });
   });
 
+  test("a link holds the rate, unlimited too, whether the grid is shown, and the colour of a scene that was changed", async () => {
+    let url = "";
+    let colour = "";
+    await withPlayground("#scene=paper", async ({ page, user }) => {
+      await user.setNumber("Seed", 5);
+      await user.opened();
+      colour = await page.getByRole("combobox", { name: "Colour by" }).inputValue();
+      expect(colour).toBe("neighbourhood");
+      await page.getByRole("slider", { name: "Steps a second" }).fill("14");
+      await page.getByRole("checkbox", { name: /Grid/ }).check();
+      await expect.poll(() => page.url()).toMatch(/grid=1&speed=unlimited/);
+      url = page.url();
+    });
+    await withPlayground(url.slice(url.indexOf("#")), async ({ page }) => {
+      expect(await page.getByText("unlimited").isVisible()).toBe(true);
+      expect(await page.getByRole("checkbox", { name: /Grid/ }).isChecked()).toBe(true);
+      expect(await page.getByRole("combobox", { name: "Colour by" }).inputValue()).toBe(colour);
+    });
+  });
+
+  test("of links that are opened one after the other the last one wins", async () => {
+    const { decodeLink, encodeLink } = await import("../../src/playground/link.ts");
+    const links = await Promise.all([30, 20_000, 31, 32].map((count) => encodeLink({ toml: `disks.count = ${count}\ndisks.packing_fraction = 0.3\n` })));
+    const openOneAfterTheOther = (all: readonly string[]): void => {
+      for (const link of all) location.hash = link;
+    };
+    await withPlayground(links[0] as string, async ({ page, user }) => {
+      await page.evaluate(openOneAfterTheOther, [links[1], links[2], links[3]] as string[]);
+      await page.getByText("32 disks").waitFor();
+      await user.ready();
+      await page.evaluate(openOneAfterTheOther, ["#scene=melting", links[1], links[2]] as string[]);
+      await page.getByText("31 disks").waitFor();
+      await page.waitForTimeout(500);
+      expect(await page.getByText("31 disks").isVisible()).toBe(true);
+      expect((await decodeLink(new URL(page.url()).hash)).toml).toContain("disks.count = 31\n");
+    });
+    // Also while the page opens the first one.
+    const { page, complaints } = await openWatched(browser, address + links[1]);
+    await page.locator(".picture").waitFor();
+    await page.evaluate(openOneAfterTheOther, [links[3]] as string[]);
+    await page.getByText("32 disks").waitFor();
+    await page.waitForTimeout(500);
+    expect(await page.getByText("32 disks").isVisible()).toBe(true);
+    expect(complaints).toEqual([]);
+    await page.context().close();
+  });
+
+  test("one that takes long says so, leaves the page usable, and is stopped by a key or by another set-up", async () => {
+    const LONG = "disks.count = 4_000_000\ndisks.packing_fraction = 0.5\n";
+    await withPlayground("#scene=paper", async ({ page, user }) => {
+      const before = await user.hash();
+      await user.openToml(LONG);
+      await page.getByText("The run is being set up.").waitFor();
+      const frames = await page.evaluate(async () => {
+        const begin = performance.now();
+        let frames = 0;
+        for (; performance.now() - begin < 300; ++frames) await new Promise(requestAnimationFrame);
+        return frames;
+      });
+      expect(frames).toBeGreaterThan(2);
+      await user.press("Stop");
+      await page.getByText("The run is being set up.").waitFor({ state: "hidden" });
+      await user.opened();
+      expect(await user.hash()).toBe(before);
+      expect(await page.locator(".status").getByText("841 disks").isVisible()).toBe(true);
+      await user.press("Single step");
+      await page.waitForFunction(() => document.querySelector(".status span b")?.textContent === "1");
+      await user.openToml(LONG);
+      await page.getByText("The run is being set up.").waitFor();
+      await user.openToml("disks.count = 9\ndisks.packing_fraction = 0.3\n");
+      await page.locator(".status").getByText("9 disks", { exact: true }).waitFor();
+      await user.runPast(3);
+    });
+  });
+
   test("a damaged link is told, and the page works", async () => {
     await withPlayground("#toml=AAAA", async ({ page, user }) => {
       expect(await page.getByRole("alert").innerText()).toMatch(/damaged/);

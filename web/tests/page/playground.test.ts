@@ -4,7 +4,7 @@ import { join } from "node:path";
 import { describe, expect, test } from "vitest";
 
 import { chartsFor } from "../../src/charts/run_charts.ts";
-import { Series } from "../../src/charts/series.ts";
+import { numberText, Series } from "../../src/charts/series.ts";
 import type { SettingDescription } from "../../src/engine/gridlock.ts";
 import { placeOf, rangeOf, roundUp, valueAt } from "../../src/playground/controls.ts";
 import { rowOf } from "../../src/playground/inspector.ts";
@@ -22,6 +22,9 @@ describe("links", () => {
     expect(hash).toMatch(/^#[\w=&.\-%]+$/);
     expect(await decodeLink(hash)).toEqual(content);
     expect(await decodeLink(await encodeLink({ scene: "melting" }))).toEqual({ scene: "melting" });
+    const unlimited = { scene: "melting", stepsPerSecond: Infinity };
+    expect(await encodeLink(unlimited)).toBe("#scene=melting&speed=unlimited");
+    expect(await decodeLink("#scene=melting&speed=unlimited")).toEqual(unlimited);
     expect(await decodeLink("")).toEqual({});
   });
 
@@ -127,7 +130,7 @@ describe("series", () => {
     const series = new Series(["step", "time", "value"], 100);
     series.add([0, 0, NaN, 1, 0.5, 2]);
     expect(series.column("value")).toEqual([NaN, 2]);
-    expect(series.toCsv()).toBe("step,time,value\n0,0,\n1,0.5,2\n");
+    expect(series.toCsv()).toBe("step,time,value\n0,0.0,nan\n1,0.5,2.0\n");
     for (let i = 2; i < 1000; ++i) series.add([i, i / 2, i]);
     expect(series.length).toBeLessThanOrEqual(101);
     const steps = series.column("step");
@@ -135,6 +138,26 @@ describe("series", () => {
     expect(gaps.size).toBe(1);
     series.clear();
     expect(series.length).toBe(0);
+  });
+
+  test("numbers have the text that the program gives them", () => {
+    const texts: [number, string][] = [
+      [0, "0.0"],
+      [-0, "-0.0"],
+      [1, "1.0"],
+      [-2.5, "-2.5"],
+      [0.1 + 0.2, "0.30000000000000004"],
+      [0.0001, "0.0001"],
+      [0.00001, "1e-05"],
+      [-1.25e-7, "-1.25e-07"],
+      [123456789012345680, "1.2345678901234568e+17"],
+      [1e15, "1000000000000000.0"],
+      [1e16, "1e+16"],
+      [5e-324, "5e-324"],
+      [NaN, "nan"],
+      [-Infinity, "-inf"],
+    ];
+    for (const [value, text] of texts) expect(numberText(value)).toBe(text);
   });
 
   test("quantities of a model that say the same of themselves share a chart, and those of every run have theirs", () => {

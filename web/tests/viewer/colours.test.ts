@@ -1,8 +1,10 @@
 import { expect, test } from "vitest";
 
 import type { SourceFrame } from "../../src/sources/source.ts";
+import { localBondOrientationOrders } from "../../src/viewer/bond_orientation.ts";
+import { namesOfRuns } from "../../src/viewer/run_names.ts";
 import { readSeries } from "../../src/sources/table.ts";
-import { colouringOf, coloursOf, displacements, toDrawn, ValueRange } from "../../src/viewer/colours.ts";
+import { colouringOf, coloursOf, displacements, gridOf, toDrawn, ValueRange } from "../../src/viewer/colours.ts";
 
 const frame = (ids: number[], columns: SourceFrame["columns"], periodic = true): SourceFrame => ({
   step: 0, time: 0, box: { width: 2, height: 1, periodic }, ids: Float64Array.from(ids), columns, stateHash: "",
@@ -26,8 +28,8 @@ test("Displacements without images take the shortest, and agents that were not t
 
 test("Colours are those that the columns allow, and a bar covers all that was shown", () => {
   const columns = { x: new Float64Array([0, 1]), y: new Float64Array([0, 0]), velocity_x: new Float64Array([3, 0]), velocity_y: new Float64Array([4, 1]), species: new Uint32Array([0, 2]) };
-  expect(coloursOf(Object.keys(columns), 2).map((one) => one.value)).toEqual(["plain", "displacement", "speed", "direction", "velocity_x", "velocity_y", "species"]);
-  expect(coloursOf(["x", "y"], 1).map((one) => one.value)).toEqual(["plain"]);
+  expect(coloursOf(Object.keys(columns), 2).map((one) => one.value)).toEqual(["plain", "displacement", "psi6", "speed", "direction", "velocity_x", "velocity_y", "species"]);
+  expect(coloursOf(["x", "y"], 1).map((one) => one.value)).toEqual(["plain", "psi6"]);
   const range = new ValueRange();
   const speed = colouringOf(frame([0, 1], columns), "speed", range, undefined);
   expect(speed).toMatchObject({ by: "values", least: 1, most: 5 });
@@ -37,11 +39,59 @@ test("Colours are those that the columns allow, and a bar covers all that was sh
   expect(colouringOf(frame([0, 1], columns), "nonsense", range, undefined)).toEqual({ by: "plain" });
 });
 
+test("The sixfold order is one in a triangular lattice, whatever edges it crosses, and zero in a square one", () => {
+  const [across, up] = [12, 8];
+  const rows = [...Array(across * up).keys()];
+  const height = Math.sqrt(3) / 2;
+  const triangular: SourceFrame = {
+    ...frame(rows, {
+      x: Float64Array.from(rows, (row) => (row % across) + (Math.floor(row / across) % 2) / 2),
+      y: Float64Array.from(rows, (row) => (Math.floor(row / across) + 0.5) * height),
+    }),
+    box: { width: across, height: up * height, periodic: true },
+  };
+  for (const value of localBondOrientationOrders(triangular)) expect(value).toBeCloseTo(1, 6);
+  const square: SourceFrame = {
+    ...frame(rows, { x: Float64Array.from(rows, (row) => row % across), y: Float64Array.from(rows, (row) => Math.floor(row / across)) }),
+    box: { width: across, height: up, periodic: true },
+  };
+  for (const value of localBondOrientationOrders(square)) expect(value).toBeCloseTo(0, 6);
+  expect(colouringOf(triangular, "psi6", new ValueRange(), undefined)).toMatchObject({ by: "values", least: 0, most: 1 });
+  expect([...localBondOrientationOrders(frame([7], { x: new Float64Array([1]), y: new Float64Array([0.5]) }))]).toEqual([0]);
+});
+
+test("The grid has cells no smaller than the largest agent", () => {
+  const place = { x: new Float64Array([1, 1]), y: new Float64Array([0.2, 0.7]) };
+  expect(gridOf(frame([1, 2], { ...place, radius: new Float64Array([0.1, 0.15]) }))).toEqual({ columns: 6, rows: 3 });
+  expect(gridOf(frame([1, 2], place))).toBeUndefined();
+});
+
+test("Runs of a sweep are called by what differs between them", () => {
+  const names = namesOfRuns({
+    keys: ["disks.packing_fraction", "run.seed", "disks.start"],
+    runs: [{ name: "packing_fraction=0.3_seed=1_start=random", values: ["0.3", "1", '"random_insertion"'] }],
+  });
+  expect([...names]).toEqual([["packing_fraction=0.3_seed=1_start=random", "φ = 0.3, seed = 1, start = random_insertion"]]);
+  const alike = namesOfRuns({ keys: ["flocking.radius", "epidemic.radius"], runs: [{ name: "a", values: ["1.0", "2.0"] }] });
+  expect(alike.get("a")).toBe("flocking.radius = 1.0, epidemic.radius = 2.0");
+});
+
 test("Agents without a size point where they go", () => {
   const drawn = toDrawn(frame([0], { x: new Float64Array([0.5]), y: new Float64Array([0.25]), velocity_x: new Float64Array([0]), velocity_y: new Float64Array([2]) }));
   expect([...(drawn.positions as Float32Array)]).toEqual([0.5, 0.25]);
   expect((drawn.heading as Float32Array)[0]).toBeCloseTo(Math.PI / 2);
   expect(drawn.radius).toBeUndefined();
+});
+
+test("A damaged series.csv is refused with the line that is wrong", () => {
+  const refusals: [string, string][] = [
+    ["", "its first line does not name every column"],
+    ["step,value\n0,1.0\n", "it has no column time"],
+    ["step,time,speed\n0,0.0,nan\n10,0.5\n", "line 3 has 2 entries for 3 columns"],
+    ["step,time,speed\n0,0.0,1.5\n\n", "line 3 has 1 entry for 3 columns"],
+    ["step,time,speed\n0,0.0,1.5\n10,0.5,2.x\n", "“2.x” in line 3, column speed, is not a number"],
+  ];
+  for (const [text, message] of refusals) expect(() => readSeries(text, new Map())).toThrow(message);
 });
 
 test("series.csv becomes quantities against time, with gaps where nothing was measured", () => {

@@ -202,6 +202,36 @@ describe("A finished run", () => {
     expect(pictures.size).toBeGreaterThan(choices.length / 2);
   });
 
+  test("has |ψ6| as the program averages it, and the grid in which neighbours are searched", async () => {
+    place.run(`${SMALL_RUN}observe.structure_every = 1\n`, "ordered");
+    await page.goto(await place.view("ordered"));
+    await seen("frame 1 of 4");
+    await goTo(3);
+    await seen("step 60");
+    await page.evaluate(() => {
+      const { drawing } = (globalThis as unknown as { gridlockViewer: any }).gridlockViewer;
+      const show = drawing.show.bind(drawing);
+      drawing.show = (frame: unknown, colouring: { values: Float32Array }) => {
+        Object.assign(globalThis, { shownValues: colouring.values });
+        show(frame, colouring);
+      };
+    });
+    await page.locator(".viewer").getByRole("combobox", { name: "Colour by" }).selectOption("psi6");
+    const mean = await page.evaluate(() => {
+      const values = (globalThis as unknown as { shownValues: Float32Array }).shownValues;
+      return values.reduce((sum, value) => sum + value, 0) / values.length;
+    });
+    const [head, ...rows] = readFileSync(place.of("ordered/series.csv"), "utf8").trim().split("\n").map((line) => line.split(","));
+    const last = rows.find((cells) => cells[0] === "60") as string[];
+    expect(mean).toBeCloseTo(Number(last[(head as string[]).indexOf("local_bond_orientation_order")]), 5);
+    const before = await page.locator(".viewer .picture").screenshot();
+    await page.getByRole("checkbox", { name: "Grid of k × k cells" }).check();
+    expect((await page.locator(".viewer .picture").screenshot()).equals(before)).toBe(false);
+    await page.locator("main").focus();
+    await page.keyboard.press("g");
+    expect(await page.getByRole("checkbox", { name: "Grid of k × k cells" }).isChecked()).toBe(false);
+  });
+
   test("is saved as PNG, SVG and a video", async () => {
     await page.goto(address);
     await seen("frame 1 of 4");
@@ -310,6 +340,18 @@ describe("A run that is written", () => {
   }, 120_000);
 });
 
+describe("A run whose series.csv is damaged", () => {
+  test("says what is wrong with the file, and shows the rest", async () => {
+    place.run(SMALL_RUN, "damaged");
+    const series = place.of("damaged/series.csv");
+    writeFileSync(series, readFileSync(series, "utf8").replace("\n10,", "\n10,what"));
+    await page.goto(await place.view("damaged"));
+    await seen("frame 1 of 4");
+    await page.getByText(/series\.csv cannot be read: “what.*” in line 3, column time, is not a number/).waitFor();
+    await expect.poll(() => page.locator(".viewer .chart").count()).toBeGreaterThan(0);
+  });
+});
+
 describe("A sweep", () => {
   test("lists its runs, and shows the one that is chosen", async () => {
     writeFileSync(place.of("sweep.toml"), `${SMALL_RUN}[sweep]\n"disks.packing_fraction" = [0.2, 0.6]\n`);
@@ -319,9 +361,10 @@ describe("A sweep", () => {
     const runs = page.getByRole("combobox", { name: "Run of the sweep" });
     const names = await runs.locator("option").evaluateAll((options) => options.map((one) => (one as HTMLOptionElement).value));
     expect(names.length).toBe(2);
+    expect(await runs.locator("option").allInnerTexts()).toEqual(["φ = 0.2", "φ = 0.6"]);
     for (const name of names) {
       await runs.selectOption(name);
-      await expect.poll(() => page.locator(".viewer .setup p").first().textContent()).toBe(name);
+      await expect.poll(() => page.locator(".viewer .setup p").first().textContent()).toBe(name.replace("packing_fraction=", "φ = "));
       await goTo(3);
       const { state_hash } = JSON.parse(readFileSync(place.of(`sweep/runs/${name}/summary.json`), "utf8")) as { state_hash: string };
       await seen(state_hash);
