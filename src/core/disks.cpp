@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "gridlock/core/detail/disks_overview.hpp"
+#include "core/disks_overview.hpp"
 
 namespace gridlock {
 

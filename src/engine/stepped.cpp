@@ -10,8 +10,8 @@
 
 #include "engine/hot_disks.hpp"
 #include "grid/linked_grid.hpp"
+#include "grid/validate_rows.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/grid/detail/validate_rows.hpp"
 #include "gridlock/grid/validate.hpp"
 #include "packed_turns.hpp"
 #include "turn.hpp"

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "gridlock/core/detail/disks_overview.hpp"
+#include "core/disks_overview.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 

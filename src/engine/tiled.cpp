@@ -80,10 +80,7 @@ EngineRecord tiled_record() {
 }
 
 TiledEngine::TiledEngine(EngineSettings const& settings, State const& state)
-    : settings_(settings),
-      duration_(step_duration(settings, state)),
-      box_(state.box),
-      thread_pool_(settings.threads) {
+    : settings_(settings), duration_(step_duration(settings, state)), box_(state.box), thread_pool_(settings.threads) {
   require_room_for_turns(settings, state);
   lay_out(state);
 }

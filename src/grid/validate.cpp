@@ -12,8 +12,8 @@
 
 #include "core/magnitude.hpp"
 #include "grid/pairs.hpp"
+#include "grid/validate_rows.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/grid/detail/validate_rows.hpp"
 
 namespace gridlock {
 

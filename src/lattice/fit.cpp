@@ -117,10 +117,8 @@ Rows best_periodic_rows(Box const& box, std::uint64_t count, bool is_turned) {
 LatticeFit::Rows sites_of(Rows const& rows, Box const& box) {
   double const width = rows.is_turned ? box.height() : box.width();
   double const height = rows.is_turned ? box.width() : box.height();
-  LatticeFit::Rows sites{.even_length = rows.even_length,
-                         .odd_length = rows.odd_length,
-                         .shift_of_odd = 0.5,
-                         .is_turned = rows.is_turned};
+  LatticeFit::Rows sites{
+      .even_length = rows.even_length, .odd_length = rows.odd_length, .shift_of_odd = 0.5, .is_turned = rows.is_turned};
   if (box.is_periodic()) {
     sites.spacing = {width / static_cast<double>(rows.even_length), height / static_cast<double>(rows.count)};
     sites.corner = {0.25 * sites.spacing.x, 0.5 * sites.spacing.y};

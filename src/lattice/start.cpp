@@ -15,7 +15,7 @@
 #include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
-#include "gridlock/lattice/detail/rows_of_start.hpp"
+#include "lattice/rows_of_start.hpp"
 #include "lattice/sizes.hpp"
 
 namespace gridlock {
@@ -172,7 +172,8 @@ double wanted_radius(DisksSettings const& settings, Box const& box, Kinds const&
 
 /// The rows first … end − 1 of the start; `site_of(row)` is where a disk stands.
 template <class SiteOf>
-State disks_on_sites(Box const& box, SiteOf site_of, double radius, Kinds const& kinds, std::uint64_t seed, RowRange rows) {
+State disks_on_sites(Box const& box, SiteOf site_of, double radius, Kinds const& kinds, std::uint64_t seed,
+                     RowRange rows) {
   State state{.box = box, .seed = seed};
   if (rows.first == 0) {
     state.agents.reserve(rows.end);
@@ -239,7 +240,8 @@ Error too_large_for_lattice(DisksSettings const& settings, Box const& box, Kinds
                 .key = size_key(settings)});
 }
 
-State lattice_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed, RowRange rows) {
+State lattice_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed,
+                    RowRange rows) {
   LatticeFit const fit = fit_lattice(settings.start, box, kinds.count());
   double const largest = fit.radius / kinds.largest_ratio();
   double const radius = wanted_radius(settings, box, kinds);
@@ -414,7 +416,8 @@ std::string instead_of_random(Box const& box, DisksSettings const& settings, Kin
 // Below, every mixture fits, and a trial would be time lost.
 constexpr double always_reached = 0.4;
 
-State random_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed, RowRange rows) {
+State random_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed,
+                   RowRange rows) {
   double const radius = wanted_radius(settings, box, kinds);
   double const packing_fraction = packing_fraction_for(radius, box, kinds);
   std::size_t const count = kinds.count();
@@ -453,7 +456,8 @@ State random_start(Box const& box, DisksSettings const& settings, Kinds const& k
 }
 
 /// Points uniformly at random, wherever the other disks are.
-State uniform_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed, RowRange rows) {
+State uniform_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed,
+                    RowRange rows) {
   double const radius = wanted_radius(settings, box, kinds);
   double const largest = radius * kinds.largest_ratio();
   if (2.0 * largest > std::min(box.width(), box.height())) {

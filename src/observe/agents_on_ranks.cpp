@@ -1,4 +1,4 @@
-#include "gridlock/observe/detail/agents_on_ranks.hpp"
+#include "observe/agents_on_ranks.hpp"
 
 #include <algorithm>
 #include <iterator>

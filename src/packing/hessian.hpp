@@ -37,7 +37,9 @@ struct HessianBlock {
     yy += other.yy;
     return *this;
   }
-  friend Vector operator*(HessianBlock const& m, Vector v) { return {m.xx * v.x + m.xy * v.y, m.xy * v.x + m.yy * v.y}; }
+  friend Vector operator*(HessianBlock const& m, Vector v) {
+    return {m.xx * v.x + m.xy * v.y, m.xy * v.x + m.yy * v.y};
+  }
 };
 
 /// The second derivatives of the energy of a contact by the separation of its two disks: k n nᵀ − (f/r) (1 − n nᵀ), at a wall k n nᵀ.

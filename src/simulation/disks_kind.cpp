@@ -9,9 +9,9 @@
 #include <optional>
 #include <utility>
 
+#include "core/disks_overview.hpp"
 #include "core/magnitude.hpp"
 #include "core/saturating.hpp"
-#include "gridlock/core/detail/disks_overview.hpp"
 #include "gridlock/core/detail/time_step_rule.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/validate.hpp"

@@ -13,7 +13,7 @@
 #include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/frame_source.hpp"
-#include "gridlock/lattice/detail/rows_of_start.hpp"
+#include "lattice/rows_of_start.hpp"
 #include "simulation/patient_engine.hpp"
 
 namespace gridlock {
@@ -308,7 +308,8 @@ void DisksOfRank::serialize(Archive& archive) {
   if (archive.is_restoring()) {
     archive.require(own_.agents.size() == rows_.rows_of(ranks_.rank()), "it holds another number of disks");
     auto const ids = own_.agents.ids();
-    archive.require(std::ranges::is_sorted(ids), "its disks are not in the order of their Ids, which one process can restore alone");
+    archive.require(std::ranges::is_sorted(ids),
+                    "its disks are not in the order of their Ids, which one process can restore alone");
   }
   serialize_inside(archive, "counters", [&] { gridlock::serialize(archive, counters_); });
   observables_.serialize(archive);
@@ -508,8 +509,8 @@ bool DisksHelper::carry_out(TaskOfRanks task, MessageReader& message) {
       give_rows(message);
       return true;
     case TaskOfRanks::write_rows:
-      static_cast<void>(disks_->write_part(
-          message.next_text(), inside_of_run([&](Archive& archive) { disks_->serialize(archive); })));
+      static_cast<void>(disks_->write_part(message.next_text(),
+                                           inside_of_run([&](Archive& archive) { disks_->serialize(archive); })));
       return true;
     case TaskOfRanks::restore_rows:
       try {

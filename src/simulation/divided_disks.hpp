@@ -10,15 +10,15 @@
 #include <string>
 #include <vector>
 
+#include "core/disks_overview.hpp"
+#include "core/row_division.hpp"
 #include "engine/tiled/on_ranks.hpp"
-#include "gridlock/core/detail/disks_overview.hpp"
 #include "gridlock/core/detail/ranks.hpp"
-#include "gridlock/core/detail/row_division.hpp"
-#include "gridlock/observe/detail/agents_on_ranks.hpp"
 #include "gridlock/observe/detail/observable_set.hpp"
 #include "gridlock/simulation/configuration.hpp"
 #include "gridlock/simulation/simulation.hpp"
 #include "io/checkpoint.hpp"
+#include "observe/agents_on_ranks.hpp"
 
 namespace gridlock {
 
@@ -49,7 +49,8 @@ class DisksOfRank {
   /// patience_for() all disks.
   [[nodiscard]] double patience() const;
   /// Writes the rows of this rank into the directory of a run. Returns the parts of all, for the leader. Errors: RunFailure, on the leader.
-  [[nodiscard]] std::vector<CheckpointPart> write_part(std::filesystem::path const& directory, SerializeAll const& serialize) const;
+  [[nodiscard]] std::vector<CheckpointPart> write_part(std::filesystem::path const& directory,
+                                                       SerializeAll const& serialize) const;
   /// Errors: Error, on all ranks.
   std::optional<Restored> restore(std::filesystem::path const& directory, SerializeAll const& serialize);
 
@@ -107,13 +108,16 @@ class DividedDisks final : public Simulation {
   [[nodiscard]] std::vector<ColumnInfo> columns() const override { return disks_.observables().columns(); }
   void sample(std::span<double> row, bool counts_for_average) override;
   [[nodiscard]] std::vector<NamedEstimate> results() const override { return disks_.observables().results(); }
-  [[nodiscard]] std::vector<Distribution> distributions() const override { return disks_.observables().distributions(); }
+  [[nodiscard]] std::vector<Distribution> distributions() const override {
+    return disks_.observables().distributions();
+  }
   [[nodiscard]] std::unique_ptr<FrameSource> frame_source() const override;
   void serialize(Archive& archive) override { disks_.serialize(archive); }
 
   /// Every rank writes its rows; the checkpoint that names them comes next. `serialize` visits the whole run, this simulation inside.
   /// Errors: RunFailure.
-  [[nodiscard]] std::vector<CheckpointPart> write_parts(std::filesystem::path const& directory, SerializeAll const& serialize);
+  [[nodiscard]] std::vector<CheckpointPart> write_parts(std::filesystem::path const& directory,
+                                                        SerializeAll const& serialize);
   /// Restores the newest checkpoint that is whole on all ranks. Errors: Error.
   std::optional<Restored> restore(std::filesystem::path const& directory, SerializeAll const& serialize);
 

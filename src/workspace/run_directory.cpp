@@ -225,7 +225,8 @@ class RunInDirectory {
   void restore(std::function<void()> const& require) {
     std::uint64_t const first_step = simulation_.clock().step;
     SerializeAll const all = [&](Archive& archive) { serialize(archive); };
-    auto const restored = divided_ != nullptr ? divided_->restore(directory_, all) : restore_checkpoint(directory_, all);
+    auto const restored =
+        divided_ != nullptr ? divided_->restore(directory_, all) : restore_checkpoint(directory_, all);
     require();
     std::error_code ignored;
     std::filesystem::remove(directory_ / begun_trajectory_name, ignored);

@@ -31,15 +31,18 @@ std::string any_run(std::uint64_t seed, fs::path const& start_file) {
   RandomStream random(seed, 0, 0, Purpose::start_position);
   auto const is = [&] { return random.below(2) == 0; };
   std::uint64_t const kind = random.below(4);
-  std::uint64_t const count = kind == 0 ? 2001 + random.below(2500) : kind == 1 ? 1 + random.below(12) : 50 + random.below(900);
+  std::uint64_t const count = kind == 0   ? 2001 + random.below(2500)
+                              : kind == 1 ? 1 + random.below(12)
+                                          : 50 + random.below(900);
   std::string text = "[box]\nedge = \"" + std::string(is() ? "wall" : "periodic") + "\"\n";
   if (is()) text += "height = " + std::to_string(0.6 + random.uniform()) + "\n";
   text += "[disks]\n";
   if (kind == 3) {
     text = "[disks]\nfile = \"" + start_file.string() + "\"\n";
   } else {
-    text += "count = " + std::to_string(count) + "\npacking_fraction = " + std::to_string(0.05 + 0.35 * random.uniform()) +
-            "\nstart = \"" + std::vector<std::string>{"square", "triangular", "random"}[random.below(kind == 0 ? 2 : 3)] + "\"\n";
+    text += "count = " + std::to_string(count) +
+            "\npacking_fraction = " + std::to_string(0.05 + 0.35 * random.uniform()) + "\nstart = \"" +
+            std::vector<std::string>{"square", "triangular", "random"}[random.below(kind == 0 ? 2 : 3)] + "\"\n";
     if (count > 20 && is()) text += "species = [{fraction = 0.5}, {fraction = 0.5, size_ratio = 1.4, mass = 3.0}]\n";
   }
   text += "[velocities]\nkind = \"" + std::string(is() ? "maxwell" : "uniform") + "\"\n";
@@ -120,7 +123,9 @@ void expect_same_results(fs::path const& one, fs::path const& many, std::string 
   ASSERT_EQ(of_one.size(), of_many.size()) << what;
   for (auto const& [name, content] : of_one) {
     ASSERT_TRUE(of_many.contains(name)) << what << ": " << name;
-    ASSERT_TRUE(content == of_many.at(name)) << what << ": " << name << "\n" << content.substr(0, 2000) << "\n--\n" << of_many.at(name).substr(0, 2000);
+    ASSERT_TRUE(content == of_many.at(name)) << what << ": " << name << "\n"
+                                             << content.substr(0, 2000) << "\n--\n"
+                                             << of_many.at(name).substr(0, 2000);
   }
 }
 
@@ -152,8 +157,8 @@ TEST_F(DividedDisksTest, HaveTheFilesOfOneProcess) {
     for (std::size_t const ranks : {1U, 2U, 5U}) {
       fs::path const many = temporary_ / ("many" + std::to_string(seed) + "_" + std::to_string(ranks));
       carry_out(text, many, ranks);
-      ASSERT_NO_FATAL_FAILURE(
-          expect_same_results(one, many, "seed " + std::to_string(seed) + " on " + std::to_string(ranks) + " ranks\n" + text));
+      ASSERT_NO_FATAL_FAILURE(expect_same_results(
+          one, many, "seed " + std::to_string(seed) + " on " + std::to_string(ranks) + " ranks\n" + text));
     }
   }
 }
@@ -164,8 +169,9 @@ TEST_F(DividedDisksTest, ContinueOnAnotherNumberOfRanksAndInOneProcess) {
     fs::path const one = temporary_ / ("one" + std::to_string(seed));
     fs::path const many = temporary_ / ("many" + std::to_string(seed));
     carry_out(text, one, 0);
-    std::vector<std::size_t> const numbers =
-        seed % 3 == 0 ? std::vector<std::size_t>{3, 0, 2} : seed % 3 == 1 ? std::vector<std::size_t>{0, 4, 1} : std::vector<std::size_t>{4, 2, 0};
+    std::vector<std::size_t> const numbers = seed % 3 == 0   ? std::vector<std::size_t>{3, 0, 2}
+                                             : seed % 3 == 1 ? std::vector<std::size_t>{0, 4, 1}
+                                                             : std::vector<std::size_t>{4, 2, 0};
     EXPECT_EQ(carry_out(text, many, numbers[0], 11), RunStatus::interrupted);
     EXPECT_EQ(carry_out(text, many, numbers[1], 25), RunStatus::interrupted);
     EXPECT_EQ(carry_out(text, many, numbers[2]), RunStatus::finished);
@@ -175,16 +181,20 @@ TEST_F(DividedDisksTest, ContinueOnAnotherNumberOfRanksAndInOneProcess) {
 
 TEST_F(DividedDisksTest, RefuseWhatOneProcessRefuses) {
   State state{.box = Box(1.0, 1.0, Edge::wall)};
-  for (std::size_t i = 0; i < 40; ++i) state.agents.add(0.3 + 0.01 * static_cast<double>(i), 0.5, 0.1, 0.0, 0.01, 1.0, 0, 0);
+  for (std::size_t i = 0; i < 40; ++i)
+    state.agents.add(0.3 + 0.01 * static_cast<double>(i), 0.5, 0.1, 0.0, 0.01, 1.0, 0, 0);
   write_xyz(state, temporary_ / "overlapping.xyz");
   state.agents.column<X>()[39] = -0.4;
   write_xyz(state, temporary_ / "outside.xyz");
   for (std::string const& wrong :
-       {"[disks]\nfile = \"" + (temporary_ / "overlapping.xyz").string() + "\"\n", "[disks]\nfile = \"" + (temporary_ / "outside.xyz").string() + "\"\n",
+       {"[disks]\nfile = \"" + (temporary_ / "overlapping.xyz").string() + "\"\n",
+        "[disks]\nfile = \"" + (temporary_ / "outside.xyz").string() + "\"\n",
         std::string("[disks]\ncount = 5000\npacking_fraction = 0.95\n"),
         std::string("[disks]\ncount = 5000\npacking_fraction = 0.5\n[velocities]\nkind = \"file\"\n"),
-        std::string("[disks]\ncount = 5000\npacking_fraction = 0.1\n[velocities]\nmax = 5.0\n[engine]\nspeed = 0.01\n")}) {
-    std::string const text = wrong + (wrong.find("[engine]") == std::string::npos ? "[engine]\n" : "") + "kind = \"tiled\"\n[run]\nsteps = 5\n";
+        std::string(
+            "[disks]\ncount = 5000\npacking_fraction = 0.1\n[velocities]\nmax = 5.0\n[engine]\nspeed = 0.01\n")}) {
+    std::string const text = wrong + (wrong.find("[engine]") == std::string::npos ? "[engine]\n" : "") +
+                             "kind = \"tiled\"\n[run]\nsteps = 5\n";
     auto const problem_of = [&](std::size_t ranks) {
       try {
         carry_out(text, temporary_ / "refused", ranks);

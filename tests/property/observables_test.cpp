@@ -17,9 +17,9 @@
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/grid/cell_layout.hpp"
-#include "gridlock/observe/detail/agents_on_ranks.hpp"
 #include "gridlock/observe/observable.hpp"
 #include "io/checkpoint.hpp"
+#include "observe/agents_on_ranks.hpp"
 #include "reference/shuffled_rows.hpp"
 #include "thread_ranks.hpp"
 

@@ -268,7 +268,8 @@ class Population {
     for (Id const id : ids_) {
       if (is_of_parts) slots = std::max(slots, slot_of(id) + 1);
     }
-    archive.require(!is_of_parts || slots <= 64 * ids_.size() + most_unused_names, "the Ids of the agents leave too many out");
+    archive.require(!is_of_parts || slots <= 64 * ids_.size() + most_unused_names,
+                    "the Ids of the agents leave too many out");
     slots_.assign(slots, {});
     for (std::size_t slot = 0; slot < generations.size(); ++slot) slots_[slot].generation = generations[slot];
     for (Id const id : ids_) {

@@ -113,8 +113,8 @@ struct LatticeFit {
     std::uint64_t even_length = 1;  ///< sites in rows 0, 2, 4 …
     std::uint64_t odd_length = 1;   ///< sites in rows 1, 3, 5 …
     Vector spacing;
-    Vector corner;             ///< where the rows begin
-    Vector offset;             ///< of the first site from there, in spacings
+    Vector corner;              ///< where the rows begin
+    Vector offset;              ///< of the first site from there, in spacings
     double shift_of_odd = 0.0;  ///< of rows 1, 3, 5 …, in spacings
     bool is_turned = false;
   };

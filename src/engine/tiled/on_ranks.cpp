@@ -10,9 +10,9 @@
 #include "engine/hot_disks.hpp"
 #include "engine/stepped.hpp"
 #include "engine/tiled/share.hpp"
+#include "grid/validate_rows.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/detail/packed_layout.hpp"
-#include "gridlock/grid/detail/validate_rows.hpp"
 
 namespace gridlock {
 
@@ -220,7 +220,8 @@ class PartOfRank {
     divide(finder);
     std::vector<std::uint32_t> rank_of_tile(tiling_.tiles().size());
     for (std::uint32_t rank = 0; rank < division_.size(); ++rank) {
-      division_[rank].for_each_tile([&](std::size_t column, std::size_t row) { rank_of_tile[tiling_.number_of(column, row)] = rank; });
+      division_[rank].for_each_tile(
+          [&](std::size_t column, std::size_t row) { rank_of_tile[tiling_.number_of(column, row)] = rank; });
     }
     std::vector<std::uint32_t> const id_index = id_indices(disks);
     LargeArray<DiskInTurn> in_tiles;
@@ -244,7 +245,8 @@ class PartOfRank {
     for (std::size_t i = 0; i < own_.agents.size(); ++i) ++disks_of_tile[finder.tile_of(position(own_.agents, i))];
     std::vector<std::uint64_t> disks_of_rank(ranks_.count(), 0);
     if (ranks_.rank() > 0) {
-      if (rows_.rows_of(ranks_.rank()) > 0) ranks_.send(0, message_of_all(std::span<std::uint64_t const>(disks_of_tile)));
+      if (rows_.rows_of(ranks_.rank()) > 0)
+        ranks_.send(0, message_of_all(std::span<std::uint64_t const>(disks_of_tile)));
       Ranks::Bytes const bytes = ranks_.receive(0);
       MessageReader message(bytes);
       disks_of_tiles_ = message.next<std::uint64_t>();
@@ -296,11 +298,7 @@ void send_order(Ranks& ranks, Order const& order, RowDivision const& rows) {
 class Leading {
  public:
   Leading(Ranks& ranks, Order const& order, RowDivision const& rows, State& own, Counters& counters)
-      : ranks_(ranks),
-        order_(order),
-        state_(own),
-        counters_(counters),
-        part_(ranks, order, rows, own) {
+      : ranks_(ranks), order_(order), state_(own), counters_(counters), part_(ranks, order, rows, own) {
     find_places();
   }
 
@@ -512,11 +510,7 @@ TiledOnRanks::TiledOnRanks(EngineSettings const& settings, State const& state)
 
 TiledOnRanks::TiledOnRanks(EngineSettings const& settings, Box const& box, DisksOverview const& all,
                            RowDivision const& rows)
-    : settings_(settings),
-      box_(box),
-      all_(all),
-      rows_(rows),
-      duration_(step_duration(settings, all.radii.smallest)) {}
+    : settings_(settings), box_(box), all_(all), rows_(rows), duration_(step_duration(settings, all.radii.smallest)) {}
 
 void TiledOnRanks::require_valid(State const& state) const { require_room_for_turns(settings_, state); }
 

@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/disks_overview.hpp"
+#include "core/row_division.hpp"
 #include "engine/tiled/steps.hpp"
-#include "gridlock/core/detail/disks_overview.hpp"
 #include "gridlock/core/detail/ranks.hpp"
-#include "gridlock/core/detail/row_division.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/sorted.hpp"
-#include "gridlock/grid/detail/validate_rows.hpp"
+#include "grid/validate_rows.hpp"
 
 namespace gridlock::tiled {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "gridlock/core/detail/disks_overview.hpp"
+#include "core/disks_overview.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
 
