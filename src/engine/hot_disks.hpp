@@ -34,9 +34,9 @@ inline DiskInTurn disk_in_turn(Disks const& disks, std::uint32_t row, std::vecto
           .row_in_state = row};
 }
 
-/// What has become of a disk; the population may begin with a later row of the state.
-inline void write_back(DiskInTurn const& disk, Disks& to, std::uint32_t first_row = 0) {
-  std::size_t const row = disk.row_in_state - first_row;
+/// What has become of a disk.
+inline void write_back(DiskInTurn const& disk, Disks& to) {
+  std::size_t const row = disk.row_in_state;
   to.column<X>()[row] = disk.position.x;
   to.column<Y>()[row] = disk.position.y;
   to.column<VelocityX>()[row] = disk.velocity.x;
@@ -63,6 +63,9 @@ class HotDisks {
   /// Valid until the next one is added.
   [[nodiscard]] std::span<DiskInTurn> all() { return disks_; }
   void add(DiskInTurn const& disk) { disks_.push_back(disk); }
+  /// How many there can be before their memory moves.
+  [[nodiscard]] std::size_t room() const { return disks_.capacity(); }
+  [[nodiscard]] LargeArray<DiskInTurn> take() { return std::move(disks_); }
 
   TurnView view(Box const& box, EngineSettings const& settings, double duration) {
     return {.box = box,

@@ -167,6 +167,14 @@ class Population {
     }
   }
 
+  /// Frees the memory of all values. Nothing but the Ids may be asked for until give_values().
+  void forget_values() { rows_ = AllValues(); }
+  /// Contract: one value in each column for each row (asserted).
+  void give_values(AllValues&& rows) {
+    assert(rows.size() == size());
+    rows_ = std::move(rows);
+  }
+
   /// Becomes agents with these Ids and values, and leaves its own there. No Id is found: for a part of a population, of which
   /// another one knows the names. Contract: one value in each column for each Id (asserted).
   void become(LargeArray<Id>& ids, AllValues& rows) {

@@ -146,10 +146,13 @@ class TileFinder {
 /// The part of one rank, from when the disks leave the rows of all ranks until they are back.
 class PartOfRank {
  public:
+  /// Hands the disks out. Their values in the state may go then.
   PartOfRank(Ranks& ranks, Order const& order, RowDivision const& rows, State const& own)
-      : ranks_(ranks), rows_(rows), layout_(order.layout()), tiling_(layout_), own_(own) {
-    hand_out(order);
+      : ranks_(ranks), order_(order), rows_(rows), layout_(order.layout()), tiling_(layout_), own_(own) {
+    hand_out();
   }
+  /// Makes the share.
+  void begin() { share_.emplace(ranks_, order_.rule(), layout_, division_, order_.threads, std::move(in_tiles_)); }
 
   [[nodiscard]] Share& share() { return *share_; }
   [[nodiscard]] std::vector<Tiling::Rectangle> const& division() const { return division_; }
@@ -157,11 +160,18 @@ class PartOfRank {
 
   /// The disks go back to the rows that they have come from.
   void bring_home(State& own) {
-    std::vector<std::uint32_t> const disks = share_->own_disks();
+    LargeArray<DiskInTurn> const disks = share_->take_own_disks();
+    Disks::AllValues values;
+    values.resize(own.agents.size());
     exchange_disks(
-        ranks_, disks.size(), [&](std::size_t k) { return share_->disk(disks[k]); },
+        ranks_, disks.size(), [&](std::size_t k) { return disks[k]; },
         [&](DiskInTurn const& disk) { return rows_.rank_of(disk.row_in_state); },
-        [&](DiskInTurn const& disk) { write_back(disk, own.agents, first_row()); });
+        [&](DiskInTurn const& disk) {
+          values.put(disk.row_in_state - first_row(),
+                     {disk.position.x, disk.position.y, disk.velocity.x, disk.velocity.y, disk.radius, disk.mass,
+                      disk.image_x, disk.image_y});
+        });
+    own.agents.give_values(std::move(values));
   }
 
   /// The disk that could have jumped over another, which one rank has; for the leader.
@@ -214,7 +224,7 @@ class PartOfRank {
  private:
   [[nodiscard]] std::uint32_t first_row() const { return static_cast<std::uint32_t>(rows_.first(ranks_.rank())); }
 
-  void hand_out(Order const& order) {
+  void hand_out() {
     Disks const& disks = own_.agents;
     TileFinder const finder(layout_, tiling_);
     divide(finder);
@@ -224,8 +234,7 @@ class PartOfRank {
           [&](std::size_t column, std::size_t row) { rank_of_tile[tiling_.number_of(column, row)] = rank; });
     }
     std::vector<std::uint32_t> const id_index = id_indices(disks);
-    LargeArray<DiskInTurn> in_tiles;
-    in_tiles.reserve(disks_of_tiles_);
+    in_tiles_.reserve(Share::room_for_rim(disks_of_tiles_));
     exchange_disks(
         ranks_, disks.size(),
         [&](std::size_t row) {
@@ -235,8 +244,7 @@ class PartOfRank {
           return disk;
         },
         [&](DiskInTurn const& disk) { return rank_of_tile[finder.tile_of(disk.position)]; },
-        [&](DiskInTurn const& disk) { in_tiles.push_back(disk); });
-    share_.emplace(ranks_, order.rule(), layout_, division_, order.threads, std::move(in_tiles));
+        [&](DiskInTurn const& disk) { in_tiles_.push_back(disk); });
   }
 
   /// The leader learns how many disks each tile has, and gives each rank its tiles.
@@ -276,12 +284,14 @@ class PartOfRank {
   }
 
   Ranks& ranks_;
+  Order order_;
   RowDivision const& rows_;
   CellLayout layout_;
   Tiling tiling_;
   State const& own_;
   std::vector<Tiling::Rectangle> division_;  ///< of the tiles
   std::uint64_t disks_of_tiles_ = 0;         ///< of this rank
+  LargeArray<DiskInTurn> in_tiles_;          ///< these, until there is a share
   std::optional<Share> share_;
 };
 
@@ -299,6 +309,8 @@ class Leading {
  public:
   Leading(Ranks& ranks, Order const& order, RowDivision const& rows, State& own, Counters& counters)
       : ranks_(ranks), order_(order), state_(own), counters_(counters), part_(ranks, order, rows, own) {
+    own.agents.forget_values();
+    part_.begin();
     find_places();
   }
 
@@ -486,6 +498,8 @@ void take_part(Ranks& ranks, MessageReader& message, State& own) {
   auto const order = message.next<Order>();
   RowDivision const rows(message.rest<std::uint64_t>());
   PartOfRank part(ranks, order, rows, own);
+  if (order.is_search == 0) own.agents.forget_values();
+  part.begin();
   if (order.is_search != 0) {
     tell_of_overlaps(ranks, part, order.tolerance);
   } else {
@@ -544,6 +558,7 @@ void TiledOnRanks::require_no_overlaps(State const& own) const {
   do_or_abandon(ranks, [&] {
     tiled::send_order(ranks, order, rows_);
     tiled::PartOfRank part(ranks, order, rows_, own);
+    part.begin();
     problems = tiled::gather_overlaps(ranks, part, order.tolerance);
   });
   if (!problems.empty()) throw Error(std::move(problems));

@@ -19,6 +19,23 @@ struct LateHead {
   bool may_jump;
 };
 
+/// disks[k] becomes the one that was disks[order[k]], with no memory for another array.
+void put_in_order(LargeArray<DiskInTurn>& disks, std::vector<std::uint32_t> order) {
+  for (std::uint32_t first = 0; first < order.size(); ++first) {
+    if (order[first] == first) continue;
+    DiskInTurn const moved = disks[first];
+    std::uint32_t to = first;
+    while (order[to] != first) {
+      std::uint32_t const from = order[to];
+      disks[to] = disks[from];
+      order[to] = to;
+      to = from;
+    }
+    disks[to] = moved;
+    order[to] = to;
+  }
+}
+
 std::vector<std::uint32_t> tiles_of(Tiling const& tiling, Tiling::Rectangle const& rectangle) {
   std::vector<std::uint32_t> tiles;
   rectangle.for_each_tile([&](std::size_t column, std::size_t row) { tiles.push_back(tiling.number_of(column, row)); });
@@ -72,19 +89,12 @@ void Share::place(LargeArray<DiskInTurn>&& own, int reach) {
     find_neighbours();
     find_rounds();
   }
-  // A step may be under way. Its disks and grid go first, for the sort takes as much memory.
-  std::vector<TileResult> results;
-  if (steps_) results = std::move(steps_->results());
-  steps_.reset();
   std::vector<std::uint32_t> tiles = tiles_of(tiling_, own_);
-  std::vector<std::uint32_t> const order =
-      CellOfTurn(layout_, tiling_, tiles).order(own.size(), [&](std::size_t k) { return own[k].position; });
-  LargeArray<DiskInTurn> sorted;
-  // And those of the rim, which a rank of many disks has few of.
-  sorted.reserve(own.size() + own.size() / 8 + 256);
-  for (std::uint32_t const k : order) sorted.push_back(own[k]);
-  own = {};
-  steps_.emplace(HotDisks(std::move(sorted)), rule_, layout_, tiling_, window_, std::move(tiles));
+  put_in_order(own,
+               CellOfTurn(layout_, tiling_, tiles).order(own.size(), [&](std::size_t k) { return own[k].position; }));
+  // A step may be under way.
+  std::vector<TileResult> results = std::exchange(results_under_way_, {});
+  steps_.emplace(HotDisks(std::move(own)), rule_, layout_, tiling_, window_, std::move(tiles));
   if (!results.empty()) steps_->results() = std::move(results);
   steps_since_sort_ = 0;
   for (Neighbour const& neighbour : neighbours_) {
@@ -194,7 +204,7 @@ void Share::fill_rounds(Tiling::Part const& part, std::vector<std::uint8_t> cons
 }
 
 void Share::take_step() {
-  if (steps_since_sort_ == steps_between_sorts) place(copies_of_own_disks(), reach_);
+  if (steps_since_sort_ == steps_between_sorts) place(take_own_disks(), reach_);
   ++steps_since_sort_;
   steps_->begin_step();
   late_.clear();
@@ -273,7 +283,7 @@ void Share::take_late_turns() {
   int needed_reach = 0;
   std::vector<LateDisk> shared = late_of_all(needed_reach);
   while (needed_reach > reach_) {
-    place(copies_of_own_disks(), needed_reach);
+    place(take_own_disks(), needed_reach);
     shared = late_of_all(needed_reach);
   }
   show_neighbourhoods(shared);
@@ -441,6 +451,7 @@ void Share::count_step() {
 
 ShareSums Share::take_sums() { return std::exchange(sums_, {}); }
 
+/// The numbers of the disks in the rectangle of this rank.
 std::vector<std::uint32_t> Share::own_disks() const {
   std::vector<std::uint32_t> own;
   own.reserve(steps_->disks().size());
@@ -450,19 +461,25 @@ std::vector<std::uint32_t> Share::own_disks() const {
   return own;
 }
 
-LargeArray<DiskInTurn> Share::copies_of_own_disks() const {
-  LargeArray<DiskInTurn> copies;
-  std::vector<std::uint32_t> const own = own_disks();
-  copies.reserve(own.size());
-  for (std::uint32_t const number : own) copies.push_back(disk(number));
-  return copies;
+LargeArray<DiskInTurn> Share::take_own_disks() {
+  std::vector<bool> is_own(steps_->disks().size(), false);
+  for (std::uint32_t const number : own_disks()) is_own[number] = true;
+  results_under_way_ = std::move(steps_->results());
+  LargeArray<DiskInTurn> disks = steps_->take_disks();
+  steps_.reset();
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < disks.size(); ++k) {
+    if (is_own[k]) disks[kept++] = disks[k];
+  }
+  disks.resize(kept);
+  return disks;
 }
 
 std::vector<Overlap> Share::find_overlaps(double tolerance) const {
   std::vector<Overlap> overlaps;
   PackedGrid const& grid = steps_->grid();
   for (std::uint32_t const number : own_disks()) {
-    DiskInTurn const& one = disk(number);
+    DiskInTurn const& one = steps_->disks()[number];
     // Cells are as wide as two disks in contact, and those of the rim around its own tiles a rank has too.
     grid.for_each_in_block(grid.cell_of(number), 1, 1, [&](std::size_t row) {
       DiskInTurn const& other = steps_->disks()[row];

@@ -65,7 +65,7 @@ struct CellsMessage {
 /// All ranks construct it and call take_step() together. The bits are those of one process.
 class Share {
  public:
-  /// `disks` are those in the rectangle of this rank.
+  /// `disks` are those in the rectangle of this rank, with room_for_rim() of them.
   Share(Ranks& ranks, TurnRule const& rule, CellLayout const& layout, std::vector<Tiling::Rectangle> division,
         std::uint64_t threads, LargeArray<DiskInTurn>&& disks);
 
@@ -79,12 +79,14 @@ class Share {
   /// The tiles that it counts for, in the order of its sums.
   [[nodiscard]] std::vector<std::uint32_t> const& tiles() const { return steps_->tiles(); }
 
-  /// The numbers of the disks in the rectangle of this rank, and one of them.
-  [[nodiscard]] std::vector<std::uint32_t> own_disks() const;
-  [[nodiscard]] DiskInTurn const& disk(std::uint32_t number) const { return steps_->disks()[number]; }
+  /// Takes the disks of this rank out, and frees what steps need: no further one can be taken.
+  [[nodiscard]] LargeArray<DiskInTurn> take_own_disks();
 
   /// Disks of this rank that overlap others, wherever these are, by more than the tolerance; each pair is found by one rank.
   [[nodiscard]] std::vector<Overlap> find_overlaps(double tolerance) const;
+
+  /// Disks for which a rank that has so many needs room, with those of the rim, which a rank of many disks has few of.
+  static std::size_t room_for_rim(std::size_t own) { return own + own / 8 + 256; }
 
  private:
   /// What is done between two messages to a neighbour.
@@ -107,7 +109,7 @@ class Share {
   };
 
   void place(LargeArray<DiskInTurn>&& own, int reach);
-  [[nodiscard]] LargeArray<DiskInTurn> copies_of_own_disks() const;
+  [[nodiscard]] std::vector<std::uint32_t> own_disks() const;
   void find_neighbours();
   void find_rounds();
   [[nodiscard]] std::vector<std::uint8_t> latest_phases(std::vector<Tiling::Round> const& rounds) const;
@@ -153,6 +155,7 @@ class Share {
   std::vector<Neighbour> neighbours_;
   std::array<Round, Tiling::colours> rounds_;
   std::optional<Steps> steps_;
+  std::vector<TileResult> results_under_way_;  ///< while the disks are put in order anew
   std::uint64_t steps_since_sort_ = 0;
   std::vector<LateDisk> late_;  ///< of its own tiles, in the order of their turns
   bool may_jump_ = false;       ///< some late disk of any rank

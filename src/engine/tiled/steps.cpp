@@ -17,7 +17,8 @@ bool goes_around_box(CellLayout const& layout, Tiling const& tiling) {
 }
 
 PackedGrid grid_of_window(CellLayout const& layout, CellWindow const& window, HotDisks const& disks) {
-  PackedGrid grid(layout, window, disks.size());
+  // Disks of other ranks come later.
+  PackedGrid grid(layout, window, disks.room());
   for (std::size_t k = 0; k < disks.size(); ++k) grid.insert(k, disks[k].position);
   return grid;
 }

@@ -70,6 +70,8 @@ class Steps {
   [[nodiscard]] int reach(double radius, double squared_speed) const;
 
   [[nodiscard]] HotDisks const& disks() const { return disks_; }
+  /// No further step can be taken.
+  [[nodiscard]] LargeArray<DiskInTurn> take_disks() { return disks_.take(); }
   [[nodiscard]] PackedGrid const& grid() const { return grid_; }
 
   // What other processes need to know of a cell, and tell of it.
