@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <chrono>
 #include <string>
 #include <utility>
@@ -94,6 +95,44 @@ TEST_F(MpiRun, StopsAModelAndContinuesItOnAnotherNumberOfRanks) {
   EXPECT_NE(killed.process.wait().exit_code, 0);
   expect_good(on_ranks(workplace_, 4, {"resume", "out", "-q"}));
   expect_same_results("alone", "out");
+}
+
+/// Calls a program, and says on standard error how much memory it had at most, in KB.
+constexpr char const* measured =
+    "import resource, subprocess, sys; code = subprocess.call(sys.argv[1:]); "
+    "print('peak', resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, file=sys.stderr); sys.exit(code)";
+
+/// The peak of the process that had the largest.
+double largest_peak(Outcome const& outcome) {
+  expect_good(outcome);
+  double largest = 0.0;
+  for (std::size_t at = outcome.err.find("peak "); at != std::string::npos; at = outcome.err.find("peak ", at + 1)) {
+    largest = std::max(largest, std::stod(outcome.err.substr(at + 5)));
+  }
+  return largest;
+}
+
+TEST_F(MpiRun, DividesTheMemoryOfTheDisks) {
+  auto const peak = [&](int ranks, std::string const& disks) {
+    write(workplace_ / "r.toml",
+          "[disks]\ncount = " + disks +
+              "\npacking_fraction = 0.5\n[engine]\nkind = \"tiled\"\n[run]\nsteps = 102\n"
+              "[observe]\nevery = 50\n[trajectory]\nevery = 100\n[checkpoint]\nevery_steps = 50\n");
+    std::vector<std::string> const words{"-c",  measured, ranks == 0 ? GRIDLOCK_PROGRAM : GRIDLOCK_MPI_PROGRAM,
+                                         "run", "r.toml", "-q",
+                                         "-j",  "1",      "--overwrite",
+                                         "-o",  "out"};
+    if (ranks == 0)
+      return largest_peak(
+          Process("/usr/bin/python3", words + std::vector<std::string>{"--no-pictures"}, workplace_.path()).wait());
+    return largest_peak(
+        mpirun(workplace_, std::vector<std::string>{"-n", std::to_string(ranks), "/usr/bin/python3"} + words).wait());
+  };
+  // What disks take: the rest is the program and MPI.
+  double const of_one = peak(0, "600000") - peak(0, "3000");
+  double const of_rank = peak(4, "600000") - peak(4, "3000");
+  EXPECT_LT(of_rank, 1.25 * of_one / 4.0) << of_one;
+  EXPECT_GT(of_rank, 0.5 * of_one / 4.0) << of_one;
 }
 
 TEST_F(MpiRun, SaysOnceHowItEndedAndWhatEachRankSent) {
