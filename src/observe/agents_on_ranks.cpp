@@ -4,6 +4,8 @@
 #include <iterator>
 #include <utility>
 
+#include "core/exchange.hpp"
+
 namespace gridlock {
 
 namespace {
@@ -131,43 +133,12 @@ class Slabs {
   std::vector<std::vector<std::size_t>> ranks_around_;
 };
 
-/// x and y of points, one after the other: those of a slab and those of its rim.
-struct PointsForRank {
-  std::vector<double> own;
-  std::vector<double> rim;
+/// A point on its way.
+struct SentPoint {
+  double x;
+  double y;
+  std::uint64_t is_of_rim;
 };
-
-/// Gives each rank its points, and returns those of this one.
-PointsForRank exchange(Ranks& ranks, std::vector<PointsForRank> points) {
-  // Most ranks have nothing for most others: all learn who sends to whom.
-  std::vector<std::uint64_t> receivers;
-  for (std::size_t rank = 0; rank < points.size(); ++rank) {
-    bool const has_points = !points[rank].own.empty() || !points[rank].rim.empty();
-    if (rank != ranks.rank() && has_points) receivers.push_back(rank);
-  }
-  std::vector<Ranks::Bytes> const receivers_of =
-      ranks.gather_for_all(message_of_all(std::span<std::uint64_t const>(receivers)));
-  for (std::uint64_t const rank : receivers) {
-    PointsForRank const sent = std::exchange(points[rank], {});
-    MessageWriter message;
-    message.add(std::uint64_t{sent.own.size()});
-    message.add_all(std::span<double const>(sent.own));
-    message.add_all(std::span<double const>(sent.rim));
-    ranks.send(rank, message.take());
-  }
-  PointsForRank mine = std::move(points[ranks.rank()]);
-  for (std::size_t rank = 0; rank < receivers_of.size(); ++rank) {
-    auto const to = MessageReader(receivers_of[rank]).rest<std::uint64_t>();
-    if (std::ranges::find(to, ranks.rank()) == to.end()) continue;
-    Ranks::Bytes const message = ranks.receive(rank);
-    MessageReader reader(message);
-    auto const own = reader.next_values<double>(reader.next<std::uint64_t>());
-    auto const rim = reader.rest<double>();
-    mine.own.insert(mine.own.end(), own.begin(), own.end());
-    mine.rim.insert(mine.rim.end(), rim.begin(), rim.end());
-  }
-  return mine;
-}
 
 }  // namespace
 
@@ -217,24 +188,27 @@ PointsOfCells AgentsOnRanks::points_of_cells(CellLayout const& layout, double cu
   std::vector<int> const cuts = cuts_between(points_of_lines, ranks_.count());
 
   Slabs const slabs(lines, cuts);
-  std::vector<PointsForRank> for_ranks(ranks_.count());
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    std::vector<double>& own = for_ranks[slabs.owner(line_of_point[i])].own;
-    own.insert(own.end(), {x[i], y[i]});
-    for (std::size_t const rank : slabs.ranks_around(line_of_point[i])) {
-      for_ranks[rank].rim.insert(for_ranks[rank].rim.end(), {x[i], y[i]});
-    }
-  }
-  PointsForRank const mine = exchange(ranks_, std::move(for_ranks));
-  PointsOfCells points{.x = {},
-                       .y = {},
-                       .own = mine.own.size() / 2,
-                       .window = lines.window(cuts[ranks_.rank()], cuts[ranks_.rank() + 1])};
-  for (std::vector<double> const* const some : {&mine.own, &mine.rim}) {
-    for (std::size_t k = 0; k < some->size(); k += 2) {
-      points.x.push_back((*some)[k]);
-      points.y.push_back((*some)[k + 1]);
-    }
+  PointsOfCells points{
+      .x = {}, .y = {}, .own = 0, .window = lines.window(cuts[ranks_.rank()], cuts[ranks_.rank() + 1])};
+  std::vector<SentPoint> rim;
+  exchange_values<SentPoint>(
+      ranks_, x.size(),
+      [&](std::size_t i, auto give) {
+        give(slabs.owner(line_of_point[i]), SentPoint{x[i], y[i], 0});
+        for (std::size_t const rank : slabs.ranks_around(line_of_point[i])) give(rank, SentPoint{x[i], y[i], 1});
+      },
+      [&](SentPoint const& point) {
+        if (point.is_of_rim != 0) {
+          rim.push_back(point);
+        } else {
+          points.x.push_back(point.x);
+          points.y.push_back(point.y);
+        }
+      });
+  points.own = points.x.size();
+  for (SentPoint const& point : rim) {
+    points.x.push_back(point.x);
+    points.y.push_back(point.y);
   }
   return points;
 }

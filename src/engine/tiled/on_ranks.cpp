@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/exchange.hpp"
 #include "engine/hot_disks.hpp"
 #include "engine/stepped.hpp"
 #include "engine/tiled/share.hpp"
@@ -70,46 +71,16 @@ struct OverlapsHead {
   std::uint64_t count;
 };
 
-/// Ranks send disks to each other, each to where it belongs. A round has so many of each rank, that the memory of messages does not
-/// grow with the system.
-constexpr std::size_t disks_of_round = std::size_t{1} << 16;
-
-/// All call it, each with disks number 0 … count − 1 that it has.
+/// Each rank sends its disks to where they belong.
 template <class DiskOf, class RankOf, class Take>
 void exchange_disks(Ranks& ranks, std::size_t count, DiskOf disk_of, RankOf rank_of, Take take) {
-  std::size_t const self = ranks.rank();
-  std::vector<std::vector<DiskInTurn>> leaving(ranks.count());
-  std::vector<bool> is_done(ranks.count(), false);
-  std::size_t next = 0;
-  std::size_t sending = ranks.count();
-  while (sending > 0) {
-    if (!is_done[self]) {
-      std::size_t const end = std::min(count, next + disks_of_round);
-      for (; next < end; ++next) {
-        DiskInTurn const disk = disk_of(next);
-        std::size_t const rank = rank_of(disk);
-        rank == self ? take(disk) : leaving[rank].push_back(disk);
-      }
-      is_done[self] = next == count;
-      for (std::size_t rank = 0; rank < ranks.count(); ++rank) {
-        if (rank == self) continue;
-        MessageWriter message;
-        message.add(std::uint64_t{is_done[self] ? 1U : 0U});
-        message.add_all(std::span<DiskInTurn const>(leaving[rank]));
-        ranks.send(rank, message.take());
-        leaving[rank].clear();
-      }
-      if (is_done[self]) --sending;
-    }
-    for (std::size_t rank = 0; rank < ranks.count(); ++rank) {
-      if (rank == self || is_done[rank]) continue;
-      Ranks::Bytes const bytes = ranks.receive(rank);
-      MessageReader message(bytes);
-      is_done[rank] = message.next<std::uint64_t>() != 0;
-      for (DiskInTurn const& disk : message.rest<DiskInTurn>()) take(disk);
-      if (is_done[rank]) --sending;
-    }
-  }
+  exchange_values<DiskInTurn>(
+      ranks, count,
+      [&](std::size_t k, auto give) {
+        DiskInTurn const disk = disk_of(k);
+        give(rank_of(disk), disk);
+      },
+      take);
 }
 
 /// For each column or row of cells the one of tiles that it is in, by where those end.
