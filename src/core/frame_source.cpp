@@ -23,7 +23,7 @@ class AgentsSource final : public FrameSource {
     return piece_of(agents_.ids(), first, count);
   }
   [[nodiscard]] FrameValues values(std::size_t column, std::size_t first, std::size_t count) const override {
-    return std::visit([&](auto all) -> FrameValues { return piece_of(all, first, count); },
+    return std::visit([&](auto all) { return FrameValues(piece_of(all, first, count)); },
                       agents_.columns()[column].second);
   }
 

@@ -328,10 +328,10 @@ class DividedDisks::Source final : public FrameSource {
   }
   [[nodiscard]] FrameValues values(std::size_t column, std::size_t first, std::size_t count) const override {
     return std::visit(
-        [&](auto own) -> FrameValues {
+        [&](auto own) {
           std::vector<std::remove_cvref_t<decltype(own[0])>> values;
           gather(column, first, count, values, [&](std::size_t row) { return own[row]; });
-          return values;
+          return FrameValues(std::move(values));
         },
         AgentsView(disks_.own().agents).columns()[column].second);
   }
