@@ -222,7 +222,6 @@ class PartOfRank {
   void divide(TileFinder const& finder) {
     std::vector<std::uint64_t> disks_of_tile(tiling_.tiles().size(), 0);
     for (std::size_t i = 0; i < own_.agents.size(); ++i) ++disks_of_tile[finder.tile_of(position(own_.agents, i))];
-    std::vector<std::uint64_t> disks_of_rank(ranks_.count(), 0);
     if (ranks_.rank() > 0) {
       if (rows_.rows_of(ranks_.rank()) > 0)
         ranks_.send(0, message_of_all(std::span<std::uint64_t const>(disks_of_tile)));
