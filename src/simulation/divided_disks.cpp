@@ -453,7 +453,7 @@ std::optional<Restored> DividedDisks::restore(std::filesystem::path const& direc
   message.add(TaskOfRanks::restore_rows);
   message.add_text(std::filesystem::absolute(directory).string());
   send_to_others(ranks_, message.take());
-  std::optional<Restored> const restored = disks_.restore(directory, serialize);
+  std::optional<Restored> restored = disks_.restore(directory, serialize);
   // A file can hold anything.
   if (restored) tiled_->require_no_overlaps(disks_.own());
   return restored;
