@@ -360,7 +360,7 @@ std::size_t H5mdWriter::Trajectory::extend(Dataset const& dataset, std::size_t a
   return extent[1];
 }
 
-/// Writes what there is for each agent, some chunks at a time; returns the checksum.
+/// Writes the values of all agents, some chunks at a time; returns the checksum.
 std::uint64_t H5mdWriter::Trajectory::put_agents(Handle const& file, FrameSource const& frame,
                                                  std::span<double const> observables, std::uint64_t state_hash) const {
   std::vector<Dataset> const datasets = open_datasets(file);

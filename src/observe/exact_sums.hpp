@@ -34,9 +34,9 @@ class SumsOfBlocks {
  public:
   /// One term for each sum of a block.
   void add(std::size_t block, std::array<double, count> const& terms) {
-    Waiting& waiting = waiting_[block];
-    for (std::size_t s = 0; s < count; ++s) waiting.terms[s][waiting.agents] = terms[s];
-    if (++waiting.agents == at_once) take(block);
+    Gathered& gathered = gathered_[block];
+    for (std::size_t s = 0; s < count; ++s) gathered.terms[s][gathered.agents] = terms[s];
+    if (++gathered.agents == at_once) take(block);
   }
   /// The sums of block b are the count ones from b · count on.
   [[nodiscard]] std::vector<ExactSum> take_all() {
@@ -47,19 +47,19 @@ class SumsOfBlocks {
  private:
   static constexpr std::size_t at_once = 256;
   /// Terms that are added together later.
-  struct Waiting {
+  struct Gathered {
     std::array<std::array<double, at_once>, count> terms;
     std::size_t agents = 0;
   };
   void take(std::size_t block) {
-    Waiting& waiting = waiting_[block];
+    Gathered& gathered = gathered_[block];
     for (std::size_t s = 0; s < count; ++s) {
-      sums_[block * count + s].add(std::span<double const>(waiting.terms[s]).first(waiting.agents));
+      sums_[block * count + s].add(std::span<double const>(gathered.terms[s]).first(gathered.agents));
     }
-    waiting.agents = 0;
+    gathered.agents = 0;
   }
 
-  std::vector<Waiting> waiting_ = std::vector<Waiting>(blocks);
+  std::vector<Gathered> gathered_ = std::vector<Gathered>(blocks);
   std::vector<ExactSum> sums_ = std::vector<ExactSum>(blocks * count);
 };
 
