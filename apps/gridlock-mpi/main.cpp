@@ -40,6 +40,8 @@ void be_silent() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // A rank that a signal ends while MPI begins would leave mpirun waiting.
+  gridlock::cli::StopSignals::keep_until_begun();
   // The thread that began talks to other ranks; of a sweep whose runs have several ranks those that make runs, too.
   int granted = 0;
   if (MPI_Init_thread(&argc, &argv, MPI_THREAD_MULTIPLE, &granted) != MPI_SUCCESS) return EXIT_FAILURE;

@@ -47,11 +47,21 @@ void handle(int signal, void (*handler)(int)) {
   sigaction(signal, &action, nullptr);
 }
 
+void mask_stop_signals(int how) {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (int const signal : asking_to_stop) sigaddset(&signals, signal);
+  pthread_sigmask(how, &signals, nullptr);
+}
+
 }  // namespace
+
+void StopSignals::keep_until_begun() { mask_stop_signals(SIG_BLOCK); }
 
 StopSignals::StopSignals() {
   time_of_first = 0;
   for (int const signal : asking_to_stop) handle(signal, remember);
+  mask_stop_signals(SIG_UNBLOCK);
 }
 
 StopSignals::~StopSignals() {

@@ -14,6 +14,9 @@ class StopSignals {
   StopSignals(StopSignals const&) = delete;
   StopSignals& operator=(StopSignals const&) = delete;
 
+  /// Keeps requests to stop that come before there is one of these, for it.
+  static void keep_until_begun();
+
   [[nodiscard]] static bool is_stop_asked();
   /// As a signal does.
   static void ask_to_stop();
