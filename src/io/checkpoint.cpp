@@ -35,7 +35,18 @@ std::string name_of_part(std::size_t rank, CheckpointPart const& part) {
   return fmt::format("{}{}.{:016x}{:016x}{}", part_prefix, rank, part.checksum[1], part.checksum[0], part_suffix);
 }
 
-bool is_name_of_part(std::string_view name) { return name.starts_with(part_prefix) && name.ends_with(part_suffix); }
+/// checkpoint.part.RANK.CHECKSUM.gridlock with a number and 32 hexadecimal digits, and no other name: files of users stay.
+bool is_name_of_part(std::string_view name) {
+  if (!name.starts_with(part_prefix) || !name.ends_with(part_suffix)) return false;
+  name = name.substr(part_prefix.size(), name.size() - part_prefix.size() - part_suffix.size());
+  std::size_t const point = name.find('.');
+  if (point == 0 || point == std::string_view::npos) return false;
+  std::string_view const checksum = name.substr(point + 1);
+  constexpr std::string_view digits = "0123456789";
+  constexpr std::string_view hexadecimal = "0123456789abcdef";
+  return name.substr(0, point).find_first_not_of(digits) == std::string_view::npos && checksum.size() == 32 &&
+         checksum.find_first_not_of(hexadecimal) == std::string_view::npos;
+}
 
 /// Names members by the path to them, so that the file is a map without maps in it.
 class NamedArchive : public Archive {
@@ -254,12 +265,15 @@ std::vector<fs::path> part_files(fs::path const& directory) {
   std::error_code error;
   fs::directory_iterator entry(directory, error);
   for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
-    if (is_name_of_part(entry->path().filename().string())) files.push_back(entry->path());
+    std::error_code ignored;
+    bool const is_file = entry->symlink_status(ignored).type() == fs::file_type::regular;
+    if (is_file && is_name_of_part(entry->path().filename().string())) files.push_back(entry->path());
   }
   return files;
 }
 
-/// Removes the parts that no checkpoint of the directory has. While it cannot be told which these are, all stay.
+}  // namespace
+
 void remove_unneeded_parts(fs::path const& directory) {
   std::vector<fs::path> const files = part_files(directory);
   if (files.empty()) return;
@@ -278,8 +292,6 @@ void remove_unneeded_parts(fs::path const& directory) {
     if (!needed.contains(file.filename().string())) fs::remove(file, ignored);
   }
 }
-
-}  // namespace
 
 std::string to_checkpoint(SerializeAll const& serialize) {
   SavingArchive archive(Saved::everything);

@@ -97,6 +97,10 @@ using AgreeOnRefusal = std::function<std::string(std::string const& reason)>;
 std::optional<Restored> restore_checkpoint(std::filesystem::path const& directory, SerializeAll const& serialize,
                                            CheckpointShare const& share = {}, AgreeOnRefusal const& agree = {});
 
+/// Removes the parts that no checkpoint of a directory has, as those of one that could not be written. While it cannot be told which these are, all
+/// stay.
+void remove_unneeded_parts(std::filesystem::path const& directory);
+
 /// Whether there is anything to restore.
 bool has_checkpoint(std::filesystem::path const& directory);
 

@@ -374,6 +374,8 @@ class RunInDirectory {
     std::uint64_t const work = simulation_.preparation().work;
     if (saved_at_ == clock && saved_work_ == work) return;
     auto const warn = [&](std::string const& why) {
+      // A disk that is full needs the room of its parts.
+      remove_unneeded_parts(directory_);
       log_.write({.kind = EventKind::checkpoint_failed,
                   .severity = Severity::warning,
                   .step = clock.step,

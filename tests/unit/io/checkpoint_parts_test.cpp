@@ -193,6 +193,40 @@ TEST(CheckpointParts, OnlyThoseOfTheNewestAndThePreviousCheckpointStay) {
   EXPECT_TRUE(fs::is_empty(path));
 }
 
+TEST(CheckpointParts, OfACheckpointThatCouldNotBeWrittenGo) {
+  TemporaryDirectory const directory;
+  fs::path const& path = directory.path();
+  save(path, agents_at(1, 50), 3);
+  Agents next = agents_at(2, 50);
+  static_cast<void>(
+      write_checkpoint_part(path, {.rank = 0, .count = 2, .first_row = 0, .end_row = 50}, serializing(next)));
+  EXPECT_EQ(parts_in(path).size(), 4U);
+  remove_unneeded_parts(path);
+  EXPECT_EQ(parts_in(path).size(), 3U);
+  EXPECT_EQ(restored_from(path).step, 1U);
+}
+
+TEST(CheckpointParts, AreNotWhatUsersHaveCalledLikeThem) {
+  TemporaryDirectory const directory;
+  fs::path const& path = directory.path();
+  std::string const checksum(32, 'a');
+  std::vector<std::string> const names{"checkpoint.part.notes.gridlock",
+                                       "checkpoint.part.0.gridlock",
+                                       "checkpoint.part.0.zz.gridlock",
+                                       "checkpoint.part." + checksum + ".gridlock",
+                                       "checkpoint.part.0." + checksum + ".copy.gridlock",
+                                       "checkpoint.part..gridlock",
+                                       "checkpoint.part.gridlock"};
+  for (std::string const& name : names) std::ofstream(path / name) << "precious";
+  fs::create_directory(path / ("checkpoint.part.1." + checksum + ".gridlock"));
+  save(path, agents_at(1, 50), 3);
+  save(path, agents_at(2, 50), 3);
+  remove_previous_checkpoint(path);
+  remove_checkpoints(path);
+  std::size_t const left = static_cast<std::size_t>(std::distance(fs::directory_iterator(path), {}));
+  EXPECT_EQ(left, names.size() + 1);
+}
+
 TEST(CheckpointParts, KilledBetweenAnyTwoStepsLeaveACheckpoint) {
   TemporaryDirectory const directory;
   fs::path const& path = directory.path();
