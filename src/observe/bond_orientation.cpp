@@ -16,6 +16,9 @@ namespace gridlock {
 
 namespace {
 
+/// |z|, by operations that every processor and library rounds alike, which std::abs() is not.
+double magnitude(std::complex<double> z) { return std::sqrt(z.real() * z.real() + z.imag() * z.imag()); }
+
 double neighbour_distance(Box const& box, std::size_t agents) {
   double const density = static_cast<double>(agents) / box.area();
   double const cutoff = 1.5 * std::sqrt(2.0 / (std::numbers::sqrt3 * density));
@@ -84,12 +87,12 @@ std::optional<BondOrientationOrder> bond_orientation_order(Box const& box, Agent
   std::array<ExactSum, 3> sums;
   add_terms(sums, region.own(), [&](std::size_t i) {
     std::complex<double> const order = bonds.mean(i);
-    return std::array{order.real(), order.imag(), std::abs(order)};
+    return std::array{order.real(), order.imag(), magnitude(order)};
   });
   if (others != nullptr) others->add_up(sums);
   auto const count = static_cast<double>(all);
   std::complex<double> const global(sums[0].value(), sums[1].value());
-  return BondOrientationOrder{.global_order = std::abs(global) / count, .local_order = sums[2].value() / count};
+  return BondOrientationOrder{.global_order = magnitude(global) / count, .local_order = sums[2].value() / count};
 }
 
 std::vector<double> local_bond_orientation_orders(Box const& box, AgentsView const& agents) {
@@ -97,7 +100,7 @@ std::vector<double> local_bond_orientation_orders(Box const& box, AgentsView con
   if (agents.empty()) return values;
   Region const region(box, agents, nullptr, neighbour_distance(box, agents.size()));
   BondSums const bonds = bonds_of(region, agents.size());
-  for (std::size_t i = 0; i < agents.size(); ++i) values.push_back(std::abs(bonds.mean(i)));
+  for (std::size_t i = 0; i < agents.size(); ++i) values.push_back(magnitude(bonds.mean(i)));
   return values;
 }
 
