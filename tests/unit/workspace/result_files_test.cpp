@@ -28,16 +28,17 @@ TEST(ResultFiles, OnlyThoseRecordedAreRemoved) {
 
 TEST(ResultFiles, PartsOfACheckpointGoWithIt) {
   TemporaryDirectory const directory;
-  for (char const* name : {"checkpoint.gridlock", "checkpoint.part.0.12ab.gridlock", "checkpoint.part.0.12ab.mine"}) {
+  std::string const part = "checkpoint.part.0.0123456789abcdef0123456789abcdef";
+  for (std::string const& name : {std::string("checkpoint.gridlock"), part + ".gridlock", part + ".mine"}) {
     write_file(directory / name, "1");
   }
   record_result(directory / "series.csv");
   remove_results(directory.path());
-  EXPECT_TRUE(fs::exists(directory / "checkpoint.part.0.12ab.gridlock")) << "no checkpoint of this list";
+  EXPECT_TRUE(fs::exists(directory / (part + ".gridlock"))) << "no checkpoint of this list";
   record_result(directory / "checkpoint.gridlock");
   remove_results(directory.path());
-  EXPECT_FALSE(fs::exists(directory / "checkpoint.part.0.12ab.gridlock"));
-  EXPECT_TRUE(fs::exists(directory / "checkpoint.part.0.12ab.mine"));
+  EXPECT_FALSE(fs::exists(directory / (part + ".gridlock")));
+  EXPECT_TRUE(fs::exists(directory / (part + ".mine")));
 }
 
 TEST(ResultFiles, AListFromAStrangerReachesNothingOutsideItsDirectoryAndNoDirectory) {
