@@ -56,7 +56,7 @@ class MpiRun : public ::testing::Test {
   }
   /// A run of some seconds that saves itself often.
   void write_long_one() const {
-    write(workplace_ / "r.toml", run_toml("30000", "[checkpoint]\nevery_seconds = 0.05\n"));
+    write(workplace_ / "r.toml", run_toml("30000", "[checkpoint]\nevery_seconds = 0.25\n"));
   }
 
   /// Of r.toml.
@@ -85,7 +85,7 @@ TEST_F(MpiRun, HasTheFilesOfOneProcessForModelsToo) {
 }
 
 TEST_F(MpiRun, StopsAModelAndContinuesItOnAnotherNumberOfRanks) {
-  write(workplace_ / "r.toml", model_toml("3000", "[checkpoint]\nevery_seconds = 0.05\n"));
+  write(workplace_ / "r.toml", model_toml("3000", "[checkpoint]\nevery_seconds = 0.25\n"));
   expect_good(in(workplace_, run_into("alone")));
   RanksAtWork const asked = start_and_wait_for_checkpoint(workplace_, 3, run_into("out"));
   asked.process.signal(SIGUSR1);
