@@ -1,7 +1,6 @@
 #include "engine/tiled/on_ranks.hpp"
 
 #include <algorithm>
-#include <array>
 #include <exception>
 #include <new>
 #include <optional>
@@ -65,10 +64,6 @@ constexpr std::size_t most_sums = std::size_t{1} << 22;
 struct AnswerHead {
   std::uint64_t is_stop_asked;
   Counters whole_numbers;
-};
-/// How many overlaps a rank has found, before the first of them.
-struct OverlapsHead {
-  std::uint64_t count;
 };
 
 /// Each rank sends its disks to where they belong.
@@ -436,7 +431,7 @@ void take_steps(Ranks& ranks, PartOfRank& part, State& own, double smallest_radi
 void tell_of_overlaps(Ranks& ranks, PartOfRank& part, double tolerance) {
   std::vector<Overlap> const overlaps = part.share().find_overlaps(tolerance);
   MessageWriter answer;
-  answer.add(OverlapsHead{.count = overlaps.size()});
+  answer.add(std::uint64_t{overlaps.size()});
   answer.add_all(std::span(overlaps).first(std::min(overlaps.size(), most_overlaps_named)));
   ranks.send(0, answer.take());
   static_cast<void>(part.ids_of({}));
@@ -449,7 +444,7 @@ std::vector<Problem> gather_overlaps(Ranks& ranks, PartOfRank& part, double tole
   for (std::size_t rank = 1; rank < ranks.count(); ++rank) {
     Ranks::Bytes const bytes = ranks.receive(rank);
     MessageReader message(bytes);
-    count += message.next<OverlapsHead>().count;
+    count += message.next<std::uint64_t>();
     std::ranges::copy(message.rest<Overlap>(), std::back_inserter(overlaps));
   }
   std::ranges::sort(overlaps, {}, [](Overlap const& overlap) { return std::pair(overlap.row, overlap.other_row); });

@@ -92,15 +92,19 @@ void Share::place(LargeArray<DiskInTurn>&& own, int reach) {
   std::vector<std::uint32_t> tiles = tiles_of(tiling_, own_);
   put_in_order(own,
                CellOfTurn(layout_, tiling_, tiles).order(own.size(), [&](std::size_t k) { return own[k].position; }));
-  // A step may be under way.
-  std::vector<TileResult> results = std::exchange(results_under_way_, {});
   steps_.emplace(HotDisks(std::move(own)), rule_, layout_, tiling_, window_, std::move(tiles));
-  if (!results.empty()) steps_->results() = std::move(results);
   steps_since_sort_ = 0;
   for (Neighbour const& neighbour : neighbours_) {
     send_cells(neighbour.rank, common_cells(layout_, own_cells_, neighbour.window));
   }
   for (Neighbour const& neighbour : neighbours_) receive_cells(neighbour.rank);
+}
+
+/// The same again, while a step may be under way.
+void Share::place_anew(int reach) {
+  std::vector<TileResult> results = std::move(steps_->results());
+  place(take_own_disks(), reach);
+  steps_->results() = std::move(results);
 }
 
 void Share::find_neighbours() {
@@ -204,7 +208,7 @@ void Share::fill_rounds(Tiling::Part const& part, std::vector<std::uint8_t> cons
 }
 
 void Share::take_step() {
-  if (steps_since_sort_ == steps_between_sorts) place(take_own_disks(), reach_);
+  if (steps_since_sort_ == steps_between_sorts) place_anew(reach_);
   ++steps_since_sort_;
   steps_->begin_step();
   late_.clear();
@@ -283,7 +287,7 @@ void Share::take_late_turns() {
   int needed_reach = 0;
   std::vector<LateDisk> shared = late_of_all(needed_reach);
   while (needed_reach > reach_) {
-    place(take_own_disks(), needed_reach);
+    place_anew(needed_reach);
     shared = late_of_all(needed_reach);
   }
   show_neighbourhoods(shared);
@@ -464,7 +468,6 @@ std::vector<std::uint32_t> Share::own_disks() const {
 LargeArray<DiskInTurn> Share::take_own_disks() {
   std::vector<bool> is_own(steps_->disks().size(), false);
   for (std::uint32_t const number : own_disks()) is_own[number] = true;
-  results_under_way_ = std::move(steps_->results());
   LargeArray<DiskInTurn> disks = steps_->take_disks();
   steps_.reset();
   std::size_t kept = 0;

@@ -109,6 +109,7 @@ class Share {
   };
 
   void place(LargeArray<DiskInTurn>&& own, int reach);
+  void place_anew(int reach);
   [[nodiscard]] std::vector<std::uint32_t> own_disks() const;
   void find_neighbours();
   void find_rounds();
@@ -155,7 +156,6 @@ class Share {
   std::vector<Neighbour> neighbours_;
   std::array<Round, Tiling::colours> rounds_;
   std::optional<Steps> steps_;
-  std::vector<TileResult> results_under_way_;  ///< while the disks are put in order anew
   std::uint64_t steps_since_sort_ = 0;
   std::vector<LateDisk> late_;  ///< of its own tiles, in the order of their turns
   bool may_jump_ = false;       ///< some late disk of any rank
