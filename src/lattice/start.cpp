@@ -175,7 +175,7 @@ template <class SiteOf>
 State disks_on_sites(Box const& box, SiteOf site_of, double radius, Kinds const& kinds, std::uint64_t seed,
                      RowRange rows) {
   State state{.box = box, .seed = seed};
-  if (rows.first == 0) {
+  if (rows.end - rows.first == kinds.count()) {
     state.agents.reserve(rows.end);
     for (std::size_t i = 0; i < rows.end; ++i) {
       Vector const site = site_of(i);

@@ -65,13 +65,7 @@ class ComingRows {
   std::size_t next_ = 0;
 };
 
-/// Σ v, and Σ (v − mean)².
-struct SpeedSums {
-  Vector velocity;
-  double squares = 0.0;
-};
-
-/// A number that an order of the leader begins with.
+/// What a sample needs besides the disks.
 struct SampleOrder {
   std::uint64_t counts_for_average;
   Clock clock;
@@ -124,43 +118,25 @@ DisksOfRank::DisksOfRank(Ranks& ranks, Configuration const& configuration, State
     head = MessageReader(ranks_.receive(0)).next<Head>();
   }
   rows_ = RowDivision::even(head.rows, ranks_.count());
-  std::optional<Error> error;
   if (head.is_handed_out != 0) {
     whole != nullptr ? hand_out(*whole) : receive_rows();
   } else {
-    try {
+    agreed([&] {
       own_ = make_rows_of_start(own_.box, configuration.disks, configuration.run.seed,
                                 {.first = rows_.first(ranks_.rank()), .end = rows_.end(ranks_.rank())});
-    } catch (Error const& refused) {
-      error = refused;
-    }
-    agree(error);
-    draw_velocities(configuration);
+    });
+    // What is refused is of the settings: all refuse it, before anything is added up.
+    agreed([&] {
+      draw_velocities_of_rows(own_, configuration.velocities, rows_.rows(), [&](DriftSums& sums) {
+        sums = add_in_order(ranks_, sums, [&](DriftSums& so_far) { so_far.add(own_.agents); });
+      });
+    });
   }
   own_.seed = configuration.run.seed;
   for (Ranks::Bytes const& bytes : ranks_.gather_for_all(message_of(overview_of(own_.agents)))) {
     all_.add(MessageReader(bytes).next<DisksOverview>());
   }
-  try {
-    EngineSettings settings = configuration.engine;
-    require_room_for_turns_of(settings, own_, all_);
-  } catch (Error const& refused) {
-    error = refused;
-  }
-  agree(error);
-}
-
-void DisksOfRank::draw_velocities(Configuration const& configuration) {
-  std::optional<Error> error;
-  try {
-    draw_velocities_of_rows(own_, configuration.velocities, rows_.rows(), [&](DriftSums& sums) {
-      sums = add_in_order(ranks_, sums, [&](DriftSums& so_far) { so_far.add(own_.agents); });
-    });
-  } catch (Error const& refused) {
-    // Of the settings: all refuse them, before anything is added up.
-    error = refused;
-  }
-  agree(error);
+  agreed([&] { require_room_for_turns_of(configuration.engine, own_, all_); });
 }
 
 void DisksOfRank::hand_out(State const& whole) {
@@ -205,7 +181,13 @@ std::string DisksOfRank::first_of_all(std::string const& text) const {
   return {};
 }
 
-void DisksOfRank::agree(std::optional<Error> const& error) const {
+void DisksOfRank::agreed(std::function<void()> const& work) const {
+  std::optional<Error> error;
+  try {
+    work();
+  } catch (Error const& refused) {
+    error = refused;
+  }
   for (Ranks::Bytes const& bytes : ranks_.gather_for_all(message_of_problems(error))) {
     MessageReader message(bytes);
     std::vector<Problem> problems;
@@ -241,20 +223,7 @@ std::uint64_t DisksOfRank::state_hash() const {
 }
 
 double DisksOfRank::patience() const {
-  double const disks = static_cast<double>(rows_.rows());
-  Vector mean{};
-  if (own_.box.is_periodic()) {
-    SpeedSums const sums = add_in_order(ranks_, SpeedSums{}, [&](SpeedSums& so_far) {
-      for (std::size_t i = 0; i < own_.agents.size(); ++i) so_far.velocity = so_far.velocity + velocity(own_.agents, i);
-    });
-    mean = (1.0 / disks) * sums.velocity;
-  }
-  SpeedSums const sums = add_in_order(ranks_, SpeedSums{}, [&](SpeedSums& so_far) {
-    for (std::size_t i = 0; i < own_.agents.size(); ++i) {
-      so_far.squares += squared_length(velocity(own_.agents, i) - mean);
-    }
-  });
-  return patience_for(own_.box, disks, all_.radii.smallest, sums.squares);
+  return patience_for(own_, all_, [&](auto const& add) { return add_in_order(ranks_, SpeedSums{}, add); });
 }
 
 CheckpointShare DisksOfRank::share() const {
@@ -299,12 +268,7 @@ std::optional<Restored> DisksOfRank::restore(std::filesystem::path const& direct
 }
 
 void DisksOfRank::serialize(Archive& archive) {
-  serialize_inside(archive, "world", [&] {
-    serialize_inside(archive, "box", [&] { gridlock::serialize(archive, own_.box); });
-    serialize_inside(archive, "clock", [&] { gridlock::serialize(archive, own_.clock); });
-    archive.visit("seed", own_.seed);
-    serialize_inside(archive, "agents", [&] { own_.agents.serialize_part(archive); });
-  });
+  serialize_inside(archive, "world", [&] { gridlock::serialize(archive, own_); });
   if (archive.is_restoring()) {
     archive.require(own_.agents.size() == rows_.rows_of(ranks_.rank()), "it holds another number of disks");
     auto const ids = own_.agents.ids();
@@ -337,11 +301,7 @@ class DividedDisks::Source final : public FrameSource {
   }
 
  private:
-  static Frame head_of(DividedDisks const& disks) {
-    Frame head = gridlock::frame_source_of(disks.disks_.own())->piece(0, 0);
-    head.ids.clear();
-    return head;
-  }
+  static Frame head_of(DividedDisks const& disks) { return frame_source_of(disks.disks_.own())->piece(0, 0); }
 
   template <class Value, class OwnValue>
   void gather(std::uint64_t column, std::size_t first, std::size_t count, std::vector<Value>& values,
@@ -374,20 +334,16 @@ class DividedDisks::Source final : public FrameSource {
 namespace {
 
 /// The leader says what is to be done before it does its own part of it.
-template <class Value>
-void send_order(Ranks& ranks, TaskOfRanks task, Value const& value) {
+void send_order(Ranks& ranks, TaskOfRanks task, std::string const& text) {
   MessageWriter message;
   message.add(task);
-  message.add(value);
+  message.add_text(text);
   send_to_others(ranks, message.take());
 }
 
 DisksOfRank begun(Ranks& ranks, Configuration const& configuration, State const* whole) {
   Configuration described = configuration;
-  MessageWriter message;
-  message.add(TaskOfRanks::begin_disks);
-  message.add_text(to_toml(describing(described)));
-  send_to_others(ranks, message.take());
+  send_order(ranks, TaskOfRanks::begin_disks, to_toml(describing(described)));
   return {ranks, configuration, whole};
 }
 
@@ -409,7 +365,7 @@ void DividedDisks::begin(EngineSettings const& settings, RunSettings const& run,
     send(TaskOfRanks::find_patience);
     engine_ = std::make_unique<PatientEngine>(std::move(engine_), disks_.patience());
   }
-  send_order(ranks_, TaskOfRanks::observe_disks, std::uint64_t{0});
+  send(TaskOfRanks::observe_disks);
   disks_.observe(observe);
 }
 
@@ -430,10 +386,12 @@ void DividedDisks::observe(std::unique_ptr<Observable> /*observable*/) {
 }
 
 void DividedDisks::sample(std::span<double> row, bool counts_for_average) {
-  send_order(ranks_, TaskOfRanks::sample_disks,
-             SampleOrder{.counts_for_average = counts_for_average ? std::uint64_t{1} : 0,
-                         .clock = clock(),
-                         .counters = disks_.counters()});
+  MessageWriter message;
+  message.add(TaskOfRanks::sample_disks);
+  message.add(SampleOrder{.counts_for_average = counts_for_average ? std::uint64_t{1} : 0,
+                          .clock = clock(),
+                          .counters = disks_.counters()});
+  send_to_others(ranks_, message.take());
   disks_.sample(row, counts_for_average);
 }
 
@@ -441,18 +399,12 @@ std::unique_ptr<FrameSource> DividedDisks::frame_source() const { return std::ma
 
 std::vector<CheckpointPart> DividedDisks::write_parts(std::filesystem::path const& directory,
                                                       SerializeAll const& serialize) {
-  MessageWriter message;
-  message.add(TaskOfRanks::write_rows);
-  message.add_text(std::filesystem::absolute(directory).string());
-  send_to_others(ranks_, message.take());
+  send_order(ranks_, TaskOfRanks::write_rows, std::filesystem::absolute(directory).string());
   return disks_.write_part(directory, serialize);
 }
 
 std::optional<Restored> DividedDisks::restore(std::filesystem::path const& directory, SerializeAll const& serialize) {
-  MessageWriter message;
-  message.add(TaskOfRanks::restore_rows);
-  message.add_text(std::filesystem::absolute(directory).string());
-  send_to_others(ranks_, message.take());
+  send_order(ranks_, TaskOfRanks::restore_rows, std::filesystem::absolute(directory).string());
   std::optional<Restored> restored = disks_.restore(directory, serialize);
   // A file can hold anything.
   if (restored) tiled_->require_no_overlaps(disks_.own());

@@ -58,12 +58,11 @@ class DisksOfRank {
   void serialize(Archive& archive);
 
  private:
-  void draw_velocities(Configuration const& configuration);
   void receive_rows();
   void hand_out(State const& whole);
   [[nodiscard]] CheckpointShare share() const;
-  /// Throws Error on all ranks where there is one on any, that of the first.
-  void agree(std::optional<Error> const& error) const;
+  /// Does some work on all ranks. Errors: Error on all of them where there is one on any, that of the first.
+  void agreed(std::function<void()> const& work) const;
   [[nodiscard]] std::string first_of_all(std::string const& text) const;
 
   Ranks& ranks_;

@@ -10,20 +10,29 @@
 namespace gridlock {
 
 double patience_for(State const& state) {
-  double const disks = static_cast<double>(state.agents.size());
-  Vector mean{};
-  if (state.box.is_periodic()) {
-    for (std::size_t i = 0; i < state.agents.size(); ++i) mean = mean + velocity(state.agents, i);
-    mean = (1.0 / disks) * mean;
-  }
-  double squares = 0.0;
-  for (std::size_t i = 0; i < state.agents.size(); ++i) squares += squared_length(velocity(state.agents, i) - mean);
-  return patience_for(state.box, disks, radius_range(state.agents).smallest, squares);
+  return patience_for(state, overview_of(state.agents), [](auto const& add) {
+    SpeedSums sums;
+    add(sums);
+    return sums;
+  });
 }
 
-double patience_for(Box const& box, double disks, double smallest_radius, double squares) {
-  double const speed = std::sqrt(squares / disks);
-  double const mean_free_time = box.area() / (disks * 2.0 * smallest_radius * speed);
+double patience_for(State const& some, DisksOverview const& all,
+                    std::function<SpeedSums(std::function<void(SpeedSums&)> const& add)> const& add_all) {
+  Disks const& own = some.agents;
+  auto const disks = static_cast<double>(all.count);
+  Vector mean{};
+  if (some.box.is_periodic()) {
+    SpeedSums const sums = add_all([&](SpeedSums& so_far) {
+      for (std::size_t i = 0; i < own.size(); ++i) so_far.velocity = so_far.velocity + velocity(own, i);
+    });
+    mean = (1.0 / disks) * sums.velocity;
+  }
+  SpeedSums const sums = add_all([&](SpeedSums& so_far) {
+    for (std::size_t i = 0; i < own.size(); ++i) so_far.squares += squared_length(velocity(own, i) - mean);
+  });
+  double const speed = std::sqrt(sums.squares / disks);
+  double const mean_free_time = some.box.area() / (disks * 2.0 * all.radii.smallest * speed);
   return (1e4 + 4e6 / (disks * disks)) * mean_free_time;
 }
 

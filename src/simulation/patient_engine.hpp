@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "core/disks_overview.hpp"
+#include "gridlock/core/vector.hpp"
 #include "gridlock/engine/engine.hpp"
 
 namespace gridlock {
@@ -17,8 +20,15 @@ namespace gridlock {
 /// each other now and then for long; yet it is soon over in a computer. Velocities count from their mean in a periodic
 /// box, where disks that all move alike never meet.
 double patience_for(State const& state);
-/// The same of so many disks, of which the smallest has this radius; velocities count from their mean, and these are their squares in sum.
-double patience_for(Box const& box, double disks, double smallest_radius, double squares);
+
+/// Σ v, and Σ (v − mean)².
+struct SpeedSums {
+  Vector velocity;
+  double squares = 0.0;
+};
+/// The same of some of all disks. `add_all(add)` has add(sums) add what each process has, row after row of all.
+double patience_for(State const& some, DisksOverview const& all,
+                    std::function<SpeedSums(std::function<void(SpeedSums&)> const& add)> const& add_all);
 
 /// An engine for runs that only collisions can end: it gives up where none come.
 ///

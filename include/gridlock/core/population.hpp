@@ -186,31 +186,23 @@ class Population {
   }
 
   /// Serializes agents, the order of their rows, and the names that are used up, so that the agents born afterwards get the
-  /// same Ids. Errors: Error where what is restored is no population.
+  /// same Ids. A part, see become(), stays one: nothing but its rows is restored. Errors: Error where what is restored is no population.
   void serialize(Archive& archive) {
+    bool const is_part = slots_.empty() && !ids_.empty();
     serialize(archive, "id", ids_);
     (serialize(archive, Columns::name, rows_.template values<Columns>()), ...);
     std::vector<std::uint32_t> generations;
     for (Slot const& slot : slots_) generations.push_back(slot.generation);
     archive.visit("generation_of_slot", generations);
     archive.visit("free_slot", free_slots_);
-    if (archive.is_restoring()) restore_slots(archive, generations);
-  }
-
-  /// The same of a part, see become(): nothing but the rows, and no names that are used up.
-  void serialize_part(Archive& archive) {
-    serialize(archive, "id", ids_);
-    (serialize(archive, Columns::name, rows_.template values<Columns>()), ...);
-    if (!archive.is_restoring()) {
-      std::vector<std::uint32_t> none;
-      archive.visit("generation_of_slot", none);
-      archive.visit("free_slot", none);
-      return;
-    }
+    if (!archive.is_restoring()) return;
     archive.require(((rows_.template values<Columns>().size() == ids_.size()) && ...),
                     "the columns of the agents differ in length");
-    slots_.clear();
-    free_slots_.clear();
+    if (is_part) {
+      free_slots_.clear();
+    } else {
+      restore_slots(archive, generations);
+    }
   }
 
   /// Goes on with a copy of all rows and Ids, the columns side by side in memory, and returns the old memory: whoever has pointers into
@@ -268,8 +260,6 @@ class Population {
   }
 
   void restore_slots(Archive& archive, std::vector<std::uint32_t> const& generations) {
-    archive.require(((rows_.template values<Columns>().size() == ids_.size()) && ...),
-                    "the columns of the agents differ in length");
     std::size_t slots = generations.size();
     // Of a population that was serialized in parts only the living have a name.
     bool const is_of_parts = generations.empty();
