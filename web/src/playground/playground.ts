@@ -292,13 +292,24 @@ export class Playground {
       const info = await this.described(engine, setup);
       this.setup = setup;
       this.begin(info);
+      this.showValues(setup);
       for (const frame of this.early) this.show(frame);
       this.merged = await engine.merge(setup.toml, setup.overrides);
       this.editor.show(this.shownToml(), !setup.isChanged);
       if (this.wantsToRun) await engine.run(this.speed());
     } catch (error) {
       this.showProblem(error);
+      this.showValues(setup);
     }
+  }
+
+  /** Shows the values of the run in the controls, unless they were moved on since `asked` was asked for: they show what waits then. */
+  private showValues(asked: Setup): void {
+    if (this.info === undefined || (this.next !== undefined && this.next !== asked)) return;
+    const { values } = this.info;
+    this.controls?.show(values);
+    const hasCells = values["model.kind"] === "disks" && values["engine.kind"] === "stepped";
+    this.cells?.show(values, hasCells ? ["engine.cells"] : []);
   }
 
   private async described(engine: Engine, setup: Setup): Promise<SessionInfo> {
@@ -331,9 +342,6 @@ export class Playground {
     this.note.textContent = notes.map((note) => note.text).join("\n");
     this.scene.value = this.setup.sceneName ?? OWN;
     this.about.textContent = commentAtTop(this.setup.toml);
-    this.controls?.show(info.values);
-    const hasCells = info.values["model.kind"] === "disks" && info.values["engine.kind"] === "stepped";
-    this.cells?.show(info.values, hasCells ? ["engine.cells"] : []);
     this.anySetting?.show(info.values);
     this.series = new Series(info.seriesColumns.map((column) => column.name));
     this.charts.begin(info.seriesColumns);
@@ -572,6 +580,5 @@ export class Playground {
     if (error instanceof EngineRenewed) return;
     this.problem.hidden = false;
     this.problem.textContent = error instanceof Error ? error.message : String(error);
-    if (this.info !== undefined) this.controls?.show(this.info.values);
   }
 }
