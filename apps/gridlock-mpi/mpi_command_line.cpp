@@ -1,4 +1,5 @@
-// The commands of Gridlock that many ranks run together: mpirun -n 8 gridlock-mpi run FILE -o DIR
+#include "gridlock/mpi_command_line.hpp"
+
 #include <mpi.h>
 #include <unistd.h>
 
@@ -20,10 +21,9 @@ class LastWords {
   void operator()(std::string const& why) const {
     int rank = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-    dprintf(
-        standard_error_,
-        "error: rank %d: %s\n  hint: all ranks end; gridlock-mpi resume continues a run, the same command a sweep\n",
-        rank, why.c_str());
+    dprintf(standard_error_,
+            "error: rank %d: %s\n  hint: all ranks end; %s resume continues a run, the same command a sweep\n", rank,
+            why.c_str(), gridlock::cli::program_name().c_str());
   }
 
  private:
@@ -39,7 +39,7 @@ void be_silent() {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int gridlock::mpi_command_line(int argc, char** argv) {
   // A rank that a signal ends while MPI begins would leave mpirun waiting.
   gridlock::cli::StopSignals::keep_until_begun();
   // The thread that began talks to other ranks; of a sweep whose runs have several ranks those that make runs, too.

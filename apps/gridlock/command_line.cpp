@@ -156,7 +156,7 @@ ExitCode run_command_line(int argc, char** argv) {
 /// The commands that several processes carry out together.
 ExitCode run_command_line_of_crew(int argc, char** argv, cli::CrewOptions const& crew) {
   set_program_name(argc, argv);
-  CLI::App app{"gridlock-mpi: Gridlock on many machines; start it with mpirun or srun", cli::program_name()};
+  CLI::App app{"gridlock-mpi: simulates on many machines; start it with mpirun or srun", cli::program_name()};
   set_up_app(app, "gridlock-mpi");
   ExitCode exit_code = ExitCode::good;
   cli::add_run(app, exit_code, &crew);
@@ -164,13 +164,13 @@ ExitCode run_command_line_of_crew(int argc, char** argv, cli::CrewOptions const&
   cli::add_sweep(app, exit_code, &crew);
   refuse_empty_values(app);
   for (CLI::App* const command : app.get_subcommands({})) command->group("Commands");
-  app.footer("All other commands are those of gridlock.");
+  std::string const all = cli::name_with_all_commands();
+  app.footer(fmt::format("All other commands are those of {}.", all));
   std::vector<std::string> const words = words_of(argc, argv);
   bool const is_command = !words.empty() && !words.front().starts_with('-');
   if (is_command && !has_command(app, words.front())) {
     throw Error({.what = fmt::format("{} has no command \"{}\"", cli::program_name(), words.front()),
-                 .hint = fmt::format("it has run, resume and sweep; all others are those of gridlock: gridlock {}",
-                                     words.front())});
+                 .hint = fmt::format("it has run, resume and sweep; all others are those of {0}: {0} {1}", all, words.front())});
   }
   parse(app, words, false);
   return exit_code;

@@ -18,7 +18,11 @@ std::string const& program_name() { return name_of_program; }
 
 void set_program_name(std::string name) { name_of_program = std::move(name); }
 
-std::string name_with_all_commands() { return name_of_program == "gridlock-mpi" ? "gridlock" : name_of_program; }
+std::string name_with_all_commands() {
+  std::string const suffix = "-mpi";
+  bool const has_suffix = name_of_program.size() > suffix.size() && name_of_program.ends_with(suffix);
+  return has_suffix ? name_of_program.substr(0, name_of_program.size() - suffix.size()) : name_of_program;
+}
 
 CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
   bool const is_bounded = most < std::numeric_limits<std::uint64_t>::max();

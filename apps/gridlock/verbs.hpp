@@ -57,7 +57,7 @@ int command_line_of_crew(int argc, char** argv, CrewOptions const& crew, std::st
 /// The name the program was started by, for messages that say what to type; "gridlock" before it is known.
 std::string const& program_name();
 void set_program_name(std::string name);
-/// The program that has all commands: `gridlock` beside gridlock-mpi, otherwise this one.
+/// The program that has all commands: NAME beside NAME-mpi, otherwise this one.
 std::string name_with_all_commands();
 
 /// Accepts whole numbers in a range. CLI11's own validators speak of floating-point ranges and take −1 for 2⁶⁴ − 1.

@@ -84,6 +84,37 @@ TEST_F(MpiRun, HasTheFilesOfOneProcessForModelsToo) {
   expect_same_results_on_any_number_of_ranks();
 }
 
+TEST_F(MpiRun, SharesTheModelOfAUsersProgram) {
+  write(workplace_ / "r.toml",
+        "[model]\nkind = \"schelling\"\n[schelling]\ncount = 800\n[box]\nedge = \"periodic\"\n[run]\nsteps = 60\n"
+        "[observe]\nevery = 10\n[trajectory]\nevery = 20\n");
+  auto const own = [&](std::vector<std::string> const& arguments) {
+    return Process(GRIDLOCK_OWN_PROGRAM, arguments, workplace_.path()).wait();
+  };
+  auto const own_on_ranks = [&](int ranks, std::vector<std::string> const& arguments) {
+    return mpirun(workplace_,
+                  std::vector<std::string>{"-n", std::to_string(ranks), GRIDLOCK_OWN_MPI_PROGRAM} + arguments)
+        .wait();
+  };
+  expect_good(own(run_into("alone")));
+  expect_good(own_on_ranks(3, run_into("three")));
+  expect_same_results("alone", "three");
+  // Made longer on two ranks, with a summary that says more than errors alone.
+  Outcome const longer = own_on_ranks(2, {"resume", "three", "--steps", "120"});
+  expect_good(longer);
+  EXPECT_NE(longer.out.find("gridlock_own_program plot three"), std::string::npos) << longer.out;
+  expect_good(own({"resume", "alone", "--steps", "120", "-q"}));
+  expect_same_results("alone", "three");
+  // What it cannot do, the program for one process can; the shipped one does not know the model.
+  Outcome const unknown = own_on_ranks(2, {"check", "r.toml"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_NE(unknown.err.find("gridlock_own_program check"), std::string::npos) << unknown.err;
+  Outcome const shipped = on_ranks(workplace_, 2, run_into("out"));
+  EXPECT_EQ(shipped.exit_code, 2);
+  EXPECT_NE(shipped.err.find("schelling"), std::string::npos) << shipped.err;
+  EXPECT_FALSE(fs::exists(workplace_ / "out"));
+}
+
 TEST_F(MpiRun, StopsAModelAndContinuesItOnAnotherNumberOfRanks) {
   write(workplace_ / "r.toml", model_toml("3000", "[checkpoint]\nevery_seconds = 0.25\n"));
   expect_good(in(workplace_, run_into("alone")));
