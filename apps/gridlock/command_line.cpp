@@ -170,7 +170,8 @@ ExitCode run_command_line_of_crew(int argc, char** argv, cli::CrewOptions const&
   bool const is_command = !words.empty() && !words.front().starts_with('-');
   if (is_command && !has_command(app, words.front())) {
     throw Error({.what = fmt::format("{} has no command \"{}\"", cli::program_name(), words.front()),
-                 .hint = fmt::format("it has run, resume and sweep; all others are those of {0}: {0} {1}", all, words.front())});
+                 .hint = fmt::format("it has run, resume and sweep; all others are those of {0}: {0} {1}", all,
+                                     words.front())});
   }
   parse(app, words, false);
   return exit_code;
