@@ -15,19 +15,20 @@ clean_up() {
   for host in "${hosts[@]}"; do ip netns del "gridlock$host" 2>/dev/null || true; done
   ip link del gridlock0 2>/dev/null || true
 }
-trap clean_up EXIT
-clean_up
 # disturb HOST: what it sends is late, and some of it lost. A kernel without netem can have a bottleneck do it, whose queue is short: what waits comes up to two
 # milliseconds later, what does not fit is lost.
 disturb() {
   local add=(ip netns exec "gridlock$1" tc qdisc add dev eth0 root)
-  "${add[@]}" netem delay 1ms loss 0.5% 2>/dev/null || "${add[@]}" tbf rate 100mbit burst 16kb latency 2ms
+  "${add[@]}" netem delay 1ms loss 0.5% 2>/dev/null || "${add[@]}" tbf rate 100mbit burst 16kb latency 2ms 2>/dev/null
 }
 # What became of the packets of all hosts.
 report_packets() {
   for host in "${hosts[@]}"; do ip netns exec "gridlock$host" tc -s qdisc show dev eth0; done |
     awk '/Sent/ { sub(/,/, "", $7); sent += $4; lost += $7 } END { printf "packets: %d sent, %d lost\n", sent, lost; exit lost == 0 }'
 }
+trap clean_up EXIT
+clean_up
+is_disturbed=true
 ip link add gridlock0 type bridge
 ip link set gridlock0 up
 for host in "${hosts[@]}"; do
@@ -37,7 +38,7 @@ for host in "${hosts[@]}"; do
   ip -n "gridlock$host" address add "10.9.0.$host/24" dev eth0
   ip -n "gridlock$host" link set eth0 up
   ip -n "gridlock$host" link set lo up
-  disturb "$host"
+  disturb "$host" || { echo "host $host: no delay and no loss, for this kernel has neither netem nor tbf"; is_disturbed=false; }
 done
 
 rm -rf "$directory"
@@ -96,4 +97,4 @@ for victim in "gridlock-mpi run" orted; do
   run_on_hosts "$directory/$name"
   same_run "$name"
 done
-report_packets || { echo "no packet was lost" >&2; exit 1; }
+! $is_disturbed || report_packets || { echo "no packet was lost" >&2; exit 1; }
