@@ -67,12 +67,6 @@ class ThreadRanks {
     [[nodiscard]] std::size_t count() const override { return all_.count_; }
     void send(std::size_t to, Bytes message) override { all_.put(rank_, to, std::move(message)); }
     Bytes receive(std::size_t from) override { return all_.take(from, rank_); }
-    std::vector<Bytes> gather_for_all(Bytes own) override {
-      for (std::size_t to = 0; to < count(); ++to) send(to, own);
-      std::vector<Bytes> all;
-      for (std::size_t from = 0; from < count(); ++from) all.push_back(receive(from));
-      return all;
-    }
     [[nodiscard]] Traffic traffic() const override { return {}; }
     [[nodiscard]] double seconds() const override {
       return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();

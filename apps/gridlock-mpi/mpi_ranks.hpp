@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,6 @@ class MpiRanks final : public Ranks {
   [[nodiscard]] std::size_t count() const override { return count_; }
   void send(std::size_t to, Bytes message) override;
   Bytes receive(std::size_t from) override;
-  std::vector<Bytes> gather_for_all(Bytes own) override;
   void note_turns(std::uint64_t turns) override { note_work(turns, 0); }
   [[nodiscard]] Traffic traffic() const override { return traffic_; }
   [[nodiscard]] double seconds() const override { return MPI_Wtime(); }
@@ -44,16 +44,20 @@ class MpiRanks final : public Ranks {
  private:
   struct Sending {
     MPI_Request request;
-    Bytes message;
+    Bytes message;  ///< none where another part of it follows
+  };
+  struct Receiving {
+    std::unique_ptr<std::byte[]> first_part;  ///< of the next message; none for a rank that has sent nothing yet
+    MPI_Request request = MPI_REQUEST_NULL;
   };
 
   void note_work(std::uint64_t turns, std::size_t bytes) const {
     if (hooks_.on_work) hooks_.on_work(turns, bytes);
   }
   void forget_sent();
-  template <class Blocking, class Nonblocking, class... Arguments>
-  void meet(Blocking blocking, Nonblocking nonblocking, Arguments... arguments);
-  int wait_for_message(int from);
+  void post_receive(std::size_t from);
+  [[nodiscard]] std::size_t wait_for_first_part(MPI_Request& request) const;
+  void receive_rest(std::size_t from, Bytes& message) const;
 
   MPI_Comm ranks_communicator_ = MPI_COMM_NULL;
   std::size_t rank_ = 0;
@@ -62,6 +66,7 @@ class MpiRanks final : public Ranks {
   RanksHooks hooks_;
   std::deque<Sending> sending_;  ///< what may not have left yet, the oldest first
   std::size_t bytes_sending_ = 0;
+  std::vector<Receiving> receiving_;  ///< by rank
   Traffic traffic_;
 };
 

@@ -10,39 +10,17 @@ namespace gridlock {
 
 namespace {
 
-/// Merges what all ranks give, for all. Rank r gets what ranks r + 1, r + 2, r + 4 … have merged, as far as they are in its part of
-/// the tree, and gives it to the rank without its lowest bit; what is merged goes the same way back.
-///
-///     0 ◄─ 1    2 ◄─ 3        0 ◄─ 2        0 ◄─ 4
-template <class Merge>
-Ranks::Bytes merged_for_all(Ranks& ranks, Ranks::Bytes own, Merge merge) {
-  std::size_t const rank = ranks.rank();
-  std::size_t step = 1;
-  for (; step < ranks.count() && (rank & step) == 0; step *= 2) {
-    if (rank + step < ranks.count()) own = merge(std::move(own), ranks.receive(rank + step));
-  }
-  if (rank != 0) {
-    ranks.send(rank - step, std::move(own));
-    own = ranks.receive(rank - step);
-  }
-  while (step > 1) {
-    step /= 2;
-    if (rank + step < ranks.count()) ranks.send(rank + step, own);
-  }
-  return own;
-}
-
 template <class Number, class Add>
 void add_up_numbers(Ranks& ranks, std::span<Number> numbers, Add add) {
   if (ranks.count() == 1 || numbers.empty()) return;
   Ranks::Bytes const all =
-      merged_for_all(ranks, message_of_all(std::span<Number const>(numbers)),
-                     [&](Ranks::Bytes const& left, Ranks::Bytes const& right) {
-                       std::vector<Number> sums = MessageReader(left).next_values<Number>(numbers.size());
-                       std::vector<Number> const others = MessageReader(right).next_values<Number>(numbers.size());
-                       for (std::size_t k = 0; k < sums.size(); ++k) add(sums[k], others[k]);
-                       return message_of_all(std::span<Number const>(sums));
-                     });
+      merge_for_all(ranks, message_of_all(std::span<Number const>(numbers)),
+                    [&](Ranks::Bytes const& left, Ranks::Bytes const& right) {
+                      std::vector<Number> sums = MessageReader(left).next_values<Number>(numbers.size());
+                      std::vector<Number> const others = MessageReader(right).next_values<Number>(numbers.size());
+                      for (std::size_t k = 0; k < sums.size(); ++k) add(sums[k], others[k]);
+                      return message_of_all(std::span<Number const>(sums));
+                    });
   MessageReader(all).read_into(numbers);
 }
 
@@ -160,17 +138,17 @@ void AgentsOnRanks::add_up(std::span<std::uint64_t> counts) const {
 
 std::vector<CountedValue> AgentsOnRanks::merge(std::vector<CountedValue> values) const {
   Ranks::Bytes const all =
-      merged_for_all(ranks_, message_of_all(std::span<CountedValue const>(values)),
-                     [](Ranks::Bytes const& left, Ranks::Bytes const& right) {
-                       std::vector<CountedValue> const first = MessageReader(left).rest<CountedValue>();
-                       std::vector<CountedValue> const second = MessageReader(right).rest<CountedValue>();
-                       std::vector<CountedValue> sorted;
-                       std::merge(first.begin(), first.end(), second.begin(), second.end(), std::back_inserter(sorted),
-                                  [](CountedValue const& a, CountedValue const& b) { return a.value < b.value; });
-                       std::vector<CountedValue> merged;
-                       for (CountedValue const& next : sorted) add_counted(merged, next);
-                       return message_of_all(std::span<CountedValue const>(merged));
-                     });
+      merge_for_all(ranks_, message_of_all(std::span<CountedValue const>(values)),
+                    [](Ranks::Bytes const& left, Ranks::Bytes const& right) {
+                      std::vector<CountedValue> const first = MessageReader(left).rest<CountedValue>();
+                      std::vector<CountedValue> const second = MessageReader(right).rest<CountedValue>();
+                      std::vector<CountedValue> sorted;
+                      std::merge(first.begin(), first.end(), second.begin(), second.end(), std::back_inserter(sorted),
+                                 [](CountedValue const& a, CountedValue const& b) { return a.value < b.value; });
+                      std::vector<CountedValue> merged;
+                      for (CountedValue const& next : sorted) add_counted(merged, next);
+                      return message_of_all(std::span<CountedValue const>(merged));
+                    });
   return MessageReader(all).rest<CountedValue>();
 }
 

@@ -344,8 +344,8 @@ TEST(ModelOnRanks, SendsNoMessageThatGrowsWithTheBoxBehindItsRim) {
   constexpr std::size_t steps = 60;
   for (std::size_t const agents : {2000U, 8000U}) {
     std::size_t const messages = messages_of(agents, steps);
-    EXPECT_GE(messages, steps * (2 + 4)) << "two ranks, and one gathering";
-    EXPECT_LE(messages, steps * (2 + 4 + 2) + 20)
+    EXPECT_GE(messages, steps * (2 + 2)) << "two ranks, and one gathering";
+    EXPECT_LE(messages, steps * (2 + 2 + 2) + 20)
         << "an order and an answer at most, and what is handed out and gathered";
   }
 }

@@ -78,6 +78,16 @@ void exchange_disks(Ranks& ranks, std::size_t count, DiskOf disk_of, RankOf rank
       take);
 }
 
+/// Adds up counts that two ranks have. An empty message has none.
+Ranks::Bytes add_counts(Ranks::Bytes left, Ranks::Bytes right) {
+  if (left.empty()) return right;
+  if (right.empty()) return left;
+  std::vector<std::uint64_t> sums = MessageReader(left).rest<std::uint64_t>();
+  MessageReader others(right);
+  for (std::uint64_t& sum : sums) sum += others.next<std::uint64_t>();
+  return message_of_all(std::span<std::uint64_t const>(sums));
+}
+
 /// For each column or row of cells the one of tiles that it is in, by where those end.
 template <class EndOf>
 std::vector<std::size_t> tiles_of_cells(std::size_t tiles, EndOf end_of) {
@@ -213,39 +223,34 @@ class PartOfRank {
         [&](DiskInTurn const& disk) { in_tiles_.push_back(disk); });
   }
 
-  /// The leader learns how many disks each tile has, and gives each rank its tiles.
+  /// The leader learns how many disks each tile has, and tells all which rank has which tiles and how many disks.
   void divide(TileFinder const& finder) {
-    std::vector<std::uint64_t> disks_of_tile(tiling_.tiles().size(), 0);
-    for (std::size_t i = 0; i < own_.agents.size(); ++i) ++disks_of_tile[finder.tile_of(position(own_.agents, i))];
-    if (ranks_.rank() > 0) {
-      if (rows_.rows_of(ranks_.rank()) > 0)
-        ranks_.send(0, message_of_all(std::span<std::uint64_t const>(disks_of_tile)));
-      Ranks::Bytes const bytes = ranks_.receive(0);
-      MessageReader message(bytes);
-      disks_of_tiles_ = message.next<std::uint64_t>();
-      division_ = message.rest<Tiling::Rectangle>();
-      return;
-    }
-    for (std::size_t rank = 1; rank < ranks_.count(); ++rank) {
-      if (rows_.rows_of(rank) == 0) continue;
-      Ranks::Bytes const bytes = ranks_.receive(rank);
-      MessageReader message(bytes);
-      for (std::uint64_t& disks : disks_of_tile) disks += message.next<std::uint64_t>();
-    }
-    division_ = tiled::divide(tiling_, disks_of_tile, ranks_.count());
-    for (std::size_t rank = 0; rank < ranks_.count(); ++rank) {
-      std::uint64_t disks = 0;
-      division_[rank].for_each_tile(
-          [&](std::size_t column, std::size_t row) { disks += disks_of_tile[tiling_.number_of(column, row)]; });
-      if (rank == 0) {
-        disks_of_tiles_ = disks;
-        continue;
+    std::vector<std::uint64_t> const disks_of_tile = disks_of_tiles(finder);
+    MessageWriter message;
+    if (ranks_.rank() == 0) {
+      std::vector<Tiling::Rectangle> const division = tiled::divide(tiling_, disks_of_tile, ranks_.count());
+      for (Tiling::Rectangle const& rectangle : division) {
+        std::uint64_t disks = 0;
+        rectangle.for_each_tile(
+            [&](std::size_t column, std::size_t row) { disks += disks_of_tile[tiling_.number_of(column, row)]; });
+        message.add(disks);
       }
-      MessageWriter message;
-      message.add(disks);
-      message.add_all(std::span<Tiling::Rectangle const>(division_));
-      ranks_.send(rank, message.take());
+      message.add_all(std::span<Tiling::Rectangle const>(division));
     }
+    Ranks::Bytes const bytes = hand_down(ranks_, message.take());
+    MessageReader reader(bytes);
+    disks_of_tiles_ = reader.next_values<std::uint64_t>(ranks_.count())[ranks_.rank()];
+    division_ = reader.rest<Tiling::Rectangle>();
+  }
+
+  /// Of all ranks, for the leader.
+  [[nodiscard]] std::vector<std::uint64_t> disks_of_tiles(TileFinder const& finder) const {
+    std::vector<std::uint64_t> own(tiling_.tiles().size(), 0);
+    for (std::size_t i = 0; i < own_.agents.size(); ++i) ++own[finder.tile_of(position(own_.agents, i))];
+    bool const has_none = own_.agents.empty();
+    Ranks::Bytes const all = merge_for_leader(
+        ranks_, has_none ? Ranks::Bytes() : message_of_all(std::span<std::uint64_t const>(own)), add_counts);
+    return all.empty() ? own : MessageReader(all).rest<std::uint64_t>();
   }
 
   Ranks& ranks_;
@@ -294,13 +299,13 @@ class Leading {
       }
       looks.end(done);
     }
-    send_to_others(ranks_, message_of(std::uint64_t{0}));
+    static_cast<void>(hand_down(ranks_, message_of(std::uint64_t{0})));
     part_.bring_home(state_);
     long_substep_ = part_.long_substep(order_.radii.smallest);
-    for (std::size_t rank = 1; rank < ranks_.count(); ++rank) {
-      ranks_.note_traffic(rank, MessageReader(ranks_.receive(rank)).next<Traffic>());
+    std::vector<Ranks::Bytes> const traffic = gather_for_leader(ranks_, message_of(ranks_.traffic()));
+    for (std::size_t rank = 0; rank < traffic.size(); ++rank) {
+      ranks_.note_traffic(rank, MessageReader(traffic[rank]).next<Traffic>());
     }
-    ranks_.note_traffic(0, ranks_.traffic());
   }
 
   /// Throws what the stop condition has thrown, or RunFailure for a disk that could have jumped over another.
@@ -346,7 +351,7 @@ class Leading {
 
   /// Returns how many steps were taken.
   std::uint64_t take_steps(std::uint64_t steps) {
-    send_to_others(ranks_, message_of(steps));
+    static_cast<void>(hand_down(ranks_, message_of(steps)));
     std::uint64_t done = 0;
     while (done < steps && !share().jump()) {
       share().take_step();
@@ -411,7 +416,7 @@ class Leading {
 void take_steps(Ranks& ranks, PartOfRank& part, State& own, double smallest_radius) {
   Share& share = part.share();
   while (true) {
-    auto const steps = MessageReader(ranks.receive(0)).next<std::uint64_t>();
+    auto const steps = MessageReader(hand_down(ranks, {})).next<std::uint64_t>();
     if (steps == 0) break;
     for (std::uint64_t n = 0; n < steps && !share.jump(); ++n) share.take_step();
     ShareSums const sums = share.take_sums();
@@ -424,7 +429,7 @@ void take_steps(Ranks& ranks, PartOfRank& part, State& own, double smallest_radi
   }
   part.bring_home(own);
   static_cast<void>(part.long_substep(smallest_radius));
-  ranks.send(0, message_of(ranks.traffic()));
+  static_cast<void>(gather_for_leader(ranks, message_of(ranks.traffic())));
 }
 
 /// Tells the leader how many overlaps this rank has found, and the first of them.

@@ -40,8 +40,8 @@ class Ranks {
   virtual void send(std::size_t to, Bytes message) = 0;
   /// Waits for the next message of a rank.
   virtual Bytes receive(std::size_t from) = 0;
-  /// What each rank gives, by rank. All call it.
-  virtual std::vector<Bytes> gather_for_all(Bytes own) = 0;
+  /// What each rank gives, by rank. All call it; each sends and receives ⌈log₂ ranks⌉ messages.
+  [[nodiscard]] std::vector<Bytes> gather_for_all(Bytes own);
 
   /// Of this rank.
   [[nodiscard]] virtual Traffic traffic() const = 0;
@@ -182,6 +182,36 @@ Ranks::Bytes message_of_all(std::span<Value const> values) {
 
 inline void send_to_others(Ranks& ranks, Ranks::Bytes const& message) {
   for (std::size_t rank = 1; rank < ranks.count(); ++rank) ranks.send(rank, message);
+}
+
+/// Merges what all ranks give, for the leader; others get nothing. All call it. Rank r gets what ranks r + 1, r + 2, r + 4 … have merged, as
+/// far as they are in its part of the tree, and gives it to the rank without its lowest bit: no rank receives more than ⌈log₂ ranks⌉ messages.
+/// merge(left, right) returns both as one message, and the ranks of `right` follow those of `left`.
+///
+///     0 ◄─ 1    2 ◄─ 3        0 ◄─ 2        0 ◄─ 4
+template <class Merge>
+Ranks::Bytes merge_for_leader(Ranks& ranks, Ranks::Bytes own, Merge merge) {
+  std::size_t const rank = ranks.rank();
+  for (std::size_t step = 1; step < ranks.count(); step *= 2) {
+    if ((rank & step) != 0) {
+      ranks.send(rank - step, std::move(own));
+      return {};
+    }
+    if (rank + step < ranks.count()) own = merge(std::move(own), ranks.receive(rank + step));
+  }
+  return own;
+}
+
+/// What the leader gives, for all, along the same tree the other way. All call it; what others give is ignored.
+[[nodiscard]] Ranks::Bytes hand_down(Ranks& ranks, Ranks::Bytes of_leader);
+
+/// What each rank gives, by rank, for the leader; others get nothing. All call it. Along the same tree.
+[[nodiscard]] std::vector<Ranks::Bytes> gather_for_leader(Ranks& ranks, Ranks::Bytes own);
+
+/// Merges what all ranks give, for all.
+template <class Merge>
+Ranks::Bytes merge_for_all(Ranks& ranks, Ranks::Bytes own, Merge merge) {
+  return hand_down(ranks, merge_for_leader(ranks, std::move(own), merge));
 }
 
 /// Rank after rank adds what it has to sums, in the order of the ranks; all get them.
