@@ -106,15 +106,40 @@ void ExactSum::add(std::span<double const> terms) {
   for (double const term : terms) add(term);
 }
 
-void ExactSum::add(ExactSum const& other) {
-  ExactSum carried = other;
+void ExactSum::add(ExactSum const& other) { add_packed(other.packed()); }
+
+/// The first number has the place of the first limb and, above it, a bit for each number that is not finite; the limbs follow.
+std::vector<std::int64_t> ExactSum::packed() const {
+  ExactSum carried = *this;
   carried.carry();
-  carry();
-  for (std::size_t k = 0; k < limbs; ++k) limbs_[k] += carried.limbs_[k];
-  carry();
-  has_positive_infinity_ = has_positive_infinity_ || other.has_positive_infinity_;
-  has_negative_infinity_ = has_negative_infinity_ || other.has_negative_infinity_;
-  has_nan_ = has_nan_ || other.has_nan_;
+  auto first = carried.limbs_.begin() + carried.first_;
+  auto end = first + (carried.end_ - std::min(carried.first_, carried.end_));
+  while (end != first && *(end - 1) == 0) --end;
+  while (first != end && *first == 0) ++first;
+  auto head = static_cast<std::uint64_t>(first - carried.limbs_.begin());
+  std::uint64_t flag = first_flag;
+  for (bool const is_set : {has_positive_infinity_, has_negative_infinity_, has_nan_}) {
+    if (is_set) head |= flag;
+    flag *= 2;
+  }
+  std::vector<std::int64_t> numbers{static_cast<std::int64_t>(head)};
+  numbers.insert(numbers.end(), first, end);
+  return numbers;
+}
+
+void ExactSum::add_packed(std::span<std::int64_t const> numbers) {
+  auto const head = static_cast<std::uint64_t>(numbers.front());
+  has_positive_infinity_ = has_positive_infinity_ || (head & first_flag) != 0;
+  has_negative_infinity_ = has_negative_infinity_ || (head & 2 * first_flag) != 0;
+  has_nan_ = has_nan_ || (head & 4 * first_flag) != 0;
+  std::span<std::int64_t const> const added = numbers.subspan(1);
+  if (added.empty()) return;
+  auto const first = static_cast<std::uint32_t>(head & (first_flag - 1));
+  for (std::size_t k = 0; k < added.size(); ++k) limbs_[first + k] += added[k];
+  first_ = std::min(first_, first);
+  end_ = std::max(end_, first + static_cast<std::uint32_t>(added.size()));
+  // What a carry has left in a limb is less than a term adds to it.
+  if (--terms_until_carry_ == 0) carry();
 }
 
 void ExactSum::add_rare(double term) {
@@ -122,38 +147,49 @@ void ExactSum::add_rare(double term) {
     has_nan_ = true;
   } else if (std::isinf(term)) {
     (term > 0.0 ? has_positive_infinity_ : has_negative_infinity_) = true;
-  } else {
-    // Subnormal numbers have the unit of exponent 1; a zero adds nothing.
+  } else if (term != 0.0) {
+    // Subnormal numbers have the unit of exponent 1.
     auto const bits = std::bit_cast<std::uint64_t>(term);
     add_mantissa(bits & mantissa_mask, 1, sign_of(bits));
   }
 }
 
 void ExactSum::carry() {
-  for (std::size_t k = 0; k + 1 < limbs; ++k) {
-    limbs_[k + 1] += limbs_[k] >> limb_bits;
-    limbs_[k] &= limb_mask;
-  }
   terms_until_carry_ = terms_between_carries;
+  if (first_ >= end_) return;
+  std::int64_t carried = 0;
+  std::uint32_t limb = first_;
+  for (; limb + 1 < limbs && (limb < end_ || carried != 0); ++limb) {
+    limbs_[limb] += carried;
+    carried = limbs_[limb] / unit_of_next_limb;
+    limbs_[limb] %= unit_of_next_limb;
+  }
+  if (carried != 0) limbs_[limb++] += carried;
+  end_ = std::max(end_, limb);
 }
 
 double ExactSum::value() const {
   if (has_nan_ || (has_positive_infinity_ && has_negative_infinity_)) return std::numeric_limits<double>::quiet_NaN();
   if (has_positive_infinity_) return std::numeric_limits<double>::infinity();
   if (has_negative_infinity_) return -std::numeric_limits<double>::infinity();
+  if (first_ >= end_) return 0.0;
   ExactSum magnitude = *this;
   magnitude.carry();
-  bool const is_negative = magnitude.limbs_.back() < 0;
-  if (is_negative) {
-    for (std::int64_t& limb : magnitude.limbs_) limb = -limb;
-    magnitude.carry();
+  std::size_t top = magnitude.end_;
+  while (top > first_ && magnitude.limbs_[top - 1] == 0) --top;
+  if (top == first_) return 0.0;
+  // The limbs beneath the highest one are together less than one of it.
+  bool const is_negative = magnitude.limbs_[top - 1] < 0;
+  std::int64_t borrowed = 0;
+  for (std::size_t k = first_; k < top; ++k) {
+    std::int64_t const limb = (is_negative ? -magnitude.limbs_[k] : magnitude.limbs_[k]) + borrowed;
+    borrowed = k + 1 < top ? limb >> limb_bits : 0;
+    magnitude.limbs_[k] = k + 1 < top ? limb & limb_mask : limb;
   }
+  while (magnitude.limbs_[top - 1] == 0) --top;
   auto const limb_at = [&](std::size_t k) {
     return k < limbs ? static_cast<std::uint64_t>(magnitude.limbs_[k]) : std::uint64_t{0};
   };
-  std::size_t top = limbs;
-  while (top > 0 && limb_at(top - 1) == 0) --top;
-  if (top == 0) return 0.0;
   // The last limb begins above the largest double.
   if (top == limbs)
     return is_negative ? -std::numeric_limits<double>::infinity() : std::numeric_limits<double>::infinity();
@@ -169,7 +205,7 @@ double ExactSum::value() const {
   if (is_set(lowest - 1)) {
     bool is_above_half =
         (limb_at((lowest - 1) / limb_bits) & ((std::uint64_t{1} << ((lowest - 1) % limb_bits)) - 1)) != 0;
-    for (std::size_t k = 0; k < (lowest - 1) / limb_bits; ++k) is_above_half = is_above_half || limb_at(k) != 0;
+    for (std::size_t k = first_; k < (lowest - 1) / limb_bits; ++k) is_above_half = is_above_half || limb_at(k) != 0;
     if (is_above_half || (mantissa & 1) != 0) ++mantissa;
   }
   // The mantissa and the power of two are exact, and only what is too large for a double becomes infinite.

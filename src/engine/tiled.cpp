@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/hot_disks.hpp"
+#include "engine/tiled/counters_of_step.hpp"
 #include "engine/tiled/on_ranks.hpp"
 #include "engine/tiled/steps.hpp"
 #include "gridlock/core/error.hpp"
@@ -42,13 +43,15 @@ void take_step(tiled::Steps& steps, std::vector<Tiling::Round> const& rounds, Co
   for (Tiling::Round const& round : rounds) {
     for_each(round.size(), [&](std::size_t part) { steps.take_part(round[part]); });
   }
-  // One after the other and in a fixed order: sums of floating point numbers depend on it.
+  tiled::CountersOfStep of_step;
   for (tiled::TileResult& result : steps.results()) {
+    // In the order of tiles: a late disk may change the turn of the next one.
     for (std::uint32_t const i : result.too_fast_for_tile) steps.take_late(i, result);
     result.too_fast_for_tile.clear();
-    add(counters, result.counters);
+    of_step.add(result.counters);
     result.counters = {};
   }
+  of_step.add_to(counters);
 }
 
 /// Throws RunFailure where a disk has become too fast for its sub-steps.

@@ -58,13 +58,38 @@ Order order_of(TurnRule const& rule, CellLayout const& layout, std::uint64_t thr
           .threads = threads};
 }
 
-/// Numbers that the leader keeps before it adds them up.
-constexpr std::size_t most_sums = std::size_t{1} << 22;
-/// What another rank says of some steps, before its sums.
-struct AnswerHead {
-  std::uint64_t is_stop_asked;
-  Counters whole_numbers;
+/// What ranks say of some steps that they have taken.
+struct Answer {
+  bool is_stop_asked = false;
+  std::vector<CountersOfStep> counters;  ///< of each step
+
+  [[nodiscard]] Ranks::Bytes message() const {
+    MessageWriter message;
+    message.add(is_stop_asked);
+    for (CountersOfStep const& of_step : counters) of_step.write(message);
+    return message.take();
+  }
+  static Answer read(Ranks::Bytes const& bytes) {
+    MessageReader message(bytes);
+    Answer answer{.is_stop_asked = message.next<bool>(), .counters = {}};
+    while (!message.is_at_end()) answer.counters.push_back(CountersOfStep::read(message));
+    return answer;
+  }
 };
+
+/// This rank and all others say what they have counted in the last steps. All call it; for the leader.
+Answer gather_answers(Ranks& ranks, Share& share) {
+  Answer const own{.is_stop_asked = ranks.is_stop_asked(), .counters = share.take_counters()};
+  Ranks::Bytes const all =
+      merge_for_leader(ranks, own.message(), [](Ranks::Bytes const& left, Ranks::Bytes const& right) {
+        Answer sum = Answer::read(left);
+        Answer const others = Answer::read(right);
+        sum.is_stop_asked = sum.is_stop_asked || others.is_stop_asked;
+        for (std::size_t k = 0; k < sum.counters.size(); ++k) sum.counters[k].add(others.counters[k]);
+        return sum.message();
+      });
+  return ranks.rank() == 0 ? Answer::read(all) : own;
+}
 
 /// Each rank sends its disks to where they belong.
 template <class DiskOf, class RankOf, class Take>
@@ -131,8 +156,6 @@ class PartOfRank {
   void begin() { share_.emplace(ranks_, order_.rule(), layout_, division_, order_.threads, std::move(in_tiles_)); }
 
   [[nodiscard]] Share& share() { return *share_; }
-  [[nodiscard]] std::vector<Tiling::Rectangle> const& division() const { return division_; }
-  [[nodiscard]] Tiling const& tiling() const { return tiling_; }
 
   /// The disks go back to the rows that they have come from.
   void bring_home(State& own) {
@@ -281,7 +304,6 @@ class Leading {
       : ranks_(ranks), order_(order), state_(own), counters_(counters), part_(ranks, order, rows, own) {
     own.agents.forget_values();
     part_.begin();
-    find_places();
   }
 
   /// All ranks are back from their steps when it returns, whatever the stop condition has thrown.
@@ -320,25 +342,10 @@ class Leading {
     return stop.is_reached(state_.clock, counters_.pair_collisions);
   }
 
-  /// Where the sums of each tile are, in the order of tiles.
-  void find_places() {
-    std::vector<Tiling::Rectangle> const& division = part_.division();
-    Tiling const& tiling = part_.tiling();
-    places_.resize(tiling.tiles().size());
-    for (std::uint32_t rank = 0; rank < division.size(); ++rank) {
-      division[rank].for_each_tile(
-          [&](std::size_t column, std::size_t row) { places_[tiling.number_of(column, row)].rank = rank; });
-    }
-    tiles_of_rank_.assign(ranks_.count(), 0);
-    for (auto& [rank, place] : places_) place = static_cast<std::uint32_t>(tiles_of_rank_[rank]++);
-  }
-
   /// How many steps may be taken before a look at the stop condition.
   [[nodiscard]] std::uint64_t steps_until(StopCondition const& stop, std::uint64_t most) const {
     // Who waits for collisions stops at the first step that has enough.
     if (stop.pair_collisions != StopCondition().pair_collisions) return 1;
-    std::size_t const numbers_of_step = places_.size() * (order_.is_periodic != 0 ? 1 : 5);
-    most = std::clamp<std::uint64_t>(most, 1, most_sums / numbers_of_step + 1);
     Clock clock = state_.clock;
     std::uint64_t steps = 0;
     while (steps < most && !stop.is_reached(clock, 0)) {
@@ -357,7 +364,7 @@ class Leading {
       share().take_step();
       ++done;
     }
-    add_sums(done);
+    take_answers();
     // A step in which a disk could have jumped over another does not count.
     std::uint64_t const whole = done - (share().jump() ? 1 : 0);
     for (std::uint64_t n = 0; n < whole; ++n) {
@@ -367,40 +374,11 @@ class Leading {
     return done;
   }
 
-  void add_sums(std::uint64_t steps) {
-    std::vector<ShareSums> of_ranks{share().take_sums()};
-    for (std::size_t rank = 1; rank < ranks_.count(); ++rank) {
-      Ranks::Bytes const bytes = ranks_.receive(rank);
-      MessageReader message(bytes);
-      auto const head = message.next<AnswerHead>();
-      if (head.is_stop_asked != 0) ranks_.ask_to_stop();
-      ShareSums sums{.whole_numbers = head.whole_numbers, .pair_virial = {}, .wall_impulses = {}};
-      sums.pair_virial.resize(steps * tiles_of_rank_[rank]);
-      message.read_into(std::span(sums.pair_virial));
-      sums.wall_impulses = message.rest<double>();
-      of_ranks.push_back(std::move(sums));
-    }
-    for (ShareSums& sums : of_ranks) {
-      sums.whole_numbers.pair_virial = 0.0;
-      sums.whole_numbers.wall_impulse = {};
-      add(counters_, sums.whole_numbers);
-    }
-    // One after the other and in the order of one process: sums of floating point numbers depend on it.
-    for (std::uint64_t n = 0; n < steps; ++n) {
-      for (auto const& [rank, place] : places_) {
-        ShareSums const& sums = of_ranks[rank];
-        std::size_t const at = n * tiles_of_rank_[rank] + place;
-        counters_.pair_virial += sums.pair_virial[at];
-        if (sums.wall_impulses.empty()) continue;
-        for (std::size_t wall = 0; wall < 4; ++wall) counters_.wall_impulse[wall] += sums.wall_impulses[4 * at + wall];
-      }
-    }
+  void take_answers() {
+    Answer const all = gather_answers(ranks_, share());
+    if (all.is_stop_asked) ranks_.ask_to_stop();
+    for (CountersOfStep const& of_step : all.counters) of_step.add_to(counters_);
   }
-
-  struct Place {
-    std::uint32_t rank;
-    std::uint32_t place;  ///< among the tiles of the rank
-  };
 
   Ranks& ranks_;
   Order order_;
@@ -409,8 +387,6 @@ class Leading {
   PartOfRank part_;
   std::exception_ptr failure_;  ///< of the stop condition
   std::optional<LongSubstep> long_substep_;
-  std::vector<Place> places_;
-  std::vector<std::size_t> tiles_of_rank_;
 };
 
 void take_steps(Ranks& ranks, PartOfRank& part, State& own, double smallest_radius) {
@@ -419,13 +395,7 @@ void take_steps(Ranks& ranks, PartOfRank& part, State& own, double smallest_radi
     auto const steps = MessageReader(hand_down(ranks, {})).next<std::uint64_t>();
     if (steps == 0) break;
     for (std::uint64_t n = 0; n < steps && !share.jump(); ++n) share.take_step();
-    ShareSums const sums = share.take_sums();
-    MessageWriter answer;
-    answer.add(
-        AnswerHead{.is_stop_asked = ranks.is_stop_asked() ? std::uint64_t{1} : 0, .whole_numbers = sums.whole_numbers});
-    answer.add_all(std::span<double const>(sums.pair_virial));
-    answer.add_all(std::span<double const>(sums.wall_impulses));
-    ranks.send(0, answer.take());
+    static_cast<void>(gather_answers(ranks, share));
   }
   part.bring_home(own);
   static_cast<void>(part.long_substep(smallest_radius));

@@ -442,18 +442,12 @@ void Share::find_jump() {
 }
 
 void Share::count_step() {
+  CountersOfStep& of_step = counters_.emplace_back();
   for (TileResult& result : steps_->results()) {
-    Counters const& counters = result.counters;
-    sums_.pair_virial.push_back(counters.pair_virial);
-    if (!layout_.is_periodic()) {
-      sums_.wall_impulses.insert(sums_.wall_impulses.end(), counters.wall_impulse.begin(), counters.wall_impulse.end());
-    }
-    add(sums_.whole_numbers, counters);
+    of_step.add(result.counters);
     result.counters = {};
   }
 }
-
-ShareSums Share::take_sums() { return std::exchange(sums_, {}); }
 
 /// The numbers of the disks in the rectangle of this rank.
 std::vector<std::uint32_t> Share::own_disks() const {

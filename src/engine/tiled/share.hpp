@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "engine/tiled/counters_of_step.hpp"
 #include "engine/tiled/division.hpp"
 #include "engine/tiled/late_turns.hpp"
 #include "engine/tiled/steps.hpp"
@@ -14,14 +16,6 @@
 #include "gridlock/core/detail/thread_pool.hpp"
 
 namespace gridlock::tiled {
-
-/// What the tiles of one rank have counted in some steps. Numbers that round are kept tile by tile and step by step, so that
-/// the leader can add them in the order in which one process does.
-struct ShareSums {
-  Counters whole_numbers;             ///< those that do not round, of all steps
-  std::vector<double> pair_virial;    ///< of each tile in each step
-  std::vector<double> wall_impulses;  ///< four of each tile in each step; none without walls
-};
 
 /// A disk that could have jumped over another.
 struct Jump {
@@ -74,8 +68,8 @@ class Share {
   /// Of the last step: the first disk that could have jumped over another, in the order of tiles. All ranks know it.
   [[nodiscard]] std::optional<Jump> const& jump() const { return jump_; }
 
-  /// What has been counted since the last call.
-  [[nodiscard]] ShareSums take_sums();
+  /// What the tiles of this rank have counted in each step since the last call.
+  [[nodiscard]] std::vector<CountersOfStep> take_counters() { return std::exchange(counters_, {}); }
   /// The tiles that it counts for, in the order of its sums.
   [[nodiscard]] std::vector<std::uint32_t> const& tiles() const { return steps_->tiles(); }
 
@@ -160,8 +154,8 @@ class Share {
   std::vector<LateDisk> late_;  ///< of its own tiles, in the order of their turns
   bool may_jump_ = false;       ///< some late disk of any rank
   std::optional<Jump> jump_;
-  ShareSums sums_;
-  CellsMessage message_;  ///< the one that is written or read
+  std::vector<CountersOfStep> counters_;  ///< of steps that nobody has asked for yet
+  CellsMessage message_;                  ///< the one that is written or read
 };
 
 }  // namespace gridlock::tiled

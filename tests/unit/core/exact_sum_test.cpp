@@ -230,5 +230,61 @@ TEST(ExactSum, OfManyTermsCarriesInTime) {
   EXPECT_EQ(sum.value(), 0.0);
 }
 
+/// The same sum, packed and added to others.
+double sent(ExactSum const& sum, double other) {
+  ExactSum received;
+  received.add(other);
+  received.add_packed(sum.packed());
+  received.add(-other);
+  return received.value();
+}
+
+TEST(ExactSum, IsTheSameAfterItWasPacked) {
+  std::uint64_t seed = 200;
+  for (auto const& [least, most] :
+       {std::pair(-1074, 1023), std::pair(-30, 0), std::pair(-3, 3), std::pair(-1074, -900), std::pair(1000, 1020)}) {
+    for (std::size_t const count : {0U, 1U, 2U, 100U, 3000U}) {
+      std::vector<double> const terms = random_terms(count, least, most, ++seed);
+      ExactSum sum;
+      for (double const term : terms) sum.add(term);
+      for (double const other : {0.0, -1.0, 1e-300, largest}) {
+        ASSERT_EQ(exact_bits(sent(sum, other)), exact_bits(sum_by_bits(terms)))
+            << count << " from 2^" << least << " to 2^" << most << " and " << other;
+      }
+    }
+  }
+  for (double const rare : {endless, -endless}) {
+    ExactSum sum;
+    sum.add(rare);
+    EXPECT_EQ(sent(sum, 1.0), rare);
+    sum.add(-rare);
+    EXPECT_TRUE(std::isnan(sent(sum, 1.0)));
+  }
+  ExactSum nan;
+  nan.add(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_TRUE(std::isnan(sent(nan, 1.0)));
+}
+
+TEST(ExactSum, OfTermsOfOneMagnitudeIsPackedInFewNumbers) {
+  for (double const sign : {1.0, -1.0}) {
+    ExactSum sum;
+    for (double term : random_terms(3000, -3, 3, 300)) sum.add(sign * std::abs(term));
+    EXPECT_LE(sum.packed().size(), 5U) << "of a negative sum too";
+  }
+  ExactSum cancelled;
+  cancelled.add(-1.5);
+  cancelled.add(1.5);
+  EXPECT_EQ(cancelled.packed().size(), 1U);
+}
+
+TEST(ExactSum, OfPackedSumsCarriesInTime) {
+  ExactSum term;
+  for (int k = 0; k < 1000; ++k) term.add(-std::ldexp(2.0 - 0x1p-52, 31 - 1023 + 32 * 20));
+  std::vector<std::int64_t> const packed = term.packed();
+  ExactSum sum;
+  for (int k = 0; k < (1 << 20); ++k) sum.add_packed(packed);
+  EXPECT_EQ(sum.value(), std::ldexp(term.value(), 20));
+}
+
 }  // namespace
 }  // namespace gridlock
