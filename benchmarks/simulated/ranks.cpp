@@ -14,10 +14,10 @@
 #include <cstdlib>
 #include <string>
 
+#include "engine/tiled/on_ranks.hpp"
 #include "gridlock-mpi/mpi_ranks.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/lattice/start.hpp"
-#include "simulation/help.hpp"
 
 namespace {
 
@@ -54,6 +54,17 @@ void lead(gridlock::Ranks& ranks, std::size_t disks, std::uint64_t steps) {
              bytes / rank_steps, gridlock::hash(state));
 }
 
+/// Takes part in the steps of the leader, until it lets all go.
+void follow(gridlock::Ranks& ranks) {
+  gridlock::State own;
+  while (true) {
+    gridlock::Ranks::Bytes const bytes = ranks.receive(0);
+    gridlock::MessageReader message(bytes);
+    if (message.next<gridlock::TaskOfRanks>() == gridlock::TaskOfRanks::leave) return;
+    gridlock::tiled::take_part(ranks, message, own);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -76,7 +87,7 @@ int main(int argc, char** argv) {
                                                       seconds_of_byte * static_cast<double>(bytes));
                                        }});
     if (ranks.rank() > 0) {
-      gridlock::help(ranks);
+      follow(ranks);
     } else {
       lead(ranks, std::stoul(argv[1]), std::stoul(argv[2]));
       gridlock::release_helpers(ranks);
