@@ -128,7 +128,7 @@ template <class Model>
 Contestant contestant(std::string name, Model const& model, Box const& box, Crowd const& crowd) {
   constexpr std::uint64_t steps = 2;
   auto const world = std::make_shared<World<Model>>(World<Model>{.box = box, .seed = 1});
-  model.start(*world);
+  start_agents(model, *world);
   RandomStream random(1, 0, 0, Purpose::start_position);
   for (std::size_t row = 0; row < world->agents.size(); ++row) {
     Vector const p = crowd.place(random);

@@ -17,7 +17,7 @@ template <class Model>
 Contestant contestant(std::string name, Model const& model, Box const& box, std::uint64_t threads,
                       std::uint64_t steps) {
   auto const world = std::make_shared<World<Model>>(World<Model>{.box = box, .seed = 1});
-  model.start(*world);
+  start_agents(model, *world);
   auto const engine = std::make_shared<ModelEngine<Model>>(model, box, ModelEngineSettings{.threads = threads});
   return {.name = std::move(name),
           .items = static_cast<double>(world->agents.size() * steps),
@@ -32,7 +32,7 @@ Contestant comparison(Flocking const& model, Box const& box) {
   auto const world = std::make_shared<World<Flocking>>(World<Flocking>{.box = box, .seed = 1});
   auto const run = [=] {
     *world = {.box = box, .seed = 1};
-    model.start(*world);
+    start_agents(model, *world);
     ModelEngine<Flocking>(model, box, {}).advance(*world, {.step = steps});
   };
   return {.name = "boids, 100 steps",

@@ -19,12 +19,11 @@ struct Rumour {
 
   double cutoff() const { return 0.05; }
   double time_step() const { return 1.0; }
-  void start(World<Rumour>& world) const {
-    for (std::uint64_t n = 0; n < 500; ++n) {
-      RandomStream random = world.start_random(n);
-      Vector const p = world.anywhere(random);
-      world.agents.add(p.x, p.y, n == 0 ? 1U : 0U);
-    }
+  std::uint64_t agents_at_start() const { return 500; }
+  Agents::Values first_agent(World<Rumour> const& world, std::uint64_t number) const {
+    RandomStream random = world.start_random(number);
+    Vector const p = world.anywhere(random);
+    return {p.x, p.y, number == 0 ? 1U : 0U};
   }
   void turn(Turn<Rumour>& self) const {
     bool hears = false;
@@ -36,8 +35,8 @@ struct Rumour {
     RandomStream random = self.random();
     self.move_by(0.02 * random.in_unit_disk());
   }
-  void observe(World<Rumour> const& world, Observations& seen) const {
-    seen.add_counts<Knows>(world.agents, {"ignorant", "informed"});
+  void observe(AgentSums<Rumour> const& agents, Observations& seen) const {
+    seen.add_counts<Knows>(agents, {"ignorant", "informed"});
   }
 };
 

@@ -95,14 +95,12 @@ struct Epidemic {
   [[nodiscard]] double cutoff() const { return radius; }
   [[nodiscard]] double time_step() const { return step_length; }
 
-  void start(World<Epidemic>& world) const {
+  [[nodiscard]] Agents::Values first_agent(World<Epidemic> const& world, std::uint64_t number) const {
     auto const sick = static_cast<std::uint64_t>(infected_at_start * static_cast<double>(count) + 0.5);
-    for (std::uint64_t n = 0; n < count; ++n) {
-      RandomStream random = world.start_random(n);
-      Vector const p = world.anywhere(random);
-      Vector const v = speed * direction(2.0 * std::numbers::pi * random.uniform());
-      world.agents.add(p.x, p.y, v.x, v.y, n < sick ? infected : susceptible);
-    }
+    RandomStream random = world.start_random(number);
+    Vector const p = world.anywhere(random);
+    Vector const v = speed * direction(2.0 * std::numbers::pi * random.uniform());
+    return {p.x, p.y, v.x, v.y, number < sick ? infected : susceptible};
   }
 
   void turn(Turn<Epidemic>& self) const {
@@ -118,7 +116,7 @@ struct Epidemic {
     if (turnover_rate > 0.0) come_and_go(self, random);
   }
 
-  void observe(World<Epidemic> const& world, Observations& seen) const { seen.add_counts<Health>(world.agents); }
+  void observe(AgentSums<Epidemic> const& agents, Observations& seen) const { seen.add_counts<Health>(agents); }
 
  private:
   void require_probability(std::string const& key, double rate) const {

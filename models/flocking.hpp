@@ -82,13 +82,11 @@ struct Flocking {
   [[nodiscard]] double cutoff() const { return radius; }
   [[nodiscard]] double time_step() const { return 1.0; }
 
-  void start(World<Flocking>& world) const {
-    for (std::uint64_t n = 0; n < count; ++n) {
-      RandomStream random = world.start_random(n);
-      Vector const p = world.anywhere(random);
-      Vector const heading = direction(2.0 * std::numbers::pi * random.uniform());
-      world.agents.add(p.x, p.y, heading.x, heading.y);
-    }
+  [[nodiscard]] Agents::Values first_agent(World<Flocking> const& world, std::uint64_t number) const {
+    RandomStream random = world.start_random(number);
+    Vector const p = world.anywhere(random);
+    Vector const heading = direction(2.0 * std::numbers::pi * random.uniform());
+    return {p.x, p.y, heading.x, heading.y};
   }
 
   void turn(Turn<Flocking>& self) const {
@@ -100,15 +98,13 @@ struct Flocking {
   }
 
   /// The order v_a = |Σ θ| / N: 1 where all move in one direction, about 1/√N for random directions.
-  static double order(World<Flocking> const& world) {
-    Vector sum;
-    for (std::size_t row = 0; row < world.agents.size(); ++row) {
-      sum = sum + Vector{world.agents.column<HeadingX>()[row], world.agents.column<HeadingY>()[row]};
-    }
-    return std::sqrt(squared_length(sum)) / static_cast<double>(world.agents.size());
+  static double order(AgentSums<Flocking> const& agents) {
+    Vector const sum{agents.sum([](auto const& agent) { return agent.template get<HeadingX>(); }),
+                     agents.sum([](auto const& agent) { return agent.template get<HeadingY>(); })};
+    return std::sqrt(squared_length(sum)) / static_cast<double>(agents.size());
   }
-  void observe(World<Flocking> const& world, Observations& seen) const {
-    seen.add("order", order(world), "|Σ heading| / N: 1 where all move in one direction.");
+  void observe(AgentSums<Flocking> const& agents, Observations& seen) const {
+    seen.add("order", order(agents), "|Σ heading| / N: 1 where all move in one direction.");
   }
 
  private:

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <cassert>
 #include <cctype>
+#include <numeric>
+#include <optional>
 #include <set>
 #include <utility>
 
+#include "gridlock/core/detail/row_division.hpp"
 #include "gridlock/core/error.hpp"
 #include "io/checkpoint_file.hpp"
 #include "io/file.hpp"
@@ -68,9 +70,12 @@ enum class Saved { everything, rows, all_but_rows };
 
 class SavingArchive final : public NamedArchive {
  public:
-  explicit SavingArchive(Saved saved) : saved_(saved) {}
+  /// `parts` have the rows that are not saved.
+  explicit SavingArchive(Saved saved, std::span<CheckpointPart const> parts = {}) : saved_(saved), parts_(parts) {}
 
   [[nodiscard]] checkpoint::Members& members() { return members_; }
+  /// Of the lists of rows, in the order in which they were visited.
+  [[nodiscard]] std::vector<std::uint64_t> const& lengths() const { return lengths_; }
   [[nodiscard]] bool is_restoring() const override { return false; }
   void visit(std::string_view name, bool& value) override { save(name, value); }
   /// As the bits it has, since CBOR keeps one kind of NaN only.
@@ -97,14 +102,21 @@ class SavingArchive final : public NamedArchive {
   }
   template <class Number>
   void save_rows(std::string_view name, std::vector<Number> const& values) {
+    lengths_.push_back(values.size());
     if (saved_ == Saved::all_but_rows) {
-      members_.add_bytes(full(name), in_parts(checkpoint::letter_of<Number>()), {});
+      std::vector<std::uint64_t> of_parts;
+      for (CheckpointPart const& part : parts_) {
+        if (!part.lengths.empty()) of_parts.push_back(part.lengths.at(lengths_.size() - 1));
+      }
+      members_.add_bytes(full(name), in_parts(checkpoint::letter_of<Number>()), std::as_bytes(std::span(of_parts)));
     } else {
       members_.add_list(full(name), values);
     }
   }
 
   Saved saved_;
+  std::span<CheckpointPart const> parts_;
+  std::vector<std::uint64_t> lengths_;
   checkpoint::Members members_;
 };
 
@@ -125,13 +137,12 @@ std::vector<CheckpointPart> parts_of(checkpoint::File const& file) {
   return parts;
 }
 
-/// A file whose list of rows is a run of the rows of the whole, and what of it one process has.
-struct Piece {
-  checkpoint::File file;
-  std::uint64_t rows;   ///< in the file
-  std::uint64_t first;  ///< of these is the first that the process has
-  std::uint64_t count;
-};
+/// The rows of a list of so many that a process has.
+std::pair<std::uint64_t, std::uint64_t> rows_of(CheckpointShare const& share, std::uint64_t rows) {
+  if (share.end_row != CheckpointShare::any_rows) return {share.first_row, share.end_row};
+  RowDivision const even = RowDivision::even(rows, share.count);
+  return {even.first(share.rank), even.end(share.rank)};
+}
 
 checkpoint::File opened_part(fs::path const& path, CheckpointPart const& part) {
   std::error_code ignored;
@@ -143,27 +154,64 @@ checkpoint::File opened_part(fs::path const& path, CheckpointPart const& part) {
   return file;
 }
 
-/// The parts that have rows of the share. Errors: Error naming the file that is missing or damaged.
-std::vector<Piece> pieces_of(checkpoint::File const& file, fs::path const& directory, CheckpointShare const& share) {
+/// The parts that a checkpoint names, each read where it is asked for.
+class Parts {
+ public:
+  Parts() = default;
+  Parts(checkpoint::File const& file, fs::path directory)
+      : directory_(std::move(directory)), parts_(parts_of(file)), files_(parts_.size()) {}
+
+  [[nodiscard]] std::size_t size() const { return parts_.size(); }
+  [[nodiscard]] std::uint64_t rows(std::size_t rank) const { return parts_[rank].rows; }
+  /// Errors: Error naming the file that is missing or damaged.
+  [[nodiscard]] checkpoint::File const& file(std::size_t rank) const {
+    std::optional<checkpoint::File>& file = files_[rank];
+    if (!file) file.emplace(opened_part(directory_ / name_of_part(rank, parts_[rank]), parts_[rank]));
+    return *file;
+  }
+
+ private:
+  fs::path directory_;
+  std::vector<CheckpointPart> parts_;
+  mutable std::vector<std::optional<checkpoint::File>> files_;
+};
+
+/// What of a part one process has: a run of its rows.
+struct Piece {
+  std::size_t part;
+  std::uint64_t first;
+  std::uint64_t count;
+};
+
+/// The pieces that make up rows first … end − 1 of parts with so many rows.
+template <class RowsOf>
+std::vector<Piece> pieces_between(std::uint64_t first, std::uint64_t end, std::size_t parts, RowsOf rows_of_part) {
   std::vector<Piece> pieces;
   std::uint64_t begin = 0;
-  std::vector<CheckpointPart> const parts = parts_of(file);
-  for (std::size_t rank = 0; rank < parts.size(); ++rank) {
-    std::uint64_t const end = begin + parts[rank].rows;
-    std::uint64_t const first = std::max(begin, share.first_row);
-    std::uint64_t const last = std::min(end, share.end_row);
-    if (first < last) {
-      pieces.push_back({.file = opened_part(directory / name_of_part(rank, parts[rank]), parts[rank]),
-                        .rows = parts[rank].rows,
-                        .first = first - begin,
-                        .count = last - first});
-    }
-    begin = end;
+  for (std::size_t part = 0; part < parts; ++part) {
+    std::uint64_t const end_of_part = begin + rows_of_part(part);
+    std::uint64_t const from = std::max(begin, first);
+    std::uint64_t const to = std::min(end_of_part, end);
+    if (from < to) pieces.push_back({.part = part, .first = from - begin, .count = to - from});
+    begin = end_of_part;
   }
-  bool const has_end = share.rank + 1 == share.count && share.end_row != CheckpointShare::all_rows;
-  std::uint64_t const least = share.end_row == CheckpointShare::all_rows ? share.first_row : share.end_row;
-  if (!parts.empty() && (begin < least || (has_end && begin > least))) {
-    checkpoint::refuse(file.name(), fmt::format("its parts have {} rows, and this run has others", begin),
+  return pieces;
+}
+
+/// The pieces of a share that says which rows it has, or has all. Their files are there. Errors: Error naming the one that is missing or
+/// damaged.
+std::vector<Piece> pieces_of(checkpoint::File const& file, Parts const& parts, CheckpointShare const& share) {
+  bool const has_any = share.end_row == CheckpointShare::any_rows;
+  if (parts.size() == 0 || (has_any && share.count > 1)) return {};
+  std::uint64_t rows = 0;
+  for (std::size_t part = 0; part < parts.size(); ++part) rows += parts.rows(part);
+  std::vector<Piece> pieces =
+      pieces_between(share.first_row, share.end_row, parts.size(), [&](std::size_t part) { return parts.rows(part); });
+  for (Piece const& piece : pieces) static_cast<void>(parts.file(piece.part));
+  bool const is_last = share.rank + 1 == share.count && !has_any;
+  std::uint64_t const least = has_any ? share.first_row : share.end_row;
+  if (rows < least || (is_last && rows > least)) {
+    checkpoint::refuse(file.name(), fmt::format("its parts have {} rows, and this run has others", rows),
                        "it was written for another configuration");
   }
   return pieces;
@@ -171,8 +219,8 @@ std::vector<Piece> pieces_of(checkpoint::File const& file, fs::path const& direc
 
 class RestoringArchive final : public NamedArchive {
  public:
-  RestoringArchive(checkpoint::File const& file, std::vector<Piece> const& pieces, CheckpointShare const& share)
-      : file_(file), pieces_(pieces), share_(share) {}
+  RestoringArchive(checkpoint::File const& file, Parts const& parts, CheckpointShare const& share)
+      : file_(file), parts_(parts), pieces_(pieces_of(file, parts, share)), share_(share) {}
 
   [[nodiscard]] bool is_restoring() const override { return true; }
   void visit(std::string_view name, bool& value) override { value = file_.at(full(name), Kind::truth).number != 0; }
@@ -205,12 +253,12 @@ class RestoringArchive final : public NamedArchive {
     checkpoint::File::Place const& list = file_.at(full(name), Kind::list);
     bool const is_in_parts = file_.version() == checkpoint::version_of_parts;
     if (is_in_parts && file_.letter(list) == in_parts(checkpoint::letter_of<Number>())) {
-      return restore_from_pieces(name, values);
+      std::vector<std::uint64_t> const lengths = file_.rest_of<std::uint64_t>(list);
+      return lengths.empty() ? restore_rows_of_parts(name, values) : restore_from_lists(name, lengths, values);
     }
     std::uint64_t const count = file_.count<Number>(list);
     bool const is_empty = count == 0;
-    std::uint64_t const first = is_empty ? 0 : share_.first_row;
-    std::uint64_t const end = share_.end_row == CheckpointShare::all_rows || is_empty ? count : share_.end_row;
+    auto const [first, end] = is_empty ? std::pair<std::uint64_t, std::uint64_t>(0, 0) : rows_of(share_, count);
     bool const is_last = share_.rank + 1 == share_.count;
     require(first <= end && end <= count && (is_empty || !is_last || end == count),
             "a list has not a value for each agent");
@@ -218,37 +266,67 @@ class RestoringArchive final : public NamedArchive {
     file_.read(list, first, std::span(values));
   }
 
-  /// A list that is empty in all parts was empty.
+  /// A list with a value for each row of each part. One that is empty in all parts was empty.
   template <class Number>
-  void restore_from_pieces(std::string_view name, std::vector<Number>& values) const {
+  void restore_rows_of_parts(std::string_view name, std::vector<Number>& values) const {
+    require(share_.end_row != CheckpointShare::any_rows || share_.count == 1, "its agents do not come and go");
     std::string const member = full(name);
     values.clear();
     std::uint64_t rows = 0;
     for (Piece const& piece : pieces_) {
-      checkpoint::File::Place const& list = piece.file.at(member, Kind::list);
-      std::uint64_t const count = piece.file.count<Number>(list);
-      if (count != piece.rows && count != 0) {
-        throw Error({.what = fmt::format("its part {} has {} values of \"{}\" for {} rows", piece.file.name(), count,
-                                         member, piece.rows),
-                     .hint = checkpoint::again_hint});
-      }
       rows += piece.count;
-      if (count == 0) continue;
-      std::size_t const had = values.size();
-      values.resize(had + piece.count);
-      piece.file.read(list, piece.first, std::span(values).subspan(had));
+      std::uint64_t const count = count_in_part<Number>(piece.part, member);
+      require_length(piece.part, member, count, count == 0 ? 0 : parts_.rows(piece.part));
+      if (count > 0) append<Number>(piece, member, values);
     }
     require(values.empty() || values.size() == rows, "a list has not a value for each agent");
   }
 
+  /// A list of which each part has some rows, each another number.
+  template <class Number>
+  void restore_from_lists(std::string_view name, std::vector<std::uint64_t> const& lengths,
+                          std::vector<Number>& values) const {
+    std::string const member = full(name);
+    require(lengths.size() == parts_.size(), "a list has not as many parts as the checkpoint");
+    std::uint64_t const rows = std::reduce(lengths.begin(), lengths.end());
+    auto const [first, end] = rows_of(share_, rows);
+    require(first <= end && end <= rows, "a list has not a value for each agent");
+    values.clear();
+    for (Piece const& piece :
+         pieces_between(first, end, lengths.size(), [&](std::size_t part) { return lengths[part]; })) {
+      require_length(piece.part, member, count_in_part<Number>(piece.part, member), lengths[piece.part]);
+      append<Number>(piece, member, values);
+    }
+  }
+
+  template <class Number>
+  [[nodiscard]] std::uint64_t count_in_part(std::size_t part, std::string const& member) const {
+    checkpoint::File const& file = parts_.file(part);
+    return file.count<Number>(file.at(member, Kind::list));
+  }
+  void require_length(std::size_t part, std::string const& member, std::uint64_t count, std::uint64_t rows) const {
+    if (count == rows) return;
+    throw Error({.what = fmt::format("its part {} has {} values of \"{}\" for {} rows", parts_.file(part).name(), count,
+                                     member, rows),
+                 .hint = checkpoint::again_hint});
+  }
+  template <class Number>
+  void append(Piece const& piece, std::string const& member, std::vector<Number>& values) const {
+    checkpoint::File const& file = parts_.file(piece.part);
+    std::size_t const had = values.size();
+    values.resize(had + piece.count);
+    file.read(file.at(member, Kind::list), piece.first, std::span(values).subspan(had));
+  }
+
   checkpoint::File const& file_;
-  std::vector<Piece> const& pieces_;
+  Parts const& parts_;
+  std::vector<Piece> pieces_;  ///< of a share that says which rows it has
   CheckpointShare const& share_;
 };
 
-void restore_from(checkpoint::File const& file, std::vector<Piece> const& pieces, CheckpointShare const& share,
+void restore_from(checkpoint::File const& file, Parts const& parts, CheckpointShare const& share,
                   SerializeAll const& serialize) {
-  RestoringArchive archive(file, pieces, share);
+  RestoringArchive archive(file, parts, share);
   try {
     serialize(archive);
   } catch (Error const& error) {
@@ -311,10 +389,14 @@ void from_checkpoint(std::string_view bytes, std::string const& name, SerializeA
 
 CheckpointPart write_checkpoint_part(fs::path const& directory, CheckpointShare const& share,
                                      SerializeAll const& serialize) {
-  assert(share.end_row != CheckpointShare::all_rows);
   SavingArchive archive(Saved::rows);
   serialize(archive);
-  CheckpointPart const part{.rows = share.end_row - share.first_row, .checksum = archive.members().checksum()};
+  CheckpointPart part{.checksum = archive.members().checksum()};
+  if (share.end_row == CheckpointShare::any_rows) {
+    part.lengths = archive.lengths();
+  } else {
+    part.rows = share.end_row - share.first_row;
+  }
   AtomicFile file(directory / name_of_part(share.rank, part));
   append_to(file, checkpoint::whole_version, archive.members());
   file.commit();
@@ -324,7 +406,7 @@ CheckpointPart write_checkpoint_part(fs::path const& directory, CheckpointShare 
 void write_checkpoint(fs::path const& directory, SerializeAll const& serialize,
                       std::vector<CheckpointPart> const& parts) {
   {
-    SavingArchive archive(parts.empty() ? Saved::everything : Saved::all_but_rows);
+    SavingArchive archive(parts.empty() ? Saved::everything : Saved::all_but_rows, parts);
     serialize(archive);
     if (!parts.empty()) {
       std::vector<std::uint64_t> numbers;
@@ -353,7 +435,7 @@ std::optional<Restored> restore_checkpoint(fs::path const& directory, SerializeA
     Problem problem;
     try {
       checkpoint::File const file(checkpoint::bytes_of_file(path));
-      restore_from(file, pieces_of(file, directory, share), share, serialize);
+      restore_from(file, Parts(file, directory), share, serialize);
     } catch (Error const& refusal) {
       problem = refusal.problems().front();
     }

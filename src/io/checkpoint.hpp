@@ -26,6 +26,7 @@ using SerializeAll = std::function<void(Archive&)>;
 ///            32   a map of CBOR: "name.of.member" → number, text, or the numbers of a list as bytes
 ///
 /// The first byte of a list tells the kind of its numbers: d, i, u or q; D, I, U or Q where it is a list of rows, and they are in the parts.
+/// Numbers of 64 bits follow there then, how many rows each part has of that list; none where these are as many as the parts say of themselves.
 std::string to_checkpoint(SerializeAll const& serialize);
 
 /// Restores what to_checkpoint() made. `name` names the file in errors.
@@ -33,26 +34,32 @@ std::string to_checkpoint(SerializeAll const& serialize);
 void from_checkpoint(std::string_view bytes, std::string const& name, SerializeAll const& serialize);
 
 /// What one of several processes that have the rows of the agents in turn has of a checkpoint: the rows that
-/// Archive::visit_rows() visits there. All of them where there is one process.
+/// Archive::visit_rows() visits there.
+///
+/// Where the rows are for the whole run those of the same agents, they are rows first_row … end_row − 1. Where agents come and go, nobody
+/// says which: each process saves lists of any lengths, and gets as many rows of each list as the others, in the order of the processes.
+/// All of them where there is one process.
 struct CheckpointShare {
-  static constexpr std::uint64_t all_rows = std::numeric_limits<std::uint64_t>::max();
+  static constexpr std::uint64_t any_rows = std::numeric_limits<std::uint64_t>::max();
   std::size_t rank = 0;
   std::size_t count = 1;  ///< processes
   std::uint64_t first_row = 0;
-  std::uint64_t end_row = all_rows;
+  std::uint64_t end_row = any_rows;
 };
 
-/// A file with the rows of one process, as the others have to know it. Plain numbers, to be sent.
+/// A file with the rows of one process, as the others have to know it.
 struct CheckpointPart {
   std::uint64_t rows = 0;
   std::array<std::uint64_t, 2> checksum{};
+  std::vector<std::uint64_t>
+      lengths{};  ///< of its lists of rows, in the order in which they are visited, where they may differ
 
   friend bool operator==(CheckpointPart const&, CheckpointPart const&) = default;
 };
 
 /// Writes the rows of one of several processes, and nothing else that `serialize` visits, into a file of its own beside the
 /// checkpoint. It is on the disk when this returns, and is nothing until write_checkpoint() names it: first every process
-/// writes its part, then one of them the checkpoint. Each list of rows has a value for each row of the share, or none in any process.
+/// writes its part, then one of them the checkpoint. Where the share says which rows it has, each list has a value for each, or none in any process.
 ///
 /// The name has the rank and the checksum, so that a part replaces nothing but its own copy:
 ///

@@ -267,8 +267,14 @@ char File::letter(Place const& list) const {
 }
 
 void File::require_kind(Place const& list, char letter, std::size_t width) const {
-  if (this->letter(list) == letter && (list.length - 1) % width == 0) return;
+  if (this->letter(list) == letter) return require_width(list, width);
   throw Error(Problem{.what = "what was saved cannot be restored: a list holds numbers of another kind",
+                      .hint = "it was saved by another version, or for another configuration"});
+}
+
+void File::require_width(Place const& list, std::size_t width) const {
+  if (list.length > 0 && (list.length - 1) % width == 0) return;
+  throw Error(Problem{.what = "what was saved cannot be restored: a list ends within a number",
                       .hint = "it was saved by another version, or for another configuration"});
 }
 

@@ -107,6 +107,14 @@ class File {
     require_kind(list, letter_of<Number>(), sizeof(Number));
     return (list.length - 1) / sizeof(Number);
   }
+  /// The numbers after the first byte of a list, whatever that says. Errors: Error where they are of another width.
+  template <class Number>
+  [[nodiscard]] std::vector<Number> rest_of(Place const& list) const {
+    require_width(list, sizeof(Number));
+    std::vector<Number> numbers((list.length - 1) / sizeof(Number));
+    read(list, 0, std::span(numbers));
+    return numbers;
+  }
   /// Fills `values` with the numbers of a list from `first` on. Requires that it has so many.
   template <class Number>
   void read(Place const& list, std::uint64_t first, std::span<Number> values) const {
@@ -119,6 +127,7 @@ class File {
   void require_checksum() const;
   bool find_members();
   void require_kind(Place const& list, char letter, std::size_t width) const;
+  void require_width(Place const& list, std::size_t width) const;
 
   Bytes bytes_;
   std::uint32_t version_ = 0;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/add_up_over_ranks.hpp"
 #include "core/sorted.hpp"
 #include "grid/division.hpp"
 #include "gridlock/grid/detail/stored_cells.hpp"
@@ -145,18 +146,37 @@ bool RankDivision::owns_cell(CellLayout const& layout, int column, int row) cons
          owns(row, layout.rows(), own_.first_row, own_.end_row, cells_.rows());
 }
 
-std::vector<Tiling::Rectangle> divide_among_ranks(Box const& box, CellLayout const& cells, std::span<double const> x,
-                                                  std::span<double const> y, std::size_t ranks) {
+namespace {
+
+/// Cuts the cells by agents of which these are some: `add_up` makes counts those of all agents.
+template <class AddUp>
+std::vector<Tiling::Rectangle> divided(Box const& box, CellLayout const& cells, std::span<double const> x,
+                                       std::span<double const> y, std::size_t ranks, AddUp add_up) {
   std::vector<std::uint64_t> agents_of_row(static_cast<std::size_t>(cells.rows()), 0);
   for (double const place : y) ++agents_of_row[static_cast<std::size_t>(cells.row_of(place))];
+  add_up(agents_of_row);
   return divide(agents_of_row, box.height() / box.width(), ranks, [&](std::size_t first_row, std::size_t end_row) {
     std::vector<std::uint64_t> agents_of_column(static_cast<std::size_t>(cells.columns()), 0);
     for (std::size_t k = 0; k < x.size(); ++k) {
       auto const row = static_cast<std::size_t>(cells.row_of(y[k]));
       if (row >= first_row && row < end_row) ++agents_of_column[static_cast<std::size_t>(cells.column_of(x[k]))];
     }
+    add_up(agents_of_column);
     return agents_of_column;
   });
+}
+
+}  // namespace
+
+std::vector<Tiling::Rectangle> divide_among_ranks(Box const& box, CellLayout const& cells, std::span<double const> x,
+                                                  std::span<double const> y, std::size_t ranks) {
+  return divided(box, cells, x, y, ranks, [](std::span<std::uint64_t> /*counts*/) {});
+}
+
+std::vector<Tiling::Rectangle> divide_among_ranks(Ranks& ranks, Box const& box, CellLayout const& cells,
+                                                  std::span<double const> x, std::span<double const> y) {
+  return divided(box, cells, x, y, ranks.count(),
+                 [&](std::span<std::uint64_t> counts) { add_up_over_ranks(ranks, counts); });
 }
 
 bool is_crowd(CellLayout const& layout, std::span<double const> x, std::span<double const> y) {

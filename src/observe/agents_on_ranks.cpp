@@ -4,25 +4,13 @@
 #include <iterator>
 #include <utility>
 
-#include "core/exchange.hpp"
+#include "core/add_up_over_ranks.hpp"
+#include "gridlock/core/detail/agent_homes.hpp"
+#include "gridlock/core/detail/exchange.hpp"
 
 namespace gridlock {
 
 namespace {
-
-template <class Number, class Add>
-void add_up_numbers(Ranks& ranks, std::span<Number> numbers, Add add) {
-  if (ranks.count() == 1 || numbers.empty()) return;
-  Ranks::Bytes const all =
-      merge_for_all(ranks, message_of_all(std::span<Number const>(numbers)),
-                    [&](Ranks::Bytes const& left, Ranks::Bytes const& right) {
-                      std::vector<Number> sums = MessageReader(left).next_values<Number>(numbers.size());
-                      std::vector<Number> const others = MessageReader(right).next_values<Number>(numbers.size());
-                      for (std::size_t k = 0; k < sums.size(); ++k) add(sums[k], others[k]);
-                      return message_of_all(std::span<Number const>(sums));
-                    });
-  MessageReader(all).read_into(numbers);
-}
 
 /// The rows of a layout, or its columns: whichever there are more of.
 class Lines {
@@ -120,21 +108,11 @@ struct SentPoint {
 
 }  // namespace
 
-AgentsOnRanks::AgentsOnRanks(Ranks& ranks, std::size_t own) : ranks_(ranks) {
-  std::vector<Ranks::Bytes> const counts = ranks.gather_for_all(message_of(std::uint64_t{own}));
-  for (std::size_t rank = 0; rank < counts.size(); ++rank) {
-    if (rank == ranks.rank()) first_row_ = count_;
-    count_ += MessageReader(counts[rank]).next<std::uint64_t>();
-  }
-}
-
 void AgentsOnRanks::add_up(std::span<ExactSum> sums) const {
-  add_up_numbers(ranks_, sums, [](ExactSum& sum, ExactSum const& other) { sum.add(other); });
+  add_up_over_ranks(ranks_, sums, [](ExactSum& sum, ExactSum const& other) { sum.add(other); });
 }
 
-void AgentsOnRanks::add_up(std::span<std::uint64_t> counts) const {
-  add_up_numbers(ranks_, counts, [](std::uint64_t& sum, std::uint64_t other) { sum += other; });
-}
+void AgentsOnRanks::add_up(std::span<std::uint64_t> counts) const { add_up_over_ranks(ranks_, counts); }
 
 std::vector<CountedValue> AgentsOnRanks::merge(std::vector<CountedValue> values) const {
   Ranks::Bytes const all =
@@ -189,6 +167,14 @@ PointsOfCells AgentsOnRanks::points_of_cells(CellLayout const& layout, double cu
     points.y.push_back(point.y);
   }
   return points;
+}
+
+std::vector<NotedVector> AgentsOnRanks::at_home(std::vector<NotedVector> noted) const {
+  std::vector<NotedVector> arrived;
+  exchange_values<NotedVector>(
+      ranks_, noted.size(), [&](std::size_t k, auto give) { give(home_of(noted[k].id, ranks_.count()), noted[k]); },
+      [&](NotedVector const& one) { arrived.push_back(one); });
+  return arrived;
 }
 
 }  // namespace gridlock

@@ -17,21 +17,20 @@ namespace gridlock {
 /// those of a rim. No rank gets all but where the rim is as wide as the box.
 class AgentsOnRanks final : public OtherAgents {
  public:
-  /// `own` is the number of agents of this rank. All ranks call it.
-  AgentsOnRanks(Ranks& ranks, std::size_t own);
+  /// `count` is the number of agents of all ranks.
+  AgentsOnRanks(Ranks& ranks, std::size_t count) : ranks_(ranks), count_(count) {}
 
   [[nodiscard]] std::size_t count_of_all() const override { return count_; }
-  [[nodiscard]] std::size_t first_row() const override { return first_row_; }
   void add_up(std::span<ExactSum> sums) const override;
   void add_up(std::span<std::uint64_t> counts) const override;
   [[nodiscard]] std::vector<CountedValue> merge(std::vector<CountedValue> values) const override;
   [[nodiscard]] PointsOfCells points_of_cells(CellLayout const& layout, double cutoff, std::span<double const> x,
                                               std::span<double const> y) const override;
+  [[nodiscard]] std::vector<NotedVector> at_home(std::vector<NotedVector> noted) const override;
 
  private:
   Ranks& ranks_;
-  std::size_t count_ = 0;
-  std::size_t first_row_ = 0;
+  std::size_t count_;
 };
 
 }  // namespace gridlock

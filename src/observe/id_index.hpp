@@ -33,6 +33,8 @@ class IdIndex {
   /// How many of the agents have a lower Id.
   [[nodiscard]] std::size_t count_below(Id id) const;
 
+  [[nodiscard]] Id id_at(std::size_t place) const { return sorted_.empty() ? first_ + place : sorted_[place]; }
+
   /// The place of the agent that was in a row then.
   [[nodiscard]] std::size_t place_of_row(std::size_t row) const {
     return place_of_row_.empty() ? row : place_of_row_[row];
@@ -42,7 +44,6 @@ class IdIndex {
   void serialize(Archive& archive);
 
  private:
-  [[nodiscard]] Id id_at(std::size_t place) const { return sorted_.empty() ? first_ + place : sorted_[place]; }
   [[nodiscard]] std::size_t search(Id id) const;
 
   Id first_ = 0;

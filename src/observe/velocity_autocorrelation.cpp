@@ -1,5 +1,6 @@
 #include "observe/velocity_autocorrelation.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -132,6 +133,22 @@ void VelocityAutocorrelation::serialize(Archive& archive) {
   archive.require(points == 0 || points == curve_.size(), "the curve and its averages differ in length");
   over_origins_.resize(points);
   gridlock::serialize(archive, "over_origins", over_origins_);
+}
+
+void VelocityAutocorrelation::bring_home(OtherAgents const& others) {
+  std::vector<NotedVector> noted;
+  noted.reserve(rows_.size());
+  for (std::size_t place = 0; place < rows_.size(); ++place) noted.push_back({rows_.id_at(place), velocities_[place]});
+  noted = others.at_home(std::move(noted));
+  std::ranges::sort(noted, {}, &NotedVector::id);
+  std::vector<Id> ids;
+  velocities_.clear();
+  for (NotedVector const& agent : noted) {
+    ids.push_back(agent.id);
+    velocities_.push_back(agent.value);
+  }
+  rows_ = IdIndex(ids);
+  blocks_.reset();
 }
 
 }  // namespace gridlock

@@ -41,6 +41,7 @@ class VelocityAutocorrelation final : public Observable {
   [[nodiscard]] std::vector<NamedEstimate> results() const override { return {}; }
   [[nodiscard]] std::vector<Distribution> distributions() const override;
   void serialize(Archive& archive) override;
+  void bring_home(OtherAgents const& others) override;
 
  private:
   void set_origin(Snapshot const& now);

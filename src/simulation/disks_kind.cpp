@@ -18,7 +18,8 @@
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/simulation/world_simulation.hpp"
 #include "simulation/countable_time.hpp"
-#include "simulation/divided_disks.hpp"
+#include "simulation/disks_of_rank.hpp"
+#include "simulation/divided_simulation.hpp"
 #include "simulation/expected_work.hpp"
 #include "simulation/patient_engine.hpp"
 #include "simulation/protocol_simulation.hpp"
@@ -358,6 +359,8 @@ class DisksKind final : public ModelKind {
     return bytes;
   }
 
+  [[nodiscard]] std::unique_ptr<AgentsOfRank> agents_of_rank(Ranks& ranks,
+                                                             Configuration const& configuration) const override;
   void check(Configuration const& configuration) const override {
     static_cast<void>(engine_record(configuration.engine.kind));
     require_valid(configuration.protocol);
@@ -468,14 +471,23 @@ void build_divided(Setup& setup, SetupOptions const& options) {
     require_collisions(configuration.run, *whole);
     require_hard_start(configuration.disks, *whole);
   }
+  DividedSimulation::announce(*options.ranks, configuration);
   auto disks = blaming_file(setup.start_file, [&] {
-    return std::make_unique<DividedDisks>(*options.ranks, configuration, std::move(whole));
+    return std::make_unique<DisksOfRank>(*options.ranks, configuration, whole ? &*whole : nullptr);
   });
-  if (has_speed) require_bounded_step(configuration.engine, disks->all());
-  check_disks(setup, settings, disks->box(), disks->clock(), disks->all());
-  if (!configuration.run.steps && !configuration.run.time && !(disks->all().largest_speed > 0.0)) refuse_rest();
-  blaming_file(setup.start_file, [&] { disks->begin(settings, configuration.run, configuration.observe); });
-  setup.simulation = std::move(disks);
+  whole.reset();
+  DisksOfRank& own = *disks;
+  auto simulation = std::make_unique<DividedSimulation>(*options.ranks, std::move(disks));
+  if (has_speed) require_bounded_step(configuration.engine, own.all());
+  check_disks(setup, settings, own.box(), own.clock(), own.all());
+  if (!configuration.run.steps && !configuration.run.time && !(own.all().largest_speed > 0.0)) refuse_rest();
+  blaming_file(setup.start_file, [&] { own.begin(settings, configuration.run); });
+  simulation->observe(configuration.observe);
+  setup.simulation = std::move(simulation);
+}
+
+std::unique_ptr<AgentsOfRank> DisksKind::agents_of_rank(Ranks& ranks, Configuration const& configuration) const {
+  return std::make_unique<DisksOfRank>(ranks, configuration, nullptr);
 }
 
 void DisksKind::build(Setup& setup, SetupOptions const& options) const {

@@ -6,7 +6,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/simulation/detail/model_kind.hpp"
-#include "simulation/divided_disks.hpp"
+#include "simulation/divided_simulation.hpp"
 
 namespace gridlock {
 
@@ -24,7 +24,7 @@ void take_part_in_model(Ranks& ranks, MessageReader& message) {
 
 void help(Ranks& ranks) {
   do_or_abandon(ranks, [&] {
-    DisksHelper disks(ranks);
+    RunHelper run(ranks);
     while (true) {
       Ranks::Bytes const bytes = ranks.receive(0);
       MessageReader message(bytes);
@@ -33,7 +33,7 @@ void help(Ranks& ranks) {
       if (task == TaskOfRanks::steps_of_model) {
         take_part_in_model(ranks, message);
       } else {
-        disks.carry_out(task, message);
+        run.carry_out(task, message);
       }
     }
   });

@@ -9,7 +9,9 @@
 
 #include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/simulation/detail/agents_of_rank.hpp"
 #include "gridlock/simulation/register_model.hpp"
+#include "simulation/divided_simulation.hpp"
 #include "simulation/expected_work.hpp"
 #include "simulation/slow_start.hpp"
 
@@ -96,6 +98,20 @@ std::optional<Problem> AgentsKind::not_shared_by_ranks(Configuration const& conf
                  .key = "model.verify_every"};
 }
 
+bool AgentsKind::is_divided_among_ranks(Configuration const& configuration) const {
+  return can_be_divided_among_ranks() && !not_shared_by_ranks(configuration);
+}
+
+std::unique_ptr<AgentsOfRank> AgentsKind::make_agents(Ranks& /*ranks*/, Box const& /*box*/, std::uint64_t /*seed*/,
+                                                      std::uint64_t /*threads*/) const {
+  throw RunFailure(fmt::format("the model {} cannot be divided among ranks", name()));
+}
+
+std::unique_ptr<AgentsOfRank> AgentsKind::agents_of_rank(Ranks& ranks, Configuration const& configuration) const {
+  // How many threads take the turns, the leader says with them.
+  return make_agents(ranks, make_box(configuration.box), configuration.run.seed, 1);
+}
+
 std::vector<MemoryDemand> AgentsKind::memory(Configuration const& /*configuration*/) const {
   auto const agents = static_cast<double>(agents_at_start());
   return {{fmt::format("{:.0f} agents", agents), fmt::format("{}.count", name()),
@@ -117,6 +133,14 @@ void AgentsKind::build(Setup& setup, SetupOptions const& options) const {
   std::vector<std::string> notes;
   std::uint64_t const threads = options.ranks == nullptr ? options.threads.value_or(configuration.engine.threads)
                                                          : threads_of(configuration, options.threads, options.ranks);
+  if (options.ranks != nullptr && is_divided_among_ranks(configuration)) {
+    DividedSimulation::announce(*options.ranks, configuration);
+    auto simulation =
+        std::make_unique<DividedSimulation>(*options.ranks, make_agents(*options.ranks, box, seed, threads));
+    simulation->observe(configuration.observe);
+    setup.simulation = std::move(simulation);
+    return;
+  }
   setup.simulation =
       make(box, seed, {.threads = threads, .verify_every = configuration.model.verify_every, .ranks = options.ranks},
            configuration.observe, notes);

@@ -21,7 +21,7 @@
 #include "gridlock/io/xyz.hpp"
 #include "io/checkpoint.hpp"
 #include "io/file.hpp"
-#include "simulation/divided_disks.hpp"
+#include "simulation/divided_simulation.hpp"
 #include "simulation/expected_work.hpp"
 #include "simulation/settings_difference.hpp"
 #include "simulation/trajectory.hpp"
@@ -181,7 +181,7 @@ class RunInDirectory {
         configuration_(std::move(configuration)),
         plan_(plan_of(setup_)),
         simulation_(*setup_.simulation),
-        divided_(dynamic_cast<DividedDisks*>(setup_.simulation.get())),
+        divided_(dynamic_cast<DividedSimulation*>(setup_.simulation.get())),
         run_(simulation_, plan_) {
     TrajectorySettings const& settings = setup_.configuration.trajectory;
     if (!settings.has_frames()) return;
@@ -402,8 +402,8 @@ class RunInDirectory {
   RunLog log_;
   std::string configuration_;
   RunPlan plan_;
-  Simulation& simulation_;  ///< of the set-up
-  DividedDisks* divided_;   ///< the same, where ranks divide its disks
+  Simulation& simulation_;      ///< of the set-up
+  DividedSimulation* divided_;  ///< the same, where ranks divide its agents
   Run run_;
   std::optional<TrajectoryWriter> trajectory_;
   std::optional<Clock> saved_at_;  ///< where the newest checkpoint is of

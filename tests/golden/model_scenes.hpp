@@ -33,7 +33,7 @@ void for_each_synchronous_scene(Visit visit) {
 template <class Model>
 Hashes hashes_of(Model const& model, Box const& box, std::uint64_t steps, ModelEngineSettings const& settings) {
   World<Model> world{.box = box, .seed = seed_of_models};
-  model.start(world);
+  start_agents(model, world);
   std::string const start = fmt::format("{:016x}", hash(world));
   ModelEngine<Model>(model, box, settings).advance(world, {.step = steps});
   // A scene in which nothing happens would prove nothing.

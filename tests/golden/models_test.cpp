@@ -67,7 +67,7 @@ TEST(GoldenModels, ColloidInTheScenePaperOfTheEngines) {
   auto const expect_scene = [](auto model, std::string const& engine) {
     model.disks = {.count = 841, .packing_fraction = 0.7};
     World<decltype(model)> world{.box = walls, .seed = seed};
-    model.start(world);
+    start_agents(model, world);
     ModelEngine<decltype(model)> colloid(model, walls, {.threads = 2});
     std::string const start = fmt::format("{:016x}", hash(world));
     colloid.advance(world, {.time = 0.5});

@@ -37,6 +37,21 @@ std::string state_hash_of(fs::path const& directory) {
   return at == std::string::npos ? "" : summary.substr(at + key.size(), 16);
 }
 
+/// Calls a program, and says on standard error how much memory it had at most, in KB.
+constexpr char const* measured =
+    "import resource, subprocess, sys; code = subprocess.call(sys.argv[1:]); "
+    "print('peak', resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, file=sys.stderr); sys.exit(code)";
+
+/// The peak of the process that had the largest.
+double largest_peak(Outcome const& outcome) {
+  expect_good(outcome);
+  double largest = 0.0;
+  for (std::size_t at = outcome.err.find("peak "); at != std::string::npos; at = outcome.err.find("peak ", at + 1)) {
+    largest = std::max(largest, std::stod(outcome.err.substr(at + 5)));
+  }
+  return largest;
+}
+
 class MpiRun : public ::testing::Test {
  protected:
   /// All but times.
@@ -69,6 +84,29 @@ class MpiRun : public ::testing::Test {
     }
     expect_good(on_ranks(workplace_, 2, run_into("threads") + std::vector<std::string>{"-j", "2"}));
     expect_same_results("alone", "threads");
+  }
+
+  /// A run, by its number of agents, takes on each of four ranks a fourth of the memory of one process.
+  template <class TomlOf>
+  void expect_divided_memory(TomlOf toml_of) const {
+    auto const peak = [&](int ranks, std::string const& agents) {
+      write(workplace_ / "r.toml", toml_of(agents));
+      std::vector<std::string> const words{"-c",  measured, ranks == 0 ? GRIDLOCK_PROGRAM : GRIDLOCK_MPI_PROGRAM,
+                                           "run", "r.toml", "-q",
+                                           "-j",  "1",      "--overwrite",
+                                           "-o",  "out"};
+      if (ranks == 0)
+        return largest_peak(
+            Process("/usr/bin/python3", words + std::vector<std::string>{"--no-pictures"}, workplace_.path()).wait());
+      return largest_peak(
+          mpirun(workplace_, std::vector<std::string>{"-n", std::to_string(ranks), "/usr/bin/python3"} + words).wait());
+    };
+    // What agents take: the rest is the program, MPI, and pieces of messages and frames.
+    double const of_one = peak(0, "1500000") - peak(0, "300000");
+    double const of_rank = peak(4, "1500000") - peak(4, "300000");
+    // Rank 0 also writes; who had all agents would be at four.
+    EXPECT_LT(of_rank, 1.5 * of_one / 4.0) << of_one;
+    EXPECT_GT(of_rank, 0.5 * of_one / 4.0) << of_one;
   }
 
   Workplace workplace_;
@@ -128,43 +166,20 @@ TEST_F(MpiRun, StopsAModelAndContinuesItOnAnotherNumberOfRanks) {
   expect_same_results("alone", "out");
 }
 
-/// Calls a program, and says on standard error how much memory it had at most, in KB.
-constexpr char const* measured =
-    "import resource, subprocess, sys; code = subprocess.call(sys.argv[1:]); "
-    "print('peak', resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, file=sys.stderr); sys.exit(code)";
-
-/// The peak of the process that had the largest.
-double largest_peak(Outcome const& outcome) {
-  expect_good(outcome);
-  double largest = 0.0;
-  for (std::size_t at = outcome.err.find("peak "); at != std::string::npos; at = outcome.err.find("peak ", at + 1)) {
-    largest = std::max(largest, std::stod(outcome.err.substr(at + 5)));
-  }
-  return largest;
+TEST_F(MpiRun, DividesTheMemoryOfTheDisks) {
+  expect_divided_memory([](std::string const& disks) {
+    return "[disks]\ncount = " + disks +
+           "\npacking_fraction = 0.5\n[engine]\nkind = \"tiled\"\n[run]\nsteps = 4\nfinal_state = false\n"
+           "[observe]\nevery = 2\nstructure_every = 0\n[trajectory]\nevery = 4\n[checkpoint]\nevery_steps = 2\n";
+  });
 }
 
-TEST_F(MpiRun, DividesTheMemoryOfTheDisks) {
-  auto const peak = [&](int ranks, std::string const& disks) {
-    write(workplace_ / "r.toml",
-          "[disks]\ncount = " + disks +
-              "\npacking_fraction = 0.5\n[engine]\nkind = \"tiled\"\n[run]\nsteps = 4\nfinal_state = false\n"
-              "[observe]\nevery = 2\nstructure_every = 0\n[trajectory]\nevery = 4\n[checkpoint]\nevery_steps = 2\n");
-    std::vector<std::string> const words{"-c",  measured, ranks == 0 ? GRIDLOCK_PROGRAM : GRIDLOCK_MPI_PROGRAM,
-                                         "run", "r.toml", "-q",
-                                         "-j",  "1",      "--overwrite",
-                                         "-o",  "out"};
-    if (ranks == 0)
-      return largest_peak(
-          Process("/usr/bin/python3", words + std::vector<std::string>{"--no-pictures"}, workplace_.path()).wait());
-    return largest_peak(
-        mpirun(workplace_, std::vector<std::string>{"-n", std::to_string(ranks), "/usr/bin/python3"} + words).wait());
-  };
-  // What disks take: the rest is the program, MPI, and pieces of messages and frames.
-  double const of_one = peak(0, "1500000") - peak(0, "300000");
-  double const of_rank = peak(4, "1500000") - peak(4, "300000");
-  // Rank 0 also writes; who had all disks would be at four.
-  EXPECT_LT(of_rank, 1.5 * of_one / 4.0) << of_one;
-  EXPECT_GT(of_rank, 0.5 * of_one / 4.0) << of_one;
+TEST_F(MpiRun, DividesTheMemoryOfTheAgentsOfAModel) {
+  expect_divided_memory([](std::string const& agents) {
+    return "[model]\nkind = \"epidemic\"\n[epidemic]\ncount = " + agents +
+           "\nradius = 0.001\nspeed = 0.01\nturnover_rate = 0.5\n[run]\nsteps = 4\nfinal_state = false\n"
+           "[observe]\nevery = 2\nstructure_every = 0\n[trajectory]\nevery = 4\n[checkpoint]\nevery_steps = 2\n";
+  });
 }
 
 TEST_F(MpiRun, SaysOnceHowItEndedAndWhatEachRankSent) {

@@ -34,7 +34,7 @@ Mean mean_of(std::vector<double> const& values) {
 template <class Model>
 World<Model> start_of(Model const& model, Box const& box, std::uint64_t seed) {
   World<Model> world{.box = box, .seed = seed};
-  model.start(world);
+  start_agents(model, world);
   return world;
 }
 
@@ -181,7 +181,7 @@ double mean_order(double noise, double density) {
   double sum = 0.0;
   for (std::uint64_t step = 1501; step <= 3000; ++step) {
     engine.advance(world, {.step = step});
-    sum += Flocking::order(world) / 1500.0;
+    sum += Flocking::order(AgentSums<Flocking>(world)) / 1500.0;
   }
   return sum;
 }

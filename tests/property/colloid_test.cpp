@@ -129,7 +129,7 @@ TEST(Colloid, ADiskThatCouldJumpOverAnotherEndsTheRun) {
   Colloid model;
   model.step_length = 3.0;
   World<Colloid> world{.box = Box(1.0, 1.0, Edge::wall), .seed = 1};
-  model.start(world);
+  start_agents(model, world);
   ModelEngine<Colloid> engine(model, world.box, {});
   EXPECT_THROW(engine.advance(world, {.step = 100}), RunFailure);
 }

@@ -2,29 +2,24 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
-#include "gridlock/io/h5md.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/simulation/setup.hpp"
-#include "gridlock/workspace/run_directory.hpp"
-#include "io/file.hpp"
-#include "thread_ranks.hpp"
+#include "runs_on_ranks.hpp"
 #include "unit/io/temporary_directory.hpp"
 
 namespace gridlock {
 namespace {
 
 namespace fs = std::filesystem;
-using test::ThreadRanks;
+using test::carry_out;
+using test::expect_same_results;
 
 /// A run of any kind that ranks can divide: starts that each rank makes by itself, and those that are handed out.
 std::string any_run(std::uint64_t seed, fs::path const& start_file) {
@@ -53,80 +48,6 @@ std::string any_run(std::uint64_t seed, fs::path const& start_file) {
   text += "[trajectory]\nevery = " + std::to_string(5 + random.below(20)) + "\n";
   text += "[run]\nsteps = 40\nseed = " + std::to_string(seed) + "\n";
   return text;
-}
-
-/// Carries out or continues a run, as one process or as some ranks; ends early at `stop_at`.
-RunStatus carry_out(std::string const& text, fs::path const& directory, std::size_t ranks, std::uint64_t stop_at = 0) {
-  RunStatus status = RunStatus::failed;
-  auto const work = [&](Ranks* leader) {
-    RunHooks hooks;
-    hooks.ranks = leader;
-    hooks.threads = 1;
-    if (stop_at > 0) hooks.on_progress = [&](Progress const& progress) { return progress.steps < stop_at; };
-    if (fs::exists(directory / "config.resolved.toml")) {
-      status = resume_in(directory, hooks).status;
-    } else {
-      Setup setup = set_up(SettingsFile::from_text(text, "run.toml"), {.threads = 1, .ranks = leader});
-      status = run_in(directory, std::move(setup), hooks).status;
-    }
-  };
-  if (ranks == 0) {
-    work(nullptr);
-  } else {
-    ThreadRanks(ranks).run([&](Ranks& leader) { work(&leader); });
-  }
-  return status;
-}
-
-std::string without_timing(std::string const& summary) {
-  std::string kept;
-  bool is_timing = false;
-  for (std::size_t at = 0; at < summary.size();) {
-    std::size_t const end = std::min(summary.find('\n', at), summary.size());
-    std::string const line = summary.substr(at, end - at);
-    if (line.find("\"timing\"") != std::string::npos) is_timing = true;
-    if (!is_timing) kept += line + '\n';
-    if (line.starts_with("  }")) is_timing = false;
-    at = end + 1;
-  }
-  return kept;
-}
-
-/// All results of a directory by their names; times are left out.
-std::map<std::string, std::string> results_of(fs::path const& directory) {
-  std::map<std::string, std::string> results;
-  for (fs::directory_entry const& entry : fs::directory_iterator(directory)) {
-    std::string const name = entry.path().filename().string();
-    if (name.ends_with(".csv") || name.ends_with(".xyz")) results[name] = read_file(entry.path(), 1U << 28);
-    if (name == "summary.json") results[name] = without_timing(read_file(entry.path(), 1U << 28));
-  }
-  H5mdReader const trajectory(directory / "trajectory.h5");
-  for (std::size_t k = 0; k < trajectory.frame_count(); ++k) {
-    H5mdFrame const frame = trajectory.frame(k);
-    std::string text = std::to_string(frame.state_hash) + " " + std::to_string(frame.frame.clock.step);
-    for (FrameColumn const& column : frame.frame.columns) {
-      std::visit(
-          [&](auto const& values) {
-            text += column.name;
-            text.append(reinterpret_cast<char const*>(values.data()), values.size() * sizeof(values[0]));
-          },
-          column.values);
-    }
-    results["frame " + std::to_string(k)] = text;
-  }
-  return results;
-}
-
-void expect_same_results(fs::path const& one, fs::path const& many, std::string const& what) {
-  auto const of_one = results_of(one);
-  auto const of_many = results_of(many);
-  ASSERT_EQ(of_one.size(), of_many.size()) << what;
-  for (auto const& [name, content] : of_one) {
-    ASSERT_TRUE(of_many.contains(name)) << what << ": " << name;
-    ASSERT_TRUE(content == of_many.at(name)) << what << ": " << name << "\n"
-                                             << content.substr(0, 2000) << "\n--\n"
-                                             << of_many.at(name).substr(0, 2000);
-  }
 }
 
 class DividedDisksTest : public ::testing::Test {

@@ -21,7 +21,7 @@ namespace {
 template <class Model>
 World<Model> started(Model const& model, Box const& box) {
   World<Model> world{.box = box, .seed = 7};
-  model.start(world);
+  start_agents(model, world);
   return world;
 }
 
@@ -173,7 +173,7 @@ TEST(ModelSearch, MissesNobodyWhereAgentsCrowdOnAnyNumberOfThreads) {
       for (std::uint64_t const chunk : {20U, 3U}) {
         Flocking const model{.count = 500, .speed = 0.1};
         World<Flocking> world{.box = box, .seed = 1};
-        model.start(world);
+        start_agents(model, world);
         // Nine in ten of them in a corner.
         for (std::size_t row = 0; row < 450; ++row) {
           world.agents.column<X>()[row] /= 10.0;
@@ -193,7 +193,7 @@ TEST(ModelSearch, MissesNobodyWhereAgentsCrowdOnAnyNumberOfThreads) {
 TEST(ModelSearch, ADifferenceFromBruteForceEndsTheRun) {
   Box const box(20.0, 20.0, Edge::periodic);
   World<Flocking> world{.box = box, .seed = 1};
-  Flocking{.count = 200}.start(world);
+  start_agents(Flocking{.count = 200}, world);
   DeferredCommands<Flocking> commands;
   EXPECT_THROW(verify_search(world, {1.0, 1.0}, 5.0, {}, [](std::size_t) { return true; }), RunFailure);
 }

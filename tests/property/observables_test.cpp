@@ -227,9 +227,7 @@ std::vector<Numbers> measured_on_ranks(Case const& c, std::size_t ranks, std::ui
     std::size_t const rank = here.rank();
     State state = rows_of(start, cuts[rank], cuts[rank + 1]);
     Counters const counters;
-    AgentsOnRanks const others(here, state.agents.size());
-    EXPECT_EQ(others.first_row(), cuts[rank]);
-    EXPECT_EQ(others.count_of_all(), c.count);
+    AgentsOnRanks const others(here, c.count);
     State const own_start = state;
     Recorder recorder({state, counters, &others});
     for (std::uint64_t sample = 1; sample <= samples; ++sample) {
@@ -270,7 +268,7 @@ TEST(ObservablesOnRanks, SearchSlabsThatHoldEachPointOnceAndAboutAsManyEach) {
   test::ThreadRanks(ranks).run_on_all([&](Ranks& here) {
     std::size_t const rank = here.rank();
     State const state = rows_of(start, rank * c.count / ranks, (rank + 1) * c.count / ranks);
-    AgentsOnRanks const others(here, state.agents.size());
+    AgentsOnRanks const others(here, c.count);
     double const cutoff = 0.01;
     PointsOfCells const points = others.points_of_cells(layout_for_cutoff(state.box, cutoff, c.count), cutoff,
                                                         state.agents.column<X>(), state.agents.column<Y>());

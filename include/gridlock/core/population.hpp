@@ -30,6 +30,7 @@
 
 #include "gridlock/core/archive.hpp"
 #include "gridlock/core/detail/column_set.hpp"
+#include "gridlock/core/detail/free_names.hpp"
 #include "gridlock/core/detail/look_ahead.hpp"
 
 namespace gridlock {
@@ -189,20 +190,32 @@ class Population {
   /// same Ids. A part, see become(), stays one: nothing but its rows is restored. Errors: Error where what is restored is no population.
   void serialize(Archive& archive) {
     bool const is_part = slots_.empty() && !ids_.empty();
+    serialize_rows(archive);
+    FreeNames names = is_part ? FreeNames() : free_names();
+    names.serialize(archive);
+    if (archive.is_restoring() && !is_part) restore_slots(archive, names);
+  }
+
+  /// The rows alone: for a part, whose names are known elsewhere.
+  void serialize_rows(Archive& archive) {
     serialize(archive, "id", ids_);
     (serialize(archive, Columns::name, rows_.template values<Columns>()), ...);
-    std::vector<std::uint32_t> generations;
-    for (Slot const& slot : slots_) generations.push_back(slot.generation);
-    archive.visit("generation_of_slot", generations);
-    archive.visit("free_slot", free_slots_);
-    if (!archive.is_restoring()) return;
     archive.require(((rows_.template values<Columns>().size() == ids_.size()) && ...),
                     "the columns of the agents differ in length");
-    if (is_part) {
-      free_slots_.clear();
-    } else {
-      restore_slots(archive, generations);
+  }
+
+  /// The names of those who are born next. Cost: a pass over the free ones.
+  [[nodiscard]] FreeNames free_names() const {
+    std::vector<Id> free;
+    std::vector<bool> is_listed(slots_.size(), false);
+    // A slot may stand there twice, see add_as(): the last one counts.
+    for (auto slot = free_slots_.rbegin(); slot != free_slots_.rend(); ++slot) {
+      if (slots_[*slot].is_alive() || is_listed[*slot]) continue;
+      is_listed[*slot] = true;
+      free.push_back((Id{slots_[*slot].generation} << 32) | *slot);
     }
+    std::ranges::reverse(free);
+    return {slots_.size(), std::move(free)};
   }
 
   /// Goes on with a copy of all rows and Ids, the columns side by side in memory, and returns the old memory: whoever has pointers into
@@ -259,27 +272,26 @@ class Population {
     if (archive.is_restoring()) values.assign(plain.begin(), plain.end());
   }
 
-  void restore_slots(Archive& archive, std::vector<std::uint32_t> const& generations) {
-    std::size_t slots = generations.size();
-    // Of a population that was serialized in parts only the living have a name.
-    bool const is_of_parts = generations.empty();
-    for (Id const id : ids_) {
-      if (is_of_parts) slots = std::max(slots, slot_of(id) + 1);
-    }
-    archive.require(!is_of_parts || slots <= 64 * ids_.size() + most_unused_names,
+  void restore_slots(Archive& archive, FreeNames const& names) {
+    std::uint64_t slots = names.slots();
+    // Of a population that was serialized in parts only the living may have a name.
+    for (Id const id : ids_) slots = std::max<std::uint64_t>(slots, slot_of(id) + 1);
+    for (Id const id : names.free()) slots = std::max<std::uint64_t>(slots, slot_of(id) + 1);
+    archive.require(slots <= 64 * (ids_.size() + names.free().size()) + most_unused_names,
                     "the Ids of the agents leave too many out");
     slots_.assign(slots, {});
-    for (std::size_t slot = 0; slot < generations.size(); ++slot) slots_[slot].generation = generations[slot];
-    for (Id const id : ids_) {
-      if (is_of_parts) slots_[slot_of(id)].generation = generation_of(id);
-    }
+    free_slots_.clear();
     for (std::size_t row = 0; row < ids_.size(); ++row) {
-      std::size_t const number = slot_of(ids_[row]);
-      bool const is_free = number < slots_.size() && !slots_[number].is_alive();
-      archive.require(is_free && slots_[number].generation == generation_of(ids_[row]), "two agents have one name");
-      slots_[number].index = static_cast<std::uint32_t>(row);
+      Slot& slot = slots_[slot_of(ids_[row])];
+      archive.require(!slot.is_alive(), "two agents have one name");
+      slot = {.index = static_cast<std::uint32_t>(row), .generation = generation_of(ids_[row])};
     }
-    for (std::uint32_t const slot : free_slots_) archive.require(slot < slots_.size(), "a free name does not exist");
+    for (Id const id : names.free()) {
+      Slot& slot = slots_[slot_of(id)];
+      archive.require(!slot.is_alive(), "a free name is that of an agent");
+      slot.generation = generation_of(id);
+      free_slots_.push_back(static_cast<std::uint32_t>(slot_of(id)));
+    }
   }
 
   AllValues rows_;

@@ -1,15 +1,18 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/setting.hpp"
 #include "gridlock/core/vector.hpp"
+#include "gridlock/model/agent_sums.hpp"
 #include "gridlock/model/model_engine.hpp"
 
 namespace gridlock {
@@ -53,6 +56,21 @@ class Observations {
     add_each(names, counts, "Agents of this kind.");
   }
 
+  /// The same of the agents of all processes.
+  template <class Column, class Model>
+  void add_counts(AgentSums<Model> const& agents, std::initializer_list<std::string_view> names) {
+    add_counts<Column>(agents, std::span(names.begin(), names.size()));
+  }
+  template <class Column, class Model>
+  void add_counts(AgentSums<Model> const& agents) {
+    add_counts<Column>(agents, std::span<std::string_view const>(Column::value_names));
+  }
+  template <class Column, class Model>
+  void add_counts(AgentSums<Model> const& agents, std::span<std::string_view const> names) {
+    std::vector<std::uint64_t> const counts = agents.template counts<Column>(names.size());
+    add_each(names, {counts.begin(), counts.end()}, "Agents of this kind.");
+  }
+
   /// The mean of measure(row) over the agents of each kind; not a number for a kind without agents.
   template <class Column, class Agents, class Measure>
   void add_means(Agents const& agents, std::initializer_list<std::string_view> names, Measure measure) {
@@ -80,6 +98,28 @@ class Observations {
   std::vector<Entry> entries_;
 };
 
+/// Whether ranks can divide the agents of a model, so that none has all of them: what is observed of them are sums.
+template <class Model>
+consteval bool can_be_divided() {
+  return can_be_shared<Model>() && Model::schedule == Schedule::synchronous &&
+         !requires(Model const& model, World<Model> const& world, Observations& seen) {
+    model.observe(world, seen);
+  }
+  &&!requires(Model const& model, World<Model> const& world) { model.notes(world); };
+}
+
+/// Puts the first agents of a model into an empty world: by Model::start(), or one by one by Model::first_agent().
+template <class Model>
+void start_agents(Model const& model, World<Model>& world) {
+  if constexpr (has_first_agents<Model>()) {
+    for (std::uint64_t number = 0; number < model.agents_at_start(); ++number) {
+      std::apply([&](auto... values) { world.agents.add(values...); }, model.first_agent(world, number));
+    }
+  } else {
+    model.start(world);
+  }
+}
+
 /// What a model needs is all in here: ModelEngine says what a model is.
 ///
 /// ```cpp
@@ -90,13 +130,18 @@ class Observations {
 ///   using Agents = Population<X, Y>;
 ///   double cutoff() const { return 0.1; }
 ///   double time_step() const { return 1.0; }
-///   void start(World<Walkers>& world) const { world.agents.add(0.5, 0.5); }
+///   std::uint64_t agents_at_start() const { return 100; }
+///   Agents::Values first_agent(World<Walkers> const& world, std::uint64_t number) const {
+///     RandomStream random = world.start_random(number);
+///     Vector const p = world.anywhere(random);
+///     return {p.x, p.y};
+///   }
 ///   void turn(Turn<Walkers>& self) const {
 ///     RandomStream random = self.random();
 ///     self.move_by(0.01 * random.in_unit_disk());
 ///   }
-///   void observe(World<Walkers> const& world, Observations& observations) const {
-///     observations.add("agents", static_cast<double>(world.agents.size()));
+///   void observe(AgentSums<Walkers> const& agents, Observations& observations) const {
+///     observations.add("agents", static_cast<double>(agents.size()));
 ///   }
 /// };
 /// ```

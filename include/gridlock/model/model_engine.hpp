@@ -50,6 +50,16 @@ struct ModelEngineSettings {
   Ranks* ranks = nullptr;          ///< that share the steps with this process, see can_be_shared()
 };
 
+/// How often each event has happened, with its name.
+template <class Model>
+std::vector<Count> counts_of_events(World<Model> const& world) {
+  std::vector<Count> counts;
+  for (std::size_t k = 0; k < world.events.size(); ++k) {
+    counts.push_back({std::string(event_names<Model>()[k]), world.events[k]});
+  }
+  return counts;
+}
+
 /// Throws Error where agents cannot search that far in the box.
 void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 
@@ -62,19 +72,23 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 ///     using Agents = Population<X, Y, …>;            its columns
 ///     double cutoff() const;                         how far an agent looks
 ///     double time_step() const;
-///     void start(World<Model>&) const;               puts the first agents into the box
+///     std::uint64_t agents_at_start() const;         how many there are at first
+///     Agents::Values first_agent(World<Model> const&, std::uint64_t number) const;   number 0 … agents_at_start() − 1
 ///     void turn(Turn<Model>&) const;                 synchronous, sequential, tiled: what an agent does in a step
 ///     void step(MutableWorld<Model>&) const;         events: what happens in a step
-///     void observe(World<Model> const&, Observations&) const;
+///     void observe(AgentSums<Model> const&, Observations&) const;
 ///     void describe(SettingVisitor&);                its settings
 ///     void check(Box const&) const;                  throws Error for settings with which no run is possible
-///     std::uint64_t agents_at_start() const;         for the estimate of the memory that it needs
 ///     double attempts_at_start(Box const&, std::uint64_t seed) const;   random places that start() will try
 ///     std::vector<std::string> notes(World<Model> const&) const;   where its results mislead, of a start
 ///
 /// of which the last five may be left out, and, if it likes, `static constexpr std::array<std::string_view, n>
 /// events`, the names of what it counts, and `static constexpr bool keeps_counters = true`: its turns keep Turn::counters(),
 /// and the run measures collision rates and pressures. cutoff() and time_step() may take the World they are asked for.
+///
+/// First agents that depend on one another `void start(World<Model>&) const` puts into the box in the place of
+/// first_agent(); agents_at_start() is then for the estimate of the memory. What is observed and is no sum over agents,
+/// `void observe(World<Model> const&, Observations&) const` finds in the world, which several processes then cannot divide.
 ///
 /// In a tiled model no agent searches or moves farther than the cutoff from where its turn began. A model in which a
 /// few do says so in `bool is_local(Turn<Model> const&, double room) const`, with room the shorter side of a cell:
@@ -144,11 +158,7 @@ class ModelEngine final : public EngineFor<Model> {
     }
   }
   [[nodiscard]] std::vector<Count> counts(World<Model> const& world, Counters const& /*counters*/) const override {
-    std::vector<Count> counts;
-    for (std::size_t k = 0; k < world.events.size(); ++k) {
-      counts.push_back({std::string(event_names<Model>()[k]), world.events[k]});
-    }
-    return counts;
+    return counts_of_events(world);
   }
 
   /// Throws RunFailure for an agent outside the box.

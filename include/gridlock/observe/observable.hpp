@@ -43,7 +43,7 @@ struct MeasuredMotion {
 
 /// What an observable sees of a world of any model: the agents now, and what happened since the start of the run.
 ///
-/// Where the rows of a world are divided among ranks, each rank has a snapshot of its own rows, whose Ids stay the same, and of the
+/// Where the agents of a world are divided among ranks, each rank has a snapshot of its own, who stay with it, and of the
 /// `others`. All ranks begin, sample and restore the same observables together, and get the same numbers.
 struct Snapshot {
   template <class Model>
@@ -141,6 +141,9 @@ class Observable {
   /// Serializes what was gathered since begin(); restored after a begin() at the same start, it measures on as if it had
   /// never stopped.
   virtual void serialize(Archive& archive) = 0;
+
+  /// Where agents that come and go are divided among ranks: what was restored for single agents goes to the ranks that have them.
+  virtual void bring_home(OtherAgents const& /*others*/) {}
 };
 
 /// The settings `[observe]`.

@@ -39,21 +39,21 @@ namespace gridlock {
 template <class Model>
 class ModelObservations final : public AveragingObservable {
  public:
-  /// Keeps a view of the world.
+  /// Keeps a view of the world; where ranks divide the agents, of those of this rank.
   ModelObservations(Model model, World<Model> const& world) : model_(std::move(model)), world_(world) {}
 
   [[nodiscard]] Requirements requirements(Box const& /*box*/) const override { return {}; }
 
-  void begin(Snapshot const& /*start*/) override {
+  void begin(Snapshot const& start) override {
     std::vector<ColumnInfo> columns{{"agents", "", "Agents alive."}};
     for (auto const name : event_names<Model>()) columns.push_back({std::string(name), "", "Times since the start."});
-    for (auto const& [name, value, documentation] : observe()) columns.push_back({name, "", documentation});
+    for (auto const& [name, value, documentation] : observe(start)) columns.push_back({name, "", documentation});
     reset(std::move(columns));
   }
 
   void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override {
-    std::vector<Observations::Entry> const seen = observe();
-    row[0] = static_cast<double>(now.agents.size());
+    std::vector<Observations::Entry> const seen = observe(now);
+    row[0] = static_cast<double>(now.count());
     if (counts_for_average) average(0, row[0]);
     for (std::size_t k = 0; k < world_.events.size(); ++k) row[1 + k] = static_cast<double>(world_.events[k]);
     std::size_t const first = 1 + world_.events.size();
@@ -65,9 +65,16 @@ class ModelObservations final : public AveragingObservable {
   }
 
  private:
-  [[nodiscard]] std::vector<Observations::Entry> observe() const {
+  [[nodiscard]] std::vector<Observations::Entry> observe(Snapshot const& now) const {
     Observations seen;
-    if constexpr (requires { model_.observe(world_, seen); }) model_.observe(world_, seen);
+    SumsOfAll of_all{.add_up = [&](std::span<ExactSum> sums) { now.add_up(sums); },
+                     .add_up_counts = [&](std::span<std::uint64_t> counts) { now.add_up(counts); }};
+    AgentSums<Model> const agents(world_, std::move(of_all));
+    if constexpr (requires { model_.observe(agents, seen); }) {
+      model_.observe(agents, seen);
+    } else if constexpr (requires { model_.observe(world_, seen); }) {
+      model_.observe(world_, seen);
+    }
     return seen.entries();
   }
 
@@ -97,7 +104,7 @@ class ModelSimulation final : public WorldSimulation<Model> {
  private:
   static World<Model> started(Model const& model, Box const& box, std::uint64_t seed) {
     World<Model> world{.box = box, .agents = {}, .clock = {}, .seed = seed};
-    model.start(world);
+    start_agents(model, world);
     return world;
   }
 };

@@ -31,6 +31,7 @@
 #include <vector>
 
 #include "gridlock/simulation/detail/model_kind.hpp"
+#include "gridlock/simulation/detail/model_of_rank.hpp"
 #include "gridlock/simulation/model_simulation.hpp"
 #include "gridlock/simulation/setup.hpp"
 
@@ -66,6 +67,9 @@ class AgentsKind : public ModelKind {
   [[nodiscard]] std::vector<MemoryDemand> memory(Configuration const& configuration) const override;
   [[nodiscard]] double expected_bytes(Configuration const& configuration, std::size_t agents) const override;
   [[nodiscard]] std::optional<Problem> not_shared_by_ranks(Configuration const& configuration) const override;
+  [[nodiscard]] bool is_divided_among_ranks(Configuration const& configuration) const override;
+  [[nodiscard]] std::unique_ptr<AgentsOfRank> agents_of_rank(Ranks& ranks,
+                                                             Configuration const& configuration) const override;
   void build(Setup& setup, SetupOptions const& options) const override;
 
  protected:
@@ -75,6 +79,10 @@ class AgentsKind : public ModelKind {
   /// Of the model itself.
   virtual void describe_model(SettingVisitor& visitor) = 0;
   [[nodiscard]] virtual bool can_be_shared_by_ranks() const { return false; }
+  [[nodiscard]] virtual bool can_be_divided_among_ranks() const { return false; }
+  /// Contract: can_be_divided_among_ranks(). All ranks call it. Errors: Error, on all ranks.
+  [[nodiscard]] virtual std::unique_ptr<AgentsOfRank> make_agents(Ranks& ranks, Box const& box, std::uint64_t seed,
+                                                                  std::uint64_t threads) const;
   /// How many agents the model starts with, where it says so before, and the bytes that each of them takes at least.
   [[nodiscard]] virtual std::uint64_t agents_at_start() const = 0;
   [[nodiscard]] virtual std::size_t bytes_per_agent() const = 0;
@@ -126,6 +134,16 @@ class ModelKindOf final : public AgentsKind {
     if constexpr (requires { model_.describe(visitor); }) model_.describe(visitor);
   }
   [[nodiscard]] bool can_be_shared_by_ranks() const override { return can_be_shared<Model>(); }
+  [[nodiscard]] bool can_be_divided_among_ranks() const override { return can_be_divided<Model>(); }
+  [[nodiscard]] std::unique_ptr<AgentsOfRank> make_agents(Ranks& ranks, Box const& box, std::uint64_t seed,
+                                                          std::uint64_t threads) const override {
+    if constexpr (can_be_divided<Model>()) {
+      return std::make_unique<ModelOfRank<Model>>(
+          ranks, model_, box, seed, threads, [](std::function<void()> const& act) { blame_table(Model::name, act); });
+    } else {
+      return AgentsKind::make_agents(ranks, box, seed, threads);
+    }
+  }
   [[nodiscard]] std::uint64_t agents_at_start() const override {
     if constexpr (requires { model_.agents_at_start(); }) {
       return model_.agents_at_start();
@@ -153,7 +171,7 @@ class ModelKindOf final : public AgentsKind {
                                                  std::vector<std::string>& notes) const override {
     World<Model> world{.box = box, .agents = {}, .clock = {}, .seed = seed};
     blame_table(Model::name, [&] {
-      model_.start(world);
+      start_agents(model_, world);
       ModelEngine<Model>::require_inside(world);
     });
     require_cutoff_fits(box, cutoff_of(model_, world), Model::name);

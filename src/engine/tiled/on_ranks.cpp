@@ -6,11 +6,11 @@
 #include <optional>
 #include <utility>
 
-#include "core/exchange.hpp"
 #include "engine/hot_disks.hpp"
 #include "engine/stepped.hpp"
 #include "engine/tiled/share.hpp"
 #include "grid/validate_rows.hpp"
+#include "gridlock/core/detail/exchange.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/detail/packed_layout.hpp"
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "core/disks_overview.hpp"
-#include "core/row_division.hpp"
 #include "engine/tiled/steps.hpp"
 #include "gridlock/core/detail/ranks.hpp"
+#include "gridlock/core/detail/row_division.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 

@@ -168,5 +168,23 @@ TEST(Population, ACopyLivesItsOwnLife) {
   EXPECT_FALSE(second.contains(a));
 }
 
+TEST(Population, FreeNamesAreThoseOfTheAgentsBornNext) {
+  Marbles marbles;
+  for (int n = 0; n < 6; ++n) marbles.add(1.0, n);
+  EXPECT_TRUE(marbles.add_as(generation(2) | 9, 1.0, 9));
+  for (Id const dead : {Id{4}, Id{1}, generation(2) | 9}) marbles.remove(dead);
+  EXPECT_TRUE(marbles.add_as(generation(5) | 1, 1.0, 9)) << "whose slot is listed as free";
+  FreeNames names = marbles.free_names();
+  // Somebody dies meanwhile.
+  for (int n = 0; n < 9; ++n) {
+    EXPECT_EQ(names.take(), marbles.add(0.5, n)) << n;
+    if (n != 3) continue;
+    for (Id const dead : {Id{5}, generation(5) | 1}) {
+      names.give_back(dead);
+      marbles.remove(dead);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace gridlock

@@ -171,6 +171,45 @@ TEST(CheckpointParts, OfAnyNumberOfProcessesAreRestoredByAnyOther) {
   }
 }
 
+TEST(CheckpointParts, OfAgentsThatComeAndGoHaveListsOfAnyLengths) {
+  RandomStream random(8, 0, 0, Purpose::start_position);
+  for (int round = 0; round < 40; ++round) {
+    TemporaryDirectory const directory;
+    // What was noted is of other agents than those who live now.
+    Agents all = agents_at(static_cast<std::uint64_t>(round), random.below(200));
+    all.origins.resize(random.below(150), 0.5);
+    std::size_t const writers = 1 + random.below(6);
+    auto const of_agents = shares_of(writers, all.ids.size(), random);
+    auto const of_origins = shares_of(writers, all.origins.size(), random);
+    std::vector<CheckpointPart> parts;
+    std::vector<Agents> written;
+    for (std::size_t rank = 0; rank < writers; ++rank) {
+      Agents alive = all;
+      alive.origins.clear();
+      Agents part = part_of(alive, of_agents[rank]);
+      part.origins = rows_of(all.origins, of_origins[rank]);
+      parts.push_back(write_checkpoint_part(directory.path(), {.rank = rank, .count = writers}, serializing(part)));
+      written.push_back(part);
+    }
+    write_checkpoint(directory.path(), serializing(written.front()), parts);
+    EXPECT_EQ(restored_from(directory.path()), all);
+    // Others get as many of each list.
+    std::size_t const readers = 1 + random.below(6);
+    Agents together = all;
+    for (auto* list : {&together.x, &together.origins}) list->clear();
+    for (std::size_t rank = 0; rank < readers; ++rank) {
+      Agents part;
+      ASSERT_TRUE(restore_checkpoint(directory.path(), serializing(part), {.rank = rank, .count = readers}));
+      EXPECT_NEAR(static_cast<double>(part.x.size()), static_cast<double>(all.x.size()) / static_cast<double>(readers),
+                  1.0);
+      EXPECT_EQ(part.x.size(), part.ids.size());
+      together.x.insert(together.x.end(), part.x.begin(), part.x.end());
+      together.origins.insert(together.origins.end(), part.origins.begin(), part.origins.end());
+    }
+    EXPECT_EQ(together, all) << writers << " writers, " << readers << " readers";
+  }
+}
+
 TEST(CheckpointParts, OnlyThoseOfTheNewestAndThePreviousCheckpointStay) {
   TemporaryDirectory const directory;
   fs::path const& path = directory.path();

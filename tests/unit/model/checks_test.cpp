@@ -44,7 +44,7 @@ struct ActsOnce {
 template <class Model>
 std::string failure_of(Model const& model, Box const& box) {
   World<Model> world{.box = box, .seed = 1};
-  model.start(world);
+  start_agents(model, world);
   try {
     ModelEngine<Model>(model, box, {}).advance(world, {.step = 4});
   } catch (RunFailure const& failure) {

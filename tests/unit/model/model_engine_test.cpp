@@ -309,6 +309,44 @@ TEST(Observations, CountsAndMeansAreOfTheKindsThatHaveANameWhereverOthersStand) 
   EXPECT_TRUE(std::isnan(values[5]));
 }
 
+struct Grains {
+  using Agents = Population<X, Y, Kind>;
+};
+
+TEST(AgentSums, AreExactWhateverTheOrderOfTheAgents) {
+  std::vector<double> const terms{1e300, 1.0, -1e300, 0x1p-60, -1.0, 3.0};
+  for (bool const is_reversed : {false, true}) {
+    World<Grains> world{.box = Box(1.0, 1.0, Edge::wall)};
+    for (std::size_t k = 0; k < terms.size(); ++k) {
+      std::size_t const n = is_reversed ? terms.size() - 1 - k : k;
+      world.agents.add(terms[n], 0.5, static_cast<std::uint32_t>(n % 2));
+    }
+    AgentSums<Grains> const agents(world);
+    EXPECT_EQ(agents.size(), 6U);
+    EXPECT_EQ(agents.sum([](auto const& agent) { return agent.template get<X>(); }), 3.0 + 0x1p-60);
+    EXPECT_EQ(agents.counts<Kind>(3), (std::vector<std::uint64_t>{3, 3, 0}));
+  }
+}
+
+TEST(AgentSums, AreThoseOfAllProcesses) {
+  World<Grains> world{.box = Box(1.0, 1.0, Edge::wall)};
+  for (double const x : {0.25, 0.5}) world.agents.add(x, 0.5, 1);
+  // Another one has an agent of each kind.
+  auto const add_up = [](std::span<ExactSum> sums) {
+    for (ExactSum& sum : sums) sum.add(10.0);
+  };
+  auto const add_up_counts = [](std::span<std::uint64_t> counts) {
+    for (std::uint64_t& count : counts) ++count;
+  };
+  AgentSums<Grains> const agents(world, {.add_up = add_up, .add_up_counts = add_up_counts});
+  EXPECT_EQ(agents.size(), 3U);
+  EXPECT_EQ(agents.sum([](auto const& agent) { return agent.template get<X>(); }), 10.75);
+  Observations seen;
+  seen.add_counts<Kind>(agents, {"zeros", "ones"});
+  EXPECT_EQ(seen.entries()[0].value, 1.0);
+  EXPECT_EQ(seen.entries()[1].value, 3.0);
+}
+
 TEST(Motion, AWallMirrorsTheWayBeyondItAndSaysWhichDirectionTurned) {
   Box const box(2.0, 1.0, Edge::wall);
   Motion const right = motion(box, {1.75, 0.5}, {0.5, 0.25});

@@ -154,16 +154,19 @@ enum class TaskOfRanks : std::uint64_t {
   leave,
   steps_of_model,
   steps_of_disks,
-  // Of disks whose rows are divided.
-  begin_disks,
-  observe_disks,
-  sample_disks,
-  hash_disks,
+  // Of a run whose agents are divided.
+  begin_run,
+  observe_run,
+  sample_run,
+  hash_run,
+  steps_from_homes,
   find_patience,
+  arrange_frame,
   give_rows,
+  forget_frame,
   write_rows,
   restore_rows,
-  forget_disks,
+  forget_run,
 };
 
 template <class Value>
@@ -182,6 +185,22 @@ Ranks::Bytes message_of_all(std::span<Value const> values) {
 
 inline void send_to_others(Ranks& ranks, Ranks::Bytes const& message) {
   for (std::size_t rank = 1; rank < ranks.count(); ++rank) ranks.send(rank, message);
+}
+
+/// The leader says what is to be done before it does its own part of it.
+inline void send_task(Ranks& ranks, TaskOfRanks task) { send_to_others(ranks, message_of(task)); }
+template <class Order>
+void send_task(Ranks& ranks, TaskOfRanks task, Order const& order) {
+  MessageWriter message;
+  message.add(task);
+  message.add(order);
+  send_to_others(ranks, message.take());
+}
+inline void send_task(Ranks& ranks, TaskOfRanks task, std::string const& text) {
+  MessageWriter message;
+  message.add(task);
+  message.add_text(text);
+  send_to_others(ranks, message.take());
 }
 
 /// Merges what all ranks give, for the leader; others get nothing. All call it. Rank r gets what ranks r + 1, r + 2, r + 4 … have merged, as

@@ -72,21 +72,17 @@ class RowsOfRank {
   std::size_t next_ = 0;
 };
 
-/// The leader's side of one advance(). It has all agents, as they were when it began, with the names that they have by now.
-template <class Model>
-class LeadingModel {
+/// The leader's part of the steps of a share, from look to look at the stop condition.
+template <class Share>
+class LeadingSteps {
  public:
-  using Agents = typename World<Model>::Agents;
-
-  LeadingModel(Ranks& ranks, Model const& model, std::uint64_t threads, World<Model>& world)
-      : ranks_(ranks), model_(model), world_(world), cutoff_(model.cutoff()), time_step_(model.time_step()) {
-    hand_out(threads);
-  }
+  LeadingSteps(Ranks& ranks, Share& share, Clock& clock, double time_step)
+      : ranks_(ranks), share_(share), clock_(clock), time_step_(time_step) {}
 
   /// All ranks are back from their steps when it returns, whatever the stop condition has thrown.
   void run(StopCondition const& stop_condition) {
     StepsBetweenLooks looks(ranks_);
-    while (!stop_condition.is_reached(world_.clock, 0)) {
+    while (!stop_condition.is_reached(clock_, 0)) {
       looks.begin();
       std::uint64_t const done = take_steps(steps_until(stop_condition, looks.steps()));
       if (first_failure_) break;
@@ -102,8 +98,9 @@ class LeadingModel {
     message.add(std::uint64_t{0});
     message.add(does_last_step_count() ? std::uint64_t{1} : 0);
     send_to_others(ranks_, message.take());
-    gather();
   }
+
+  [[nodiscard]] bool does_last_step_count() const { return !first_failure_; }
 
   /// Throws what the stop condition has thrown, or RunFailure for a turn that has failed.
   void require_good_end() const {
@@ -112,8 +109,118 @@ class LeadingModel {
   }
 
  private:
-  [[nodiscard]] bool does_last_step_count() const { return !first_failure_; }
+  /// How many steps may be taken before a look at the stop condition.
+  [[nodiscard]] std::uint64_t steps_until(StopCondition const& stop, std::uint64_t most) const {
+    Clock clock = clock_;
+    std::uint64_t steps = 0;
+    while (steps < most && !stop.is_reached(clock, 0)) {
+      advance(clock);
+      ++steps;
+    }
+    return steps;
+  }
+  void advance(Clock& clock) const {
+    ++clock.step;
+    clock.time += time_step_;
+  }
 
+  /// Returns how many steps were taken.
+  std::uint64_t take_steps(std::uint64_t steps) {
+    send_to_others(ranks_, message_of(steps));
+    std::uint64_t begun = 0;
+    while (begun < steps && share_.take_step()) ++begun;
+    note_failure(share_.failure());
+    for (std::size_t rank = 1; rank < ranks_.count(); ++rank) {
+      Ranks::Bytes const bytes = ranks_.receive(rank);
+      MessageReader message(bytes);
+      auto const answer = message.next<AnswerOfShare>();
+      if (answer.is_stop_asked != 0) ranks_.ask_to_stop();
+      if (answer.has_failed == 0) continue;
+      auto const cell = message.next<std::uint64_t>();
+      auto const agent = message.next<Id>();
+      note_failure(FailedTurn{.cell = cell, .agent = agent, .reason = message.next_text()});
+    }
+    std::uint64_t const whole = begun - (first_failure_ ? 1 : 0);
+    for (std::uint64_t n = 0; n < whole; ++n) advance(clock_);
+    return whole;
+  }
+
+  /// The first one is that at which one process would have stopped.
+  void note_failure(std::optional<FailedTurn> const& failure) {
+    if (!failure) return;
+    if (first_failure_ &&
+        std::tuple(first_failure_->cell, first_failure_->agent) <= std::tuple(failure->cell, failure->agent)) {
+      return;
+    }
+    first_failure_ = failure;
+  }
+
+  Ranks& ranks_;
+  Share& share_;
+  Clock& clock_;
+  double time_step_;
+  std::exception_ptr thrown_;  ///< by the stop condition
+  std::optional<FailedTurn> first_failure_;
+};
+
+/// The part of every other rank in them. Returns whether the last step counts.
+template <class Share>
+bool follow_steps(Ranks& ranks, Share& share) {
+  while (true) {
+    Ranks::Bytes const bytes = ranks.receive(0);
+    MessageReader reader(bytes);
+    auto const steps = reader.next<std::uint64_t>();
+    if (steps == 0) return reader.next<std::uint64_t>() != 0;
+    std::uint64_t begun = 0;
+    while (begun < steps && share.take_step()) ++begun;
+    MessageWriter answer;
+    answer.add(AnswerOfShare{.is_stop_asked = ranks.is_stop_asked() ? std::uint64_t{1} : 0,
+                             .has_failed = share.failure() ? std::uint64_t{1} : 0});
+    if (auto const& failure = share.failure()) {
+      answer.add(failure->cell);
+      answer.add(failure->agent);
+      answer.add_text(failure->reason);
+    }
+    ranks.send(0, answer.take());
+  }
+}
+
+/// What a rank must know of steps of these agents, of which there are so many on all ranks.
+inline ShareOrder share_order(Box const& box, Clock const& clock, std::uint64_t seed, double cutoff, double time_step,
+                              std::uint64_t threads, std::size_t agents) {
+  return {.width = box.width(),
+          .height = box.height(),
+          .is_periodic = box.is_periodic() ? std::uint64_t{1} : 0,
+          .seed = seed,
+          .clock = clock,
+          .cutoff = cutoff,
+          .time_step = time_step,
+          .threads = threads,
+          .agents = agents,
+          .columns = 0,
+          .rows = 0};
+}
+
+/// The leader's side of one advance() of a world that it has alone. It has all agents, as they were when it began, with the names that
+/// they have by now.
+template <class Model>
+class LeadingModel {
+ public:
+  using Agents = typename World<Model>::Agents;
+
+  LeadingModel(Ranks& ranks, Model const& model, std::uint64_t threads, World<Model>& world)
+      : ranks_(ranks), model_(model), world_(world), cutoff_(model.cutoff()) {
+    hand_out(threads);
+    steps_.emplace(ranks, *share_, world.clock, model.time_step());
+  }
+
+  void run(StopCondition const& stop_condition) {
+    steps_->run(stop_condition);
+    gather();
+  }
+  void require_good_end() const { steps_->require_good_end(); }
+
+ private:
   void hand_out(std::uint64_t threads) {
     auto const x = world_.agents.template column<X>();
     auto const y = world_.agents.template column<Y>();
@@ -121,17 +228,9 @@ class LeadingModel {
     // Where agents crowd, ranks can share them fairly in fine cells alone.
     CellLayout const& layout = cells.finer && is_crowd(cells.layout, x, y) ? *cells.finer : cells.layout;
     std::vector<Tiling::Rectangle> const division = divide_among_ranks(world_.box, layout, x, y, ranks_.count());
-    ShareOrder const order{.width = world_.box.width(),
-                           .height = world_.box.height(),
-                           .is_periodic = world_.box.is_periodic() ? std::uint64_t{1} : 0,
-                           .seed = world_.seed,
-                           .clock = world_.clock,
-                           .cutoff = cutoff_,
-                           .time_step = time_step_,
-                           .threads = threads,
-                           .agents = world_.agents.size(),
-                           .columns = static_cast<std::uint64_t>(layout.columns()),
-                           .rows = static_cast<std::uint64_t>(layout.rows())};
+    ShareOrder order =
+        share_order(world_.box, world_.clock, world_.seed, cutoff_, model_.time_step(), threads, world_.agents.size());
+    order.set_cells(layout);
     send_order(order, division);
     LargeArray<Id> ids;
     typename Agents::AllValues values;
@@ -192,56 +291,11 @@ class LeadingModel {
     return names;
   }
 
-  /// How many steps may be taken before a look at the stop condition.
-  [[nodiscard]] std::uint64_t steps_until(StopCondition const& stop, std::uint64_t most) const {
-    Clock clock = world_.clock;
-    std::uint64_t steps = 0;
-    while (steps < most && !stop.is_reached(clock, 0)) {
-      advance(clock);
-      ++steps;
-    }
-    return steps;
-  }
-  void advance(Clock& clock) const {
-    ++clock.step;
-    clock.time += time_step_;
-  }
-
-  /// Returns how many steps were taken.
-  std::uint64_t take_steps(std::uint64_t steps) {
-    send_to_others(ranks_, message_of(steps));
-    std::uint64_t begun = 0;
-    while (begun < steps && share_->take_step()) ++begun;
-    note_failure(share_->failure());
-    for (std::size_t rank = 1; rank < ranks_.count(); ++rank) {
-      Ranks::Bytes const bytes = ranks_.receive(rank);
-      MessageReader message(bytes);
-      auto const answer = message.next<AnswerOfShare>();
-      if (answer.is_stop_asked != 0) ranks_.ask_to_stop();
-      if (answer.has_failed == 0) continue;
-      auto const cell = message.next<std::uint64_t>();
-      auto const agent = message.next<Id>();
-      note_failure(FailedTurn{.cell = cell, .agent = agent, .reason = message.next_text()});
-    }
-    std::uint64_t const whole = begun - (first_failure_ ? 1 : 0);
-    for (std::uint64_t n = 0; n < whole; ++n) advance(world_.clock);
-    return whole;
-  }
-
-  /// The first one is that at which one process would have stopped.
-  void note_failure(std::optional<FailedTurn> const& failure) {
-    if (!failure) return;
-    if (first_failure_ &&
-        std::tuple(first_failure_->cell, first_failure_->agent) <= std::tuple(failure->cell, failure->agent)) {
-      return;
-    }
-    first_failure_ = failure;
-  }
-
   /// Brings the world to where one process would have it, the order of its rows included: observables add in that order.
   void gather() {
     std::vector<Ranks::Bytes> own;
-    share_->send_agents(does_last_step_count(), [&](Ranks::Bytes message) { own.push_back(std::move(message)); });
+    share_->send_agents(steps_->does_last_step_count(),
+                        [&](Ranks::Bytes message) { own.push_back(std::move(message)); });
     std::size_t next_own = 0;
     std::vector<RowsOfRank<Agents>> sources;
     sources.emplace_back([&] { return std::move(own[next_own++]); });
@@ -260,7 +314,7 @@ class LeadingModel {
     }
     ranks_.note_traffic(0, ranks_.traffic());
     share_.reset();
-    if (does_last_step_count()) apply_commands<Model>(world_, commands);
+    if (steps_->does_last_step_count()) apply_commands<Model>(world_, commands);
   }
 
   void merge(std::vector<RowsOfRank<Agents>>& sources) {
@@ -303,10 +357,8 @@ class LeadingModel {
   Model model_;
   World<Model>& world_;
   double cutoff_;
-  double time_step_;
   std::optional<ModelShare<Model>> share_;
-  std::exception_ptr thrown_;  ///< by the stop condition
-  std::optional<FailedTurn> first_failure_;
+  std::optional<LeadingSteps<ModelShare<Model>>> steps_;
 };
 
 /// Moves a world on together with other ranks, of which this one leads: hands out the agents, has all take their steps, and gathers the
@@ -356,27 +408,7 @@ void take_part(Ranks& ranks, Model model, MessageReader& message) {
     append_agents(agents, count, ids, values);
   }
   ModelShare<Model> share(ranks, model, order, std::move(division), std::move(ids), std::move(values));
-  bool does_step_count = true;
-  while (true) {
-    Ranks::Bytes const bytes = ranks.receive(0);
-    MessageReader reader(bytes);
-    auto const steps = reader.next<std::uint64_t>();
-    if (steps == 0) {
-      does_step_count = reader.next<std::uint64_t>() != 0;
-      break;
-    }
-    std::uint64_t begun = 0;
-    while (begun < steps && share.take_step()) ++begun;
-    MessageWriter answer;
-    answer.add(AnswerOfShare{.is_stop_asked = ranks.is_stop_asked() ? std::uint64_t{1} : 0,
-                             .has_failed = share.failure() ? std::uint64_t{1} : 0});
-    if (auto const& failure = share.failure()) {
-      answer.add(failure->cell);
-      answer.add(failure->agent);
-      answer.add_text(failure->reason);
-    }
-    ranks.send(0, answer.take());
-  }
+  bool const does_step_count = follow_steps(ranks, share);
   share.send_agents(does_step_count, [&](Ranks::Bytes agents) { ranks.send(0, std::move(agents)); });
   ranks.send(0, last_message<Model>(ranks, share));
 }

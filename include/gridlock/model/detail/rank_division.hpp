@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/population.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/grid/detail/cell_window.hpp"
@@ -99,6 +100,10 @@ class RankDivision {
 /// The parts of all ranks, with about as many agents in each.
 std::vector<Tiling::Rectangle> divide_among_ranks(Box const& box, CellLayout const& cells, std::span<double const> x,
                                                   std::span<double const> y, std::size_t ranks);
+
+/// The same where each rank has some of the agents, those of (x[i], y[i]). All call it, and get the same.
+std::vector<Tiling::Rectangle> divide_among_ranks(Ranks& ranks, Box const& box, CellLayout const& cells,
+                                                  std::span<double const> x, std::span<double const> y);
 
 /// Whether points crowd, in cells of which all are stored; see is_crowd().
 bool is_crowd(CellLayout const& layout, std::span<double const> x, std::span<double const> y);

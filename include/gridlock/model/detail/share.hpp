@@ -39,6 +39,10 @@ struct ShareOrder {
   std::uint64_t agents;         ///< of all ranks
   std::uint64_t columns, rows;  ///< of the cells of the division
 
+  void set_cells(CellLayout const& cells) {
+    columns = static_cast<std::uint64_t>(cells.columns());
+    rows = static_cast<std::uint64_t>(cells.rows());
+  }
   [[nodiscard]] Box box() const { return {width, height, is_periodic != 0 ? Edge::periodic : Edge::wall}; }
 };
 
@@ -116,9 +120,26 @@ class ModelShare {
     if (!rows.empty()) flush();
     flush();
   }
+  /// Lets the last step take effect, unless it does not count, and moves the agents of this rank into empty arrays. All ranks call it,
+  /// once, at the end.
+  void take_agents(bool step_counts, LargeArray<Id>& ids, AllValues& values) {
+    if (step_counts && has_turns_) complete_step();
+    has_turns_ = false;
+    world_.agents.become(ids, values);
+    std::size_t own = 0;
+    for (std::size_t row = 0; row < ids.size(); ++row) {
+      if (!division_.is_own(place(values, row))) continue;
+      ids[own] = ids[row];
+      values.copy(own++, values, row);
+    }
+    ids.resize(own);
+    values.resize(own);
+  }
+  /// How many agents all ranks have, as far as steps have taken effect.
+  [[nodiscard]] std::size_t population() const { return population_; }
   /// What the agents of this rank asked for in the last step, which has not taken effect.
   [[nodiscard]] std::span<DeferredCommands<Model> const> commands() const { return commands_; }
-  /// What happened in the steps before the last one.
+  /// What happened in the steps that have taken effect.
   [[nodiscard]] EventCounts<Model> const& events() const { return events_; }
 
  private:

@@ -21,6 +21,15 @@ Vector position_of(typename Agents::Values const& values) {
   return {std::get<Agents::template place_of<X>>(values), std::get<Agents::template place_of<Y>>(values)};
 }
 
+/// Whether the first agents are functions of their numbers, Model::first_agent().
+template <class Model>
+consteval bool has_first_agents() {
+  return requires(Model const& model, World<Model> const& world) {
+    model.first_agent(world, 0);
+    model.agents_at_start();
+  };
+}
+
 /// How far an agent of the model searches, and the physical time of a step: numbers of the model alone, or of its world.
 template <class Model>
 double cutoff_of(Model const& model, World<Model> const& world) {

@@ -7,6 +7,8 @@
 
 #include "gridlock/core/agents_view.hpp"
 #include "gridlock/core/detail/exact_sum.hpp"
+#include "gridlock/core/population.hpp"
+#include "gridlock/core/vector.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/grid/detail/cell_window.hpp"
 
@@ -35,8 +37,14 @@ struct PointsOfCells {
   CellWindow window;    ///< of all their cells
 };
 
-/// The agents of other ranks, where the rows of a world are divided among ranks: rank 0 has the first ones, rank 1 the next, and so
-/// on. Every function is called by all ranks together, in the same order; all get the same numbers.
+/// What was noted for an agent.
+struct NotedVector {
+  Id id = 0;
+  Vector value;
+};
+
+/// The agents of other ranks, where the agents of a world are divided among ranks: each has some, and keeps them.
+/// Every function is called by all ranks together, in the same order; all get the same numbers.
 class OtherAgents {
  public:
   OtherAgents() = default;
@@ -46,8 +54,6 @@ class OtherAgents {
 
   /// How many agents all ranks have.
   [[nodiscard]] virtual std::size_t count_of_all() const = 0;
-  /// The number of the first own row among all rows.
-  [[nodiscard]] virtual std::size_t first_row() const = 0;
 
   /// Each number becomes the sum of those of all ranks.
   virtual void add_up(std::span<ExactSum> sums) const = 0;
@@ -59,6 +65,9 @@ class OtherAgents {
   /// every point is among the own ones of one rank. (x[i], y[i]) are the points of this rank.
   [[nodiscard]] virtual PointsOfCells points_of_cells(CellLayout const& layout, double cutoff,
                                                       std::span<double const> x, std::span<double const> y) const = 0;
+
+  /// What was noted for the agents of this rank, whichever ranks have it: see home_of().
+  [[nodiscard]] virtual std::vector<NotedVector> at_home(std::vector<NotedVector> noted) const = 0;
 };
 
 /// How many agents there are, on all ranks; without others those of the view.

@@ -17,6 +17,7 @@ namespace gridlock {
 struct Configuration;
 struct Setup;
 struct SetupOptions;
+class AgentsOfRank;
 class MessageReader;
 class Ranks;
 
@@ -65,7 +66,11 @@ class ModelKind {
   [[nodiscard]] virtual std::optional<Problem> not_shared_by_ranks(Configuration const& configuration) const;
   /// Whether several processes divide the agents, so that none has all of them.
   [[nodiscard]] virtual bool is_divided_among_ranks(Configuration const& /*configuration*/) const { return false; }
-  /// The part of a process that helps with steps of this model, see help(). Contract: one that ranks can share.
+  /// What another process than the leader has of such a run, see DividedSimulation. Contract: is_divided_among_ranks().
+  /// Errors: Error, on all ranks.
+  [[nodiscard]] virtual std::unique_ptr<AgentsOfRank> agents_of_rank(Ranks& ranks,
+                                                                     Configuration const& configuration) const = 0;
+  /// The part of a process that helps with steps of a world that the leader has, see help(). Contract: a model that ranks can share.
   virtual void take_part(Ranks& ranks, MessageReader& message) const;
   /// Whether a run can end within a step.
   [[nodiscard]] virtual bool ends_within_steps(Configuration const& /*configuration*/) const { return false; }

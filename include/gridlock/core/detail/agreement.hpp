@@ -1,0 +1,17 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "gridlock/core/detail/ranks.hpp"
+
+namespace gridlock {
+
+/// Does some work on all ranks, which call it together; no messages in between.
+/// Errors: Error on all of them where there is one on any, that of the first.
+void agree_on_errors(Ranks& ranks, std::function<void()> const& work);
+
+/// The first text of any rank that is not empty, for all.
+std::string first_text_of_all(Ranks& ranks, std::string const& text);
+
+}  // namespace gridlock

@@ -1,0 +1,165 @@
+#include "simulation/disks_of_rank.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "engine/stepped.hpp"
+#include "gridlock/core/detail/agreement.hpp"
+#include "gridlock/core/detail/rows_in_order.hpp"
+#include "lattice/rows_of_start.hpp"
+#include "simulation/patient_engine.hpp"
+
+namespace gridlock {
+
+namespace {
+
+/// Rows in one message.
+constexpr std::size_t rows_of_message = std::size_t{1} << 15;
+
+/// All that a row of a state holds.
+struct DiskRow {
+  Id id;
+  double x, y, velocity_x, velocity_y, radius, mass;
+  std::int32_t image_x, image_y;
+};
+
+DiskRow row_of(Disks const& disks, std::size_t i) {
+  return {.id = disks.ids()[i],
+          .x = disks.column<X>()[i],
+          .y = disks.column<Y>()[i],
+          .velocity_x = disks.column<VelocityX>()[i],
+          .velocity_y = disks.column<VelocityY>()[i],
+          .radius = disks.column<Radius>()[i],
+          .mass = disks.column<Mass>()[i],
+          .image_x = disks.column<ImageX>()[i],
+          .image_y = disks.column<ImageY>()[i]};
+}
+
+/// Rows that come one after the other, until they are a population.
+class ComingRows {
+ public:
+  explicit ComingRows(std::size_t rows) {
+    ids_.resize(rows);
+    values_.resize(rows);
+  }
+  void add(DiskRow const& row) {
+    ids_[next_] = row.id;
+    values_.put(next_, {row.x, row.y, row.velocity_x, row.velocity_y, row.radius, row.mass, row.image_x, row.image_y});
+    ++next_;
+  }
+  void become(Disks& disks) {
+    assert(next_ == ids_.size());
+    disks.become(ids_, values_);
+  }
+
+ private:
+  LargeArray<Id> ids_;
+  Disks::AllValues values_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace
+
+DisksOfRank::DisksOfRank(Ranks& ranks, Configuration const& configuration, State const* whole)
+    : ranks_(ranks), own_{.box = make_box(configuration.box)} {
+  struct Head {
+    std::uint64_t is_handed_out;
+    std::uint64_t rows;
+  } head{.is_handed_out = whole != nullptr ? 1U : 0U,
+         .rows = whole != nullptr ? whole->agents.size() : count_of(configuration.disks)};
+  if (ranks_.rank() == 0) {
+    send_to_others(ranks_, message_of(head));
+  } else {
+    head = MessageReader(ranks_.receive(0)).next<Head>();
+  }
+  rows_ = RowDivision::even(head.rows, ranks_.count());
+  if (head.is_handed_out != 0) {
+    whole != nullptr ? hand_out(*whole) : receive_rows();
+  } else {
+    agree_on_errors(ranks_, [&] {
+      own_ = make_rows_of_start(own_.box, configuration.disks, configuration.run.seed,
+                                {.first = rows_.first(ranks_.rank()), .end = rows_.end(ranks_.rank())});
+    });
+    // What is refused is of the settings: all refuse it, before anything is added up.
+    agree_on_errors(ranks_, [&] {
+      draw_velocities_of_rows(own_, configuration.velocities, rows_.rows(), [&](DriftSums& sums) {
+        sums = add_in_order(ranks_, sums, [&](DriftSums& so_far) { so_far.add(own_.agents); });
+      });
+    });
+  }
+  own_.seed = configuration.run.seed;
+  for (Ranks::Bytes const& bytes : ranks_.gather_for_all(message_of(overview_of(own_.agents)))) {
+    all_.add(MessageReader(bytes).next<DisksOverview>());
+  }
+  agree_on_errors(ranks_, [&] { require_room_for_turns_of(configuration.engine, own_, all_); });
+}
+
+void DisksOfRank::hand_out(State const& whole) {
+  own_.clock = whole.clock;
+  send_to_others(ranks_, message_of(whole.clock));
+  std::vector<std::uint32_t> const order = rows_in_order(whole.agents.ids());
+  ComingRows own(rows_.rows_of(0));
+  std::vector<DiskRow> waiting;
+  for (std::size_t rank = 0; rank < ranks_.count(); ++rank) {
+    for (std::uint64_t row = rows_.first(rank); row < rows_.end(rank); ++row) {
+      DiskRow const disk = row_of(whole.agents, order[row]);
+      if (rank == 0) {
+        own.add(disk);
+        continue;
+      }
+      waiting.push_back(disk);
+      if (waiting.size() < rows_of_message && row + 1 < rows_.end(rank)) continue;
+      ranks_.send(rank, message_of_all(std::span<DiskRow const>(waiting)));
+      waiting.clear();
+    }
+  }
+  own.become(own_.agents);
+}
+
+void DisksOfRank::receive_rows() {
+  own_.clock = MessageReader(ranks_.receive(0)).next<Clock>();
+  std::size_t const rows = rows_.rows_of(ranks_.rank());
+  ComingRows own(rows);
+  for (std::size_t come = 0; come < rows;) {
+    Ranks::Bytes const bytes = ranks_.receive(0);
+    std::vector<DiskRow> const disks = MessageReader(bytes).rest<DiskRow>();
+    for (DiskRow const& disk : disks) own.add(disk);
+    come += disks.size();
+  }
+  own.become(own_.agents);
+}
+
+double DisksOfRank::patience() const {
+  return patience_for(own_, all_, [&](auto const& add) { return add_in_order(ranks_, SpeedSums{}, add); });
+}
+
+void DisksOfRank::begin(EngineSettings const& settings, RunSettings const& run) {
+  auto tiled = std::make_unique<TiledOnRanks>(settings, box(), all_, rows_);
+  tiled_ = tiled.get();
+  engine_ = std::move(tiled);
+  tiled_->require_no_overlaps(own_);
+  if (run.steps || run.time) return;
+  send_task(ranks_, TaskOfRanks::find_patience);
+  engine_ = std::make_unique<PatientEngine>(std::move(engine_), patience());
+}
+
+void DisksOfRank::serialize(Archive& archive) {
+  gridlock::serialize(archive, own_);
+  if (!archive.is_restoring()) return;
+  archive.require(own_.agents.size() == rows_.rows_of(ranks_.rank()), "it holds another number of disks");
+  archive.require(std::ranges::is_sorted(own_.agents.ids()),
+                  "its disks are not in the order of their Ids, which one process can restore alone");
+}
+
+bool DisksOfRank::carry_out(TaskOfRanks task, MessageReader& message) {
+  if (task == TaskOfRanks::steps_of_disks) {
+    tiled::take_part(ranks_, message, own_);
+    return true;
+  }
+  if (task != TaskOfRanks::find_patience) return false;
+  static_cast<void>(patience());
+  return true;
+}
+
+}  // namespace gridlock

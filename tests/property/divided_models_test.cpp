@@ -1,0 +1,161 @@
+// Runs of models whose agents are divided among ranks, here threads: the files of one process, to the bit, whoever is born or dies
+// where, and however often the number of ranks changes.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/core/random.hpp"
+#include "gridlock/simulation/detail/model_of_rank.hpp"
+#include "models/epidemic.hpp"
+#include "models/flocking.hpp"
+#include "runs_on_ranks.hpp"
+#include "unit/io/temporary_directory.hpp"
+#include "wanderers.hpp"
+
+namespace gridlock {
+namespace {
+
+namespace fs = std::filesystem;
+using test::carry_out;
+using test::expect_same_results;
+using test::KnownModels;
+using test::ThreadRanks;
+
+std::string number(double value) { return std::to_string(value); }
+
+/// A run of a model that ranks can divide: with and without births, of agents that each rank makes by itself and of others.
+std::string any_run_of_model(std::uint64_t seed) {
+  RandomStream random(seed, 0, 0, Purpose::start_position);
+  auto const is = [&] { return random.below(2) == 0; };
+  auto const one_of = [&](std::vector<double> const& values) { return values[random.below(values.size())]; };
+  std::string text = "[box]\nedge = \"" + std::string(is() ? "wall" : "periodic") + "\"\n";
+  if (is()) text += "height = " + number(0.6 + random.uniform()) + "\n";
+  std::string const count = std::to_string(random.below(4) == 0 ? 1 + random.below(8) : 50 + random.below(900));
+  std::uint64_t const kind = seed % 3;
+  if (kind == 0) {
+    text += "[model]\nkind = \"epidemic\"\n[epidemic]\ncount = " + count +
+            "\nradius = " + number(0.02 + 0.1 * random.uniform()) +
+            "\nspeed = 0.3\ninfected_at_start = 0.2\nturnover_rate = " + number(one_of({0.0, 0.5, 3.0})) + "\n";
+  } else if (kind == 1) {
+    text += "[model]\nkind = \"flocking\"\n[flocking]\ncount = " + count +
+            "\nradius = " + number(0.02 + 0.1 * random.uniform()) + "\nspeed = 0.02\nrule = \"" +
+            std::string(is() ? "vicsek" : "boids") + "\"\n";
+  } else {
+    text += "[model]\nkind = \"wanderers_of_test\"\n[wanderers_of_test]\ncount = " + count +
+            "\nradius = " + number(one_of({0.2, 0.05, 0.01})) + "\nspeed = 0.05\njump = " + number(one_of({0.0, 0.1})) +
+            "\nbirth = " + number(one_of({0.0, 0.02, 0.04})) + "\nfar_birth = " + number(one_of({0.0, 0.02})) +
+            "\ndeath = " + number(one_of({0.0, 0.04, 0.3})) + "\nkill = " + number(one_of({0.0, 0.005})) +
+            "\ncrowd = " + number(one_of({1.0, 0.05})) + "\n";
+  }
+  text += "[observe]\nevery = " + std::to_string(1 + random.below(12)) +
+          "\nstructure_every = " + std::to_string(random.below(3)) +
+          "\nvelocity_origin_every = " + std::to_string(random.below(3)) +
+          "\nequilibration = " + number(one_of({0.0, 0.3})) + "\n";
+  text += "[trajectory]\nevery = " + std::to_string(5 + random.below(20)) + "\n";
+  text += "[run]\nsteps = 40\nseed = " + std::to_string(seed) + "\n";
+  return text;
+}
+
+TEST(DividedModels, HaveTheFilesOfOneProcess) {
+  KnownModels const known;
+  TemporaryDirectory const temporary;
+  for (std::uint64_t seed = 0; seed < 24; ++seed) {
+    std::string const text = any_run_of_model(seed);
+    fs::path const one = temporary / ("one" + std::to_string(seed));
+    carry_out(text, one, 0);
+    for (std::size_t const ranks : {1 + seed % 2, 3 + seed % 3, std::uint64_t{seed % 8 == 0 ? 12U : 6U}}) {
+      fs::path const many = temporary / ("many" + std::to_string(seed) + "_" + std::to_string(ranks));
+      carry_out(text, many, ranks);
+      ASSERT_NO_FATAL_FAILURE(expect_same_results(
+          one, many, "seed " + std::to_string(seed) + " on " + std::to_string(ranks) + " ranks\n" + text));
+    }
+  }
+}
+
+TEST(DividedModels, ContinueOnAnotherNumberOfRanksAndInOneProcess) {
+  KnownModels const known;
+  TemporaryDirectory const temporary;
+  for (std::uint64_t seed = 100; seed < 127; ++seed) {
+    std::string const text = any_run_of_model(seed);
+    fs::path const one = temporary / ("one" + std::to_string(seed));
+    fs::path const many = temporary / ("many" + std::to_string(seed));
+    carry_out(text, one, 0);
+    std::vector<std::size_t> const numbers = seed / 3 % 3 == 0   ? std::vector<std::size_t>{3, 0, 2}
+                                             : seed / 3 % 3 == 1 ? std::vector<std::size_t>{0, 4, 1}
+                                                                 : std::vector<std::size_t>{4, 2, 7};
+    EXPECT_EQ(carry_out(text, many, numbers[0], 11), RunStatus::interrupted);
+    EXPECT_EQ(carry_out(text, many, numbers[1], 25), RunStatus::interrupted);
+    EXPECT_EQ(carry_out(text, many, numbers[2]), RunStatus::finished);
+    ASSERT_NO_FATAL_FAILURE(expect_same_results(one, many, "seed " + std::to_string(seed) + "\n" + text));
+  }
+}
+
+TEST(DividedModels, RefuseWhatOneProcessRefuses) {
+  KnownModels const known;
+  TemporaryDirectory const temporary;
+  for (char const* const wrong : {"[model]\nkind = \"wanderers_of_test\"\n[wanderers_of_test]\ncrowd = 1.5\n",
+                                  "[model]\nkind = \"wanderers_of_test\"\n[wanderers_of_test]\nradius = 0.7\n",
+                                  "[model]\nkind = \"flocking\"\n[flocking]\nradius = 0.7\nspeed = 0.01\n",
+                                  "[model]\nkind = \"epidemic\"\n[epidemic]\ncount = 50\nspeed = 1000.0\n"}) {
+    auto const problem_of = [&](std::size_t ranks) {
+      try {
+        carry_out(std::string(wrong) + "[box]\nedge = \"periodic\"\n[run]\nsteps = 5\n", temporary / "refused", ranks);
+      } catch (Error const& error) {
+        return std::string(error.what());
+      }
+      return std::string();
+    };
+    std::string const one = problem_of(0);
+    EXPECT_NE(one, "") << wrong;
+    EXPECT_EQ(one, problem_of(3)) << wrong;
+    EXPECT_FALSE(fs::exists(temporary / "refused")) << wrong;
+  }
+}
+
+/// What each rank has of a population that starts with so many and grows.
+template <class Model>
+std::vector<std::size_t> agents_of_ranks(Model const& model, std::size_t ranks, std::uint64_t steps) {
+  std::vector<std::size_t> agents(ranks);
+  ThreadRanks(ranks).run_on_all([&](Ranks& here) {
+    ModelOfRank<Model> own(here, model, Box(1.0, 1.0, Edge::periodic), 5, 1, [](auto const& act) { act(); });
+    Counters counters;
+    if (here.rank() == 0) {
+      own.advance(counters, {.step = steps});
+      send_task(here, TaskOfRanks::leave);
+    } else {
+      for (auto task = TaskOfRanks::steps_from_homes; task != TaskOfRanks::leave;) {
+        Ranks::Bytes const bytes = here.receive(0);
+        MessageReader message(bytes);
+        task = message.next<TaskOfRanks>();
+        own.carry_out(task, message);
+      }
+    }
+    agents[here.rank()] = own.view().size();
+  });
+  return agents;
+}
+
+TEST(DividedModels, AreOnEachRankAboutAsManyHoweverFarTheyGrow) {
+  Epidemic const epidemic{.count = 30, .speed = 0.1, .turnover_rate = 0.0};
+  for (std::size_t const agents : agents_of_ranks(epidemic, 4, 1)) EXPECT_NEAR(static_cast<double>(agents), 7.5, 0.6);
+  test::Wanderers const growing{.count = 30, .radius = 0.01, .birth = 0.1};
+  std::vector<std::size_t> const grown = agents_of_ranks(growing, 4, 45);
+  double const all = static_cast<double>(grown[0] + grown[1] + grown[2] + grown[3]);
+  EXPECT_GT(all, 1500.0);
+  for (std::size_t const agents : grown) EXPECT_NEAR(static_cast<double>(agents), all / 4.0, 1.0);
+  test::Wanderers const shrinking{.count = 4000, .radius = 0.01, .death = 0.03};
+  std::vector<std::size_t> const left = agents_of_ranks(shrinking, 4, 45);
+  double const few = static_cast<double>(left[0] + left[1] + left[2] + left[3]);
+  EXPECT_LT(few, 1500.0);
+  for (std::size_t const agents : left) EXPECT_NEAR(static_cast<double>(agents), few / 4.0, 5.0 * std::sqrt(few / 4.0));
+}
+
+}  // namespace
+}  // namespace gridlock
