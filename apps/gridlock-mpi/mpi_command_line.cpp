@@ -7,6 +7,10 @@
 #include <cstdlib>
 #include <string>
 
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
 #include "gridlock/terminal.hpp"
 #include "gridlock/verbs.hpp"
 #include "mpi_crew.hpp"
@@ -30,6 +34,15 @@ class LastWords {
   int standard_error_;
 };
 
+/// Has columns go back to the system where they are freed. Agents are copied between ranks again and again; an allocator that keeps what is
+/// freed for other sizes holds up to twice of what they need.
+void return_large_memory() {
+#if defined(__GLIBC__)
+  constexpr int bytes = 1 << 21;
+  static_cast<void>(mallopt(M_MMAP_THRESHOLD, bytes));
+#endif
+}
+
 /// Rank 0 speaks for all.
 void be_silent() {
   for (std::FILE* const stream : {stdout, stderr}) {
@@ -40,6 +53,7 @@ void be_silent() {
 }  // namespace
 
 int gridlock::mpi_command_line(int argc, char** argv) {
+  return_large_memory();
   // A rank that a signal ends while MPI begins would leave mpirun waiting.
   gridlock::cli::StopSignals::keep_until_begun();
   // The thread that began talks to other ranks; of a sweep whose runs have several ranks those that make runs, too.
