@@ -113,37 +113,6 @@ Ranks::Bytes add_counts(Ranks::Bytes left, Ranks::Bytes right) {
   return message_of_all(std::span<std::uint64_t const>(sums));
 }
 
-/// For each column or row of cells the one of tiles that it is in, by where those end.
-template <class EndOf>
-std::vector<std::size_t> tiles_of_cells(std::size_t tiles, EndOf end_of) {
-  std::vector<std::size_t> tile_of_cell;
-  for (std::size_t k = 0; k < tiles; ++k) tile_of_cell.resize(static_cast<std::size_t>(end_of(k)), k);
-  return tile_of_cell;
-}
-
-/// The tile of a point.
-class TileFinder {
- public:
-  TileFinder(CellLayout const& layout, Tiling const& tiling)
-      : layout_(layout),
-        tiling_(tiling),
-        column_of_(tiles_of_cells(tiling.columns(),
-                                  [&](std::size_t k) { return tiling.tiles()[tiling.number_of(k, 0)].end_column; })),
-        row_of_(tiles_of_cells(tiling.rows(),
-                               [&](std::size_t k) { return tiling.tiles()[tiling.number_of(0, k)].end_row; })) {}
-
-  [[nodiscard]] std::uint32_t tile_of(Vector p) const {
-    return tiling_.number_of(column_of_[static_cast<std::size_t>(layout_.column_of(p.x))],
-                             row_of_[static_cast<std::size_t>(layout_.row_of(p.y))]);
-  }
-
- private:
-  CellLayout const& layout_;
-  Tiling const& tiling_;
-  std::vector<std::size_t> column_of_;
-  std::vector<std::size_t> row_of_;
-};
-
 /// The part of one rank, from when the disks leave the rows of all ranks until they are back.
 class PartOfRank {
  public:
@@ -251,7 +220,7 @@ class PartOfRank {
     std::vector<std::uint64_t> const disks_of_tile = disks_of_tiles(finder);
     MessageWriter message;
     if (ranks_.rank() == 0) {
-      std::vector<Tiling::Rectangle> const division = tiled::divide(tiling_, disks_of_tile, ranks_.count());
+      std::vector<Tiling::Rectangle> const division = divide_tiles(tiling_, disks_of_tile, ranks_.count());
       for (Tiling::Rectangle const& rectangle : division) {
         std::uint64_t disks = 0;
         rectangle.for_each_tile(

@@ -48,22 +48,6 @@ std::array<std::uint64_t, 8> bits_of(DiskInTurn const& disk) {
   return std::bit_cast<std::array<std::uint64_t, 8>>(disk);
 }
 
-CellWindow cells_of(Tiling::Tile const& tile) {
-  return {.first_column = tile.first_column,
-          .end_column = tile.end_column,
-          .first_row = tile.first_row,
-          .end_row = tile.end_row};
-}
-
-/// The cells that the turns of a tile may change.
-CellWindow cells_changed_by(CellLayout const& layout, Tiling::Tile const& tile) {
-  CellWindow window{.first_column = tile.first_column - 1,
-                    .end_column = tile.end_column + 1,
-                    .first_row = tile.first_row - 1,
-                    .end_row = tile.end_row + 1};
-  return within(layout, window);
-}
-
 }  // namespace
 
 Share::Share(Ranks& ranks, TurnRule const& rule, CellLayout const& layout, std::vector<Tiling::Rectangle> division,
@@ -145,8 +129,8 @@ Share::CellsOfRound Share::cells_of_round(Round const& round, CellWindow const& 
   for (Tiling::Part const& part : round.before_sending) {
     for (std::uint32_t const number : part) {
       Tiling::Tile const& tile = tiling_.tiles()[number];
-      std::ranges::copy(common_cells(layout_, cells_changed_by(layout_, tile), window), std::back_inserter(all));
-      std::ranges::copy(common_cells(layout_, cells_of(tile), window), std::back_inserter(cells.own));
+      std::ranges::copy(common_cells(layout_, window_around(layout_, tile, 1), window), std::back_inserter(all));
+      std::ranges::copy(common_cells(layout_, window_around(layout_, tile, 0), window), std::back_inserter(cells.own));
     }
   }
   sort_and_drop_repeats(all);
@@ -173,7 +157,7 @@ std::vector<std::uint8_t> Share::latest_phases(std::vector<Tiling::Round> const&
   std::ranges::reverse(tiles);
   for (std::uint32_t const tile : tiles) {
     if (!is_first[tile]) continue;
-    CellWindow const changed = cells_changed_by(layout_, tiling_.tiles()[tile]);
+    CellWindow const changed = window_around(layout_, tiling_.tiles()[tile], 1);
     bool const is_seen = std::ranges::any_of(
         neighbours_, [&](Neighbour const& neighbour) { return overlap(layout_, changed, neighbour.seen); });
     if (is_seen) latest[tile] = 0;

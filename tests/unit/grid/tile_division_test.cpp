@@ -1,6 +1,6 @@
 // How tiles are divided among ranks.
 
-#include "engine/tiled/division.hpp"
+#include "gridlock/grid/detail/tile_division.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 
 #include "gridlock/core/random.hpp"
 
-namespace gridlock::tiled {
+namespace gridlock {
 namespace {
 
 Tiling tiling_of(int columns, int rows, Edge edge = Edge::wall) {
@@ -30,7 +30,7 @@ TEST(Division, GivesEveryTileToOneRank) {
     Tiling const tiling = tiling_of(130, 90);
     std::vector<std::uint64_t> const disks(tiling.tiles().size(), 5);
     std::vector<int> owners(disks.size(), 0);
-    std::vector<Tiling::Rectangle> const division = divide(tiling, disks, ranks);
+    std::vector<Tiling::Rectangle> const division = divide_tiles(tiling, disks, ranks);
     ASSERT_EQ(division.size(), ranks);
     for (Tiling::Rectangle const& own : division) {
       own.for_each_tile([&](std::size_t column, std::size_t row) { ++owners[tiling.number_of(column, row)]; });
@@ -53,7 +53,7 @@ TEST(Division, FollowsTheDisksAndNotTheArea) {
     }
   }
   for (std::size_t const ranks : {2U, 4U, 6U}) {
-    for (Tiling::Rectangle const& own : divide(tiling, disks, ranks)) {
+    for (Tiling::Rectangle const& own : divide_tiles(tiling, disks, ranks)) {
       double const share = static_cast<double>(disks_in(tiling, disks, own)) / static_cast<double>(all);
       EXPECT_NEAR(share * static_cast<double>(ranks), 1.0, 0.35) << ranks << " ranks";
     }
@@ -63,7 +63,7 @@ TEST(Division, FollowsTheDisksAndNotTheArea) {
 TEST(Division, LeavesRanksWithoutTilesWhereThereAreNotEnough) {
   Tiling const tiling = tiling_of(4, 4);
   std::vector<std::uint64_t> const disks(tiling.tiles().size(), 3);
-  std::vector<Tiling::Rectangle> const division = divide(tiling, disks, 50);
+  std::vector<Tiling::Rectangle> const division = divide_tiles(tiling, disks, 50);
   std::size_t tiles = 0;
   for (Tiling::Rectangle const& own : division) tiles += own.tiles();
   EXPECT_EQ(tiles, tiling.tiles().size());
@@ -106,4 +106,4 @@ TEST(Windows, HaveTheCellsInCommonThatBothHave) {
 }
 
 }  // namespace
-}  // namespace gridlock::tiled
+}  // namespace gridlock
