@@ -61,6 +61,12 @@ class CellLayout {
     }
   }
 
+  /// Whether a point is in the 3×3 block around a cell.
+  [[nodiscard]] bool is_in_block(int cell, Vector p) const {
+    int const row = cell / columns_;
+    return are_next(cell - row * columns_, column_of(p.x), columns_) && are_next(row, row_of(p.y), rows_);
+  }
+
   /// A cell of a block and how far it is from the middle, so that places in it can be told from places in the middle.
   struct CellSeen {
     int column, row;
@@ -113,6 +119,10 @@ class CellLayout {
     if (!(cells < count)) return count;
     int const whole = static_cast<int>(cells);
     return whole < cells ? whole + 1 : whole;
+  }
+  [[nodiscard]] bool are_next(int one, int other, int count) const {
+    int const apart = one < other ? other - one : one - other;
+    return apart <= 1 || (is_periodic_ && apart == count - 1);
   }
   [[nodiscard]] Range range(int index, int cutoff, int count) const {
     if (!is_periodic_) return {std::max(0, index - cutoff), std::min(count, index + cutoff + 1)};

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
@@ -130,6 +131,21 @@ TEST(CellLayout, ABlockNamesNoCellTwiceHoweverSmallTheBox) {
                   << columns << " × " << rows << " cell " << cell << " reach " << reach_columns << ", " << reach_rows;
             }
           }
+        }
+      }
+    }
+  }
+}
+
+TEST(CellLayout, APointIsInABlockIfItsCellIs) {
+  for (Edge const edge : {Edge::wall, Edge::periodic}) {
+    for (auto const& [columns, rows] : {std::pair(1, 1), std::pair(2, 3), std::pair(4, 1), std::pair(5, 6)}) {
+      CellLayout const layout(Box(1.0, 1.0, edge), columns, rows);
+      for (int cell = 0; cell < layout.count(); ++cell) {
+        std::vector<int> const near = block(layout, cell, 1, 1);
+        for (int other = 0; other < layout.count(); ++other) {
+          Vector const middle{(other % columns + 0.5) / columns, (other / columns + 0.5) / rows};
+          EXPECT_EQ(layout.is_in_block(cell, middle), std::ranges::binary_search(near, other)) << cell << ' ' << other;
         }
       }
     }

@@ -80,6 +80,34 @@ TEST(PackedGrid, MovesAnAgentIntoAFullCellAndBack) {
   EXPECT_TRUE(grid.is_consistent());
 }
 
+TEST(PackedGrid, TakesTheAgentsOfACellInTheOrderOfAnotherGridForGood) {
+  auto const visited = [](PackedGrid const& grid) {
+    std::vector<std::uint32_t> agents;
+    grid.for_each_in_cell(0, [&](std::size_t agent) { agents.push_back(static_cast<std::uint32_t>(agent)); });
+    return agents;
+  };
+  auto const place_of = [](std::uint32_t /*agent*/) { return Vector{0.25, 0.25}; };
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    RandomStream random(seed, 0, 0, Purpose::start_position);
+    PackedGrid grid = four_packed_cells();
+    std::size_t const agents = random.below(30);
+    for (std::size_t n = 0; n < 3 * agents; ++n) {
+      std::size_t const agent = random.below(agents);
+      grid.contains(agent) ? grid.erase(agent) : grid.insert(agent, {0.25, 0.25});
+    }
+    PackedGrid other = four_packed_cells();
+    other.insert_in_order(visited(grid), place_of);
+    ASSERT_TRUE(other.is_consistent());
+    ASSERT_EQ(visited(other), visited(grid)) << "seed " << seed;
+    for (std::size_t n = 0; n < agents; ++n) {
+      std::size_t const agent = random.below(agents);
+      bool const is_here = grid.contains(agent);
+      for (PackedGrid* const one : {&grid, &other}) is_here ? one->erase(agent) : one->insert(agent, {0.25, 0.25});
+      ASSERT_EQ(visited(other), visited(grid)) << "seed " << seed;
+    }
+  }
+}
+
 TEST(PackedGrid, TakesAgentsInAnyOrderWithGaps) {
   PackedGrid grid = four_packed_cells();
   grid.insert(40, {0.25, 0.25});

@@ -102,6 +102,22 @@ class PackedGrid {
     ++size_;
   }
 
+  /// Inserts agents of one cell, which has none, such that for_each_in_cell() visits them in this order, as in another grid that it
+  /// visited. The order of an agent that comes later, or leaves, is as there, too.
+  template <class PlaceOf>
+  void insert_in_order(std::span<std::uint32_t const> agents, PlaceOf place_of) {
+    auto const insert_all = [&](std::span<std::uint32_t const> some) {
+      for (std::uint32_t const agent : some) insert(agent, place_of(agent));
+    };
+    insert_all(agents.first(std::min(slots, agents.size())));
+    if (agents.size() <= slots) return;
+    // A block that is linked comes before those linked earlier, and only the last one linked may have room.
+    std::span<std::uint32_t const> const further = agents.subspan(slots);
+    std::size_t const newest = (further.size() - 1) % slots + 1;
+    for (std::size_t end = further.size(); end > newest; end -= slots) insert_all(further.subspan(end - slots, slots));
+    insert_all(further.first(newest));
+  }
+
   void erase(std::size_t agent) {
     assert(contains(agent));
     take_out(agent);
