@@ -36,6 +36,7 @@ struct ColloidInOrder {
       order == Schedule::tiled ? "The same, tile by tile on any number of threads: the bits of the engine tiled."
                                : "The paper's hard disks as a model: the bits of the engine stepped.";
   static constexpr bool keeps_counters = true;
+  static constexpr bool asks_world_once = true;
   static constexpr std::array<std::string_view, 3> events{"pair_collisions", "wall_hits", "halted_moves"};
 
   DisksSettings disks{.count = 841, .packing_fraction = 0.5};

@@ -51,7 +51,7 @@ ExitCode run(RunOptions& options, Ranks* ranks) {
 void add_run(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew) {
   CLI::App* const verb = app.add_subcommand(
       "run", crew == nullptr ? "Run one simulation"
-                             : "Run one simulation, of the engine tiled or a synchronous model, on all ranks");
+                             : "Run one simulation, of the engine tiled or a synchronous or tiled model, on all ranks");
   auto const options = std::make_shared<RunOptions>();
   options->configuration.add_to(*verb);
   options->output.add_to(*verb, "results/<name of FILE>");

@@ -140,7 +140,7 @@ void add_sweep(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew) {
   } else {
     options->crew = &crew->crew;
     verb->add_option("--ranks-per-run", options->ranks_of_run,
-                     "Ranks that share each run, of tiled or a synchronous model; left out: one")
+                     "Ranks that share each run, of tiled or a synchronous or tiled model; left out: one")
         ->check(whole_number(1))
         ->excludes(threads);
   }

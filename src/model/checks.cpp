@@ -70,6 +70,13 @@ void throw_long_displacement(std::uint64_t step, Id agent, Vector displacement, 
                   step, agent, in_words(displacement), box.width(), box.height()));
 }
 
+void throw_far_move(std::uint64_t step, Id agent, Vector from, Vector to) {
+  throw RunFailure(fmt::format(
+      "step {}: agent {} moves from {} to {}, farther than the cells next to its own\n  hint: this is a mistake of the "
+      "model: in a tiled model agents move no farther than the cutoff, except those that is_local() says are not local",
+      step, agent, in_words(from), in_words(to)));
+}
+
 void throw_far_search(FarSearch const& search) {
   bool const is_elsewhere = search.agent && !(search.point == search.position);
   throw RunFailure(

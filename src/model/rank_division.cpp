@@ -15,8 +15,8 @@ namespace gridlock {
 
 namespace {
 
-/// The width of a rim in cells; more than what rounds in distances and in cells.
-double margin(double cutoff, double cells_per_length) { return cutoff * cells_per_length * (1.0 + 1e-6) + 1e-6; }
+/// More than what rounds in distances and in cells.
+double margin(double cells) { return cells * (1.0 + 1e-6) + 1e-6; }
 
 bool share_an_index(int first, int end, int other_first, int other_end, int all) {
   for (int const shift : {-all, 0, all}) {
@@ -34,12 +34,16 @@ CellsOfStep cells_of_step(Box const& box, double cutoff, std::size_t agents) {
   return {.layout = layout, .finer = layout_for_crowd(box, cutoff, bound, layout)};
 }
 
-RankDivision::RankDivision(CellLayout const& cells, std::vector<Tiling::Rectangle> rectangles, double cutoff,
+Rim rim_of(CellLayout const& cells, double cutoff) {
+  return {.columns = cutoff * cells.columns_per_length(), .rows = cutoff * cells.rows_per_length()};
+}
+
+RankDivision::RankDivision(CellLayout const& cells, std::vector<Tiling::Rectangle> rectangles, Rim const& rim,
                            std::size_t rank)
     : cells_(cells),
       rectangles_(std::move(rectangles)),
-      margin_columns_(margin(cutoff, cells_.columns_per_length())),
-      margin_rows_(margin(cutoff, cells_.rows_per_length())),
+      margin_columns_(margin(rim.columns)),
+      margin_rows_(margin(rim.rows)),
       own_(cells_of(rectangles_[rank], 0.0, 0.0)) {
   for (Tiling::Rectangle const& rectangle : rectangles_) {
     if (rectangle.tiles() == 0) {
@@ -113,9 +117,10 @@ void RankDivision::find_owners() {
   }
 }
 
-std::size_t RankDivision::owner_of(Vector p) const {
-  return rank_of_column_[strip_of_row_[static_cast<std::size_t>(cells_.row_of(p.y))]]
-                        [static_cast<std::size_t>(cells_.column_of(p.x))];
+std::size_t RankDivision::owner_of_cell(int cell) const {
+  auto const column = static_cast<std::size_t>(cell % cells_.columns());
+  auto const row = static_cast<std::size_t>(cell / cells_.columns());
+  return rank_of_column_[strip_of_row_[row]][column];
 }
 
 bool RankDivision::is_neighbour(std::size_t rank) const {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "golden/hashes.hpp"
+#include "models/colloid.hpp"
 #include "models/epidemic.hpp"
 #include "models/flocking.hpp"
 
@@ -17,9 +18,9 @@ inline constexpr std::uint64_t seed_of_models = 20;
 inline Box const walls(1.0, 1.0, Edge::wall);
 inline Box const periodic(1.0, 1.0, Edge::periodic);
 
-/// Calls visit(scene, model, box, steps) for those whose agents take their turns all at once.
+/// Calls visit(scene, model, box, steps) for those of models that ranks can share.
 template <class Visit>
-void for_each_synchronous_scene(Visit visit) {
+void for_each_shared_scene(Visit visit) {
   visit("vicsek", Flocking{.count = 600}, Box(12.0, 9.0, Edge::periodic), 100);
   visit("boids", Flocking{.count = 300, .rule = FlockingRule::boids, .radius = 5.0, .speed = 1.0},
         Box(100.0, 100.0, Edge::periodic), 100);
@@ -27,6 +28,10 @@ void for_each_synchronous_scene(Visit visit) {
   Epidemic const epidemic{.count = 900, .infected_at_start = 0.1, .radius = 0.05, .speed = 0.3, .turnover_rate = 0.5};
   visit("walls", epidemic, walls, 100);
   visit("periodic", epidemic, periodic, 100);
+  // Tile by tile.
+  TiledColloid colloid;
+  colloid.disks = {.count = 5000, .packing_fraction = 0.6, .start = StartKind::triangular};
+  visit("crowd", colloid, walls, 40);
 }
 
 /// The hashes of a world as it starts and after so many steps.

@@ -31,14 +31,15 @@ void expect_golden(std::string const& scene, Model const& model, Box const& box,
   HashTable("models.csv").expect({scene, std::string(Model::name)}, now);
 }
 
-TEST(GoldenModels, ThoseWhoseAgentsTakeTheirTurnsAllAtOnce) {
-  golden::for_each_synchronous_scene([](std::string const& scene, auto const& model, Box const& box,
-                                        std::uint64_t steps) { expect_golden(scene, model, box, steps); });
+TEST(GoldenModels, ThoseThatRanksCanShare) {
+  golden::for_each_shared_scene([](std::string const& scene, auto const& model, Box const& box, std::uint64_t steps) {
+    expect_golden(scene, model, box, steps);
+  });
 }
 
 TEST(GoldenModels, ThoseOnRanksHaveTheSameBits) {
   for (std::size_t const ranks : {2U, 3U, 6U}) {
-    golden::for_each_synchronous_scene(
+    golden::for_each_shared_scene(
         [&](std::string const& scene, auto const& model, Box const& box, std::uint64_t steps) {
           SCOPED_TRACE(scene + ", " + std::to_string(ranks) + " ranks");
           Hashes on_ranks;
@@ -64,23 +65,20 @@ TEST(GoldenModels, CatalystWithEveryEvent) {
 
 TEST(GoldenModels, ColloidInTheScenePaperOfTheEngines) {
   // The scene of the engines: the same start, and 0.5 in time, which their table measures in steps of this length.
-  auto const expect_scene = [](auto model, std::string const& engine) {
+  auto const expect_scene = [](auto model, std::string const& engine, Ranks* ranks = nullptr) {
     model.disks = {.count = 841, .packing_fraction = 0.7};
     World<decltype(model)> world{.box = walls, .seed = seed};
     start_agents(model, world);
-    ModelEngine<decltype(model)> colloid(model, walls, {.threads = 2});
+    ModelEngine<decltype(model)> colloid(model, walls, {.threads = 2, .ranks = ranks});
     std::string const start = fmt::format("{:016x}", hash(world));
     colloid.advance(world, {.time = 0.5});
     HashTable("hashes.csv").expect({"paper", engine}, {start, fmt::format("{:016x}", hash(world))});
   };
   expect_scene(Colloid{}, "stepped");
   expect_scene(TiledColloid{}, "tiled");
-}
-
-TEST(GoldenModels, ColloidTileByTile) {
-  TiledColloid model;
-  model.disks = {.count = 5000, .packing_fraction = 0.6, .start = StartKind::triangular};
-  expect_golden("crowd", model, walls, 40);
+  for (std::size_t const ranks : {2U, 4U}) {
+    test::ThreadRanks(ranks).run([&](Ranks& leader) { expect_scene(TiledColloid{}, "tiled", &leader); });
+  }
 }
 
 TEST(GoldenModels, TheTableHasNoRowsOfScenesThatAreGone) {

@@ -31,7 +31,7 @@ TEST(MpiGolden, HasTheBitsOfTheTableOnAnyNumberOfRanksAndThreads) {
         (is_of_disks ? disks : models).expect({scene, engine}, {start, end});
       }
       EXPECT_EQ(scenes_of_disks, gridlock::golden::scenes().size());
-      EXPECT_EQ(scenes_of_models, 4U);
+      EXPECT_EQ(scenes_of_models, 5U);
     }
   }
 }

@@ -122,6 +122,28 @@ TEST_F(MpiRun, HasTheFilesOfOneProcessForModelsToo) {
   expect_same_results_on_any_number_of_ranks();
 }
 
+TEST_F(MpiRun, HasTheFilesOfOneProcessForTiledModelsToo) {
+  // With counters of collisions, from which pressures follow, and disks too fast for their tiles.
+  write(workplace_ / "r.toml",
+        "[model]\nkind = \"colloid_tiled\"\n[colloid_tiled.disks]\ncount = 2000\npacking_fraction = 0.6\n"
+        "[colloid_tiled.velocities]\nkind = \"maxwell\"\n[run]\nsteps = 200\nseed = 4\n"
+        "[observe]\nevery = 20\n[trajectory]\nevery = 100\n");
+  expect_same_results_on_any_number_of_ranks();
+}
+
+TEST_F(MpiRun, SharesATiledModelOfAUsersProgram) {
+  write(workplace_ / "r.toml",
+        "[model]\nkind = \"market\"\n[run]\nsteps = 60\n[observe]\nevery = 10\n[trajectory]\nevery = 20\n");
+  expect_good(Process(GRIDLOCK_OWN_PROGRAM, run_into("alone"), workplace_.path()).wait());
+  for (int const ranks : {2, 4}) {
+    std::string const directory = "ranks" + std::to_string(ranks);
+    expect_good(mpirun(workplace_, std::vector<std::string>{"-n", std::to_string(ranks), GRIDLOCK_OWN_MPI_PROGRAM} +
+                                       run_into(directory))
+                    .wait());
+    expect_same_results("alone", directory);
+  }
+}
+
 TEST_F(MpiRun, SharesTheModelOfAUsersProgram) {
   write(workplace_ / "r.toml",
         "[model]\nkind = \"schelling\"\n[schelling]\ncount = 800\n[box]\nedge = \"periodic\"\n[run]\nsteps = 60\n"
@@ -201,14 +223,18 @@ TEST_F(MpiRun, RefusesWhatCannotBeUsedAndSaysItOnce) {
   write(workplace_ / "wrong.toml", "[engine]\nkin = \"tiled\"\n");
   write(workplace_ / "exact.toml", "[disks]\ncount = 100\npacking_fraction = 0.3\n[engine]\nkind = \"exact\"\n");
   write(workplace_ / "model.toml", "[model]\nkind = \"catalyst\"\n");
+  write(workplace_ / "turns.toml", "[model]\nkind = \"colloid\"\n");
   write(workplace_ / "verified.toml", "[model]\nkind = \"flocking\"\nverify_every = 5\n");
+  write(workplace_ / "verified_tiles.toml", "[model]\nkind = \"colloid_tiled\"\nverify_every = 5\n");
   expect_good(in(workplace_, run_into("taken")));
   expect_refused(workplace_,
                  {{{"run", "wrong.toml", "-o", "out"}, "did you mean kind?"},
                   {{"run", "nothing.toml", "-o", "out"}, "nothing.toml"},
                   {{"run", "exact.toml", "-o", "out"}, "the engine \"exact\" cannot be shared by 3 ranks"},
                   {{"run", "model.toml", "-o", "out"}, "the model \"catalyst\" cannot be shared by 3 ranks"},
+                  {{"run", "turns.toml", "-o", "out"}, "the model \"colloid\" cannot be shared by 3 ranks"},
                   {{"run", "verified.toml", "-o", "out"}, "a run with model.verify_every"},
+                  {{"run", "verified_tiles.toml", "-o", "out"}, "a run with model.verify_every"},
                   {{"run", "r.toml", "-o", "taken"}, "taken holds results already"},
                   {{"run", "r.toml", "--shard", "2"}, "no option --shard"},
                   {{"resume", "out"}, "out holds no run"},

@@ -1,4 +1,4 @@
-// The golden scenes by `tiled` and of synchronous models on the ranks of MPI: prints name, engine or model, and the hashes that each begins
+// The golden scenes by `tiled` and of models that ranks can share on the ranks of MPI: prints name, engine or model, and the hashes that each begins
 // and ends with.
 //
 //     mpirun -n 4 gridlock_mpi_golden THREADS
@@ -35,7 +35,7 @@ int main(int argc, char** argv) {
         gridlock::make_engine(settings, state)->advance(state, counters, {.time = scene.time});
         fmt::print("{} tiled {} {}\n", scene.name, start, gridlock::golden::hash_text(state));
       }
-      gridlock::golden::for_each_synchronous_scene(
+      gridlock::golden::for_each_shared_scene(
           [&](std::string const& scene, auto const& model, gridlock::Box const& box, std::uint64_t steps) {
             auto const [start, end] =
                 gridlock::golden::hashes_of(model, box, steps, {.threads = std::stoul(argv[1]), .ranks = &ranks});

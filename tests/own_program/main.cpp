@@ -1,8 +1,10 @@
-// A program with a model of its own, as a user would write it; tests/cli/own_program_test.cpp runs its commands.
+// A program with models of its own, as a user would write it; tests/cli/own_program_test.cpp runs its commands.
 #include "gridlock/command_line.hpp"
+#include "market.hpp"
 #include "schelling.hpp"
 
 int main(int argc, char** argv) {
   register_model<Schelling>();
+  register_model<Market>();
   return command_line(argc, argv);
 }

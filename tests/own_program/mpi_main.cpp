@@ -1,8 +1,10 @@
 // The same program for the ranks of MPI; tests/mpi/run_test.cpp runs it.
 #include "gridlock/mpi_command_line.hpp"
+#include "market.hpp"
 #include "schelling.hpp"
 
 int main(int argc, char** argv) {
   register_model<Schelling>();
+  register_model<Market>();
   return mpi_command_line(argc, argv);
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "model_on_ranks.hpp"
 #include "models/epidemic.hpp"
 #include "models/flocking.hpp"
 #include "thread_ranks.hpp"
@@ -19,63 +20,15 @@
 namespace gridlock {
 namespace {
 
+using test::advance;
+using test::advance_on_ranks;
+using test::all_of;
+using test::Ended;
+using test::expect_same;
 using test::KnownModels;
+using test::started;
 using test::ThreadRanks;
 using test::Wanderers;
-
-template <class Model>
-struct Ended {
-  World<Model> world;
-  std::string failure;
-};
-
-template <class Model>
-Ended<Model> advance(Model const& model, World<Model> world, StopCondition const& stop, ModelEngineSettings settings) {
-  Ended<Model> ended{.world = std::move(world)};
-  try {
-    ModelEngine<Model>(model, ended.world.box, settings).advance(ended.world, stop);
-  } catch (std::exception const& error) {
-    ended.failure = error.what();
-  }
-  return ended;
-}
-
-template <class Model>
-Ended<Model> advance_on_ranks(Model const& model, World<Model> world, StopCondition const& stop, std::size_t ranks,
-                              std::uint64_t threads) {
-  Ended<Model> ended;
-  ThreadRanks(ranks).run(
-      [&](Ranks& leader) { ended = advance(model, std::move(world), stop, {.threads = threads, .ranks = &leader}); });
-  return ended;
-}
-
-/// Of all that a checkpoint holds, the order of the rows and the names that are free included.
-template <class Model>
-std::vector<std::uint64_t> all_of(World<Model> const& world) {
-  std::vector<std::uint64_t> words{hash(world), world.clock.step, word_of(world.clock.time)};
-  words.insert(words.end(), world.agents.ids().begin(), world.agents.ids().end());
-  words.insert(words.end(), world.events.begin(), world.events.end());
-  typename World<Model>::Agents agents = world.agents;
-  for (int n = 0; n < 20; ++n) {
-    words.push_back(
-        std::apply([&](auto... value) { return agents.add(value...); }, typename World<Model>::Agents::Values{}));
-  }
-  return words;
-}
-
-template <class Model>
-void expect_same(Ended<Model> const& one, Ended<Model> const& many, std::string const& what) {
-  ASSERT_EQ(one.failure, many.failure) << what;
-  ASSERT_EQ(hash(one.world), hash(many.world)) << what;
-  ASSERT_EQ(all_of(one.world), all_of(many.world)) << what;
-}
-
-template <class Model>
-World<Model> started(Model const& model, Box const& box, std::uint64_t seed) {
-  World<Model> world{.box = box, .seed = seed};
-  start_agents(model, world);
-  return world;
-}
 
 struct System {
   Wanderers model;

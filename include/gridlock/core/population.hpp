@@ -186,6 +186,16 @@ class Population {
     std::swap(rows_, rows);
   }
 
+  /// Of a part: this row, or one more behind the last, becomes that of an agent with this Id and the values of row `from`.
+  void put_into_part(std::size_t row, Id id, AllValues const& values, std::size_t from) {
+    if (row >= size()) {
+      ids_.resize(row + 1);
+      rows_.resize(row + 1);
+    }
+    ids_[row] = id;
+    rows_.copy(row, values, from);
+  }
+
   /// Serializes agents, the order of their rows, and the names that are used up, so that the agents born afterwards get the
   /// same Ids. A part, see become(), stays one: nothing but its rows is restored. Errors: Error where what is restored is no population.
   void serialize(Archive& archive) {

@@ -101,10 +101,11 @@ class Observations {
 /// Whether ranks can divide the agents of a model, so that none has all of them: what is observed of them are sums.
 template <class Model>
 consteval bool can_be_divided() {
-  return can_be_shared<Model>() && Model::schedule == Schedule::synchronous &&
-         !requires(Model const& model, World<Model> const& world, Observations& seen) {
-    model.observe(world, seen);
+  return can_be_shared<Model>() && Model::schedule == Schedule::synchronous && requires(Model const& model) {
+    model.cutoff();
+    model.time_step();
   }
+  &&!requires(Model const& model, World<Model> const& world, Observations& seen) { model.observe(world, seen); }
   &&!requires(Model const& model, World<Model> const& world) { model.notes(world); };
 }
 

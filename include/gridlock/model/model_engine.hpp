@@ -22,6 +22,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <optional>
 #include <span>
 #include <string>
@@ -33,11 +34,12 @@
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/grid/detail/tiling.hpp"
-#include "gridlock/grid/detail/update_order.hpp"
 #include "gridlock/model/detail/agents_in_cell_order.hpp"
 #include "gridlock/model/detail/checks.hpp"
 #include "gridlock/model/detail/on_ranks.hpp"
+#include "gridlock/model/detail/turns_in_tiles.hpp"
 #include "gridlock/model/mutable_world.hpp"
 #include "gridlock/model/turn.hpp"
 
@@ -84,7 +86,8 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 ///
 /// of which the last five may be left out, and, if it likes, `static constexpr std::array<std::string_view, n>
 /// events`, the names of what it counts, and `static constexpr bool keeps_counters = true`: its turns keep Turn::counters(),
-/// and the run measures collision rates and pressures. cutoff() and time_step() may take the World they are asked for.
+/// and the run measures collision rates and pressures. cutoff() and time_step() may take the World they are asked for, in every
+/// step; with `static constexpr bool asks_world_once = true` they stay what they are when a run begins or continues.
 ///
 /// First agents that depend on one another `void start(World<Model>&) const` puts into the box in the place of
 /// first_agent(); agents_at_start() is then for the estimate of the memory. What is observed and is no sum over agents,
@@ -122,7 +125,7 @@ class ModelEngine final : public EngineFor<Model> {
     if constexpr (can_be_shared<Model>()) {
       if (settings_.ranks != nullptr) {
         require_inside(world);
-        advance_on_ranks(*settings_.ranks, model_, settings_.threads, world, stop_condition);
+        advance_on_ranks(*settings_.ranks, model_, settings_.threads, world, counters, stop_condition);
         return;
       }
     }
@@ -178,20 +181,18 @@ class ModelEngine final : public EngineFor<Model> {
   void prepare(World<Model>& world, bool knows_world) {
     // What comes from outside: a start, a checkpoint. Within a step births and moves are looked at one by one.
     if (!knows_world) require_inside(world);
-    cutoff_ = cutoff_of(model_, world);
-    time_step_ = gridlock::time_step_of(model_, world);
-    require_good_step(world.clock.step, cutoff_, time_step_);
+    if (!knows_world || !asks_world_once<Model>()) {
+      cutoff_ = cutoff_of(model_, world);
+      time_step_ = gridlock::time_step_of(model_, world);
+      require_good_step(world.clock.step, cutoff_, time_step_);
+    }
     [[maybe_unused]] CellLayout const before = layout_;
-    find_layout(world);
+    find_layout(world, knows_world);
     if constexpr (Model::schedule == Schedule::synchronous) {
       layout_ = order_.sort(world.agents, layout_, finer_layout_);
     } else if constexpr (Model::schedule == Schedule::tiled) {
       order_.sort(world.agents, layout_);
       grid_ = PackedGrid(layout_, world.agents.template column<X>(), world.agents.template column<Y>());
-      if (rounds_.empty() || layout_ != before) {
-        tiling_ = Tiling(layout_);
-        rounds_ = tiling_.rounds(thread_pool_.size());
-      }
     } else if constexpr (Model::schedule == Schedule::events) {
       // It has followed every event, and nothing that MutableWorld tells depends on the order inside the cells.
       if (knows_world && layout_ == before) return;
@@ -205,10 +206,10 @@ class ModelEngine final : public EngineFor<Model> {
     }
   }
 
-  void find_layout(World<Model> const& world) {
+  void find_layout(World<Model> const& world, bool knows_world) {
     finer_layout_.reset();
     if constexpr (requires { model_.cells(world); }) {
-      layout_ = model_.cells(world);
+      if (!knows_world || !asks_world_once<Model>()) layout_ = model_.cells(world);
     } else {
       CellsOfStep const cells = cells_of_step(world.box, cutoff_, world.agents.size());
       layout_ = cells.layout;
@@ -255,77 +256,45 @@ class ModelEngine final : public EngineFor<Model> {
     apply_commands<Model>(world, commands_);
   }
 
+  /// A step in which a turn fails leaves the world as it was before.
   void step_in_tiles(World<Model>& world, Counters& counters) {
-    ids_.assign(world.agents.ids().begin(), world.agents.ids().end());
-    has_turned_.assign(world.agents.size(), 0);
-    // Searches that are compared with a look at everybody have to take turns with everybody.
-    std::vector<Tiling::Round> const rounds_of_one =
-        is_verified(world) ? tiling_.rounds(1) : std::vector<Tiling::Round>();
-    std::vector<Tiling::Round> const& rounds = is_verified(world) ? rounds_of_one : rounds_;
-    std::size_t parts = 0;
-    for (Tiling::Round const& round : rounds) parts = std::max(parts, round.size());
-    commands_.resize(parts);
-    late_.resize(tiling_.tiles().size());
-    tile_counters_.resize(tiling_.tiles().size());
-    for (Tiling::Round const& round : rounds) {
-      thread_pool_.for_each(round.size(), [&](std::size_t part) {
-        for (std::uint32_t const tile : round[part]) take_turns_of_tile(world, tile, commands_[part]);
-      });
+    turns_.begin_step(layout_, world.agents.size());
+    take_turns_of_tiles(world);
+    auto const tiles = static_cast<std::uint32_t>(turns_.tiling().tiles().size());
+    // In the order of the tiles, however many threads have taken them: sums of floating-point numbers depend on it too.
+    for (std::uint32_t tile = 0; tile < tiles && !turns_.has_failed(); ++tile) {
+      turns_.take_late(model_, neighbourhood(world, commands_.front()), tile);
     }
-    take_late_turns(world, counters);
+    if (turns_.has_failed()) {
+      commands_.clear();
+      order_.undo(world.agents);
+      std::rethrow_exception(turns_.failure());
+    }
+    if constexpr (keeps_counters<Model>()) {
+      for (std::uint32_t tile = 0; tile < tiles; ++tile) add(counters, turns_.result_of(tile).counters);
+    }
     apply_commands<Model>(world, commands_);
   }
 
-  void take_turns_of_tile(World<Model>& world, std::uint32_t tile, DeferredCommands<Model>& commands) {
-    Neighbourhood<Model> around = neighbourhood(world, commands, &tile_counters_[tile].counters);
-    around.is_confined = true;
-    static thread_local UpdateOrder update_order;
-    update_order.find(grid_, tiling_.tiles()[tile], ids_, [&](PackedGrid::Block const& block) {
-      unsigned slots = 0;
-      for (unsigned s = 0; s < block.count; ++s) {
-        slots |= (has_turned_[block.agent[s]] == 0 ? 1U : 0U) << s;
-      }
-      return slots;
-    });
-    update_order.for_each_group([&](std::span<std::uint32_t const> rows) {
-      for (std::uint32_t const row : rows) {
-        has_turned_[row] = 1;
-        Turn<Model> turn(around, row);
-        if (is_local(turn)) {
-          model_.turn(turn);
-        } else {
-          late_[tile].push_back(row);
+  void take_turns_of_tiles(World<Model>& world) {
+    // Searches that are compared with a look at everybody have to take turns with everybody.
+    std::size_t const threads = is_verified(world) ? 1 : thread_pool_.size();
+    if (rounds_.empty() || layout_ != layout_of_rounds_ || threads != threads_of_rounds_) {
+      rounds_ = turns_.tiling().rounds(threads);
+      layout_of_rounds_ = layout_;
+      threads_of_rounds_ = threads;
+    }
+    std::size_t parts = 0;
+    for (Tiling::Round const& round : rounds_) parts = std::max(parts, round.size());
+    commands_.resize(parts);
+    for (Tiling::Round const& round : rounds_) {
+      thread_pool_.for_each(round.size(), [&](std::size_t part) {
+        for (std::uint32_t const tile : round[part]) {
+          turns_.take_tile(model_, neighbourhood(world, commands_[part]), tile);
         }
-      }
-    });
-  }
-
-  [[nodiscard]] bool is_local(Turn<Model> const& turn) const {
-    if constexpr (requires { model_.is_local(turn, 0.0); }) {
-      return model_.is_local(turn, std::min(layout_.cell_width(), layout_.cell_height()));
-    } else {
-      return true;
+      });
     }
   }
-
-  /// In the order of the tiles, however many threads have found them: sums of floating-point numbers depend on it too.
-  void take_late_turns(World<Model>& world, Counters& counters) {
-    for (std::size_t tile = 0; tile < late_.size(); ++tile) {
-      Counters& of_tile = tile_counters_[tile].counters;
-      Neighbourhood<Model> around = neighbourhood(world, commands_.front(), &of_tile);
-      for (std::uint32_t const row : late_[tile]) {
-        Turn<Model> turn(around, row);
-        model_.turn(turn);
-      }
-      late_[tile].clear();
-      if constexpr (keeps_counters<Model>()) add(counters, std::exchange(of_tile, {}));
-    }
-  }
-
-  /// What happened in one tile in one step; on cache lines of its own, since threads write to them side by side.
-  struct alignas(64) TileCounters {
-    Counters counters;
-  };
 
   Model model_;
   ModelEngineSettings settings_;
@@ -337,12 +306,10 @@ class ModelEngine final : public EngineFor<Model> {
   AgentsInCellOrder<Model> order_;
   PackedGrid grid_;
   std::vector<DeferredCommands<Model>> commands_;
-  Tiling tiling_;
-  std::vector<Tiling::Round> rounds_;             ///< tiled: for the thread pool
-  std::vector<Id> ids_;                           ///< tiled: of all rows
-  std::vector<std::uint8_t> has_turned_;          ///< tiled: by row
-  std::vector<TileCounters> tile_counters_;       ///< tiled
-  std::vector<std::vector<std::uint32_t>> late_;  ///< tiled: of each tile the rows of agents that are not local
+  TurnsInTiles<Model> turns_;          ///< tiled
+  std::vector<Tiling::Round> rounds_;  ///< tiled: for so many threads
+  std::size_t threads_of_rounds_ = 0;
+  CellLayout layout_of_rounds_;
 };
 
 }  // namespace gridlock

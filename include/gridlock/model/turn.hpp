@@ -19,6 +19,7 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -102,6 +103,8 @@ struct Neighbourhood {
   RowBlock block;
   /// Tiled: whether others take their turns at the same time, so that nobody may look beyond the cells next to its own.
   bool is_confined = false;
+  /// Tiled, of a late turn on ranks: gets what other ranks have in the cells around a point, so many columns and rows to each side.
+  std::function<void(Vector p, int columns, int rows)> const* get_cells = nullptr;
 };
 
 /// What an agent can do when it is its turn.
@@ -109,8 +112,8 @@ struct Neighbourhood {
 /// In a synchronous model get() and all neighbours are as they were before the step, and set() and moves are what the
 /// agent will be after it. In a sequential or tiled model everything takes effect at once, save for births and deaths: these
 /// come at the end of the step, in an order that the state alone decides.
-/// Errors: RunFailure, in every build, for an agent that leaves the box, a search beyond the model's cutoff and an event
-/// that is not declared.
+/// Errors: RunFailure, in every build, for an agent that leaves the box, a search beyond the model's cutoff, a move of a local
+/// agent of a tiled model beyond the cells next to its own, and an event that is not declared.
 template <class Model>
 class Turn {
  public:
@@ -227,6 +230,12 @@ class Turn {
     return to.bounce;
   }
   void go_to(Vector p) {
+    if constexpr (Model::schedule == Schedule::tiled) {
+      if (around_.is_confined && !around_.grid->layout().is_in_block(home_, p)) {
+        throw_far_move(clock().step, id(), position(), p);
+      }
+      if (around_.get_cells != nullptr) (*around_.get_cells)(p, 0, 0);
+    }
     write<X>(p.x);
     write<Y>(p.y);
     if constexpr (Model::schedule != Schedule::synchronous) around_.grid->move(row_, p);
@@ -296,6 +305,12 @@ class Turn {
     };
     if (around_.is_confined) {
       around_.grid->for_each_in_block(home_, 1, 1, consider);
+    } else if (around_.get_cells != nullptr) {
+      CellLayout const& layout = around_.grid->layout();
+      int const columns = layout.columns_within(cutoff);
+      int const rows = layout.rows_within(cutoff);
+      (*around_.get_cells)(p, columns, rows);
+      around_.grid->for_each_in_block(layout.cell_of(p), columns, rows, consider);
     } else {
       around_.grid->for_each_candidate(p, cutoff, consider);
     }

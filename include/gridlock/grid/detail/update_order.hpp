@@ -29,8 +29,8 @@ class UpdateOrder {
 
   /// Finds those of the tile. `ids` are the Ids of all rows, or numbers in the same order; take_pending(block), called once for
   /// each block, has bit s set where the agent in slot s has not had its turn.
-  template <class Grid, class Number, class TakePending>
-  void find(Grid& grid, Tiling::Tile const& tile, std::vector<Number> const& ids, TakePending take_pending) {
+  template <class Grid, class Ids, class TakePending>
+  void find(Grid& grid, Tiling::Tile const& tile, Ids const& ids, TakePending take_pending) {
     auto const third = [](int cells) { return static_cast<std::size_t>((cells + 2) / 3); };
     clear(third(tile.end_column - tile.first_column) * third(tile.end_row - tile.first_row));
     for (int row = tile.first_row; row < tile.end_row; ++row) {
@@ -121,8 +121,8 @@ class UpdateOrder {
   }
 
   /// After the last cell: puts the agents of one cell in the order of their Ids.
-  template <class Number>
-  void sort_cells(std::vector<Number> const& ids) {
+  template <class Ids>
+  void sort_cells(Ids const& ids) {
     auto next_chain = chains_.begin();
     for (Crowded const& cell : std::span(crowded_).first(crowded_size_)) {
       if (cell.slots_set == chain) {
@@ -175,8 +175,8 @@ class UpdateOrder {
 
   static std::size_t first_of(unsigned slots_set) { return static_cast<std::size_t>(std::countr_zero(slots_set)); }
 
-  template <class Number>
-  static void order(std::uint32_t& low, std::uint32_t& high, std::vector<Number> const& ids) {
+  template <class Ids>
+  static void order(std::uint32_t& low, std::uint32_t& high, Ids const& ids) {
     std::uint32_t const a = low;
     std::uint32_t const b = high;
     std::uint32_t const swap = (a ^ b) & -static_cast<std::uint32_t>(ids[b] < ids[a]);

@@ -36,6 +36,11 @@ class AgentsInCellOrder {
     for_each_range_of_rows(agents.size(), [&](std::size_t first, std::size_t end) { agents.find_again(first, end); });
     return layout_;
   }
+  /// After sort(), where next() has not been written: the agents get the values back that they had then.
+  void undo(Agents& agents) {
+    agents.reorder(scratch_ids_, next_);
+    sort(agents, layout_);
+  }
   /// Agents in a window of the cells: those with these Ids and the values of next(). No Id of them is found.
   void sort_window(Agents& agents, LargeArray<Id> const& ids, CellLayout const& layout, CellWindow const& window,
                    StoredCells::Which stored) {

@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <span>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -17,25 +19,38 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/model/detail/share.hpp"
+#include "gridlock/model/detail/tiled_share.hpp"
 
 namespace gridlock {
 
-/// Whether ranks can share the steps of a model: its agents take their turns all at once, and nothing in them depends on the whole
-/// world.
+/// Whether ranks can share the steps of a model: its agents take their turns all at once or tile by tile, and what it asks of the whole
+/// world stays the same.
 template <class Model>
 consteval bool can_be_shared() {
-  return Model::schedule == Schedule::synchronous && requires(Model const& model) {
-    model.cutoff();
-    model.time_step();
-  }
-  &&!requires(Model const& model, World<Model> const& world) { model.cells(world); };
+  constexpr bool has_cells = requires(Model const& model, World<Model> const& world) { model.cells(world); };
+  return asks_world_once<Model>() &&
+         ((Model::schedule == Schedule::synchronous && !has_cells) || Model::schedule == Schedule::tiled);
 }
+
+/// What one rank has in the steps of a model.
+template <class Model>
+using ShareOf = std::conditional_t<Model::schedule == Schedule::tiled, TiledModelShare<Model>, ModelShare<Model>>;
 
 /// What another rank says of some steps.
 struct AnswerOfShare {
   std::uint64_t is_stop_asked = 0;
   std::uint64_t has_failed = 0;
 };
+
+/// What the turns of a rank have counted since the last call, where they count.
+template <class Share>
+std::vector<SumsOfTile> sums_of(Share& share) {
+  if constexpr (requires { share.take_sums(); }) {
+    return share.take_sums();
+  } else {
+    return {};
+  }
+}
 
 /// The rows of one rank, in the order of their cells, one message after the other.
 template <class Agents>
@@ -76,13 +91,13 @@ class RowsOfRank {
 template <class Share>
 class LeadingSteps {
  public:
-  LeadingSteps(Ranks& ranks, Share& share, Clock& clock, double time_step)
-      : ranks_(ranks), share_(share), clock_(clock), time_step_(time_step) {}
+  LeadingSteps(Ranks& ranks, Share& share, Clock& clock, double time_step, Counters& counters)
+      : ranks_(ranks), share_(share), clock_(clock), time_step_(time_step), counters_(counters) {}
 
   /// All ranks are back from their steps when it returns, whatever the stop condition has thrown.
   void run(StopCondition const& stop_condition) {
     StepsBetweenLooks looks(ranks_);
-    while (!stop_condition.is_reached(clock_, 0)) {
+    while (!stop_condition.is_reached(clock_, counters_.pair_collisions)) {
       looks.begin();
       std::uint64_t const done = take_steps(steps_until(stop_condition, looks.steps()));
       if (first_failure_) break;
@@ -111,6 +126,12 @@ class LeadingSteps {
  private:
   /// How many steps may be taken before a look at the stop condition.
   [[nodiscard]] std::uint64_t steps_until(StopCondition const& stop, std::uint64_t most) const {
+    if constexpr (requires { share_.take_sums(); }) {
+      // Who waits for collisions stops at the first step that has enough.
+      if (stop.pair_collisions != StopCondition().pair_collisions) return 1;
+      constexpr std::uint64_t most_sums = 1 << 16;
+      most = std::clamp<std::uint64_t>(most, 1, most_sums / share_.tiles_of_all() + 1);
+    }
     Clock clock = clock_;
     std::uint64_t steps = 0;
     while (steps < most && !stop.is_reached(clock, 0)) {
@@ -130,19 +151,31 @@ class LeadingSteps {
     std::uint64_t begun = 0;
     while (begun < steps && share_.take_step()) ++begun;
     note_failure(share_.failure());
+    std::vector<SumsOfTile> sums = sums_of(share_);
     for (std::size_t rank = 1; rank < ranks_.count(); ++rank) {
       Ranks::Bytes const bytes = ranks_.receive(rank);
       MessageReader message(bytes);
       auto const answer = message.next<AnswerOfShare>();
       if (answer.is_stop_asked != 0) ranks_.ask_to_stop();
-      if (answer.has_failed == 0) continue;
-      auto const cell = message.next<std::uint64_t>();
-      auto const agent = message.next<Id>();
-      note_failure(FailedTurn{.cell = cell, .agent = agent, .reason = message.next_text()});
+      if (answer.has_failed != 0) {
+        auto const cell = message.next<std::uint64_t>();
+        auto const agent = message.next<Id>();
+        note_failure(FailedTurn{.cell = cell, .agent = agent, .reason = message.next_text()});
+      }
+      std::ranges::copy(message.rest<SumsOfTile>(), std::back_inserter(sums));
     }
     std::uint64_t const whole = begun - (first_failure_ ? 1 : 0);
     for (std::uint64_t n = 0; n < whole; ++n) advance(clock_);
+    add_sums(sums);
     return whole;
+  }
+
+  /// In the order of one process: sums of floating-point numbers depend on it.
+  void add_sums(std::span<SumsOfTile> sums) {
+    std::ranges::sort(sums, {}, [](SumsOfTile const& of_tile) { return std::pair(of_tile.step, of_tile.tile); });
+    for (SumsOfTile const& of_tile : sums) {
+      if (of_tile.step < clock_.step) add(counters_, of_tile.counters);
+    }
   }
 
   /// The first one is that at which one process would have stopped.
@@ -159,6 +192,7 @@ class LeadingSteps {
   Share& share_;
   Clock& clock_;
   double time_step_;
+  Counters& counters_;
   std::exception_ptr thrown_;  ///< by the stop condition
   std::optional<FailedTurn> first_failure_;
 };
@@ -181,6 +215,7 @@ bool follow_steps(Ranks& ranks, Share& share) {
       answer.add(failure->agent);
       answer.add_text(failure->reason);
     }
+    answer.add_all(std::span<SumsOfTile const>(sums_of(share)));
     ranks.send(0, answer.take());
   }
 }
@@ -208,10 +243,14 @@ class LeadingModel {
  public:
   using Agents = typename World<Model>::Agents;
 
-  LeadingModel(Ranks& ranks, Model const& model, std::uint64_t threads, World<Model>& world)
-      : ranks_(ranks), model_(model), world_(world), cutoff_(model.cutoff()) {
+  LeadingModel(Ranks& ranks, Model const& model, std::uint64_t threads, World<Model>& world, Counters& counters)
+      : ranks_(ranks),
+        model_(model),
+        world_(world),
+        cutoff_(cutoff_of(model, world)),
+        time_step_(time_step_of(model, world)) {
     hand_out(threads);
-    steps_.emplace(ranks, *share_, world.clock, model.time_step());
+    steps_.emplace(ranks, *share_, world.clock, time_step_, counters);
   }
 
   void run(StopCondition const& stop_condition) {
@@ -221,20 +260,45 @@ class LeadingModel {
   void require_good_end() const { steps_->require_good_end(); }
 
  private:
-  void hand_out(std::uint64_t threads) {
+  /// The cells in which the agents are divided.
+  [[nodiscard]] CellLayout cells() const {
+    if constexpr (requires { model_.cells(world_); }) {
+      return model_.cells(world_);
+    } else {
+      CellsOfStep const cells = cells_of_step(world_.box, cutoff_, world_.agents.size());
+      if constexpr (Model::schedule == Schedule::tiled) return cells.layout;
+      // Where agents crowd, ranks can share them fairly in fine cells alone.
+      bool const is_finer =
+          cells.finer && is_crowd(cells.layout, world_.agents.template column<X>(), world_.agents.template column<Y>());
+      return is_finer ? *cells.finer : cells.layout;
+    }
+  }
+
+  /// The cells of each rank, or its tiles where agents take turns in tiles.
+  [[nodiscard]] std::vector<Tiling::Rectangle> divide(CellLayout const& layout) const {
     auto const x = world_.agents.template column<X>();
     auto const y = world_.agents.template column<Y>();
-    CellsOfStep const cells = cells_of_step(world_.box, cutoff_, world_.agents.size());
-    // Where agents crowd, ranks can share them fairly in fine cells alone.
-    CellLayout const& layout = cells.finer && is_crowd(cells.layout, x, y) ? *cells.finer : cells.layout;
-    std::vector<Tiling::Rectangle> const division = divide_among_ranks(world_.box, layout, x, y, ranks_.count());
+    if constexpr (Model::schedule == Schedule::tiled) {
+      Tiling const tiling(layout);
+      TileFinder const finder(layout, tiling);
+      std::vector<std::uint64_t> agents_of_tile(tiling.tiles().size(), 0);
+      for (std::size_t row = 0; row < x.size(); ++row) ++agents_of_tile[finder.tile_of({x[row], y[row]})];
+      return divide_tiles(tiling, agents_of_tile, ranks_.count());
+    } else {
+      return divide_among_ranks(world_.box, layout, x, y, ranks_.count());
+    }
+  }
+
+  void hand_out(std::uint64_t threads) {
+    CellLayout const layout = cells();
+    std::vector<Tiling::Rectangle> const division = divide(layout);
     ShareOrder order =
-        share_order(world_.box, world_.clock, world_.seed, cutoff_, model_.time_step(), threads, world_.agents.size());
+        share_order(world_.box, world_.clock, world_.seed, cutoff_, time_step_, threads, world_.agents.size());
     order.set_cells(layout);
     send_order(order, division);
     LargeArray<Id> ids;
     typename Agents::AllValues values;
-    hand_out_agents(RankDivision(layout, division, cutoff_, 0), ids, values);
+    hand_out_agents(ShareOf<Model>::division_of(order, division, 0), ids, values);
     share_.emplace(ranks_, model_, order, division, std::move(ids), std::move(values),
                    [this](std::span<Id const> deaths, std::size_t births) { return name_births(deaths, births); });
   }
@@ -357,26 +421,27 @@ class LeadingModel {
   Model model_;
   World<Model>& world_;
   double cutoff_;
-  std::optional<ModelShare<Model>> share_;
-  std::optional<LeadingSteps<ModelShare<Model>>> steps_;
+  double time_step_;
+  std::optional<ShareOf<Model>> share_;
+  std::optional<LeadingSteps<ShareOf<Model>>> steps_;
 };
 
 /// Moves a world on together with other ranks, of which this one leads: hands out the agents, has all take their steps, and gathers the
 /// agents again. The bits are those of one process, the order of the rows and the names of the newborn included.
 /// Errors: RunFailure for what the model throws, and as ModelEngine::advance().
 template <class Model>
-void advance_on_ranks(Ranks& ranks, Model const& model, std::uint64_t threads, World<Model>& world,
+void advance_on_ranks(Ranks& ranks, Model const& model, std::uint64_t threads, World<Model>& world, Counters& counters,
                       StopCondition const& stop_condition) {
-  require_good_step(world.clock.step, model.cutoff(), model.time_step());
-  if (stop_condition.is_reached(world.clock, 0)) return;
+  if (stop_condition.is_reached(world.clock, counters.pair_collisions)) return;
+  require_good_step(world.clock.step, cutoff_of(model, world), time_step_of(model, world));
   std::optional<LeadingModel<Model>> leading;
-  do_or_abandon(ranks, [&] { leading.emplace(ranks, model, threads, world).run(stop_condition); });
+  do_or_abandon(ranks, [&] { leading.emplace(ranks, model, threads, world, counters).run(stop_condition); });
   leading->require_good_end();
 }
 
 /// What another rank sends after its agents.
 template <class Model>
-Ranks::Bytes last_message(Ranks const& ranks, ModelShare<Model> const& share) {
+Ranks::Bytes last_message(Ranks const& ranks, ShareOf<Model> const& share) {
   MessageWriter message;
   message.add(ranks.traffic());
   message.add(share.events());
@@ -407,7 +472,7 @@ void take_part(Ranks& ranks, Model model, MessageReader& message) {
     count = agents.next<std::uint64_t>();
     append_agents(agents, count, ids, values);
   }
-  ModelShare<Model> share(ranks, model, order, std::move(division), std::move(ids), std::move(values));
+  ShareOf<Model> share(ranks, model, order, std::move(division), std::move(ids), std::move(values));
   bool const does_step_count = follow_steps(ranks, share);
   share.send_agents(does_step_count, [&](Ranks::Bytes agents) { ranks.send(0, std::move(agents)); });
   ranks.send(0, last_message<Model>(ranks, share));

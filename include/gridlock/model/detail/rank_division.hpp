@@ -21,17 +21,25 @@ struct CellsOfStep {
 };
 CellsOfStep cells_of_step(Box const& box, double cutoff, std::size_t agents);
 
+/// How far around its rectangle a rank has to know agents, in columns and rows of cells.
+struct Rim {
+  double columns, rows;
+};
+/// One as wide as a cutoff.
+Rim rim_of(CellLayout const& cells, double cutoff);
+
 /// Which rank takes care of which part of the box: a rectangle of cells each. A rank has to know the agents of its rectangle, and those
-/// within the cutoff of it, its rim.
+/// of the rim around it.
 class RankDivision {
  public:
   /// A rectangle for each rank, in columns and rows of the cells.
-  RankDivision(CellLayout const& cells, std::vector<Tiling::Rectangle> rectangles, double cutoff, std::size_t rank);
+  RankDivision(CellLayout const& cells, std::vector<Tiling::Rectangle> rectangles, Rim const& rim, std::size_t rank);
 
   [[nodiscard]] CellLayout const& cells() const { return cells_; }
   [[nodiscard]] std::span<Tiling::Rectangle const> rectangles() const { return rectangles_; }
 
-  [[nodiscard]] std::size_t owner_of(Vector p) const;
+  [[nodiscard]] std::size_t owner_of(Vector p) const { return owner_of_cell(cells_.cell_of(p)); }
+  [[nodiscard]] std::size_t owner_of_cell(int cell) const;
   /// Whether the rank of this process takes care of a point.
   [[nodiscard]] bool is_own(Vector p) const {
     int const column = cells_.column_of(p.x);

@@ -44,97 +44,23 @@ struct ShareOrder {
     rows = static_cast<std::uint64_t>(cells.rows());
   }
   [[nodiscard]] Box box() const { return {width, height, is_periodic != 0 ? Edge::periodic : Edge::wall}; }
+  [[nodiscard]] CellLayout cells() const { return {box(), columns, rows}; }
 };
 
 /// Gives names to newborn agents, as one process does: takes the deaths of a step in the order of the Ids and the number of
 /// births. Only the leader knows which names are free.
 using NameBirths = std::function<std::vector<Id>(std::span<Id const> deaths, std::size_t births)>;
 
-/// The share that one rank has in the steps of a synchronous model: the agents of its rectangle of the box, and those within the cutoff
-/// of it that others own.
-///
-///     ┌ ─ ─ ─ ─ ─ ─ ─ ┐     A step: all own agents take their turns. Then all ranks tell each other who has died and who has
-///       ┌───────────┐       had a child, the leader names the children, and each rank sends to its neighbours the agents that they
-///     │ │ rectangle │ │     own from now on or have in their rim. The rows are put into the order of the cells of the whole box, so
-///       └───────────┘       that all neighbours are visited in the order of one process.
-///     └ ─ ─ ─ rim ─ ─ ┘
-///
-/// All ranks construct it and call take_step() together. The bits are those of one process.
+/// The agents that one rank has in the steps of a model, and the rim around them that others own; and what is the same for all
+/// schedules between two steps: who is born gets a name, who is dead goes, and each rank gets the agents that it has to know.
 template <class Model>
-class ModelShare {
+class AgentsOfShare {
  public:
   using Agents = typename World<Model>::Agents;
   using AllValues = typename Agents::AllValues;
 
-  /// `ids` and `values` are those of the agents in the rectangle of this rank.
-  ModelShare(Ranks& ranks, Model const& model, ShareOrder const& order, std::vector<Tiling::Rectangle> division,
-             LargeArray<Id>&& ids, AllValues&& values, NameBirths name_births = {})
-      : ranks_(ranks),
-        model_(model),
-        cutoff_(order.cutoff),
-        time_step_(order.time_step),
-        thread_pool_(order.threads),
-        division_(CellLayout(order.box(), order.columns, order.rows), std::move(division), order.cutoff, ranks.rank()),
-        name_births_(std::move(name_births)),
-        world_{.box = order.box(), .agents = {}, .clock = order.clock, .seed = order.seed},
-        population_(order.agents),
-        order_(thread_pool_),
-        ids_(std::move(ids)),
-        rows_to_(ranks.count()) {
-    order_.next() = std::move(values);
-    for (std::uint32_t row = 0; row < ids_.size(); ++row) address(row);
-    exchange({});
-    sort();
-  }
-
-  /// False where a turn has failed: then the step does not count.
-  bool take_step() {
-    if (has_turns_ && !complete_step()) return false;
-    take_turns();
-    return true;
-  }
   /// Of a turn of this rank.
   [[nodiscard]] std::optional<FailedTurn> const& failure() const { return failure_; }
-
-  /// Calls send(message) for the agents of this rank as the last step began, in messages of bounded length: their cells, and
-  /// what they are after their turns, or before them where the step does not count. An empty message is the last.
-  template <class Send>
-  void send_agents(bool step_counts, Send send) const {
-    AllValues const& values = step_counts ? order_.next() : world_.agents.values();
-    std::vector<std::uint32_t> rows;
-    auto const flush = [&] {
-      MessageWriter message;
-      std::vector<std::uint32_t> cells;
-      for (std::uint32_t const row : rows) cells.push_back(cell_of(row));
-      message.add(std::uint64_t{rows.size()});
-      message.add_all(std::span<std::uint32_t const>(cells));
-      add_agents(message, world_.agents.ids().data(), values, rows);
-      send(message.take());
-      rows.clear();
-    };
-    for (std::uint32_t row = 0; row < world_.agents.size(); ++row) {
-      if (!division_.is_own(place(world_.agents.values(), row))) continue;
-      rows.push_back(row);
-      if (rows.size() == agents_of_message) flush();
-    }
-    if (!rows.empty()) flush();
-    flush();
-  }
-  /// Lets the last step take effect, unless it does not count, and moves the agents of this rank into empty arrays. All ranks call it,
-  /// once, at the end.
-  void take_agents(bool step_counts, LargeArray<Id>& ids, AllValues& values) {
-    if (step_counts && has_turns_) complete_step();
-    has_turns_ = false;
-    world_.agents.become(ids, values);
-    std::size_t own = 0;
-    for (std::size_t row = 0; row < ids.size(); ++row) {
-      if (!division_.is_own(place(values, row))) continue;
-      ids[own] = ids[row];
-      values.copy(own++, values, row);
-    }
-    ids.resize(own);
-    values.resize(own);
-  }
   /// How many agents all ranks have, as far as steps have taken effect.
   [[nodiscard]] std::size_t population() const { return population_; }
   /// What the agents of this rank asked for in the last step, which has not taken effect.
@@ -142,15 +68,9 @@ class ModelShare {
   /// What happened in the steps that have taken effect.
   [[nodiscard]] EventCounts<Model> const& events() const { return events_; }
 
- private:
+ protected:
   using Rows = std::vector<std::uint32_t>;
 
-  /// What the turns of a band have found out besides the values.
-  struct Band {
-    Rows of_others;  ///< rows of the rim
-    Rows at_border;  ///< rows of own agents that others have to know, or that have left
-    std::uint64_t turns = 0;
-  };
   /// What a rank tells all others after its turns.
   struct TellHead {
     std::uint64_t has_failed = 0;
@@ -166,90 +86,75 @@ class ModelShare {
     bool has_failure = false;
   };
 
+  AgentsOfShare(Ranks& ranks, Model const& model, ShareOrder const& order, RankDivision division, LargeArray<Id>&& ids,
+                AllValues&& values, NameBirths name_births)
+      : ranks_(ranks),
+        model_(model),
+        cutoff_(order.cutoff),
+        time_step_(order.time_step),
+        thread_pool_(order.threads),
+        division_(std::move(division)),
+        name_births_(std::move(name_births)),
+        world_{.box = order.box(), .agents = {}, .clock = order.clock, .seed = order.seed},
+        population_(order.agents),
+        order_(thread_pool_),
+        ids_(std::move(ids)),
+        rows_to_(ranks.count()) {
+    order_.next() = std::move(values);
+    for (std::uint32_t row = 0; row < ids_.size(); ++row) address(row);
+    exchange({});
+  }
+  ~AgentsOfShare() = default;
+  AgentsOfShare(AgentsOfShare const&) = delete;
+  AgentsOfShare& operator=(AgentsOfShare const&) = delete;
+
   static bool is_among(std::vector<std::size_t> const& ranks, std::size_t rank) {
     return std::ranges::find(ranks, rank) != ranks.end();
   }
   static Vector place(AllValues const& values, std::size_t row) {
     return {values.template values<X>()[row], values.template values<Y>()[row]};
   }
-  [[nodiscard]] std::uint32_t cell_of(std::size_t row) const {
-    return static_cast<std::uint32_t>(order_.layout().cell_of(place(world_.agents.values(), row)));
-  }
-
-  void take_turns() {
-    order_.begin_turns(world_.agents.size());
-    commands_.resize(order_.bands());
-    bands_.assign(order_.bands(), {});
-    has_turns_ = true;
-    try {
-      order_.for_each_turn([&](std::size_t band) { return neighbourhood(commands_[band]); },
-                           [&](Neighbourhood<Model>& around, std::size_t row, std::size_t band) {
-                             take_turn(around, static_cast<std::uint32_t>(row), bands_[band]);
-                           });
-    } catch (FailedTurn const& failed) {
-      failure_ = failed;
-    }
-    std::uint64_t turns = 0;
-    for (Band const& band : bands_) turns += band.turns;
-    ranks_.note_turns(turns);
-  }
-
-  void take_turn(Neighbourhood<Model>& around, std::uint32_t row, Band& band) {
-    Vector const p = place(world_.agents.values(), row);
-    // Most are, and the first question is the cheaper one.
-    if (!division_.is_inside(p) && !division_.is_own(p)) {
-      band.of_others.push_back(row);
-      return;
-    }
-    order_.copy_present(world_.agents, row);
-    try {
-      Turn<Model> turn(around, row);
-      model_.turn(turn);
-    } catch (std::exception const& error) {
-      throw FailedTurn{.cell = cell_of(row), .agent = world_.agents.ids()[row], .reason = error.what()};
-    }
-    ++band.turns;
-    if (!division_.is_inside(place(order_.next(), row))) band.at_border.push_back(row);
-  }
-
   Neighbourhood<Model> neighbourhood(DeferredCommands<Model>& commands) {
-    return {.world = world_,
-            .commands = commands,
-            .next = &order_.next(),
-            .cutoff = cutoff_,
-            .time_step = time_step_,
-            .population = population_};
+    return {
+        .world = world_, .commands = commands, .cutoff = cutoff_, .time_step = time_step_, .population = population_};
   }
 
-  /// Lets what was asked for in the turns take effect, on all ranks. False where a turn of any rank has failed.
-  bool complete_step() {
-    std::vector<Id> parents;
-    std::vector<Id> deaths;
-    std::size_t const agents = world_.agents.size();
-    if (!failure_) {
-      for (DeferredCommands<Model> const& commands : commands_) {
-        parents.insert(parents.end(), commands.parents.begin(), commands.parents.end());
-        deaths.insert(deaths.end(), commands.deaths.begin(), commands.deaths.end());
-      }
-      ids_.assign(world_.agents.ids().begin(), world_.agents.ids().end());
-      add_births();
-      find_movers();
+  /// Calls send(message) for these rows, in messages of bounded length: their cells, Ids and values. An empty message is the last.
+  template <class CellOf, class Send>
+  static void send_rows(std::span<std::uint32_t const> rows, CellOf cell_of, Id const* ids, AllValues const& values,
+                        Send send) {
+    while (true) {
+      std::span<std::uint32_t const> const some = rows.first(std::min(rows.size(), agents_of_message));
+      MessageWriter message;
+      std::vector<std::uint32_t> cells;
+      for (std::uint32_t const row : some) cells.push_back(cell_of(row));
+      message.add(std::uint64_t{some.size()});
+      message.add_all(std::span<std::uint32_t const>(cells));
+      add_agents(message, ids, values, some);
+      send(message.take());
+      if (some.empty()) return;
+      rows = rows.subspan(some.size());
     }
-    Told const told = tell_all(deaths, parents);
-    if (told.has_failure) return false;
-    IdSet const dead(told.deaths);
-    population_ = population_ + told.parents.size() - dead.sorted().size();
-    name_births(told, dead, agents);
-    drop_dead(dead, agents);
+  }
+
+  /// What all agents of this rank have asked for in their turns.
+  struct Asked {
+    std::vector<Id> deaths;
+    std::vector<Id> parents;
+  };
+  [[nodiscard]] Asked asked() const {
+    Asked asked;
+    for (DeferredCommands<Model> const& commands : commands_) {
+      asked.parents.insert(asked.parents.end(), commands.parents.begin(), commands.parents.end());
+      asked.deaths.insert(asked.deaths.end(), commands.deaths.begin(), commands.deaths.end());
+    }
+    return asked;
+  }
+  void forget_commands() {
     for (DeferredCommands<Model>& commands : commands_) {
       for (std::size_t k = 0; k < events_.size(); ++k) events_[k] += commands.events[k];
       commands.clear();
     }
-    exchange(told.also_from);
-    ++world_.clock.step;
-    world_.clock.time += time_step_;
-    sort();
-    return true;
   }
 
   /// Adds rows for the newborn, who have no names yet.
@@ -262,17 +167,6 @@ class ModelShare {
         ids_.push_back(0);
       }
     }
-  }
-
-  /// Finds out which rows do not stay here, and who has to be told of which.
-  void find_movers() {
-    for (Rows& rows : rows_to_) rows.clear();
-    dropped_.clear();
-    for (Band const& band : bands_) {
-      dropped_.insert(dropped_.end(), band.of_others.begin(), band.of_others.end());
-      for (std::uint32_t const row : band.at_border) address(row);
-    }
-    for (auto row = static_cast<std::uint32_t>(world_.agents.size()); row < ids_.size(); ++row) address(row);
   }
 
   /// Notes which ranks have to know of a row, and whether it stays here.
@@ -375,6 +269,201 @@ class ModelShare {
     dropped_.clear();
   }
 
+  Ranks& ranks_;
+  Model model_;
+  double cutoff_;
+  double time_step_;
+  ThreadPool thread_pool_;
+  RankDivision division_;
+  NameBirths name_births_;  ///< of the leader
+  World<Model> world_;      ///< with the agents of this rank and of its rim, who cannot be found by their Ids
+  std::size_t population_;  ///< of all ranks
+  AgentsInCellOrder<Model> order_;
+  std::vector<DeferredCommands<Model>> commands_;
+  EventCounts<Model> events_{};
+  std::optional<FailedTurn> failure_;
+  bool has_turns_ = false;  ///< what they ask for has not taken effect yet
+  // Between the turns and the next order of the rows:
+  LargeArray<Id> ids_;                ///< of the rows of order_.next()
+  std::vector<Rows> rows_to_;         ///< what each rank has to know
+  std::vector<std::size_t> also_to_;  ///< ranks that are no neighbours and have to know some
+  Rows dropped_;                      ///< rows of the dead, of those who have left, and of the rim of before
+};
+
+/// The share that one rank has in the steps of a synchronous model: the agents of its rectangle of the box, and those within the cutoff
+/// of it that others own.
+///
+///     ┌ ─ ─ ─ ─ ─ ─ ─ ┐     A step: all own agents take their turns. Then all ranks tell each other who has died and who has
+///       ┌───────────┐       had a child, the leader names the children, and each rank sends to its neighbours the agents that they
+///     │ │ rectangle │ │     own from now on or have in their rim. The rows are put into the order of the cells of the whole box, so
+///       └───────────┘       that all neighbours are visited in the order of one process.
+///     └ ─ ─ ─ rim ─ ─ ┘
+///
+/// All ranks construct it and call take_step() together. The bits are those of one process.
+template <class Model>
+class ModelShare final : public AgentsOfShare<Model> {
+  using Base = AgentsOfShare<Model>;
+  using typename Base::Rows;
+  using typename Base::Told;
+
+ public:
+  using typename Base::Agents;
+  using typename Base::AllValues;
+
+  /// `ids` and `values` are those of the agents in the rectangle of this rank.
+  ModelShare(Ranks& ranks, Model const& model, ShareOrder const& order, std::vector<Tiling::Rectangle> division,
+             LargeArray<Id>&& ids, AllValues&& values, NameBirths name_births = {})
+      : Base(ranks, model, order, division_of(order, std::move(division), ranks.rank()), std::move(ids),
+             std::move(values), std::move(name_births)) {
+    sort();
+  }
+
+  static RankDivision division_of(ShareOrder const& order, std::vector<Tiling::Rectangle> division, std::size_t rank) {
+    CellLayout const cells = order.cells();
+    return {cells, std::move(division), rim_of(cells, order.cutoff), rank};
+  }
+
+  /// False where a turn has failed: then the step does not count.
+  bool take_step() {
+    if (has_turns_ && !complete_step()) return false;
+    take_turns();
+    return true;
+  }
+
+  /// Calls send(message) for the agents of this rank as the last step began, in messages of bounded length: their cells, and
+  /// what they are after their turns, or before them where the step does not count. An empty message is the last.
+  template <class Send>
+  void send_agents(bool step_counts, Send send) const {
+    Rows rows;
+    for (std::uint32_t row = 0; row < world_.agents.size(); ++row) {
+      if (division_.is_own(place(world_.agents.values(), row))) rows.push_back(row);
+    }
+    Base::send_rows(
+        rows, [this](std::uint32_t row) { return cell_of(row); }, world_.agents.ids().data(),
+        step_counts ? order_.next() : world_.agents.values(), send);
+  }
+
+  /// Lets the last step take effect, unless it does not count, and moves the agents of this rank into empty arrays. All ranks call it,
+  /// once, at the end.
+  void take_agents(bool step_counts, LargeArray<Id>& ids, AllValues& values) {
+    if (step_counts && has_turns_) complete_step();
+    has_turns_ = false;
+    world_.agents.become(ids, values);
+    std::size_t own = 0;
+    for (std::size_t row = 0; row < ids.size(); ++row) {
+      if (!division_.is_own(place(values, row))) continue;
+      ids[own] = ids[row];
+      values.copy(own++, values, row);
+    }
+    ids.resize(own);
+    values.resize(own);
+  }
+
+ private:
+  using Base::commands_;
+  using Base::cutoff_;
+  using Base::division_;
+  using Base::dropped_;
+  using Base::failure_;
+  using Base::has_turns_;
+  using Base::ids_;
+  using Base::model_;
+  using Base::order_;
+  using Base::place;
+  using Base::population_;
+  using Base::ranks_;
+  using Base::rows_to_;
+  using Base::time_step_;
+  using Base::world_;
+
+  /// What the turns of a band have found out besides the values.
+  struct Band {
+    Rows of_others;  ///< rows of the rim
+    Rows at_border;  ///< rows of own agents that others have to know, or that have left
+    std::uint64_t turns = 0;
+  };
+
+  [[nodiscard]] std::uint32_t cell_of(std::size_t row) const {
+    return static_cast<std::uint32_t>(order_.layout().cell_of(place(world_.agents.values(), row)));
+  }
+
+  void take_turns() {
+    order_.begin_turns(world_.agents.size());
+    commands_.resize(order_.bands());
+    bands_.assign(order_.bands(), {});
+    has_turns_ = true;
+    try {
+      order_.for_each_turn([&](std::size_t band) { return neighbourhood(commands_[band]); },
+                           [&](Neighbourhood<Model>& around, std::size_t row, std::size_t band) {
+                             take_turn(around, static_cast<std::uint32_t>(row), bands_[band]);
+                           });
+    } catch (FailedTurn const& failed) {
+      failure_ = failed;
+    }
+    std::uint64_t turns = 0;
+    for (Band const& band : bands_) turns += band.turns;
+    ranks_.note_turns(turns);
+  }
+
+  void take_turn(Neighbourhood<Model>& around, std::uint32_t row, Band& band) {
+    Vector const p = place(world_.agents.values(), row);
+    // Most are, and the first question is the cheaper one.
+    if (!division_.is_inside(p) && !division_.is_own(p)) {
+      band.of_others.push_back(row);
+      return;
+    }
+    order_.copy_present(world_.agents, row);
+    try {
+      Turn<Model> turn(around, row);
+      model_.turn(turn);
+    } catch (std::exception const& error) {
+      throw FailedTurn{.cell = cell_of(row), .agent = world_.agents.ids()[row], .reason = error.what()};
+    }
+    ++band.turns;
+    if (!division_.is_inside(place(order_.next(), row))) band.at_border.push_back(row);
+  }
+
+  Neighbourhood<Model> neighbourhood(DeferredCommands<Model>& commands) {
+    Neighbourhood<Model> around = Base::neighbourhood(commands);
+    around.next = &order_.next();
+    return around;
+  }
+
+  /// Lets what was asked for in the turns take effect, on all ranks. False where a turn of any rank has failed.
+  bool complete_step() {
+    typename Base::Asked asked;
+    std::size_t const agents = world_.agents.size();
+    if (!failure_) {
+      asked = this->asked();
+      ids_.assign(world_.agents.ids().begin(), world_.agents.ids().end());
+      this->add_births();
+      find_movers();
+    }
+    Told const told = this->tell_all(asked.deaths, asked.parents);
+    if (told.has_failure) return false;
+    IdSet const dead(told.deaths);
+    population_ = population_ + told.parents.size() - dead.sorted().size();
+    this->name_births(told, dead, agents);
+    this->drop_dead(dead, agents);
+    this->forget_commands();
+    this->exchange(told.also_from);
+    ++world_.clock.step;
+    world_.clock.time += time_step_;
+    sort();
+    return true;
+  }
+
+  /// Finds out which rows do not stay here, and who has to be told of which.
+  void find_movers() {
+    for (Rows& rows : rows_to_) rows.clear();
+    dropped_.clear();
+    for (Band const& band : bands_) {
+      dropped_.insert(dropped_.end(), band.of_others.begin(), band.of_others.end());
+      for (std::uint32_t const row : band.at_border) this->address(row);
+    }
+    for (auto row = static_cast<std::uint32_t>(world_.agents.size()); row < ids_.size(); ++row) this->address(row);
+  }
+
   /// Puts the rows in the order of the cells, which all ranks choose alike.
   void sort() {
     CellsOfStep const cells = cells_of_step(world_.box, cutoff_, population_);
@@ -401,26 +490,7 @@ class ModelShare {
     return is_crowd(pairs + CellCounts::pairs_in(std::move(shared)), population_);
   }
 
-  Ranks& ranks_;
-  Model model_;
-  double cutoff_;
-  double time_step_;
-  ThreadPool thread_pool_;
-  RankDivision division_;
-  NameBirths name_births_;  ///< of the leader
-  World<Model> world_;      ///< with the agents of this rank and of its rim, who cannot be found by their Ids
-  std::size_t population_;  ///< of all ranks
-  AgentsInCellOrder<Model> order_;
-  std::vector<DeferredCommands<Model>> commands_;
   std::vector<Band> bands_;
-  EventCounts<Model> events_{};
-  std::optional<FailedTurn> failure_;
-  bool has_turns_ = false;  ///< what they ask for has not taken effect yet
-  // Between the turns and the next order of the rows:
-  LargeArray<Id> ids_;                ///< of the rows of order_.next()
-  std::vector<Rows> rows_to_;         ///< what each rank has to know
-  std::vector<std::size_t> also_to_;  ///< ranks that are no neighbours and have to know some
-  Rows dropped_;                      ///< rows of the dead, of those who have left, and of the rim of before
 };
 
 }  // namespace gridlock

@@ -59,7 +59,7 @@ class StepsFromHomes {
     auto const& x = rows_.values.template values<X>();
     auto const& y = rows_.values.template values<Y>();
     std::vector<Tiling::Rectangle> division = divide_among_ranks(ranks_, order.box(), layout, x, y);
-    RankDivision const owners(layout, division, order.cutoff, ranks_.rank());
+    RankDivision const owners(layout, division, rim_of(layout, order.cutoff), ranks_.rank());
     rows_ = exchanged_agents<Agents>(ranks_, rows_.ids, rows_.values, [&](std::size_t row) {
       return owners.owner_of({x[row], y[row]});
     });
@@ -69,7 +69,7 @@ class StepsFromHomes {
   /// Each coarse cell belongs to one rank.
   [[nodiscard]] bool is_crowd_of_all(ShareOrder const& order, CellLayout const& layout,
                                      std::vector<Tiling::Rectangle> const& division) {
-    CellCounts const counts(RankDivision(layout, division, order.cutoff, ranks_.rank()), layout,
+    CellCounts const counts(RankDivision(layout, division, rim_of(layout, order.cutoff), ranks_.rank()), layout,
                             rows_.values.template values<X>(), rows_.values.template values<Y>(),
                             [](std::size_t /*row*/) { return true; });
     return is_crowd(sum_over_ranks(ranks_, counts.pairs()), order.agents);
@@ -104,6 +104,7 @@ void lead_steps_from_homes(Ranks& ranks, Model const& model, std::uint64_t threa
   require_good_step(own.clock.step, model.cutoff(), model.time_step());
   if (stop_condition.is_reached(own.clock, 0)) return;
   std::optional<StepsFromHomes<Model>> steps;
+  Counters none;  // synchronous models keep none
   std::optional<LeadingSteps<ModelShare<Model>>> leading;
   do_or_abandon(ranks, [&] {
     ShareOrder const order =
@@ -112,7 +113,7 @@ void lead_steps_from_homes(Ranks& ranks, Model const& model, std::uint64_t threa
     steps.emplace(ranks, model, order, own.agents, [&](std::span<Id const> deaths, std::size_t births) {
       return names_of_births(names, deaths, births);
     });
-    leading.emplace(ranks, steps->share(), own.clock, model.time_step());
+    leading.emplace(ranks, steps->share(), own.clock, model.time_step(), none);
     leading->run(stop_condition);
     steps->bring_home(leading->does_last_step_count(), own.agents);
     agents = steps->population();

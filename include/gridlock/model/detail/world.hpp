@@ -48,4 +48,19 @@ double time_step_of(Model const& model, World<Model> const& world) {
   }
 }
 
+/// Whether a model's cutoff(), time_step() and cells() are the same in all steps of a run, though they ask the World: it says so in
+/// `static constexpr bool asks_world_once = true`, or they ask nothing.
+template <class Model>
+consteval bool asks_world_once() {
+  if constexpr (requires { Model::asks_world_once; }) {
+    return Model::asks_world_once;
+  } else {
+    return requires(Model const& model) {
+      model.cutoff();
+      model.time_step();
+    }
+    &&!requires(Model const& model, World<Model> const& world) { model.cells(world); };
+  }
+}
+
 }  // namespace gridlock
