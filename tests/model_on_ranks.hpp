@@ -28,7 +28,7 @@ class KnownModel {
 
 /// A world after some steps, and why they ended early, if they did.
 template <class Model>
-struct Ended {
+struct EndedWorld {
   World<Model> world;
   Counters counters;
   std::string failure;
@@ -42,8 +42,9 @@ World<Model> started(Model const& model, Box const& box, std::uint64_t seed) {
 }
 
 template <class Model>
-Ended<Model> advance(Model const& model, World<Model> world, StopCondition const& stop, ModelEngineSettings settings) {
-  Ended<Model> ended{.world = std::move(world), .counters = {}, .failure = {}};
+EndedWorld<Model> advance(Model const& model, World<Model> world, StopCondition const& stop,
+                          ModelEngineSettings settings) {
+  EndedWorld<Model> ended{.world = std::move(world), .counters = {}, .failure = {}};
   try {
     ModelEngine<Model>(model, ended.world.box, settings).advance(ended.world, ended.counters, stop);
   } catch (std::exception const& error) {
@@ -53,9 +54,9 @@ Ended<Model> advance(Model const& model, World<Model> world, StopCondition const
 }
 
 template <class Model>
-Ended<Model> advance_on_ranks(Model const& model, World<Model> world, StopCondition const& stop, std::size_t ranks,
-                              std::uint64_t threads) {
-  Ended<Model> ended;
+EndedWorld<Model> advance_on_ranks(Model const& model, World<Model> world, StopCondition const& stop, std::size_t ranks,
+                                   std::uint64_t threads) {
+  EndedWorld<Model> ended;
   ThreadRanks(ranks).run(
       [&](Ranks& leader) { ended = advance(model, std::move(world), stop, {.threads = threads, .ranks = &leader}); });
   return ended;
@@ -85,7 +86,7 @@ inline std::vector<std::uint64_t> all_of(Counters const& counters) {
 }
 
 template <class Model>
-void expect_same(Ended<Model> const& one, Ended<Model> const& many, std::string const& what) {
+void expect_same(EndedWorld<Model> const& one, EndedWorld<Model> const& many, std::string const& what) {
   ASSERT_EQ(one.failure, many.failure) << what;
   ASSERT_EQ(hash(one.world), hash(many.world)) << what;
   ASSERT_EQ(all_of(one.world), all_of(many.world)) << what;

@@ -23,7 +23,7 @@ namespace {
 using test::advance;
 using test::advance_on_ranks;
 using test::all_of;
-using test::Ended;
+using test::EndedWorld;
 using test::expect_same;
 using test::KnownModels;
 using test::started;
@@ -66,7 +66,7 @@ TEST(ModelOnRanks, HasTheBitsOfOneProcess) {
   std::array<std::size_t, 4> happened{};
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     System const s = any_system(seed);
-    Ended const one = advance(s.model, s.start(), {.step = 25}, {.threads = 1});
+    EndedWorld const one = advance(s.model, s.start(), {.step = 25}, {.threads = 1});
     for (std::size_t k = 0; k < happened.size(); ++k) happened[k] += one.world.events[k];
     for (std::size_t const ranks : {2U, 3U, 4U, 9U}) {
       ASSERT_NO_FATAL_FAILURE(expect_same(one, advance_on_ranks(s.model, s.start(), {.step = 25}, ranks, 1 + seed % 2),
@@ -97,7 +97,7 @@ TEST(ModelOnRanks, HasTheBitsOfOneProcessWhereAgentsCrowd) {
              .seed = 5};
     for (double const jump : {0.0, 0.02}) {  // without and with a crowd that dissolves
       s.model.jump = jump;
-      Ended const one = advance(s.model, s.start(), {.step = 120}, {});
+      EndedWorld const one = advance(s.model, s.start(), {.step = 120}, {});
       for (std::size_t const ranks : {2U, 4U, 7U}) {
         ASSERT_NO_FATAL_FAILURE(
             expect_same(one, advance_on_ranks(s.model, s.start(), {.step = 120}, ranks, 1), "crowd"));
@@ -113,7 +113,7 @@ TEST(ModelOnRanks, HasTheBitsOfOneProcessWherePopulationsGrowAndDieOut) {
              .box = Box(2.0, 1.0, Edge::periodic),
              .seed = 2};
     (dies ? s.model.death : s.model.birth) = 0.3;
-    Ended const one = advance(s.model, s.start(), {.step = 24}, {});
+    EndedWorld const one = advance(s.model, s.start(), {.step = 24}, {});
     EXPECT_TRUE(dies ? one.world.agents.size() < 5 : one.world.agents.size() > 500) << one.world.agents.size();
     expect_same(one, advance_on_ranks(s.model, s.start(), {.step = 24}, 4, 1), dies ? "dies out" : "grows");
   }
@@ -124,7 +124,7 @@ TEST(ModelOnRanks, HasTheBitsOfOneProcessOnMoreRanksThanCells) {
   for (std::uint64_t seed = 100; seed < 108; ++seed) {
     System s = any_system(seed);
     s.model.count = 1 + seed % 20;
-    Ended const one = advance(s.model, s.start(), {.step = 40}, {});
+    EndedWorld const one = advance(s.model, s.start(), {.step = 40}, {});
     ASSERT_NO_FATAL_FAILURE(
         expect_same(one, advance_on_ranks(s.model, s.start(), {.step = 40}, 16, 1), "seed " + std::to_string(seed)));
   }
@@ -134,8 +134,8 @@ TEST(ModelOnRanks, ContinuesOnAnotherNumberOfRanks) {
   KnownModels const known;
   for (std::uint64_t const seed : {2U, 5U, 11U}) {
     System const s = any_system(seed);
-    Ended const one = advance(s.model, s.start(), {.step = 40}, {});
-    Ended<Wanderers> many{.world = s.start()};
+    EndedWorld const one = advance(s.model, s.start(), {.step = 40}, {});
+    EndedWorld<Wanderers> many{.world = s.start()};
     std::uint64_t step = 0;
     for (std::size_t const ranks : {3U, 1U, 5U, 2U}) {
       many = advance_on_ranks(s.model, std::move(many.world), {.step = step += 10}, ranks, 1);
@@ -151,7 +151,7 @@ TEST(ModelOnRanks, FailsWhereOneProcessDoesWithTheSameWords) {
       System s{.model = {.count = 500, .birth = 0.02, .death = 0.02}, .box = Box(1.0, 2.0, Edge::wall), .seed = 4};
       s.model.fails_at = fails_at;
       s.model.failing_agents = failing_agents;
-      Ended const one = advance(s.model, s.start(), {.step = 30}, {});
+      EndedWorld const one = advance(s.model, s.start(), {.step = 30}, {});
       ASSERT_NE(one.failure.find("fails"), std::string::npos) << one.failure;
       for (std::size_t const ranks : {2U, 5U}) {
         expect_same(one, advance_on_ranks(s.model, s.start(), {.step = 30}, ranks, 2), "fails");
@@ -180,7 +180,7 @@ TEST(ModelOnRanks, EndsWhereItIsAskedToOrTheQuestionFails) {
     }
     // What was done until then is whole.
     EXPECT_GT(world.clock.step, 0U);
-    Ended const one = advance(s.model, s.start(), {.step = world.clock.step}, {});
+    EndedWorld const one = advance(s.model, s.start(), {.step = world.clock.step}, {});
     EXPECT_EQ(all_of(one.world), all_of(world));
   }
 }

@@ -23,7 +23,7 @@ namespace {
 using test::advance;
 using test::advance_on_ranks;
 using test::all_of;
-using test::Ended;
+using test::EndedWorld;
 using test::expect_same;
 using test::started;
 using test::ThreadRanks;
@@ -188,7 +188,7 @@ TEST(TiledModelOnRanks, HasTheBitsOfOneProcess) {
   std::array<std::size_t, 5> happened{};
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     Market const s = any_market(seed);
-    Ended const one = advance(s.model, s.start(), {.step = 15}, {.threads = 1});
+    EndedWorld const one = advance(s.model, s.start(), {.step = 15}, {.threads = 1});
     for (std::size_t k = 0; k < happened.size(); ++k) happened[k] += one.world.events[k];
     for (std::size_t const ranks : {2U, 3U, 4U, 9U}) {
       ASSERT_NO_FATAL_FAILURE(expect_same(one, advance_on_ranks(s.model, s.start(), {.step = 15}, ranks, 1 + seed % 2),
@@ -206,7 +206,7 @@ TEST(TiledModelOnRanks, HasTheBitsOfOneProcessOnAsManyRanksAsTiles) {
                    .seed = 6};
     std::size_t const tiles = Tiling(cells_of_step(s.box, s.model.radius, s.model.count).layout).tiles().size();
     ASSERT_GE(tiles, 9U);
-    Ended const one = advance(s.model, s.start(), {.step = 20}, {});
+    EndedWorld const one = advance(s.model, s.start(), {.step = 20}, {});
     for (std::size_t const ranks : {tiles, tiles + 3}) {
       ASSERT_NO_FATAL_FAILURE(
           expect_same(one, advance_on_ranks(s.model, s.start(), {.step = 20}, ranks, 1), std::to_string(ranks)));
@@ -219,7 +219,7 @@ TEST(TiledModelOnRanks, HasTheBitsOfOneProcessWherePopulationsGrowAndDieOut) {
   for (bool const dies : {false, true}) {
     Market s{.model = {.count = dies ? 2000U : 1U, .radius = 0.02}, .box = Box(2.0, 1.0, Edge::periodic), .seed = 2};
     (dies ? s.model.death : s.model.birth) = 0.3;
-    Ended const one = advance(s.model, s.start(), {.step = 24}, {});
+    EndedWorld const one = advance(s.model, s.start(), {.step = 24}, {});
     EXPECT_TRUE(dies ? one.world.agents.size() < 5 : one.world.agents.size() > 500) << one.world.agents.size();
     expect_same(one, advance_on_ranks(s.model, s.start(), {.step = 24}, 4, 1), dies ? "dies out" : "grows");
   }
@@ -231,8 +231,8 @@ TEST(TiledModelOnRanks, ContinuesOnAnotherNumberOfRanks) {
     Market const s{.model = {.count = 900, .radius = 0.03, .late = 0.003, .birth = 0.03, .death = 0.02},
                    .box = Box(1.0, 1.5, edge),
                    .seed = 5};
-    Ended const one = advance(s.model, s.start(), {.step = 20}, {});
-    Ended<Traders> many{.world = s.start(), .counters = {}, .failure = {}};
+    EndedWorld const one = advance(s.model, s.start(), {.step = 20}, {});
+    EndedWorld<Traders> many{.world = s.start(), .counters = {}, .failure = {}};
     std::uint64_t step = 0;
     for (std::size_t const ranks : {3U, 1U, 5U, 2U}) {
       many = advance_on_ranks(s.model, std::move(many.world), {.step = step += 5}, ranks, 1);
@@ -252,9 +252,9 @@ TEST(TiledModelOnRanks, FailsWhereOneProcessDoesWithTheSameWords) {
         s.model.fails_at = fails_at;
         s.model.failing_agents = failing_agents;
         s.model.fails_late = is_late ? 1 : 0;
-        Ended const one = advance(s.model, s.start(), {.step = 20}, {.threads = 1});
+        EndedWorld const one = advance(s.model, s.start(), {.step = 20}, {.threads = 1});
         ASSERT_NE(one.failure.find("fails"), std::string::npos) << one.failure;
-        Ended const before = advance(s.model, s.start(), {.step = one.world.clock.step}, {});
+        EndedWorld const before = advance(s.model, s.start(), {.step = one.world.clock.step}, {});
         EXPECT_EQ(hash(before.world), hash(one.world)) << "the world is not as it was before the step";
         EXPECT_EQ(all_of(before.counters), all_of(one.counters));
         expect_same(one, advance(s.model, s.start(), {.step = 20}, {.threads = 3}), "threads");
@@ -287,7 +287,7 @@ TEST(TiledModelOnRanks, EndsWhereItIsAskedToOrTheQuestionFails) {
       ThreadRanks(3).run(lead);
     }
     EXPECT_GT(world.clock.step, 0U);
-    Ended const one = advance(s.model, s.start(), {.step = world.clock.step}, {});
+    EndedWorld const one = advance(s.model, s.start(), {.step = world.clock.step}, {});
     EXPECT_EQ(all_of(one.world), all_of(world));
     EXPECT_EQ(all_of(one.counters), all_of(counters));
   }
@@ -297,7 +297,7 @@ TEST(TiledModelOnRanks, EndsAtTheStepWithEnoughCollisions) {
   KnownTraders const known;
   Market const s{.model = {.radius = 0.03}, .box = Box(1.0, 1.0, Edge::wall), .seed = 3};
   StopCondition const enough{.pair_collisions = 30'000};
-  Ended const one = advance(s.model, s.start(), enough, {});
+  EndedWorld const one = advance(s.model, s.start(), enough, {});
   EXPECT_GT(one.world.clock.step, 5U);
   expect_same(one, advance_on_ranks(s.model, s.start(), enough, 4, 1), "collisions");
 }
@@ -307,7 +307,7 @@ TEST(TiledModelOnRanks, HasTheBitsOfOneProcessForColloidsWithLateDisks) {
     TiledColloid model;
     model.disks = {.count = 1500, .packing_fraction = 0.6, .start = StartKind::triangular};
     model.velocities.kind = VelocityKind::maxwell;
-    Ended const one = advance(model, started(model, box, 3), {.step = 40}, {});
+    EndedWorld const one = advance(model, started(model, box, 3), {.step = 40}, {});
     ASSERT_EQ(one.failure, "");
     for (std::size_t const ranks : {2U, 6U}) {
       expect_same(one, advance_on_ranks(model, started(model, box, 3), {.step = 40}, ranks, 2), "colloid");
@@ -335,7 +335,7 @@ struct FarMovers {
 TEST(TiledModelOnRanks, RefusesAMoveOfALocalAgentBeyondTheCellsNextToItsOwn) {
   test::KnownModel<FarMovers> const known;
   Box const box(1.0, 1.0, Edge::periodic);
-  Ended const one = advance(FarMovers{}, started(FarMovers{}, box, 1), {.step = 9}, {.threads = 1});
+  EndedWorld const one = advance(FarMovers{}, started(FarMovers{}, box, 1), {.step = 9}, {.threads = 1});
   EXPECT_NE(one.failure.find("step 3: agent "), std::string::npos) << one.failure;
   EXPECT_NE(one.failure.find("farther than the cells next to its own"), std::string::npos) << one.failure;
   EXPECT_EQ(one.world.clock.step, 3U);
