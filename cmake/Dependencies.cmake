@@ -10,6 +10,7 @@ pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)      # the pictures of m
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash) # the state hash
 include(cmake/Hdf5.cmake)                                    # trajectories in H5MD
 pkg_check_modules(LIBDEFLATE REQUIRED IMPORTED_TARGET libdeflate) # their chunks, compressed on all cores
+pkg_check_modules(ZLIB REQUIRED IMPORTED_TARGET zlib)        # start files that gzip packed, read piece by piece
 find_path(HIGHWAY_INCLUDE_DIR hwy/highway.h REQUIRED)        # kernels for the instructions of every processor, headers only
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED) # counter-based random numbers, headers only
 if(NOT GRIDLOCK_VIEW STREQUAL "OFF" AND NOT CMAKE_CROSSCOMPILING)

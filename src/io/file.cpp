@@ -201,27 +201,37 @@ void read_piece(std::filesystem::path const& path, std::uint64_t offset, std::sp
   }
 }
 
-std::string read_file(std::filesystem::path const& path, std::uint64_t largest) {
-  Descriptor const file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (file.number() < 0) {
-    refuse_reading(path, reason(errno), errno == ENOENT ? "check the name and the directory it is looked for in" : "");
+FileReader::FileReader(std::filesystem::path path)
+    : path_(std::move(path)), file_(open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
+  if (!file_.is_open()) {
+    refuse_reading(path_, reason(errno), errno == ENOENT ? "check the name and the directory it is looked for in" : "");
   }
   struct stat status {};
-  if (fstat(file.number(), &status) != 0) refuse_reading(path, reason(errno), "");
-  if (S_ISDIR(status.st_mode)) refuse_reading(path, "it is a directory", "name a file inside it");
-  auto const size = static_cast<std::uint64_t>(status.st_size);
-  if (size > largest) refuse_too_large(path, largest);
+  if (fstat(file_.number(), &status) != 0) refuse_reading(path_, reason(errno), "");
+  if (S_ISDIR(status.st_mode)) refuse_reading(path_, "it is a directory", "name a file inside it");
+  is_regular_ = S_ISREG(status.st_mode);
+  size_ = static_cast<std::uint64_t>(status.st_size);
+}
 
+std::size_t FileReader::read(std::span<char> into) {
+  while (true) {
+    ssize_t const got = ::read(file_.number(), into.data(), into.size());
+    if (got >= 0) return static_cast<std::size_t>(got);
+    if (errno != EINTR) refuse_reading(path_, reason(errno), "");
+  }
+}
+
+std::string read_file(std::filesystem::path const& path, std::uint64_t largest) {
+  FileReader file(path);
+  if (file.size() > largest) refuse_too_large(path, largest);
   // The size is only a first guess: a pipe has none, and the file may grow while it is read.
-  std::string content(static_cast<std::size_t>(size) + 1, '\0');
+  std::string content(static_cast<std::size_t>(file.size()) + 1, '\0');
   std::size_t filled = 0;
   while (true) {
     if (filled == content.size()) content.resize(2 * content.size() + 4096);
-    ssize_t const got = read(file.number(), content.data() + filled, content.size() - filled);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) refuse_reading(path, reason(errno), "");
+    std::size_t const got = file.read(std::span(content).subspan(filled));
     if (got == 0) break;
-    filled += static_cast<std::size_t>(got);
+    filled += got;
     if (filled > largest) refuse_too_large(path, largest);
   }
   content.resize(filled);

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
+
+#include "io/descriptor.hpp"
 
 namespace gridlock {
 
@@ -65,6 +68,26 @@ std::uint64_t size_of_file(std::filesystem::path const& path, std::uint64_t larg
 
 /// Fills `into` with what a file holds from `offset` on. Errors: Error for a file that is unreadable or shorter.
 void read_piece(std::filesystem::path const& path, std::uint64_t offset, std::span<char> into);
+
+/// A file that is read from its beginning, piece by piece; also a pipe, which cannot be read twice.
+class FileReader {
+ public:
+  /// Errors: Error for a file that is missing, a directory or unreadable.
+  explicit FileReader(std::filesystem::path path);
+
+  /// Fills the beginning of `into`, and returns how many bytes have come: 0 at the end. Errors: Error.
+  std::size_t read(std::span<char> into);
+
+  [[nodiscard]] bool is_regular() const { return is_regular_; }
+  /// In bytes, before anything is read; 0 of a pipe.
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+
+ private:
+  std::filesystem::path path_;
+  Descriptor file_;
+  bool is_regular_ = false;
+  std::uint64_t size_ = 0;
+};
 
 /// The bytes of a file.
 /// Errors: Error for a file that is missing, a directory, unreadable or larger than `largest` bytes (2 GiB).

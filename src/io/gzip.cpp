@@ -1,37 +1,82 @@
 #include "io/gzip.hpp"
 
-#include <libdeflate.h>
+#include <zlib.h>
 
-#include <algorithm>
-#include <memory>
+#include <array>
+#include <limits>
 #include <new>
+#include <utility>
 
 namespace gridlock {
 
-bool is_gzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
+namespace {
 
-std::optional<std::string> unpacked_gzip(std::string_view bytes, std::size_t longest) {
-  std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)> const decompressor(
-      libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
-  if (!decompressor) throw std::bad_alloc();
-  std::string text;
-  std::size_t length = 0;
-  text.resize(std::min(longest, 4 * bytes.size()));
-  while (!bytes.empty()) {
-    std::size_t taken = 0;
-    std::size_t given = 0;
-    libdeflate_result const result = libdeflate_gzip_decompress_ex(
-        decompressor.get(), bytes.data(), bytes.size(), text.data() + length, text.size() - length, &taken, &given);
-    if (result == LIBDEFLATE_INSUFFICIENT_SPACE && text.size() < longest) {
-      text.resize(std::min(longest, 2 * text.size()));
-      continue;
-    }
-    if (result != LIBDEFLATE_SUCCESS) return std::nullopt;
-    bytes.remove_prefix(taken);
-    length += given;
+/// Rows of numbers become five times as small at most; a file that asks for much more is a trap.
+constexpr std::uint64_t most_packed = 100;
+/// What a part may become whatever its length: a header packs better than rows.
+constexpr std::uint64_t always_allowed = std::uint64_t{1} << 20;
+
+/// zlib reads headers and checksums of gzip itself where this is added to the size of its window.
+constexpr int gzip_only = 16;
+
+}  // namespace
+
+class GzipReader::Stream {
+ public:
+  explicit Stream(ReadBytes packed) : packed_(std::move(packed)) {
+    if (inflateInit2(&zlib_, gzip_only + MAX_WBITS) != Z_OK) throw std::bad_alloc();
   }
-  text.resize(length);
-  return text;
-}
+  ~Stream() { inflateEnd(&zlib_); }
+  Stream(Stream const&) = delete;
+  Stream& operator=(Stream const&) = delete;
+
+  std::optional<std::size_t> read(std::span<char> into) {
+    constexpr std::size_t most_at_once = std::numeric_limits<uInt>::max();
+    std::size_t const room = std::min(into.size(), most_at_once);
+    zlib_.next_out = reinterpret_cast<Bytef*>(into.data());
+    zlib_.avail_out = static_cast<uInt>(room);
+    while (zlib_.avail_out == room) {
+      if (zlib_.avail_in == 0 && !fetch()) return is_between_parts_ ? std::optional<std::size_t>(0) : std::nullopt;
+      if (!unpack()) return std::nullopt;
+    }
+    given_ += room - zlib_.avail_out;
+    if (given_ > always_allowed && given_ / most_packed > taken_ - zlib_.avail_in) return std::nullopt;
+    return room - zlib_.avail_out;
+  }
+
+ private:
+  /// Whether there are more packed bytes.
+  bool fetch() {
+    std::size_t const got = packed_(buffer_);
+    zlib_.next_in = reinterpret_cast<Bytef*>(buffer_.data());
+    zlib_.avail_in = static_cast<uInt>(got);
+    taken_ += got;
+    return got > 0;
+  }
+
+  /// Whether the packed bytes at hand are good.
+  bool unpack() {
+    is_between_parts_ = false;
+    int const result = inflate(&zlib_, Z_NO_FLUSH);
+    if (result == Z_MEM_ERROR) throw std::bad_alloc();
+    if (result != Z_STREAM_END) return result == Z_OK;
+    is_between_parts_ = true;
+    return inflateReset(&zlib_) == Z_OK;
+  }
+
+  ReadBytes packed_;
+  z_stream zlib_{};
+  std::array<char, std::size_t{1} << 16> buffer_{};
+  bool is_between_parts_ = false;
+  std::uint64_t taken_ = 0;
+  std::uint64_t given_ = 0;
+};
+
+GzipReader::GzipReader(ReadBytes packed) : stream_(std::make_unique<Stream>(std::move(packed))) {}
+GzipReader::~GzipReader() = default;
+GzipReader::GzipReader(GzipReader&&) noexcept = default;
+GzipReader& GzipReader::operator=(GzipReader&&) noexcept = default;
+
+std::optional<std::size_t> GzipReader::read(std::span<char> into) { return stream_->read(into); }
 
 }  // namespace gridlock

@@ -1,6 +1,7 @@
 #include "io/xyz_lines.hpp"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "gridlock/core/error.hpp"
@@ -22,33 +23,57 @@ void split(std::string_view line, std::vector<Word>& words) {
 }
 
 bool Lines::next() {
-  if (at_ >= text_.size()) return false;
-  std::size_t const end = std::min(text_.find('\n', at_), text_.size());
-  line_ = text_.substr(at_, end - at_);
-  at_ = end + 1;
+  std::size_t end = window_.find('\n', next_);
+  while (end == std::string::npos && !is_at_end_) {
+    std::size_t const searched = window_.size() - begin_;
+    if (read_more()) end = window_.find('\n', begin_ + searched);
+  }
+  if (next_ >= window_.size()) return false;
+  end = std::min(end, window_.size());
+  begin_ = next_;
+  length_ = end - begin_;
+  next_ = std::min(end + 1, window_.size());
   ++number_;
   return true;
 }
 
+/// Adds to the window behind the present line, and leaves out what is before that.
+bool Lines::read_more() {
+  constexpr std::size_t piece = std::size_t{1} << 18;
+  window_.erase(0, begin_);
+  next_ -= begin_;
+  begin_ = 0;
+  // A long line is read in ever longer pieces, so that it is not moved again and again.
+  std::size_t const had = window_.size();
+  window_.resize(had + std::max(piece, had));
+  std::size_t const got = text_.read(std::span(window_).subspan(had));
+  window_.resize(had + got);
+  is_at_end_ = got == 0;
+  return !is_at_end_;
+}
+
 void Lines::go_back_to(int number) {
-  at_ = 0;
-  number_ = 0;
+  window_.clear();
+  begin_ = length_ = next_ = 0;
+  is_at_end_ = !text_.begin_again();
+  number_ = is_at_end_ ? number : 0;
   while (number_ < number && next()) {
   }
 }
 
 void Lines::go_behind_the_last() {
   ++number_;
-  line_ = {};
+  begin_ = next_;
+  length_ = 0;
 }
 
 void Lines::refuse(std::string what, std::string hint, int column) const {
   throw Error(Problem{.what = std::move(what),
                       .hint = hint.empty() ? "correct the line, or write the file again" : std::move(hint),
-                      .file = file_,
+                      .file = text_.name(),
                       .line = number_,
                       .column = column,
-                      .source_line = shown_line(line_)});
+                      .source_line = shown_line(line())});
 }
 
 }  // namespace gridlock::xyz

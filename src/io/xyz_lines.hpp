@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "io/text_reader.hpp"
+
 namespace gridlock::xyz {
 
 /// One word of a line and where it begins.
@@ -18,31 +20,36 @@ inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c ==
 /// The words of a line, in the place of those of the line before.
 void split(std::string_view line, std::vector<Word>& words);
 
-/// The lines of a file, one at a time; errors name the present one.
+/// The lines of a text, one at a time; errors name the present one. Memory: a piece of the text, or a line where one is longer.
 class Lines {
  public:
-  Lines(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {}
+  explicit Lines(TextReader text) : text_(std::move(text)) {}
 
-  /// Goes to the next line; at the end of the file it stays where it is and returns false.
+  /// Goes to the next line; at the end of the text it stays where it is and returns false.
   bool next();
-  /// Goes to a line that has been read before.
+  /// Goes to a line that has been read before. Where the text cannot be read again it has that number and nothing in it.
   void go_back_to(int number);
   /// Is behind the last line, which is where something is missing.
   void go_behind_the_last();
 
-  [[nodiscard]] std::string_view line() const { return line_; }
+  [[nodiscard]] std::string_view line() const { return std::string_view(window_).substr(begin_, length_); }
   [[nodiscard]] int number() const { return number_; }
-  [[nodiscard]] std::size_t bytes_left() const { return at_ < text_.size() ? text_.size() - at_ : 0; }
+  [[nodiscard]] TextReader& text() { return text_; }
+  [[nodiscard]] TextReader const& text() const { return text_; }
 
   /// Throws Error; an empty hint means the usual one.
   [[noreturn]] void refuse(std::string what, std::string hint, int column = 0) const;
 
  private:
-  std::string_view text_;
-  std::string file_;
-  std::size_t at_ = 0;
+  bool read_more();
+
+  TextReader text_;
+  std::string window_;      ///< the present line and what has been read behind it
+  std::size_t begin_ = 0;   ///< of the present line
+  std::size_t length_ = 0;  ///< of the present line
+  std::size_t next_ = 0;    ///< where the next one begins
+  bool is_at_end_ = false;  ///< of the text
   int number_ = 0;
-  std::string_view line_;
 };
 
 }  // namespace gridlock::xyz

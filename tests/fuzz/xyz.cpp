@@ -9,6 +9,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/validate.hpp"
+#include "io/xyz_reader.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size) {
   using namespace gridlock;
@@ -16,6 +17,11 @@ extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size
   try {
     XyzFrame const frame = parse_xyz(text, "fuzz.xyz");
     if (hash(parse_xyz(text, "again.xyz").state) != hash(frame.state)) std::abort();
+    xyz::Reader reader(TextReader(text, "pieces.xyz"));
+    xyz::Rows rows;
+    while (reader.read(1 + size % 7, rows)) {
+    }
+    if (rows.disks.size() != frame.state.agents.size()) std::abort();
     validate(frame.state);
   } catch (Error const&) {
   }

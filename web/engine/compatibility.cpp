@@ -25,12 +25,17 @@ to_chars_result to_chars(char* first, char* last, double value, chars_format /*f
 
 namespace gridlock {
 
-// No page reads a compressed file, and libdeflate is no library of headers.
+// No page reads a compressed file, and zlib is no library of headers.
 
-bool is_gzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
+class GzipReader::Stream {};
 
-std::optional<std::string> unpacked_gzip(std::string_view /*bytes*/, std::size_t /*longest*/) {
+GzipReader::GzipReader(ReadBytes /*packed*/) {
   throw Error({.what = "compressed files cannot be read here", .hint = "unpack the file first"});
 }
+GzipReader::~GzipReader() = default;
+GzipReader::GzipReader(GzipReader&&) noexcept = default;
+GzipReader& GzipReader::operator=(GzipReader&&) noexcept = default;
+
+std::optional<std::size_t> GzipReader::read(std::span<char> /*into*/) { return std::nullopt; }
 
 }  // namespace gridlock

@@ -55,7 +55,7 @@ struct XyzFrame {
   std::vector<FrameColumn> others = {};
 };
 
-/// Reads a file of extended XYZ with one frame, as it is or packed by gzip.
+/// Reads a file of extended XYZ with one frame, as it is or packed by gzip, piece by piece.
 ///
 /// Columns may stand in any order, Properties names them: pos is needed; velo, radius, masses, image and id are left
 /// out at will (0; 0; 1; 0; the number of the row from 0); others mean nothing to disks. Time, step and seed default to 0, pbc to

@@ -1,0 +1,84 @@
+#include "io/text_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "gridlock/core/error.hpp"
+#include "io/file.hpp"
+
+namespace gridlock {
+
+namespace {
+
+/// The bytes of a text one after the other.
+ReadBytes bytes_of(std::string_view text) {
+  return [text](std::span<char> into) mutable {
+    std::size_t const count = text.copy(into.data(), into.size());
+    text.remove_prefix(count);
+    return count;
+  };
+}
+
+}  // namespace
+
+TextReader::TextReader(std::filesystem::path path) : name_(path.string()), path_(std::move(path)) { open_file(); }
+
+TextReader::TextReader(std::string_view text, std::string name)
+    : name_(std::move(name)), text_(text), likely_size_(text.size()), bytes_(bytes_of(text)) {}
+
+void TextReader::open_file() {
+  auto const file = std::make_shared<FileReader>(path_);
+  can_begin_again_ = file->is_regular();
+  // What a file is, its first bytes say.
+  std::string first(2, '\0');
+  std::size_t filled = 0;
+  while (filled < first.size()) {
+    std::size_t const got = file->read(std::span(first).subspan(filled));
+    if (got == 0) break;
+    filled += got;
+  }
+  first.resize(filled);
+  bytes_ = [file, first](std::span<char> into) mutable {
+    if (first.empty()) return file->read(into);
+    std::size_t const count = first.copy(into.data(), into.size());
+    first.erase(0, count);
+    return count;
+  };
+  likely_size_ = file->size();
+  packed_.reset();
+  if (!is_gzip(first)) return;
+  constexpr std::uint64_t usually_packed = 4;
+  likely_size_ *= usually_packed;
+  packed_.emplace(bytes_);
+}
+
+std::size_t TextReader::read(std::span<char> into) {
+  if (!packed_) return bytes_(into);
+  if (auto const got = packed_->read(into)) return *got;
+  throw Error({.what = fmt::format("cannot unpack {}: it is damaged or cut off", name_),
+               .hint = "pack it again with gzip",
+               .file = name_});
+}
+
+bool TextReader::begin_again() {
+  if (!can_begin_again_) return false;
+  if (path_.empty()) {
+    bytes_ = bytes_of(text_);
+  } else {
+    open_file();
+  }
+  return true;
+}
+
+void TextReader::require_undamaged() {
+  if (!packed_) return;
+  std::vector<char> piece(std::size_t{1} << 16);
+  while (read(piece) > 0) {
+  }
+}
+
+}  // namespace gridlock

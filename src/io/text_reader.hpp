@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "io/gzip.hpp"
+
+namespace gridlock {
+
+/// A text that is read piece by piece: of a file as it is, of one that gzip packed, or one that is in memory.
+class TextReader {
+ public:
+  /// Errors: Error where the file cannot be read.
+  explicit TextReader(std::filesystem::path path);
+  /// The text must outlive it. `name` names it in errors.
+  TextReader(std::string_view text, std::string name);
+
+  /// What it is called in errors.
+  [[nodiscard]] std::string const& name() const { return name_; }
+  /// How many bytes it has in about, as far as that is known beforehand.
+  [[nodiscard]] std::uint64_t likely_size() const { return likely_size_; }
+
+  /// Fills the beginning of `into`, and returns how many bytes have come: 0 at the end. Errors: Error where the file cannot be
+  /// read, or where what gzip packed is damaged.
+  std::size_t read(std::span<char> into);
+  /// Begins again; false where that cannot be, as with a pipe.
+  bool begin_again();
+  /// Reads what is left where it is packed: the checksum comes last. Errors: Error where it is damaged.
+  void require_undamaged();
+
+ private:
+  void open_file();
+
+  std::string name_;
+  std::filesystem::path path_;  ///< empty where it is in memory
+  std::string_view text_;       ///< where it is in memory
+  bool can_begin_again_ = true;
+  std::uint64_t likely_size_ = 0;
+  ReadBytes bytes_;
+  std::optional<GzipReader> packed_;
+};
+
+}  // namespace gridlock
