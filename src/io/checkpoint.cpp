@@ -334,6 +334,30 @@ void restore_from(checkpoint::File const& file, Parts const& parts, CheckpointSh
   }
 }
 
+/// Whether anything has the name, be it a link to nothing or what cannot be looked at.
+bool is_name_taken(fs::path const& path) {
+  std::error_code ignored;
+  return fs::symlink_status(path, ignored).type() != fs::file_type::not_found;
+}
+
+/// Refuses what is no file in all processes where one finds it so. It is not among what a damaged checkpoint may be replaced for: the next
+/// checkpoint could not take its place.
+void require_file(fs::path const& path, bool is_newest, AgreeOnRefusal const& of_all) {
+  Problem problem;
+  try {
+    require_regular_file(path);
+  } catch (Error const& refusal) {
+    problem = refusal.problems().front();
+  }
+  std::string const reason = of_all(problem.what);
+  if (reason.empty()) return;
+  bool const has_previous = is_newest && is_name_taken(path.parent_path() / previous_name);
+  throw Error(
+      {.what = reason,
+       .hint = has_previous ? fmt::format("remove it, and the run continues from {}", previous_name) : "remove it",
+       .file = path.string()});
+}
+
 void append_to(AtomicFile& file, std::uint32_t version, checkpoint::Members const& members) {
   members.write(version, [&](std::string_view piece) { file.append(piece); });
 }
@@ -424,14 +448,13 @@ void write_checkpoint(fs::path const& directory, SerializeAll const& serialize,
 
 std::optional<Restored> restore_checkpoint(fs::path const& directory, SerializeAll const& serialize,
                                            CheckpointShare const& share, AgreeOnRefusal const& agree) {
+  AgreeOnRefusal const of_all = agree ? agree : [](std::string const& own) { return own; };
   std::string note;
   std::optional<Error> error;
   for (char const* name : {newest_name, previous_name}) {
     fs::path const path = directory / name;
-    std::error_code ignored;
-    if (!fs::exists(path, ignored)) continue;
-    // Not among what a damaged one may be replaced for: the next checkpoint would go into it too.
-    require_regular_file(path);
+    if (of_all(is_name_taken(path) ? "it is there" : "").empty()) continue;
+    require_file(path, name == newest_name, of_all);
     Problem problem;
     try {
       checkpoint::File const file(checkpoint::bytes_of_file(path));
@@ -439,7 +462,7 @@ std::optional<Restored> restore_checkpoint(fs::path const& directory, SerializeA
     } catch (Error const& refusal) {
       problem = refusal.problems().front();
     }
-    std::string const reason = agree ? agree(problem.what) : problem.what;
+    std::string const reason = of_all(problem.what);
     if (reason.empty()) return Restored{path, note};
     if (problem.what.empty()) problem = {.what = reason, .hint = checkpoint::again_hint, .file = path.string()};
     if (!error) error = Error(problem);
@@ -450,8 +473,7 @@ std::optional<Restored> restore_checkpoint(fs::path const& directory, SerializeA
 }
 
 bool has_checkpoint(fs::path const& directory) {
-  std::error_code ignored;
-  return fs::exists(directory / newest_name, ignored) || fs::exists(directory / previous_name, ignored);
+  return is_name_taken(directory / newest_name) || is_name_taken(directory / previous_name);
 }
 
 void remove_previous_checkpoint(fs::path const& directory) {

@@ -91,8 +91,8 @@ struct Restored {
   friend bool operator==(Restored const&, Restored const&) = default;
 };
 
-/// Exchanges among processes why a checkpoint cannot be used: takes the reason of this process, empty where there is none,
-/// and returns the first reason that any process has, the same in all of them.
+/// Exchanges among processes what each has to say of a checkpoint, such as why it cannot be used: takes the text of this process, empty where
+/// there is none, and returns the first text that any process has, the same in all of them.
 using AgreeOnRefusal = std::function<std::string(std::string const& reason)>;
 
 /// Restores the newest checkpoint of a directory that is whole; nothing where there is none.
@@ -100,7 +100,7 @@ using AgreeOnRefusal = std::function<std::string(std::string const& reason)>;
 /// Any number of processes restore what any number has written: each gives its own share, all call this at once, and where one
 /// finds a file damaged, `agree` has all of them go back to the previous checkpoint. A process reads all of checkpoint.gridlock, and of
 /// the parts those with rows of its share, by pieces; it has its own rows in memory, and no others.
-/// Errors: Error where there are checkpoints and none can be used, or where one of them is not a regular file.
+/// Errors: Error, in all processes, where there are checkpoints and none can be used, or where one of them is not a regular file.
 std::optional<Restored> restore_checkpoint(std::filesystem::path const& directory, SerializeAll const& serialize,
                                            CheckpointShare const& share = {}, AgreeOnRefusal const& agree = {});
 

@@ -204,6 +204,25 @@ TEST_F(MpiRun, DividesTheMemoryOfTheAgentsOfAModel) {
   });
 }
 
+TEST_F(MpiRun, RefusesWhatIsNoFileInThePlaceOfACheckpointUntilItIsRemoved) {
+  write_long_one();
+  RanksAtWork const asked = start_and_wait_for_checkpoint(workplace_, 2, run_into("out"));
+  asked.process.signal(SIGUSR1);
+  expect_stopped_by(SIGUSR1, asked.process.wait());
+  fs::path const newest = workplace_ / "out/checkpoint.gridlock";
+  fs::rename(newest, workplace_ / "out/checkpoint.previous.gridlock");
+  fs::create_directory(newest);
+  Outcome const refused = on_ranks(workplace_, 3, {"resume", "out", "-q"});
+  EXPECT_EQ(refused.exit_code, 2) << refused.err;
+  EXPECT_EQ(occurrences(refused.err, "error: "), 1U) << refused.err;
+  EXPECT_NE(refused.err.find("remove it, and the run continues from checkpoint.previous.gridlock"), std::string::npos)
+      << refused.err;
+  fs::remove(newest);
+  expect_good(on_ranks(workplace_, 3, {"resume", "out", "-q"}));
+  expect_good(in(workplace_, run_into("alone")));
+  expect_same_results("alone", "out");
+}
+
 TEST_F(MpiRun, SaysOnceHowItEndedAndWhatEachRankSent) {
   write(workplace_ / "r.toml", run_toml());
   Outcome const outcome = on_ranks(workplace_, 3, {"run", "r.toml", "-o", "out"});

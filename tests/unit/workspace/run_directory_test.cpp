@@ -425,6 +425,27 @@ TEST(RunDirectory, ACheckpointThatIsAPipeIsRefusedAndNotWaitedFor) {
   EXPECT_NE(text.find("checkpoint.gridlock: it is not a regular file"), std::string::npos) << text;
 }
 
+TEST(RunDirectory, WhatIsNoFileInThePlaceOfACheckpointIsRefusedUntilItIsRemoved) {
+  Directory const directory;
+  fs::path const run = directory / "a";
+  run_in(run, set_up(small()), {.on_progress = stopping_after(2), .on_event = {}, .threads = {}});
+  fs::path const newest = run / "checkpoint.gridlock";
+  fs::copy_file(newest, run / "checkpoint.previous.gridlock", fs::copy_options::overwrite_existing);
+  fs::remove(newest);
+  fs::create_directory(newest);
+  auto const expect_refused = [&] {
+    std::string const text = refusal([&] { resume_in(run); });
+    EXPECT_NE(text.find("checkpoint.gridlock: it is not a regular file"), std::string::npos) << text;
+    EXPECT_NE(text.find("the run continues from checkpoint.previous.gridlock"), std::string::npos) << text;
+  };
+  expect_refused();
+  fs::remove(newest);
+  fs::create_symlink(directory / "nothing", newest);
+  expect_refused();
+  fs::remove(newest);
+  EXPECT_EQ(resume_in(run).status, RunStatus::finished);
+}
+
 TEST(RequireMemory, CountsNoSamplesThatNeverComeWhereAnotherLengthEndsTheRun) {
   std::string const endless = "disks.count = 9\nrun.steps = 9000000000000000000\nobserve.every = 1\n";
   EXPECT_NE(
