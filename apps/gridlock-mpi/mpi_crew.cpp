@@ -55,6 +55,31 @@ struct Arrival {
   std::array<char, longest_failure> failure{};  // empty: it is ready
 };
 
+/// What becomes of the meeting.
+struct Verdict {
+  enum Kind : std::uint64_t { all_are_ready, cannot_take_part, is_of_another_plan };
+  Kind kind = all_are_ready;
+  std::array<char, longest_failure> text{};
+};
+
+/// Of the leader, who has arrived as `own`.
+Verdict judge(std::vector<Arrival> const& all, Arrival const& own) {
+  Verdict verdict;
+  std::string text;
+  for (std::size_t rank = 0; rank < all.size() && text.empty(); ++rank) {
+    std::string_view const why = all[rank].failure.data();
+    if (!why.empty()) {
+      verdict.kind = Verdict::cannot_take_part;
+      text = fmt::format("rank {} cannot take part: {}", rank, why);
+    } else if (all[rank].plan_hash != own.plan_hash || all[rank].ranks_of_run != own.ranks_of_run) {
+      verdict.kind = Verdict::is_of_another_plan;
+      text = fmt::format("rank {} has read another plan or command line", rank);
+    }
+  }
+  text.copy(verdict.text.data(), longest_failure - 1);
+  return verdict;
+}
+
 void send(int to, Tag tag, void const* data, std::size_t bytes) {
   MPI_Send(data, static_cast<int>(bytes), MPI_BYTE, to, tag, MPI_COMM_WORLD);
 }
@@ -238,25 +263,16 @@ void MpiCrew::meet(std::uint64_t plan_hash, std::string const& failure) {
   MPI_Request request = MPI_REQUEST_NULL;
   MPI_Igather(&own, sizeof(Arrival), MPI_BYTE, all.data(), sizeof(Arrival), MPI_BYTE, 0, MPI_COMM_WORLD, &request);
   wait_asleep(request);
-  std::array<char, longest_failure> verdict{};
-  if (leads()) {
-    std::string text;
-    for (std::size_t rank = 0; rank < all.size() && text.empty(); ++rank) {
-      std::string_view const why = all[rank].failure.data();
-      if (!why.empty()) {
-        text = fmt::format("rank {} cannot take part: {}", rank, why);
-      } else if (all[rank].plan_hash != plan_hash || all[rank].ranks_of_run != own.ranks_of_run) {
-        text =
-            fmt::format("rank {} has read another plan\n  hint: all ranks must see the same files and options", rank);
-      }
-    }
-    text.copy(verdict.data(), longest_failure - 1);
-  }
-  MPI_Ibcast(verdict.data(), longest_failure, MPI_BYTE, 0, MPI_COMM_WORLD, &request);
+  Verdict verdict;
+  if (leads()) verdict = judge(all, own);
+  MPI_Ibcast(&verdict, sizeof verdict, MPI_BYTE, 0, MPI_COMM_WORLD, &request);
   wait_asleep(request);
   // Who has failed knows it.
-  if (verdict.front() != '\0' && failure.empty()) throw RunFailure(verdict.data());
-  is_working_ = verdict.front() == '\0';
+  if (verdict.kind == Verdict::cannot_take_part && failure.empty()) throw RunFailure(verdict.text.data());
+  if (verdict.kind == Verdict::is_of_another_plan) {
+    throw Error({.what = verdict.text.data(), .hint = "all ranks must see the same files and options"});
+  }
+  is_working_ = verdict.kind == Verdict::all_are_ready;
   if (is_working_ && ranks_of_run_ > 1) form_groups();
 }
 

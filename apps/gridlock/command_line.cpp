@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <new>
 #include <string>
 #include <string_view>
@@ -153,9 +155,17 @@ ExitCode run_command_line(int argc, char** argv) {
   return exit_code;
 }
 
+std::uint64_t hash_of(std::vector<std::string> const& words) {
+  std::string all;
+  for (std::string const& word : words) all.append(word).push_back('\0');
+  return std::hash<std::string>{}(all);
+}
+
 /// The commands that several processes carry out together.
-ExitCode run_command_line_of_crew(int argc, char** argv, cli::CrewOptions const& crew) {
+ExitCode run_command_line_of_crew(int argc, char** argv, cli::CrewOptions crew) {
   set_program_name(argc, argv);
+  std::vector<std::string> const words = words_of(argc, argv);
+  crew.command_hash = hash_of(words);
   CLI::App app{"gridlock-mpi: simulates on many machines; start it with mpirun or srun", cli::program_name()};
   set_up_app(app, "gridlock-mpi");
   ExitCode exit_code = ExitCode::good;
@@ -166,7 +176,6 @@ ExitCode run_command_line_of_crew(int argc, char** argv, cli::CrewOptions const&
   for (CLI::App* const command : app.get_subcommands({})) command->group("Commands");
   std::string const all = cli::name_with_all_commands();
   app.footer(fmt::format("All other commands are those of {}.", all));
-  std::vector<std::string> const words = words_of(argc, argv);
   bool const is_command = !words.empty() && !words.front().starts_with('-');
   if (is_command && !has_command(app, words.front())) {
     throw Error({.what = fmt::format("{} has no command \"{}\"", cli::program_name(), words.front()),

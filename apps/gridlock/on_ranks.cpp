@@ -27,7 +27,7 @@ ExitCode carry_out(CrewOptions const* options, std::function<ExitCode(Ranks*)> c
   if (options == nullptr) return work(nullptr);
   options->set_ranks_of_run(std::numeric_limits<std::size_t>::max());
   SweepCrew& crew = options->crew;
-  crew.meet(0, "");
+  crew.meet(options->command_hash, "");
   if (crew.leads()) {
     Lead const lead(crew);
     return work(crew.ranks());

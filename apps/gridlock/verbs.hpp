@@ -28,6 +28,7 @@ struct CrewOptions {
   std::function<void(std::size_t)> set_runs_at_a_time;  ///< that each makes
   std::function<void(std::size_t)> set_ranks_of_run;    ///< SweepCrew::ranks_of_run(), all where there are not as many
   bool has_threads_that_send = false;                   ///< also other threads than the first may call MPI
+  std::uint64_t command_hash = 0;                       ///< of the command line, which must be the same for all
 };
 
 /// Each adds its command to the command line; parsing it runs the command and leaves how it ended in `exit_code`.

@@ -47,7 +47,7 @@ class SweepCrew {
   [[nodiscard]] virtual Ranks* ranks() { return nullptr; }
 
   /// Every process calls it once, when it is ready for runs of the plan with this hash, or when it cannot take part: `failure` then says why.
-  /// Returns where all are ready for the same plan. Errors: RunFailure for another's failure, and for another plan.
+  /// Returns where all are ready for the same plan. Errors: RunFailure for another's failure; Error, in all processes, for another plan.
   virtual void meet(std::uint64_t plan_hash, std::string const& failure) = 0;
   /// Lets those go that help with the runs of this process; nobody waits for it any more.
   virtual void part() = 0;

@@ -204,6 +204,24 @@ TEST_F(MpiRun, DividesTheMemoryOfTheAgentsOfAModel) {
   });
 }
 
+TEST_F(MpiRun, RefusesRanksThatWereStartedWithDifferentCommands) {
+  write(workplace_ / "r.toml", run_toml());
+  auto const beside = [&](std::vector<std::string> const& first, std::vector<std::string> const& second) {
+    return mpirun(workplace_, std::vector<std::string>{"-n", "1", GRIDLOCK_MPI_PROGRAM} + first +
+                                  std::vector<std::string>{":", "-n", "2", GRIDLOCK_MPI_PROGRAM} + second)
+        .wait();
+  };
+  for (std::vector<std::string> const& other : {run_into("other"), std::vector<std::string>{"resume", "out"},
+                                                run_into("out") + std::vector<std::string>{"-j", "2"}}) {
+    Outcome const outcome = beside(run_into("out"), other);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+    EXPECT_EQ(occurrences(outcome.err, "error: "), 1U) << outcome.err;
+    EXPECT_NE(outcome.err.find("rank 1 has read another plan or command line"), std::string::npos) << outcome.err;
+    EXPECT_FALSE(fs::exists(workplace_ / "out"));
+  }
+  expect_good(beside(run_into("out"), run_into("out")));
+}
+
 TEST_F(MpiRun, RefusesWhatIsNoFileInThePlaceOfACheckpointUntilItIsRemoved) {
   write_long_one();
   RanksAtWork const asked = start_and_wait_for_checkpoint(workplace_, 2, run_into("out"));
