@@ -10,7 +10,6 @@
 
 #include "engine/hot_disks.hpp"
 #include "grid/linked_grid.hpp"
-#include "grid/validate_rows.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/validate.hpp"
 #include "packed_turns.hpp"
@@ -95,9 +94,11 @@ void require_room_for_turns(EngineSettings const& settings, State const& state) 
   require_short_ways(settings, state, all);
 }
 
-void require_room_for_turns_of(EngineSettings const& settings, State const& some, DisksOverview const& all) {
+void require_room_for_turns_of(EngineSettings const& settings, State const& some, DisksOverview const& all,
+                               RowProblems const& problems) {
   require_bounds(settings, all);
-  validate_rows(some, all);
+  problems.require_none(some.box);
+  require_no_own_images(some.box, all.radii.largest);
   require_short_ways(settings, some, all);
 }
 

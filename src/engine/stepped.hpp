@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/disks_overview.hpp"
+#include "grid/validate_rows.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 
@@ -16,8 +17,9 @@ void require_room_for_turns(EngineSettings const& settings, State const& state);
 /// A disk that covers a contact distance in one sub-step could come out behind the disk it should have met.
 inline bool is_short(double squared_displacement, double contact) { return squared_displacement < contact * contact; }
 
-/// The same for some of all disks, but for whether they overlap.
-void require_room_for_turns_of(EngineSettings const& settings, State const& some, DisksOverview const& all);
+/// The same for some of all disks, but for whether they overlap. The problems are those of the rows of all.
+void require_room_for_turns_of(EngineSettings const& settings, State const& some, DisksOverview const& all,
+                               RowProblems const& problems);
 
 /// Throws RunFailure: the disk of row i has become so fast that it could jump over another.
 [[noreturn]] void throw_long_substep(State const& state, std::size_t i, double displacement);

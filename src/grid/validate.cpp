@@ -19,86 +19,21 @@ namespace gridlock {
 
 namespace {
 
-/// Keeps the first few problems of one kind and counts the rest.
-class ProblemList {
- public:
-  void add(std::string what, std::string hint) {
-    if (++count_ <= most_shown) problems_.push_back({.what = std::move(what), .hint = std::move(hint), .key = "disks"});
-  }
-  void move_into(std::vector<Problem>& all) {
-    if (count_ > most_shown) problems_.back().what += fmt::format(" (and {} more like it)", count_ - most_shown);
-    std::ranges::move(problems_, std::back_inserter(all));
-  }
-
- private:
-  static constexpr std::size_t most_shown = 3;
-  std::vector<Problem> problems_;
-  std::size_t count_ = 0;
-};
-
 bool is_positive(double value) { return std::isfinite(value) && value > 0.0; }
 
-/// Numbers so large or small that their squares would no longer be what they stand for.
-std::vector<Problem> find_extreme_magnitudes(State const& state) {
-  std::vector<Problem> problems;
-  if (auto problem = find_extreme_sides(state.box)) problems.push_back(*std::move(problem));
-  ProblemList extreme_disks;
-  double largest_speed = 0.0;
-  Disks const& disks = state.agents;
-  for (std::size_t i = 0; i < disks.size(); ++i) {
-    double const r = disks.column<Radius>()[i];
-    double const m = disks.column<Mass>()[i];
-    Vector const v = velocity(disks, i);
-    // Not their squares, which may be what is out of range.
-    largest_speed = std::max({largest_speed, std::abs(v.x), std::abs(v.y)});
-    if (has_bounded_magnitude(r) && has_bounded_magnitude(m)) continue;
-    extreme_disks.add(
-        fmt::format("disk {} has radius {} and mass {}, too large or too small to compute with", disks.ids()[i], r, m),
-        magnitude_hint);
-  }
-  extreme_disks.move_into(problems);
-  if (largest_speed != 0.0 && !has_bounded_magnitude(largest_speed)) {
-    problems.push_back({.what = fmt::format("the largest component of a velocity is {}, too large or too small to "
-                                            "compute with",
-                                            largest_speed),
-                        .hint = magnitude_hint,
-                        .key = "disks"});
-  }
-  return problems;
+std::string text_of_broken(Disks const& disks, std::size_t i) {
+  Vector const p = position(disks, i);
+  Vector const v = velocity(disks, i);
+  return fmt::format("disk {} has position ({}, {}), velocity ({}, {}), radius {} and mass {}", disks.ids()[i], p.x,
+                     p.y, v.x, v.y, disks.column<Radius>()[i], disks.column<Mass>()[i]);
 }
 
-/// Problems that make a search for overlaps meaningless.
-std::vector<Problem> find_broken_rows(State const& state, double beyond_walls) {
-  ProblemList not_finite;
-  ProblemList not_inside;
-  Disks const& disks = state.agents;
-  for (std::size_t i = 0; i < disks.size(); ++i) {
-    Vector const p = position(disks, i);
-    Vector const v = velocity(disks, i);
-    double const r = disks.column<Radius>()[i];
-    double const m = disks.column<Mass>()[i];
-    if (!std::isfinite(p.x + p.y + v.x + v.y) || !is_positive(r) || !is_positive(m)) {
-      not_finite.add(fmt::format("disk {} has position ({}, {}), velocity ({}, {}), radius {} and mass {}",
-                                 disks.ids()[i], p.x, p.y, v.x, v.y, r, m),
-                     "every value must be finite, radius and mass above 0");
-      continue;
-    }
-    double const margin = state.box.is_periodic() ? 0.0 : r - beyond_walls;
-    bool const is_inside =
-        p.x >= margin && p.x <= state.box.width() - margin && p.y >= margin && p.y <= state.box.height() - margin;
-    // A centre exactly on the upper edge of a periodic box is the same point as 0 and must be written so.
-    bool const is_on_upper_edge = state.box.is_periodic() && (p.x == state.box.width() || p.y == state.box.height());
-    if (!is_inside || is_on_upper_edge) {
-      not_inside.add(fmt::format("disk {} at ({}, {}) with radius {} is not inside the box of {} × {}", disks.ids()[i],
-                                 p.x, p.y, r, state.box.width(), state.box.height()),
-                     state.box.is_periodic() ? "centres lie in [0, width) × [0, height)"
-                                             : "centres lie at least one radius away from every wall");
-    }
-  }
-  std::vector<Problem> problems;
-  not_finite.move_into(problems);
-  not_inside.move_into(problems);
-  return problems;
+/// Whether a disk is inside a box whose walls it may pass by so much.
+bool is_inside(Box const& box, Vector p, double radius, double beyond_walls) {
+  // A centre exactly on the upper edge of a periodic box is the same point as 0 and must be written so.
+  if (box.is_periodic()) return p.x >= 0.0 && p.x < box.width() && p.y >= 0.0 && p.y < box.height();
+  double const margin = radius - beyond_walls;
+  return p.x >= margin && p.x <= box.width() - margin && p.y >= margin && p.y <= box.height() - margin;
 }
 
 /// Calls visit(i, j, gap) for every pair that overlaps, gap < 0 being the distance between the rims.
@@ -113,6 +48,37 @@ void for_each_overlap(State const& state, Visit visit) {
   });
 }
 
+/// Counts overlaps and keeps those of the first rows, whatever order they come in.
+class FirstOverlaps {
+ public:
+  void add(std::size_t i, std::size_t j, double gap) {
+    ++count_;
+    RowPair const pair{std::min(i, j), std::max(i, j), gap};
+    if (first_.size() == most_overlaps_named && !is_before(pair, first_.back())) return;
+    first_.insert(std::ranges::upper_bound(first_, pair, is_before), pair);
+    if (first_.size() > most_overlaps_named) first_.pop_back();
+  }
+  [[nodiscard]] std::size_t count() const { return count_; }
+  [[nodiscard]] std::vector<OverlappingPair> pairs(Disks const& disks) const {
+    std::vector<OverlappingPair> pairs;
+    for (auto const& [row, other_row, gap] : first_) pairs.push_back({disks.ids()[row], disks.ids()[other_row], gap});
+    return pairs;
+  }
+
+ private:
+  struct RowPair {
+    std::size_t row;
+    std::size_t other_row;
+    double gap;
+  };
+  static bool is_before(RowPair const& a, RowPair const& b) {
+    return std::pair(a.row, a.other_row) < std::pair(b.row, b.other_row);
+  }
+
+  std::vector<RowPair> first_;
+  std::size_t count_ = 0;
+};
+
 /// Refuses disks that overlap their own image.
 void find_own_images(Box const& box, double largest_radius, std::vector<Problem>& problems) {
   double const diameter = 2.0 * largest_radius;
@@ -123,13 +89,86 @@ void find_own_images(Box const& box, double largest_radius, std::vector<Problem>
                       .key = "disks"});
 }
 
-void require_whole_rows(State const& state, double beyond_walls) {
-  std::vector<Problem> problems = find_broken_rows(state, beyond_walls);
-  if (problems.empty()) problems = find_extreme_magnitudes(state);
-  if (!problems.empty()) throw Error(std::move(problems));
+}  // namespace
+
+void RowProblems::Kind::add(std::string text) {
+  if (++count <= most_named) first.push_back(std::move(text));
 }
 
-}  // namespace
+void RowProblems::Kind::add(Kind const& next) {
+  for (std::size_t k = 0; k < next.first.size() && first.size() < most_named; ++k) first.push_back(next.first[k]);
+  count += next.count;
+}
+
+void RowProblems::Kind::move_into(std::vector<Problem>& problems, std::string const& hint) const {
+  for (std::string const& what : first) problems.push_back({.what = what, .hint = hint, .key = "disks"});
+  if (count > first.size()) problems.back().what += fmt::format(" (and {} more like it)", count - first.size());
+}
+
+RowProblems::RowProblems(State const& some, double beyond_walls) {
+  Disks const& disks = some.agents;
+  for (std::size_t i = 0; i < disks.size(); ++i) {
+    Vector const p = position(disks, i);
+    Vector const v = velocity(disks, i);
+    double const r = disks.column<Radius>()[i];
+    double const m = disks.column<Mass>()[i];
+    if (!std::isfinite(p.x + p.y + v.x + v.y) || !is_positive(r) || !is_positive(m)) {
+      not_finite_.add(text_of_broken(disks, i));
+      continue;
+    }
+    if (!is_inside(some.box, p, r, beyond_walls)) {
+      not_inside_.add(fmt::format("disk {} at ({}, {}) with radius {} is not inside the box of {} × {}", disks.ids()[i],
+                                  p.x, p.y, r, some.box.width(), some.box.height()));
+    }
+    // Not their squares, which may be what is out of range.
+    largest_speed_ = std::max({largest_speed_, std::abs(v.x), std::abs(v.y)});
+    if (has_bounded_magnitude(r) && has_bounded_magnitude(m)) continue;
+    extreme_.add(
+        fmt::format("disk {} has radius {} and mass {}, too large or too small to compute with", disks.ids()[i], r, m));
+  }
+}
+
+RowProblems::RowProblems(MessageReader& message) {
+  for (Kind* const kind : {&not_finite_, &not_inside_, &extreme_}) {
+    kind->count = message.next<std::uint64_t>();
+    for (std::size_t k = 0; k < std::min(kind->count, most_named); ++k) kind->first.push_back(message.next_text());
+  }
+  largest_speed_ = message.next<double>();
+}
+
+void RowProblems::write(MessageWriter& message) const {
+  for (Kind const* const kind : {&not_finite_, &not_inside_, &extreme_}) {
+    message.add(std::uint64_t{kind->count});
+    for (std::string const& text : kind->first) message.add_text(text);
+  }
+  message.add(largest_speed_);
+}
+
+void RowProblems::add(RowProblems const& next) {
+  not_finite_.add(next.not_finite_);
+  not_inside_.add(next.not_inside_);
+  extreme_.add(next.extreme_);
+  largest_speed_ = std::max(largest_speed_, next.largest_speed_);
+}
+
+void RowProblems::require_none(Box const& box) const {
+  std::vector<Problem> problems;
+  not_finite_.move_into(problems, "every value must be finite, radius and mass above 0");
+  not_inside_.move_into(problems, box.is_periodic() ? "centres lie in [0, width) × [0, height)"
+                                                    : "centres lie at least one radius away from every wall");
+  if (!problems.empty()) throw Error(std::move(problems));
+  // Numbers so large or small that their squares would no longer be what they stand for.
+  if (auto problem = find_extreme_sides(box)) problems.push_back(*std::move(problem));
+  extreme_.move_into(problems, magnitude_hint);
+  if (largest_speed_ != 0.0 && !has_bounded_magnitude(largest_speed_)) {
+    problems.push_back({.what = fmt::format("the largest component of a velocity is {}, too large or too small to "
+                                            "compute with",
+                                            largest_speed_),
+                        .hint = magnitude_hint,
+                        .key = "disks"});
+  }
+  if (!problems.empty()) throw Error(std::move(problems));
+}
 
 double gap_of_overlap(double contact, double squared_distance, double tolerance) {
   double const missing = contact * contact - squared_distance;
@@ -156,22 +195,19 @@ std::vector<Problem> problems_of_overlaps(std::span<OverlappingPair const> first
 }
 
 void validate(State const& state, Tolerance const& tolerance) {
-  require_whole_rows(state, tolerance.beyond_walls);
-  std::vector<OverlappingPair> overlaps;
-  std::size_t count = 0;
+  RowProblems(state, tolerance.beyond_walls).require_none(state.box);
+  FirstOverlaps overlaps;
   for_each_overlap(state, [&](std::size_t i, std::size_t j, double gap) {
-    if (-gap <= tolerance.overlap) return;
-    if (++count <= most_overlaps_named) overlaps.push_back({state.agents.ids()[i], state.agents.ids()[j], gap});
+    if (-gap > tolerance.overlap) overlaps.add(i, j, gap);
   });
-  std::vector<Problem> problems = problems_of_overlaps(overlaps, count);
+  std::vector<Problem> problems = problems_of_overlaps(overlaps.pairs(state.agents), overlaps.count());
   find_own_images(state.box, radius_range(state.agents).largest, problems);
   if (!problems.empty()) throw Error(std::move(problems));
 }
 
-void validate_rows(State const& some, DisksOverview const& all) {
-  require_whole_rows(some, 0.0);
+void require_no_own_images(Box const& box, double largest_radius) {
   std::vector<Problem> problems;
-  find_own_images(some.box, all.radii.largest, problems);
+  find_own_images(box, largest_radius, problems);
   if (!problems.empty()) throw Error(std::move(problems));
 }
 

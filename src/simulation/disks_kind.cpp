@@ -15,7 +15,6 @@
 #include "gridlock/core/detail/time_step_rule.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/validate.hpp"
-#include "gridlock/io/xyz.hpp"
 #include "gridlock/simulation/world_simulation.hpp"
 #include "simulation/countable_time.hpp"
 #include "simulation/disks_of_rank.hpp"
@@ -24,99 +23,11 @@
 #include "simulation/patient_engine.hpp"
 #include "simulation/protocol_simulation.hpp"
 #include "simulation/slow_start.hpp"
+#include "simulation/start_file.hpp"
 
 namespace gridlock {
 
 namespace {
-
-Error contradiction(std::string key, std::string what) {
-  return Error(
-      {.what = std::move(what), .hint = "leave the setting out, or give the value of the file", .key = std::move(key)});
-}
-
-bool is_close(double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(b); }
-
-/// A file brings its box; a box that was asked for besides must be the same.
-void take_box(BoxSettings& settings, Box const& box, IsGiven const& is_given) {
-  bool const asks_for_size = is_given("box.side") || is_given("box.width") || is_given("box.height");
-  double const width = settings.width.value_or(settings.side);
-  double const height = settings.height.value_or(settings.side);
-  if (asks_for_size && !(is_close(width, box.width()) && is_close(height, box.height()))) {
-    throw contradiction("box", fmt::format("the box of the start file is {} × {}, not {} × {}", box.width(),
-                                           box.height(), width, height));
-  }
-  if (is_given("box.edge") && settings.edge != box.edge()) {
-    throw contradiction("box.edge",
-                        fmt::format("the start file has {} edges", box.is_periodic() ? "periodic" : "wall"));
-  }
-  settings = {.edge = box.edge(), .side = box.width()};
-  if (box.width() != box.height()) {
-    settings.width = box.width();
-    settings.height = box.height();
-  }
-}
-
-/// Whether every disk of a file has the radius asked for, as one of the kinds asked for.
-bool are_radii_as_asked(Disks const& disks, double radius, std::vector<SpeciesSettings> const& species) {
-  return std::ranges::all_of(disks.column<Radius>(), [&](double r) {
-    if (species.empty()) return is_close(radius, r);
-    return std::ranges::any_of(species,
-                               [&](SpeciesSettings const& kind) { return is_close(radius * kind.size_ratio, r); });
-  });
-}
-
-/// Gives the disks of a file without radii the size asked for; otherwise checks that the size asked for is the file's.
-void take_sizes(State& state, bool has_radii, DisksSettings& settings) {
-  auto const radii = state.agents.column<Radius>();
-  double const count = static_cast<double>(state.agents.size());
-  if (settings.sizes != SizeDistribution::equal) {
-    throw Error({.what = "disks.sizes are dealt out in lattice and random starts only",
-                 .hint = "leave disks.sizes out, or disks.file",
-                 .key = "disks.sizes"});
-  }
-  if (settings.count && *settings.count != state.agents.size()) {
-    throw contradiction("disks.count",
-                        fmt::format("the start file holds {} disks, not {}", state.agents.size(), *settings.count));
-  }
-  if (!has_radii) {
-    if (!settings.radius && !settings.packing_fraction) {
-      throw Error({.what = "the start file has no radii, and none are given",
-                   .hint = "give disks.radius or disks.packing_fraction, or add a column radius:R:1 to the file",
-                   .key = "disks.file"});
-    }
-    if (!settings.species.empty()) {
-      throw Error({.what = "the start file has no radii, and species are assigned in lattice and random starts only",
-                   .hint = "add columns radius:R:1 and masses:R:1 to the file, or leave disks.species out",
-                   .key = "disks.species"});
-    }
-    double const radius = settings.radius.value_or(
-        std::sqrt(settings.packing_fraction.value_or(0.0) * state.box.area() / (std::numbers::pi * count)));
-    for (double& r : radii) r = radius;
-  }
-  if (settings.radius && !are_radii_as_asked(state.agents, *settings.radius, settings.species)) {
-    auto const [smallest, largest] = radius_range(state.agents);
-    throw contradiction("disks.radius", fmt::format("the start file has radii from {:.9g} to {:.9g}, not {:.9g}",
-                                                    smallest, largest, *settings.radius));
-  }
-  double const packing_fraction = covered_area(state.agents) / state.box.area();
-  if (settings.packing_fraction && !is_close(*settings.packing_fraction, packing_fraction)) {
-    throw contradiction("disks.packing_fraction", fmt::format("the start file has packing fraction {:.9g}, not {:.9g}",
-                                                              packing_fraction, *settings.packing_fraction));
-  }
-  settings.count = state.agents.size();
-}
-
-State start_from_file(Configuration& configuration, std::filesystem::path const& path, IsGiven const& is_given) {
-  XyzFrame frame = read_xyz(path);
-  take_box(configuration.box, frame.state.box, is_given);
-  take_sizes(frame.state, frame.has_radii, configuration.disks);
-  configuration.disks.start = StartKind::file;
-  frame.state.seed = configuration.run.seed;
-  if (!frame.has_velocities || configuration.velocities.redraw) {
-    draw_velocities(frame.state, configuration.velocities);
-  }
-  return std::move(frame.state);
-}
 
 /// Fills in what was left out, so that the configuration says what was run.
 void resolve(Configuration& configuration) {
@@ -399,12 +310,18 @@ State random_or_lattice_start(Setup& setup, SetupOptions const& options) {
   return make_start(box, configuration.disks, seed);
 }
 
+/// Reads the head of the file that is asked for.
+xyz::Reader open_start_file(Setup& setup, SetupOptions const& options) {
+  setup.start_file = options.directory / setup.configuration.disks.file;
+  return xyz::Reader(TextReader(setup.start_file));
+}
+
 State start_of(Setup& setup, SetupOptions const& options) {
   if (options.start) return *options.start;
   Configuration& configuration = setup.configuration;
   if (!configuration.disks.file.empty()) {
-    setup.start_file = options.directory / configuration.disks.file;
-    return start_from_file(configuration, setup.start_file, options.is_given);
+    xyz::Reader reader = open_start_file(setup, options);
+    return read_whole_start(reader, configuration, options.is_given);
   }
   State state = random_or_lattice_start(setup, options);
   draw_velocities(state, configuration.velocities);
@@ -440,13 +357,25 @@ std::unique_ptr<Simulation> prepared_simulation(Configuration const& configurati
   return std::make_unique<ProtocolSimulation>(protocol, std::move(state), make);
 }
 
-/// The whole start, where rows of it cannot be made without the others, or pairs of all disks are looked at.
-std::optional<State> start_to_hand_out(Setup& setup, SetupOptions const& options) {
-  DisksSettings const& disks = setup.configuration.disks;
+/// Where the rows of ranks come from; nothing where each makes its own.
+struct StartOfRanks {
+  std::optional<State> whole;  ///< where rows cannot be made without the others, or pairs of all disks are looked at
+  std::optional<xyz::Reader> file;  ///< of more disks
+};
+
+StartOfRanks start_of_ranks(Setup& setup, SetupOptions const& options) {
+  Configuration& configuration = setup.configuration;
+  DisksSettings& disks = configuration.disks;
+  if (!options.start && !disks.file.empty()) {
+    StartOfRanks start{.whole = std::nullopt, .file = open_start_file(setup, options)};
+    disks.start = StartKind::file;
+    if (start.file->count() > most_disks_for_all_pairs) return start;
+    return {.whole = read_whole_start(*start.file, configuration, options.is_given), .file = std::nullopt};
+  }
   bool const is_function_of_row = disks.start == StartKind::square || disks.start == StartKind::triangular;
   bool const is_small = disks.count.value_or(0) <= most_disks_for_all_pairs;
-  if (!options.start && disks.file.empty() && is_function_of_row && !is_small) return std::nullopt;
-  return start_of(setup, options);
+  if (!options.start && is_function_of_row && !is_small) return {};
+  return {.whole = start_of(setup, options), .file = std::nullopt};
 }
 
 /// What is wrong with the settings of a run of these disks, and what is worth telling.
@@ -462,20 +391,26 @@ void check_disks(Setup& setup, EngineSettings const& settings, Box const& box, C
 void build_divided(Setup& setup, SetupOptions const& options) {
   Configuration& configuration = setup.configuration;
   bool const has_speed = configuration.engine.speed.has_value();
-  std::optional<State> whole = start_to_hand_out(setup, options);
+  StartOfRanks start = start_of_ranks(setup, options);
   resolve(configuration);
   EngineSettings settings = configuration.engine;
   settings.threads = threads_of(configuration, options.threads, options.ranks);
   settings.ranks = options.ranks;
-  if (whole) {
-    require_collisions(configuration.run, *whole);
-    require_hard_start(configuration.disks, *whole);
+  if (start.whole) {
+    require_collisions(configuration.run, *start.whole);
+    require_hard_start(configuration.disks, *start.whole);
   }
   DividedSimulation::announce(*options.ranks, configuration);
   auto disks = blaming_file(setup.start_file, [&] {
-    return std::make_unique<DisksOfRank>(*options.ranks, configuration, whole ? &*whole : nullptr);
+    if (!start.file) {
+      return std::make_unique<DisksOfRank>(*options.ranks, configuration, start.whole ? &*start.whole : nullptr);
+    }
+    StartFile const file{.reader = *start.file, .take_summary = [&](StartFileSummary const& summary) {
+                           take_summary(configuration, summary, options.is_given);
+                         }};
+    return std::make_unique<DisksOfRank>(*options.ranks, configuration, nullptr, &file);
   });
-  whole.reset();
+  start = {};
   DisksOfRank& own = *disks;
   auto simulation = std::make_unique<DividedSimulation>(*options.ranks, std::move(disks));
   if (has_speed) require_bounded_step(configuration.engine, own.all());
@@ -487,7 +422,7 @@ void build_divided(Setup& setup, SetupOptions const& options) {
 }
 
 std::unique_ptr<AgentsOfRank> DisksKind::agents_of_rank(Ranks& ranks, Configuration const& configuration) const {
-  return std::make_unique<DisksOfRank>(ranks, configuration, nullptr);
+  return std::make_unique<DisksOfRank>(ranks, configuration);
 }
 
 void DisksKind::build(Setup& setup, SetupOptions const& options) const {

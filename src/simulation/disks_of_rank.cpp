@@ -1,13 +1,13 @@
 #include "simulation/disks_of_rank.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <utility>
 
 #include "engine/stepped.hpp"
 #include "gridlock/core/detail/agreement.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
 #include "lattice/rows_of_start.hpp"
+#include "simulation/disk_rows.hpp"
 #include "simulation/patient_engine.hpp"
 
 namespace gridlock {
@@ -17,82 +17,71 @@ namespace {
 /// Rows in one message.
 constexpr std::size_t rows_of_message = std::size_t{1} << 15;
 
-/// All that a row of a state holds.
-struct DiskRow {
-  Id id;
-  double x, y, velocity_x, velocity_y, radius, mass;
-  std::int32_t image_x, image_y;
-};
-
-DiskRow row_of(Disks const& disks, std::size_t i) {
-  return {.id = disks.ids()[i],
-          .x = disks.column<X>()[i],
-          .y = disks.column<Y>()[i],
-          .velocity_x = disks.column<VelocityX>()[i],
-          .velocity_y = disks.column<VelocityY>()[i],
-          .radius = disks.column<Radius>()[i],
-          .mass = disks.column<Mass>()[i],
-          .image_x = disks.column<ImageX>()[i],
-          .image_y = disks.column<ImageY>()[i]};
-}
-
-/// Rows that come one after the other, until they are a population.
-class ComingRows {
- public:
-  explicit ComingRows(std::size_t rows) {
-    ids_.resize(rows);
-    values_.resize(rows);
-  }
-  void add(DiskRow const& row) {
-    ids_[next_] = row.id;
-    values_.put(next_, {row.x, row.y, row.velocity_x, row.velocity_y, row.radius, row.mass, row.image_x, row.image_y});
-    ++next_;
-  }
-  void become(Disks& disks) {
-    assert(next_ == ids_.size());
-    disks.become(ids_, values_);
-  }
-
- private:
-  LargeArray<Id> ids_;
-  Disks::AllValues values_;
-  std::size_t next_ = 0;
-};
+/// Where the rows of the ranks come from.
+enum class StartOfRows : std::uint64_t { made_by_each, handed_out, of_file };
 
 }  // namespace
 
-DisksOfRank::DisksOfRank(Ranks& ranks, Configuration const& configuration, State const* whole)
-    : ranks_(ranks), own_{.box = make_box(configuration.box)} {
+DisksOfRank::DisksOfRank(Ranks& ranks, Configuration const& configuration, State const* whole, StartFile const* file)
+    : ranks_(ranks) {
   struct Head {
-    std::uint64_t is_handed_out;
+    StartOfRows start;
     std::uint64_t rows;
-  } head{.is_handed_out = whole != nullptr ? 1U : 0U,
-         .rows = whole != nullptr ? whole->agents.size() : count_of(configuration.disks)};
-  if (ranks_.rank() == 0) {
-    send_to_others(ranks_, message_of(head));
-  } else {
-    head = MessageReader(ranks_.receive(0)).next<Head>();
-  }
+  } head{.start = StartOfRows::made_by_each, .rows = count_of(configuration.disks)};
+  if (whole != nullptr) head = {.start = StartOfRows::handed_out, .rows = whole->agents.size()};
+  if (file != nullptr) head = {.start = StartOfRows::of_file, .rows = file->reader.count()};
+  head = MessageReader(hand_down(ranks_, message_of(head))).next<Head>();
   rows_ = RowDivision::even(head.rows, ranks_.count());
-  if (head.is_handed_out != 0) {
-    whole != nullptr ? hand_out(*whole) : receive_rows();
+  if (head.start == StartOfRows::of_file) {
+    read_rows(configuration, file);
   } else {
-    agree_on_errors(ranks_, [&] {
-      own_ = make_rows_of_start(own_.box, configuration.disks, configuration.run.seed,
-                                {.first = rows_.first(ranks_.rank()), .end = rows_.end(ranks_.rank())});
-    });
-    // What is refused is of the settings: all refuse it, before anything is added up.
-    agree_on_errors(ranks_, [&] {
-      draw_velocities_of_rows(own_, configuration.velocities, rows_.rows(), [&](DriftSums& sums) {
-        sums = add_in_order(ranks_, sums, [&](DriftSums& so_far) { so_far.add(own_.agents); });
-      });
-    });
+    own_.box = make_box(configuration.box);
+    head.start == StartOfRows::made_by_each ? make_rows(configuration)
+    : whole != nullptr                      ? hand_out(*whole)
+                                            : receive_rows();
   }
   own_.seed = configuration.run.seed;
   for (Ranks::Bytes const& bytes : ranks_.gather_for_all(message_of(overview_of(own_.agents)))) {
     all_.add(MessageReader(bytes).next<DisksOverview>());
   }
-  agree_on_errors(ranks_, [&] { require_room_for_turns_of(configuration.engine, own_, all_); });
+  RowProblems const problems = problems_of_rows();
+  agree_on_errors(ranks_, [&] { require_room_for_turns_of(configuration.engine, own_, all_, problems); });
+}
+
+void DisksOfRank::make_rows(Configuration const& configuration) {
+  agree_on_errors(ranks_, [&] {
+    own_ = make_rows_of_start(own_.box, configuration.disks, configuration.run.seed,
+                              {.first = rows_.first(ranks_.rank()), .end = rows_.end(ranks_.rank())});
+  });
+  draw_velocities(configuration);
+}
+
+void DisksOfRank::read_rows(Configuration const& configuration, StartFile const* file) {
+  RowsOfFile read = read_on_ranks(ranks_, configuration.disks, file);
+  own_ = std::move(read.own);
+  own_.seed = configuration.run.seed;
+  if (!read.has_velocities || configuration.velocities.redraw) draw_velocities(configuration);
+}
+
+void DisksOfRank::draw_velocities(Configuration const& configuration) {
+  // What is refused is of the settings: all refuse it, before anything is added up.
+  agree_on_errors(ranks_, [&] {
+    draw_velocities_of_rows(own_, configuration.velocities, rows_.rows(), [&](DriftSums& sums) {
+      sums = add_in_order(ranks_, sums, [&](DriftSums& so_far) { so_far.add(own_.agents); });
+    });
+  });
+}
+
+/// Of all ranks.
+RowProblems DisksOfRank::problems_of_rows() const {
+  MessageWriter own;
+  RowProblems(own_).write(own);
+  RowProblems problems;
+  for (Ranks::Bytes const& bytes : ranks_.gather_for_all(own.take())) {
+    MessageReader message(bytes);
+    problems.add(RowProblems(message));
+  }
+  return problems;
 }
 
 void DisksOfRank::hand_out(State const& whole) {

@@ -7,19 +7,22 @@
 
 #include "core/disks_overview.hpp"
 #include "engine/tiled/on_ranks.hpp"
+#include "grid/validate_rows.hpp"
 #include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/detail/row_division.hpp"
 #include "gridlock/simulation/configuration.hpp"
 #include "gridlock/simulation/detail/agents_of_rank.hpp"
+#include "simulation/start_on_ranks.hpp"
 
 namespace gridlock {
 
 /// What one of several ranks has of a run of disks: some rows of the state, in the order of the Ids. Nobody has all rows.
 class DisksOfRank final : public AgentsOfRank {
  public:
-  /// All call it. The disks are those of a start that each rank makes by itself, or some that the leader has and hands out.
+  /// All call it. The disks are those of a start that each rank makes by itself, or some that the leader has, all of them or their file.
   /// Errors: Error, on all ranks, where the settings or a row cannot be.
-  DisksOfRank(Ranks& ranks, Configuration const& configuration, State const* whole);
+  DisksOfRank(Ranks& ranks, Configuration const& configuration, State const* whole = nullptr,
+              StartFile const* file = nullptr);
 
   /// For the checks of a set-up.
   [[nodiscard]] DisksOverview const& all() const { return all_; }
@@ -57,8 +60,12 @@ class DisksOfRank final : public AgentsOfRank {
   void require_valid() const override { tiled_->require_no_overlaps(own_); }
 
  private:
+  void make_rows(Configuration const& configuration);
+  void read_rows(Configuration const& configuration, StartFile const* file);
+  void draw_velocities(Configuration const& configuration);
   void receive_rows();
   void hand_out(State const& whole);
+  [[nodiscard]] RowProblems problems_of_rows() const;
   /// patience_for() all disks. All ranks call it.
   [[nodiscard]] double patience() const;
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -202,6 +204,96 @@ TEST_F(MpiRun, DividesTheMemoryOfTheAgentsOfAModel) {
            "\nradius = 0.001\nspeed = 0.01\nturnover_rate = 0.5\n[run]\nsteps = 4\nfinal_state = false\n"
            "[observe]\nevery = 2\nstructure_every = 0\n[trajectory]\nevery = 4\n[checkpoint]\nevery_steps = 2\n";
   });
+}
+
+/// A file that disks start from: the last state of a run on a lattice, its rows in another order and with gaps between the Ids.
+class MpiRunFromFile : public MpiRun {
+ protected:
+  void write_start_file(std::size_t disks) const {
+    write(workplace_ / "lattice.toml",
+          "[disks]\ncount = " + std::to_string(disks) +
+              "\npacking_fraction = 0.5\n[engine]\nkind = \"tiled\"\n[run]\nsteps = 2\n[observe]\nevery = 2\n");
+    expect_good(in(workplace_, {"run", "lattice.toml", "-q", "--no-pictures", "-o", "lattice"}));
+    std::istringstream lines(text_of(workplace_ / "lattice/final.xyz"));
+    std::string head;
+    std::string line;
+    for (int k = 0; k < 2 && std::getline(lines, line); ++k) head += line + '\n';
+    std::vector<std::string> rows;
+    while (std::getline(lines, line)) rows.push_back(line);
+    ASSERT_EQ(rows.size(), disks);
+    std::string text = head;
+    for (std::size_t k = 0; k < disks; ++k) text += with_id_tripled(rows[997 * k % disks]) + '\n';
+    write(workplace_ / "start.xyz", text);
+  }
+  [[nodiscard]] static std::string from_file(std::string const& file, std::string const& more) {
+    return "[disks]\nfile = \"" + file + "\"\n[engine]\nkind = \"tiled\"\n" + more;
+  }
+
+ private:
+  /// The fifth word is the Id.
+  static std::string with_id_tripled(std::string const& row) {
+    std::istringstream words(row);
+    std::string text;
+    std::string word;
+    for (int k = 0; words >> word; ++k) {
+      text += (k == 0 ? "" : " ") + (k == 4 ? std::to_string(3 * std::stoull(word) + 1) : word);
+    }
+    return text;
+  }
+};
+
+TEST_F(MpiRunFromFile, HasTheFilesOfOneProcessAndContinues) {
+  write_start_file(3000);
+  ASSERT_EQ(Process("/bin/sh", {"-c", "gzip -k start.xyz"}, workplace_.path()).wait().exit_code, 0);
+  for (char const* file : {"start.xyz", "start.xyz.gz"}) {
+    write(workplace_ / "r.toml",
+          from_file(file, "[run]\nsteps = 100\nseed = 4\n[observe]\nevery = 20\n[trajectory]\nevery = 50\n"));
+    expect_good(in(workplace_, run_into("alone") + std::vector<std::string>{"--overwrite"}));
+    for (int const ranks : {2, 5}) {
+      expect_good(on_ranks(workplace_, ranks, run_into("out") + std::vector<std::string>{"--overwrite"}));
+      expect_same_results("alone", "out");
+      EXPECT_EQ(text_of(workplace_ / "alone/start.xyz"), text_of(workplace_ / "out/start.xyz"));
+    }
+  }
+  expect_good(in(workplace_, {"resume", "alone", "-q", "--steps", "200"}));
+  expect_good(on_ranks(workplace_, 3, {"resume", "out", "-q", "--steps", "200"}));
+  expect_same_results("alone", "out");
+}
+
+TEST_F(MpiRunFromFile, RefusesAFileAsOneProcessDoes) {
+  write_start_file(2500);
+  std::string const good = text_of(workplace_ / "start.xyz");
+  std::string const last = good.substr(good.rfind('\n', good.size() - 2) + 1);
+  std::string const more = "[run]\nsteps = 10\n";
+  write(workplace_ / "twice.xyz", "2501" + good.substr(4) + last);
+  write(workplace_ / "cut.xyz", good.substr(0, good.size() - 40));
+  write(workplace_ / "longer.xyz", good + last);
+  for (std::string const name : {"twice.xyz", "cut.xyz", "longer.xyz", "missing.xyz"}) {
+    write(workplace_ / "r.toml", from_file(name, more));
+    Outcome const one = in(workplace_, run_into("out"));
+    EXPECT_EQ(one.exit_code, 2);
+    expect_refused(workplace_, {{run_into("out"), one.err}});
+  }
+}
+
+TEST_F(MpiRunFromFile, DividesTheMemoryOfTheDisks) {
+  write_start_file(1'200'000);
+  write(workplace_ / "r.toml", from_file("start.xyz",
+                                         "[run]\nsteps = 4\nfinal_state = false\n[observe]\nevery = 2\n"
+                                         "structure_every = 0\n[checkpoint]\nevery_steps = 2\n"));
+  std::vector<std::string> const words{measured, "run", "r.toml", "-q", "-j", "1", "--overwrite", "-o", "out"};
+  auto const of = [&](char const* program) {
+    std::vector<std::string> all{"-c", words.front(), program};
+    all.insert(all.end(), words.begin() + 1, words.end());
+    return all;
+  };
+  double const of_one = largest_peak(
+      Process("/usr/bin/python3", of(GRIDLOCK_PROGRAM) + std::vector<std::string>{"--no-pictures"}, workplace_.path())
+          .wait());
+  double const of_rank = largest_peak(
+      mpirun(workplace_, std::vector<std::string>{"-n", "4", "/usr/bin/python3"} + of(GRIDLOCK_MPI_PROGRAM)).wait());
+  // Who read the whole file had all disks: 60 bytes of each at least, beside what the program and MPI take.
+  EXPECT_LT(of_rank, 0.45 * of_one) << of_one;
 }
 
 TEST_F(MpiRun, RefusesRanksThatWereStartedWithDifferentCommands) {

@@ -1,9 +1,12 @@
 // Runs of disks whose rows are divided among ranks, here threads: the files of one process, to the bit.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -11,7 +14,10 @@
 #include "gridlock/core/random.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/simulation/setup.hpp"
+#include "gridlock/workspace/run_directory.hpp"
+#include "io/file.hpp"
 #include "runs_on_ranks.hpp"
+#include "thread_ranks.hpp"
 #include "unit/io/temporary_directory.hpp"
 
 namespace gridlock {
@@ -52,18 +58,40 @@ std::string any_run(std::uint64_t seed, fs::path const& start_file) {
 
 class DividedDisksTest : public ::testing::Test {
  protected:
-  DividedDisksTest() {
-    // In an order that is not that of the Ids.
-    State state = make_start(Box(1.0, 1.2, Edge::periodic), {.count = 300, .packing_fraction = 0.3}, 3);
+  DividedDisksTest() { write_file(start_file_, text_of_disks(300)); }
+
+  /// A file of disks in an order that is not that of the Ids, and not without gaps. `change` may change a row; it is given the Id.
+  static std::string text_of_disks(
+      std::size_t count, std::string const& columns = "id:I:1:pos:R:2:velo:R:2:radius:R:1",
+      std::function<void(std::size_t row, std::string& line)> const& change = [](std::size_t, std::string&) {}) {
+    State state = make_start(Box(1.0, 1.2, Edge::periodic), {.count = count, .packing_fraction = 0.3}, 3);
     draw_velocities(state, {});
-    State mixed{.box = state.box};
-    for (std::size_t k = 0; k < 300; ++k) {
-      std::size_t const i = 7 * k % 300;
-      EXPECT_TRUE(mixed.agents.add_as(2 * i + 5, state.agents.column<X>()[i], state.agents.column<Y>()[i],
-                                      state.agents.column<VelocityX>()[i], state.agents.column<VelocityY>()[i],
-                                      state.agents.column<Radius>()[i], 1.0, 0, 0));
+    std::string text =
+        std::to_string(count) + "\nLattice=\"1.0 0 0 0 1.2 0 0 0 1\" pbc=\"T T F\" Properties=" + columns + "\n";
+    bool const has_velocities = columns.find("velo") != std::string::npos;
+    bool const has_radii = columns.find("radius") != std::string::npos;
+    for (std::size_t k = 0; k < count; ++k) {
+      std::size_t const i = 7 * k % count;
+      Disks const& disks = state.agents;
+      std::string line = fmt::format("{} {} {}", 2 * i + 5, disks.column<X>()[i], disks.column<Y>()[i]);
+      if (has_velocities) line += fmt::format(" {} {}", disks.column<VelocityX>()[i], disks.column<VelocityY>()[i]);
+      if (has_radii) line += fmt::format(" {}", disks.column<Radius>()[i]);
+      change(k, line);
+      text += line + '\n';
     }
-    write_xyz(mixed, start_file_);
+    return text;
+  }
+
+  /// What a run of these settings is refused for.
+  [[nodiscard]] std::string refusal_of(std::string const& text, std::size_t ranks) const {
+    try {
+      carry_out(text, temporary_ / "refused", ranks);
+    } catch (Error const& error) {
+      std::string all;
+      for (Problem const& problem : error.problems()) all += to_text(problem) + '\n';
+      return all;
+    }
+    return {};
   }
 
   TemporaryDirectory temporary_;
@@ -116,18 +144,118 @@ TEST_F(DividedDisksTest, RefuseWhatOneProcessRefuses) {
             "[disks]\ncount = 5000\npacking_fraction = 0.1\n[velocities]\nmax = 5.0\n[engine]\nspeed = 0.01\n")}) {
     std::string const text = wrong + (wrong.find("[engine]") == std::string::npos ? "[engine]\n" : "") +
                              "kind = \"tiled\"\n[run]\nsteps = 5\n";
-    auto const problem_of = [&](std::size_t ranks) {
-      try {
-        carry_out(text, temporary_ / "refused", ranks);
-      } catch (Error const& error) {
-        return std::string(error.what());
-      }
-      return std::string();
-    };
-    std::string const one = problem_of(0);
+    std::string const one = refusal_of(text, 0);
     EXPECT_NE(one, "") << text;
-    EXPECT_EQ(one, problem_of(3)) << text;
+    EXPECT_EQ(one, refusal_of(text, 3)) << text;
   }
+}
+
+/// Beyond 2,000 disks nobody reads the whole file.
+constexpr std::size_t many = 2500;
+
+std::string run_of_file(fs::path const& file, std::string const& disks = "", std::string const& more = "") {
+  return "[disks]\nfile = \"" + file.string() + "\"\n" + disks + more +
+         "[engine]\nkind = \"tiled\"\n[observe]\nevery = 5\n[trajectory]\nevery = 10\n[run]\nsteps = 20\nseed = 9\n";
+}
+
+TEST_F(DividedDisksTest, ReadAFileInPiecesAndHaveTheFilesOfOneProcess) {
+  struct Start {
+    std::string name, text, disks, more;
+  };
+  std::string const bare = "id:I:1:pos:R:2";
+  auto const reborn = [](std::size_t row, std::string& line) {
+    // Names that are used again: the order of the slots is not that of the Ids.
+    if (row % 3 != 0) return;
+    std::size_t const blank = line.find(' ');
+    line = std::to_string(std::stoull(line) + ((Id{1} + row % 5) << 32)) + line.substr(blank);
+  };
+  auto const in_order = [n = std::size_t{0}](std::size_t, std::string& line) mutable {
+    line = std::to_string(n++) + line.substr(line.find(' '));
+  };
+  for (Start const& start :
+       {Start{"shuffled", text_of_disks(many), "", ""},
+        Start{"in_order", text_of_disks(many, "id:I:1:pos:R:2:velo:R:2:radius:R:1", in_order), "", ""},
+        Start{"reborn", text_of_disks(many, bare, reborn), "radius = 0.004\n", "[velocities]\ndrift = \"remove\"\n"},
+        Start{"redrawn", text_of_disks(many), "", "[velocities]\nredraw = true\nkind = \"maxwell\"\n"},
+        Start{"without_ids", text_of_disks(many, "tag:S:1:pos:R:2"), "packing_fraction = 0.3\n", ""}}) {
+    fs::path const file = temporary_ / (start.name + ".xyz");
+    write_file(file, start.text);
+    std::string const text = run_of_file(file, start.disks, start.more);
+    fs::path const one = temporary_ / (start.name + "_one");
+    ASSERT_EQ(carry_out(text, one, 0), RunStatus::finished);
+    for (std::size_t const ranks : {1U, 2U, 3U, 6U}) {
+      fs::path const directory = temporary_ / (start.name + std::to_string(ranks));
+      ASSERT_EQ(carry_out(text, directory, ranks), RunStatus::finished);
+      ASSERT_NO_FATAL_FAILURE(
+          expect_same_results(one, directory, start.name + " on " + std::to_string(ranks) + " ranks"));
+    }
+  }
+}
+
+TEST_F(DividedDisksTest, RefuseAFileAsOneProcessDoes) {
+  std::string const columns = "id:I:1:pos:R:2:velo:R:2:radius:R:1";
+  /// Changes rows of the file: replaces words of the line by their number.
+  auto const changed = [&](std::vector<std::size_t> const& rows, std::size_t word, std::string const& fresh) {
+    return text_of_disks(many, columns, [&](std::size_t row, std::string& line) {
+      if (std::ranges::find(rows, row) == rows.end()) return;
+      std::size_t at = 0;
+      for (std::size_t k = 0; k < word; ++k) at = line.find(' ', at) + 1;
+      line = line.substr(0, at) + fresh + line.substr(std::min(line.find(' ', at), line.size()));
+    });
+  };
+  std::string const good = text_of_disks(many);
+  struct Wrong {
+    std::string text, disks, says;
+  };
+  fs::path const file = temporary_ / "wrong.xyz";
+  for (Wrong const& wrong : {
+           Wrong{"", "", "the file is empty"},
+           Wrong{"2600" + good.substr(4), "", "the file ends after 2500 of 2600 disks"},
+           Wrong{"1000000000000000000" + good.substr(4), "", "the file ends after 2500 of"},
+           Wrong{good + "5 0.1 0.1 0 0 0.001\n", "", "continues after its 2500 disks"},
+           Wrong{changed({1700}, 3, "fast"), "", "x velocity is \"fast\""},
+           Wrong{changed({900}, 5, "0.001 7"), "", "the line has 7 columns"},
+           Wrong{changed({2400}, 5, "-1"), "", "must be above 0"},
+           Wrong{changed({100, 2300}, 0, "4001"), "", "the id 4001 is given twice, first on line"},
+           Wrong{changed({2300}, 0, "4294971297"), "", "the id 4294971297 is given twice, first on line"},
+           Wrong{changed({100, 2300}, 0, "4000000000"), "", "is out of proportion to 2500 disks"},
+           Wrong{changed({100, 700, 1500, 2300, 2400}, 1, "1.5"), "", "(and 2 more like it)"},
+           Wrong{changed({100, 700, 1500, 2300, 2400}, 5, "1e-160"), "", "(and 2 more like it)"},
+           Wrong{changed({300, 1900}, 5, "0.2"), "", "overlap by"},
+           Wrong{changed({1900}, 3, "900.5"), "", "could jump over a disk"},
+           Wrong{good, "count = 2499\n", "the start file holds 2500 disks, not 2499"},
+           Wrong{good, "radius = 0.001\n", "the start file has radii from"},
+           Wrong{good, "packing_fraction = 0.2\n", "the start file has packing fraction"},
+           Wrong{good, "sizes = \"uniform\"\n", "disks.sizes are dealt out"},
+           Wrong{good, "[box]\nside = 2.0\n", "the box of the start file is"},
+           Wrong{good, "[box]\nedge = \"wall\"\n", "the start file has periodic edges"},
+           Wrong{text_of_disks(many, "id:I:1:pos:R:2"), "", "the start file has no radii, and none are given"},
+           Wrong{text_of_disks(many, "id:I:1:pos:R:2"), "radius = 0.004\n[velocities]\nkind = \"file\"\n",
+                 "there is no file with velocities"},
+       }) {
+    write_file(file, wrong.text);
+    std::string const text = run_of_file(file, wrong.disks);
+    std::string const one = refusal_of(text, 0);
+    EXPECT_NE(one.find(wrong.says), std::string::npos) << one;
+    for (std::size_t const ranks : {1U, 2U, 5U}) EXPECT_EQ(refusal_of(text, ranks), one) << ranks;
+  }
+}
+
+TEST_F(DividedDisksTest, StartFromAPackedFileAndAfterOneThatWasRefused) {
+  fs::path const file = temporary_ / "packed.xyz";
+  write_file(file, text_of_disks(many));
+  ASSERT_EQ(std::system(("gzip -k " + file.string()).c_str()), 0);
+  std::string const text = run_of_file(file.string() + ".gz");
+  carry_out(text, temporary_ / "one", 0);
+  test::ThreadRanks(3).run([&](Ranks& leader) {
+    SetupOptions const options{.threads = 1, .ranks = &leader};
+    EXPECT_THROW(set_up(SettingsFile::from_text(run_of_file(file, "count = 7\n"), "wrong.toml"), options), Error);
+    RunHooks hooks;
+    hooks.ranks = &leader;
+    hooks.threads = 1;
+    run_in(temporary_ / "many", set_up(SettingsFile::from_text(text, "run.toml"), options), hooks);
+  });
+  ASSERT_NO_FATAL_FAILURE(expect_same_results(temporary_ / "one", temporary_ / "many", "packed"));
 }
 
 }  // namespace

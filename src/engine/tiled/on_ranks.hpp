@@ -30,7 +30,7 @@ class TiledOnRanks final : public Engine {
   [[nodiscard]] double time_step() const override { return duration_; }
   void require_valid(State const& state) const override;
 
-  /// Throws Error for disks that overlap, whoever has them. Contract: every row is sound by itself (validate_rows()).
+  /// Throws Error for disks that overlap, whoever has them. Contract: every row is sound by itself (RowProblems).
   void require_no_overlaps(State const& own) const;
 
  private:

@@ -1,0 +1,249 @@
+#include "simulation/start_on_ranks.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/sort_among_ranks.hpp"
+#include "gridlock/core/detail/agreement.hpp"
+#include "gridlock/core/detail/exchange.hpp"
+#include "gridlock/core/error.hpp"
+#include "simulation/disk_rows.hpp"
+
+namespace gridlock {
+
+namespace {
+
+/// Rows in one message.
+constexpr std::size_t rows_of_piece = std::size_t{1} << 15;
+
+/// What the ranks are told of a file before its rows.
+struct FileHead {
+  double width, height;
+  std::uint64_t is_periodic;
+  Clock clock;
+  std::uint64_t count;         ///< of rows
+  std::uint64_t likely_count;  ///< for how many rows there should be room, whatever the file says
+  std::uint64_t has_radii;
+  std::uint64_t has_velocities;
+};
+
+FileHead head_of(xyz::Reader const& reader) {
+  xyz::Header const& header = reader.header();
+  auto const has = [&](xyz::Role role) { return header.has(role) ? std::uint64_t{1} : 0; };
+  return {.width = header.box.width(),
+          .height = header.box.height(),
+          .is_periodic = header.box.is_periodic() ? std::uint64_t{1} : 0,
+          .clock = header.clock,
+          .count = reader.count(),
+          .likely_count = reader.likely_count(),
+          .has_radii = has(xyz::Role::radius),
+          .has_velocities = has(xyz::Role::velocity_x)};
+}
+
+/// The first number of a message with rows.
+enum class PieceOfFile : std::uint64_t { rows, end, refused };
+
+/// What a rank says of the order of its Ids.
+struct OrderOfRows {
+  std::uint64_t count;
+  Id first, last;
+  std::uint64_t ascends;
+};
+
+/// What a rank has to say of its radii.
+struct RadiiOfRank {
+  std::uint64_t count;
+  RadiusRange radii;
+  std::uint64_t are_as_asked;
+};
+
+/// One slot of a population goes to one rank, and neighbouring slots anywhere.
+std::size_t rank_of_slot(std::uint64_t slot, std::size_t ranks) {
+  std::uint64_t const scattered = (slot * 0x9E3779B97F4A7C15ULL) >> 32;
+  return static_cast<std::size_t>((scattered * ranks) >> 32);
+}
+
+/// The part of one rank.
+class PartOfStart {
+ public:
+  PartOfStart(Ranks& ranks, FileHead const& head, AskedRadii asked)
+      : ranks_(ranks), head_(head), asked_(std::move(asked)), rows_(RowDivision::even(head.count, ranks.count())) {
+    disks_.reserve(std::min(rows_.rows_of(ranks.rank()), head.likely_count));
+  }
+
+  /// The leader reads all rows and hands them out as they come. Returns true: all have come. Errors: Error.
+  bool hand_out(xyz::Reader& reader, DisksSettings const& settings) {
+    try {
+      hand_out_rows(reader, radius_without_column(settings, reader.header().box, reader.count()));
+    } catch (...) {
+      send_to_others(ranks_, message_of(PieceOfFile::refused));
+      throw;
+    }
+    send_to_others(ranks_, message_of(PieceOfFile::end));
+    return true;
+  }
+
+  /// Whether all have come.
+  bool receive() {
+    while (true) {
+      Ranks::Bytes const bytes = ranks_.receive(0);
+      MessageReader message(bytes);
+      auto const piece = message.next<PieceOfFile>();
+      if (piece != PieceOfFile::rows) return piece == PieceOfFile::end;
+      std::vector<DiskRow> const rows = message.rest<DiskRow>();
+      disks_.insert(disks_.end(), rows.begin(), rows.end());
+    }
+  }
+
+  /// Puts the rows of all ranks in the order of their Ids, unless some Id is wrong. All call it, and get the same.
+  std::optional<xyz::WrongId> sort() {
+    if (are_in_order()) return std::nullopt;
+    if (auto const wrong = find_wrong_id()) return wrong;
+    sort_among_ranks(ranks_, disks_, rows_, [](DiskRow const& disk) { return disk.id; });
+    return std::nullopt;
+  }
+
+  RowsOfFile finish() {
+    Box const box(head_.width, head_.height, head_.is_periodic != 0 ? Edge::periodic : Edge::wall);
+    RowsOfFile file{.rows = rows_, .own = {.box = box, .agents = {}, .clock = head_.clock}};
+    file.has_velocities = head_.has_velocities != 0;
+    ComingRows own(disks_.size());
+    for (DiskRow const& disk : disks_) own.add(disk);
+    own.become(file.own.agents);
+    disks_ = std::vector<DiskRow>();
+    return file;
+  }
+
+  /// What all disks are like. All call it.
+  [[nodiscard]] StartFileSummary summary(State const& own) const {
+    StartFileSummary summary{.box = own.box, .has_radii = head_.has_radii != 0, .count = head_.count};
+    RadiiOfRank const radii{.count = own.agents.size(),
+                            .radii = radius_range(own.agents),
+                            .are_as_asked = asked_.are_of(own.agents) ? std::uint64_t{1} : 0};
+    bool is_first = true;
+    for (Ranks::Bytes const& bytes : ranks_.gather_for_all(message_of(radii))) {
+      auto const next = MessageReader(bytes).next<RadiiOfRank>();
+      if (next.count == 0) continue;
+      summary.radii = {
+          .smallest = is_first ? next.radii.smallest : std::min(summary.radii.smallest, next.radii.smallest),
+          .largest = std::max(summary.radii.largest, next.radii.largest)};
+      summary.are_radii_as_asked = summary.are_radii_as_asked && next.are_as_asked != 0;
+      is_first = false;
+    }
+    // In the order of one process: sums of floating-point numbers depend on it.
+    double const squares = add_in_order(ranks_, 0.0, [&](double& sum) {
+      for (double const radius : own.agents.column<Radius>()) sum += radius * radius;
+    });
+    summary.covered_area = std::numbers::pi * squares;
+    return summary;
+  }
+
+ private:
+  void hand_out_rows(xyz::Reader& reader, double other_radius) {
+    xyz::Rows piece;
+    std::vector<DiskRow> leaving;
+    while (reader.read(rows_of_piece, piece)) {
+      for (std::size_t k = 0; k < piece.disks.size(); ++k) {
+        std::size_t const rank = rows_.rank_of(piece.disks[k].number);
+        DiskRow disk = row_of(piece.disks[k]);
+        if (head_.has_radii == 0) disk.radius = other_radius;
+        (rank == 0 ? disks_ : leaving).push_back(disk);
+        bool const is_last = k + 1 == piece.disks.size() || rows_.rank_of(piece.disks[k + 1].number) != rank;
+        if (!is_last || rank == 0) continue;
+        MessageWriter message;
+        message.add(PieceOfFile::rows);
+        message.add_all(std::span<DiskRow const>(leaving));
+        ranks_.send(rank, message.take());
+        leaving.clear();
+      }
+      piece.disks.clear();
+      piece.others.clear();
+    }
+  }
+
+  static DiskRow row_of(xyz::Row const& row) {
+    return {.id = row.id,
+            .x = row.position.x,
+            .y = row.position.y,
+            .velocity_x = row.velocity.x,
+            .velocity_y = row.velocity.y,
+            .radius = row.radius,
+            .mass = row.mass,
+            .image_x = row.image_x,
+            .image_y = row.image_y};
+  }
+
+  /// Whether the rows of all ranks are in the order of Ids that cannot be wrong.
+  [[nodiscard]] bool are_in_order() const {
+    auto const descends = [](DiskRow const& one, DiskRow const& next) { return one.id >= next.id; };
+    bool const ascends = std::ranges::adjacent_find(disks_, descends) == disks_.end();
+    OrderOfRows own{.count = disks_.size(), .first = 0, .last = 0, .ascends = ascends ? std::uint64_t{1} : 0};
+    if (!disks_.empty()) {
+      own.first = disks_.front().id;
+      own.last = disks_.back().id;
+    }
+    std::optional<OrderOfRows> before;
+    for (Ranks::Bytes const& bytes : ranks_.gather_for_all(message_of(own))) {
+      auto const next = MessageReader(bytes).next<OrderOfRows>();
+      if (next.count == 0) continue;
+      if (next.ascends == 0 || (before && before->last >= next.first)) return false;
+      if (!xyz::are_plain(next.first, next.last, head_.count)) return false;
+      before = next;
+    }
+    return true;
+  }
+
+  /// Of all ranks that of the lowest slot, as one process finds it.
+  [[nodiscard]] std::optional<xyz::WrongId> find_wrong_id() const {
+    std::vector<xyz::IdOfRow> ids;
+    ids.reserve(disks_.size());
+    std::uint64_t const first_row = rows_.first(ranks_.rank());
+    exchange_values<xyz::IdOfRow>(
+        ranks_, disks_.size(),
+        [&](std::size_t k, auto give) {
+          Id const id = disks_[k].id;
+          give(rank_of_slot(xyz::slot_of(id), ranks_.count()), xyz::IdOfRow{.id = id, .row = first_row + k});
+        },
+        [&](xyz::IdOfRow const& id) { ids.push_back(id); });
+    std::vector<xyz::WrongId> own;
+    if (auto const wrong = xyz::find_wrong_id(ids, head_.count)) own.push_back(*wrong);
+    std::optional<xyz::WrongId> lowest;
+    for (Ranks::Bytes const& bytes : ranks_.gather_for_all(message_of_all(std::span<xyz::WrongId const>(own)))) {
+      for (xyz::WrongId const& wrong : MessageReader(bytes).rest<xyz::WrongId>()) {
+        if (!lowest || xyz::slot_of(wrong.id) < xyz::slot_of(lowest->id)) lowest = wrong;
+      }
+    }
+    return lowest;
+  }
+
+  Ranks& ranks_;
+  FileHead head_;
+  AskedRadii asked_;
+  RowDivision rows_;            ///< before they are sorted the rows of the file, then those of the Ids
+  std::vector<DiskRow> disks_;  ///< of this rank
+};
+
+}  // namespace
+
+RowsOfFile read_on_ranks(Ranks& ranks, DisksSettings const& settings, StartFile const* file) {
+  Ranks::Bytes head;
+  if (file != nullptr) head = message_of(head_of(file->reader));
+  PartOfStart part(ranks, MessageReader(hand_down(ranks, std::move(head))).next<FileHead>(), AskedRadii(settings));
+  bool const is_whole = file != nullptr ? part.hand_out(file->reader, settings) : part.receive();
+  auto const wrong = is_whole ? part.sort() : std::nullopt;
+  if (wrong && file != nullptr) file->reader.refuse(*wrong);
+  if (!is_whole || wrong) throw Error(Problem{.what = "the leader refuses the start file"});
+  RowsOfFile rows = part.finish();
+  StartFileSummary const summary = part.summary(rows.own);
+  agree_on_errors(ranks, [&] {
+    if (file != nullptr) file->take_summary(summary);
+  });
+  return rows;
+}
+
+}  // namespace gridlock
