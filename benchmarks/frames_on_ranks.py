@@ -84,7 +84,7 @@ def main():
     parser.add_argument("--frames", type=int, default=8)
     parser.add_argument("--rounds", type=int, default=3)
     options = parser.parse_args()
-    results = result_file.ResultFile(options.output, f"{options.ranks} ranks; benchmarks/frames_on_ranks.py")
+    results = result_file.ResultFile(options.output, "HDF5 1.10; benchmarks/frames_on_ranks.py", f"{options.ranks} ranks")
     results.write("benchmark,name,ranks,disks,compression,seconds_min,seconds_median,speed_up")
     with tempfile.TemporaryDirectory(dir=options.build) as folder:
         program = parallel_program(folder)

@@ -174,7 +174,7 @@ def main():
     if not shutil.which("mpirun"):
         sys.exit("there is no mpirun: ./dev install mpi")
     has_lammps = shutil.which("lmp") is not None
-    results = result_file.ResultFile(options.output, "and two; Open MPI and shared memory; benchmarks/ranks.py")
+    results = result_file.ResultFile(options.output, "Open MPI and shared memory; benchmarks/ranks.py", "one core and two")
     results.write("name,disks,steps,ns_min,ns_median,speed_up,messages_of_rank_and_step,bytes_of_rank_and_step,state_hash")
     with tempfile.TemporaryDirectory() as directory:
         for side in options.sides:

@@ -31,9 +31,9 @@ def processor():
 class ResultFile:
     """Writes lines to the file of results and to the terminal, each at once; the first says what was measured and how."""
 
-    def __init__(self, path, how):
+    def __init__(self, path, how, cores="one core"):
         self.file = path.open("w")
-        self.write(f"# {processor()}, one core; {how}")
+        self.write(f"# {processor()}, {cores}; {how}")
 
     def write(self, line):
         print(line, flush=True)
