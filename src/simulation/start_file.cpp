@@ -105,7 +105,7 @@ void take_summary(Configuration& configuration, StartFileSummary const& file, Is
 
 State read_whole_start(xyz::Reader& reader, Configuration& configuration, IsGiven const& is_given) {
   XyzFrame frame = xyz::read_all(reader);
-  State& state = frame.state;
+  State state = std::move(frame.state);
   if (!frame.has_radii) {
     std::ranges::fill(state.agents.column<Radius>(),
                       radius_without_column(configuration.disks, state.box, state.agents.size()));
@@ -120,7 +120,7 @@ State read_whole_start(xyz::Reader& reader, Configuration& configuration, IsGive
                is_given);
   state.seed = configuration.run.seed;
   if (!frame.has_velocities || configuration.velocities.redraw) draw_velocities(state, configuration.velocities);
-  return std::move(state);
+  return state;
 }
 
 }  // namespace gridlock

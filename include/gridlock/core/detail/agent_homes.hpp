@@ -31,12 +31,15 @@ std::uint64_t count_of_arrivals(Ranks& ranks, std::vector<std::uint64_t> leaving
 /// this rank, in order. All call it. Cost: a round of messages for each bit of the largest Id.
 std::vector<Id> first_ids_of_blocks(Ranks& ranks, std::span<Id const> own);
 
+template <class... Values>
+constexpr std::size_t bytes_of_values(std::tuple<Values...> const* /*values*/) {
+  return (sizeof(Values) + ... + 0);
+}
+
 /// An agent in a message.
 template <class Agents>
 struct SentAgent {
-  static constexpr std::size_t bytes = []<class... Values>(std::tuple<Values...>*) {
-    return (sizeof(Values) + ... + 0);
-  }(static_cast<typename Agents::Values*>(nullptr));
+  static constexpr std::size_t bytes = bytes_of_values(static_cast<typename Agents::Values const*>(nullptr));
 
   Id id;
   std::array<std::byte, bytes> values;
