@@ -1,9 +1,9 @@
 #include "gridlock/core/detail/agent_homes.hpp"
 
 #include <algorithm>
-#include <bit>
 
 #include "core/add_up_over_ranks.hpp"
+#include "core/keys_at.hpp"
 
 namespace gridlock {
 
@@ -21,23 +21,12 @@ std::vector<Id> first_ids_of_blocks(Ranks& ranks, std::span<Id const> own) {
   std::size_t const blocks = ranks.count();
   std::vector<std::uint64_t> agents{own.size()};
   add_up_over_ranks(ranks, agents);
-  std::vector<Id> first(blocks, 0);
-  Id largest = 0;
-  for (Ranks::Bytes const& bytes : ranks.gather_for_all(message_of(own.empty() ? Id{0} : own.back()))) {
-    largest = std::max(largest, MessageReader(bytes).next<Id>());
-  }
-  // Bit by bit from the highest: the largest number with no more Ids below it than there are before the block.
-  for (Id bit = std::bit_floor(largest); bit != 0; bit >>= 1U) {
-    std::vector<std::uint64_t> below(blocks);
-    for (std::size_t b = 0; b < blocks; ++b) {
-      below[b] = static_cast<std::uint64_t>(std::ranges::lower_bound(own, first[b] | bit) - own.begin());
-    }
-    add_up_over_ranks(ranks, below);
-    for (std::size_t b = 0; b < blocks; ++b) {
-      if (below[b] <= (b * agents[0] + blocks - 1) / blocks) first[b] |= bit;
-    }
-  }
-  return first;
+  std::vector<std::uint64_t> places(blocks);
+  for (std::size_t b = 0; b < blocks; ++b) places[b] = (b * agents[0] + blocks - 1) / blocks;
+  return keys_at(
+      places, highest_bit_of_all(ranks, own.empty() ? Id{0} : own.back()),
+      [&](Id id) { return std::ranges::lower_bound(own, id) - own.begin(); },
+      [&](std::span<std::uint64_t> counts) { add_up_over_ranks(ranks, counts); });
 }
 
 }  // namespace gridlock

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/add_up_over_ranks.hpp"
+#include "core/keys_at.hpp"
 #include "gridlock/core/detail/exchange.hpp"
 #include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/detail/row_division.hpp"
@@ -18,33 +20,15 @@ namespace gridlock {
 template <class Value, class KeyOf>
 std::vector<std::size_t> cuts_of_sorted(Ranks& ranks, std::vector<Value> const& values, RowDivision const& rows,
                                         KeyOf key_of) {
-  std::uint64_t bits = 0;
-  std::uint64_t const largest = values.empty() ? 0 : key_of(values.back());
-  for (Ranks::Bytes const& bytes : ranks.gather_for_all(message_of(largest))) {
-    bits |= MessageReader(bytes).next<std::uint64_t>();
-  }
+  auto const count_below = [&](std::uint64_t key) {
+    return std::ranges::lower_bound(values, key, {}, key_of) - values.begin();
+  };
+  std::vector<std::uint64_t> const behind_cuts =
+      keys_at(rows.begins().subspan(1), highest_bit_of_all(ranks, values.empty() ? 0 : key_of(values.back())),
+              count_below, [&](std::span<std::uint64_t> counts) { add_up_over_ranks(ranks, counts); });
   std::size_t const cuts = rows.ranks();
-  std::vector<std::uint64_t> first(cuts, 0);  // key behind each cut
-  std::vector<std::size_t> ends(cuts, 0);
-  // Bit by bit from the highest: the largest key with no more keys below it than there are rows before the cut.
-  for (std::uint64_t bit = std::uint64_t{1} << 63; bit != 0; bit >>= 1) {
-    if (bit > bits) continue;
-    std::vector<std::uint64_t> below;
-    for (std::uint64_t const key : first) {
-      auto const found = std::ranges::lower_bound(values, key | bit, {}, key_of);
-      below.push_back(static_cast<std::uint64_t>(found - values.begin()));
-    }
-    std::vector<std::uint64_t> of_all(cuts, 0);
-    for (Ranks::Bytes const& bytes : ranks.gather_for_all(message_of_all(std::span<std::uint64_t const>(below)))) {
-      MessageReader message(bytes);
-      for (std::uint64_t& count : of_all) count += message.next<std::uint64_t>();
-    }
-    for (std::size_t cut = 0; cut < cuts; ++cut) {
-      if (of_all[cut] > rows.end(cut)) continue;
-      first[cut] |= bit;
-      ends[cut] = below[cut];
-    }
-  }
+  std::vector<std::size_t> ends(cuts);
+  for (std::size_t cut = 0; cut < cuts; ++cut) ends[cut] = static_cast<std::size_t>(count_below(behind_cuts[cut]));
   for (std::size_t cut = 0; cut < cuts; ++cut) {
     if (rows.end(cut) == rows.rows()) ends[cut] = values.size();
   }

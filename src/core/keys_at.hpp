@@ -1,0 +1,40 @@
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gridlock/core/detail/ranks.hpp"
+
+namespace gridlock {
+
+/// For each place in the order of the keys of all ranks the largest number with no more keys below it, of those without a higher bit than
+/// `highest_bit`: the key at that place, if there is one. No key is there twice. `count_below(number)` counts keys of this rank, and
+/// add_up(counts) makes them those of all ranks. All call it. Cost: a round of messages for each bit.
+template <class CountBelow, class AddUp>
+std::vector<std::uint64_t> keys_at(std::span<std::uint64_t const> places, std::uint64_t highest_bit,
+                                   CountBelow count_below, AddUp add_up) {
+  std::vector<std::uint64_t> keys(places.size(), 0);
+  std::vector<std::uint64_t> below(places.size());
+  for (std::uint64_t bit = highest_bit; bit != 0; bit >>= 1U) {
+    for (std::size_t k = 0; k < keys.size(); ++k) below[k] = static_cast<std::uint64_t>(count_below(keys[k] | bit));
+    add_up(std::span(below));
+    for (std::size_t k = 0; k < keys.size(); ++k) {
+      if (below[k] <= places[k]) keys[k] |= bit;
+    }
+  }
+  return keys;
+}
+
+/// The highest bit of the largest key of all ranks, 0 where that is 0. All call it, each with its largest.
+inline std::uint64_t highest_bit_of_all(Ranks& ranks, std::uint64_t largest) {
+  for (Ranks::Bytes const& bytes : ranks.gather_for_all(message_of(largest))) {
+    largest = std::max(largest, MessageReader(bytes).next<std::uint64_t>());
+  }
+  return std::bit_floor(largest);
+}
+
+}  // namespace gridlock
