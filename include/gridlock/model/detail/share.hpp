@@ -269,6 +269,31 @@ class AgentsOfShare {
     dropped_.clear();
   }
 
+  /// Lets what was asked for in the turns of the first `agents` rows take effect, on all ranks. False where a turn of any rank has failed.
+  /// find_movers() finds out which rows, the newborn behind those included, do not stay here, and who has to be told of which;
+  /// divide_anew(dead, told) may divide the agents anew before they travel.
+  template <class FindMovers, class DivideAnew>
+  bool let_turns_take_effect(std::size_t agents, FindMovers find_movers, DivideAnew divide_anew) {
+    Asked asked;
+    if (!failure_) {
+      asked = this->asked();
+      add_births();
+      find_movers();
+    }
+    Told told = tell_all(asked.deaths, asked.parents);
+    if (told.has_failure) return false;
+    IdSet const dead(told.deaths);
+    population_ = population_ + told.parents.size() - dead.sorted().size();
+    name_births(told, dead, agents);
+    divide_anew(dead, told);
+    drop_dead(dead, agents);
+    forget_commands();
+    exchange(told.also_from);
+    ++world_.clock.step;
+    world_.clock.time += time_step_;
+    return true;
+  }
+
   Ranks& ranks_;
   Model model_;
   double cutoff_;
@@ -373,7 +398,6 @@ class ModelShare final : public AgentsOfShare<Model> {
   using Base::population_;
   using Base::ranks_;
   using Base::rows_to_;
-  using Base::time_step_;
   using Base::world_;
 
   /// What the turns of a band have found out besides the values.
@@ -431,24 +455,11 @@ class ModelShare final : public AgentsOfShare<Model> {
 
   /// Lets what was asked for in the turns take effect, on all ranks. False where a turn of any rank has failed.
   bool complete_step() {
-    typename Base::Asked asked;
-    std::size_t const agents = world_.agents.size();
-    if (!failure_) {
-      asked = this->asked();
-      ids_.assign(world_.agents.ids().begin(), world_.agents.ids().end());
-      this->add_births();
-      find_movers();
-    }
-    Told const told = this->tell_all(asked.deaths, asked.parents);
-    if (told.has_failure) return false;
-    IdSet const dead(told.deaths);
-    population_ = population_ + told.parents.size() - dead.sorted().size();
-    this->name_births(told, dead, agents);
-    this->drop_dead(dead, agents);
-    this->forget_commands();
-    this->exchange(told.also_from);
-    ++world_.clock.step;
-    world_.clock.time += time_step_;
+    ids_.assign(world_.agents.ids().begin(), world_.agents.ids().end());
+    auto const keep_division = [](IdSet const& /*dead*/, Told const& /*told*/) {};
+    if (!this->let_turns_take_effect(
+            world_.agents.size(), [this] { find_movers(); }, keep_division))
+      return false;
     sort();
     return true;
   }

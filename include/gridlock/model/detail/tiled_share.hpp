@@ -116,7 +116,6 @@ class TiledModelShare final : public AgentsOfShare<Model> {
   using Base::ranks_;
   using Base::rows_to_;
   using Base::thread_pool_;
-  using Base::time_step_;
   using Base::world_;
 
   /// Another rank that sees some of the same cells.
@@ -501,30 +500,19 @@ class TiledModelShare final : public AgentsOfShare<Model> {
 
   /// Lets what was asked for in the turns take effect, on all ranks. False where a turn of any rank has failed.
   bool complete_step() {
-    typename Base::Asked asked;
     std::size_t const agents = ids_.size();
-    if (!failure_) {
-      asked = this->asked();
-      this->add_births();
-      find_movers(agents);
-    }
-    Told told = this->tell_all(asked.deaths, asked.parents);
-    if (told.has_failure) return false;
-    IdSet const dead(told.deaths);
-    population_ = population_ + told.parents.size() - dead.sorted().size();
-    this->name_births(told, dead, agents);
-    if (CellLayout const next = next_cells(); next != cells()) {
+    auto const follow_cells = [&](IdSet const& dead, Told& told) {
+      CellLayout const next = next_cells();
+      if (next == cells()) return;
       divide_anew(next, dead, agents);
       find_movers(agents);
       told.also_from.clear();
       for (std::size_t rank = 0; rank < ranks_.count(); ++rank) told.also_from.push_back(rank);
       also_to_ = told.also_from;
-    }
-    this->drop_dead(dead, agents);
-    this->forget_commands();
-    this->exchange(told.also_from);
-    ++world_.clock.step;
-    world_.clock.time += time_step_;
+    };
+    if (!this->let_turns_take_effect(
+            agents, [&] { find_movers(agents); }, follow_cells))
+      return false;
     begin_step();
     return true;
   }
