@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "gridlock/simulation/register_model.hpp"
+#include "model_on_ranks.hpp"
 
 namespace gridlock::test {
 
@@ -103,11 +103,6 @@ struct Wanderers {
   }
 };
 
-/// Helping ranks know models by their names.
-class KnownModels {
- public:
-  KnownModels() { register_model<Wanderers>(); }
-  ~KnownModels() { forget_model(Wanderers::name); }
-};
+using KnownModels = KnownModel<Wanderers>;
 
 }  // namespace gridlock::test
