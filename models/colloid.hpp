@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -36,7 +37,6 @@ struct ColloidInOrder {
       order == Schedule::tiled ? "The same, tile by tile on any number of threads: the bits of the engine tiled."
                                : "The paper's hard disks as a model: the bits of the engine stepped.";
   static constexpr bool keeps_counters = true;
-  static constexpr bool asks_world_once = true;
   static constexpr std::array<std::string_view, 3> events{"pair_collisions", "wall_hits", "halted_moves"};
 
   DisksSettings disks{.count = 841, .packing_fraction = 0.5};
@@ -82,15 +82,16 @@ struct ColloidInOrder {
   }
 
   /// The largest contact distance.
-  [[nodiscard]] double cutoff(World<Self> const& world) const { return 2.0 * radius_range(world.agents).largest; }
-  [[nodiscard]] double time_step(World<Self> const& world) const {
-    double const diameter = 2.0 * radius_range(world.agents).smallest;
+  [[nodiscard]] double cutoff(AgentSums<Self> const& all) const { return 2.0 * radii_of(all).largest; }
+  [[nodiscard]] double time_step(AgentSums<Self> const& all) const {
+    double const diameter = 2.0 * radii_of(all).smallest;
     return step_length * diameter / (velocities.max > 0.0 ? velocities.max : 1.0);
   }
   /// Tiled: room for disks of twice the speed that the step length refers to.
-  [[nodiscard]] CellLayout cells(World<Self> const& world) const requires(order == Schedule::tiled) {
-    double const displacement_at_speed = step_length * 2.0 * radius_range(world.agents).smallest;
-    return packed_layout(world.box, world.agents, 2.0 * displacement_at_speed);
+  [[nodiscard]] CellLayout cells(AgentSums<Self> const& all) const requires(order == Schedule::tiled) {
+    RadiusRange const radii = radii_of(all);
+    double const displacement_at_speed = step_length * 2.0 * radii.smallest;
+    return packed_layout(all.box(), radii, all.size(), 2.0 * displacement_at_speed);
   }
   /// Tiled: the few disks that are faster still wait for the end of the step.
   [[nodiscard]] bool is_local(Turn<Self> const& self, double room) const requires(order == Schedule::tiled) {
@@ -107,8 +108,8 @@ struct ColloidInOrder {
     world.agents = std::move(state.agents);
   }
 
-  [[nodiscard]] std::vector<std::string> notes(World<Self> const& world) const {
-    std::string const reasons = in_words(time_step_caveats(world.box, world.agents));
+  [[nodiscard]] std::vector<std::string> notes(AgentSums<Self> const& all) const {
+    std::string const reasons = in_words(time_step_caveats(all.box(), area_of(all)));
     if (reasons.empty()) return {};
     return {"with model.kind = \"" + std::string(name) + "\" " + reasons +
             ", because of its time step; engine.kind = \"exact\" has none"};
@@ -142,11 +143,22 @@ struct ColloidInOrder {
     self.move_to(here);
   }
 
-  void observe(World<Self> const& world, Observations& seen) const {
-    seen.add("coverage", covered_area(world.agents) / world.box.area(), "Σ π R² / area.");
+  void observe(AgentSums<Self> const& all, Observations& seen) const {
+    seen.add("coverage", area_of(all) / all.box().area(), "Σ π R² / area.");
   }
 
  private:
+  static double radius_of(auto const& disk) { return disk.template get<Radius>(); }
+  static RadiusRange radii_of(AgentSums<Self> const& all) {
+    if (all.size() == 0) return {};
+    return {.smallest = all.least([](auto const& disk) { return radius_of(disk); }),
+            .largest = all.largest([](auto const& disk) { return radius_of(disk); })};
+  }
+  /// Σ π R².
+  static double area_of(AgentSums<Self> const& all) {
+    return all.sum([](auto const& disk) { return std::numbers::pi * radius_of(disk) * radius_of(disk); });
+  }
+
   static Vector velocity(auto const& disk) { return {disk.template get<VelocityX>(), disk.template get<VelocityY>()}; }
   static void set_velocity(auto& disk, Vector v) {
     disk.template set<VelocityX>(v.x);

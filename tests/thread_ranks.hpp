@@ -56,6 +56,7 @@ class ThreadRanks {
     for (std::thread& thread : threads) thread.join();
   }
 
+  [[nodiscard]] std::size_t count() const { return count_; }
   /// Messages sent so far.
   [[nodiscard]] std::size_t messages() const { return messages_; }
 

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "gridlock/core/detail/exact_sum.hpp"
 #include "gridlock/core/detail/ranks.hpp"
 
 namespace gridlock {
@@ -25,6 +27,16 @@ void add_up_over_ranks(Ranks& ranks, std::span<Number> numbers, Add add) {
 }
 inline void add_up_over_ranks(Ranks& ranks, std::span<std::uint64_t> counts) {
   add_up_over_ranks(ranks, counts, [](std::uint64_t& sum, std::uint64_t other) { sum += other; });
+}
+
+inline void add_up_over_ranks(Ranks& ranks, std::span<ExactSum> sums) {
+  add_up_over_ranks(ranks, sums, [](ExactSum& sum, ExactSum const& other) { sum.add(other); });
+}
+
+/// The least of the values of all ranks. All call it.
+inline double least_over_ranks(Ranks& ranks, double value) {
+  add_up_over_ranks(ranks, std::span(&value, 1), [](double& least, double other) { least = std::min(least, other); });
+  return value;
 }
 
 }  // namespace gridlock

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "engine/hot_disks.hpp"
-#include "engine/tiled/counters_of_step.hpp"
 #include "engine/tiled/on_ranks.hpp"
 #include "engine/tiled/steps.hpp"
+#include "gridlock/core/detail/counters_of_step.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
 #include "packed_turns.hpp"
@@ -43,7 +43,7 @@ void take_step(tiled::Steps& steps, std::vector<Tiling::Round> const& rounds, Co
   for (Tiling::Round const& round : rounds) {
     for_each(round.size(), [&](std::size_t part) { steps.take_part(round[part]); });
   }
-  tiled::CountersOfStep of_step;
+  CountersOfStep of_step;
   for (tiled::TileResult& result : steps.results()) {
     // In the order of tiles: a late disk may change the turn of the next one.
     for (std::uint32_t const i : result.too_fast_for_tile) steps.take_late(i, result);

@@ -1,5 +1,6 @@
 #include "gridlock/grid/detail/tile_division.hpp"
 
+#include "core/add_up_over_ranks.hpp"
 #include "grid/division.hpp"
 
 namespace gridlock {
@@ -46,6 +47,11 @@ std::vector<Tiling::Rectangle> divide_tiles(Tiling const& tiling, std::span<std:
     }
     return of_columns;
   });
+}
+
+std::vector<Tiling::Rectangle> divide_tiles(Ranks& ranks, Tiling const& tiling, std::vector<std::uint64_t> own_agents) {
+  add_up_over_ranks(ranks, own_agents);
+  return divide_tiles(tiling, own_agents, ranks.count());
 }
 
 CellWindow window_around(CellLayout const& layout, Tiling const& tiling, Tiling::Rectangle const& rectangle,

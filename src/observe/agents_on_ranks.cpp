@@ -108,11 +108,11 @@ struct SentPoint {
 
 }  // namespace
 
-void AgentsOnRanks::add_up(std::span<ExactSum> sums) const {
-  add_up_over_ranks(ranks_, sums, [](ExactSum& sum, ExactSum const& other) { sum.add(other); });
-}
+void AgentsOnRanks::add_up(std::span<ExactSum> sums) const { add_up_over_ranks(ranks_, sums); }
 
 void AgentsOnRanks::add_up(std::span<std::uint64_t> counts) const { add_up_over_ranks(ranks_, counts); }
+
+double AgentsOnRanks::least(double value) const { return least_over_ranks(ranks_, value); }
 
 std::vector<CountedValue> AgentsOnRanks::merge(std::vector<CountedValue> values) const {
   Ranks::Bytes const all =

@@ -23,6 +23,7 @@ class AgentsOnRanks final : public OtherAgents {
   [[nodiscard]] std::size_t count_of_all() const override { return count_; }
   void add_up(std::span<ExactSum> sums) const override;
   void add_up(std::span<std::uint64_t> counts) const override;
+  [[nodiscard]] double least(double value) const override;
   [[nodiscard]] std::vector<CountedValue> merge(std::vector<CountedValue> values) const override;
   [[nodiscard]] PointsOfCells points_of_cells(CellLayout const& layout, double cutoff, std::span<double const> x,
                                               std::span<double const> y) const override;

@@ -112,8 +112,8 @@ void require_use_of_ranks(Configuration const& configuration, std::size_t ranks)
   problem->what = fmt::format("{} cannot be shared by {} ranks", problem->what, ranks);
   if (problem->hint.empty()) {
     problem->hint =
-        "disks with engine.kind = \"tiled\" can, and models whose agents take their turns all at once; gridlock run "
-        "carries out all others, and gridlock-mpi sweep many";
+        "disks with engine.kind = \"tiled\" can, and models whose agents take their turns all at once or tile by tile "
+        "and that ask for sums over all agents alone; gridlock run carries out all others, and gridlock-mpi sweep many";
   }
   throw Error(*std::move(problem));
 }

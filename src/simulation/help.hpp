@@ -4,7 +4,7 @@
 
 namespace gridlock {
 
-/// What every rank but the leader does: takes part in the steps of disks and of known models until the leader releases it.
+/// What every rank but the leader does: its part of what the leader asks for, until it releases it.
 void help(Ranks& ranks);
 
 }  // namespace gridlock

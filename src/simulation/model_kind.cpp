@@ -56,10 +56,6 @@ std::optional<Problem> ModelKind::not_shared_by_ranks(Configuration const& /*con
   return Problem{.what = fmt::format("the model \"{}\"", name()), .key = "model.kind"};
 }
 
-void ModelKind::take_part(Ranks& ranks, MessageReader& /*message*/) const {
-  ranks.abandon(fmt::format("the model {} cannot be shared by ranks", name()));
-}
-
 namespace detail {
 
 void blame_table(std::string_view model, std::function<void()> const& act) {
@@ -91,7 +87,7 @@ std::string AgentsKind::unused_because_of(Configuration const& configuration, st
 }
 
 std::optional<Problem> AgentsKind::not_shared_by_ranks(Configuration const& configuration) const {
-  if (!can_be_shared_by_ranks()) return ModelKind::not_shared_by_ranks(configuration);
+  if (!can_be_divided_among_ranks()) return ModelKind::not_shared_by_ranks(configuration);
   if (configuration.model.verify_every == 0) return {};
   return Problem{.what = "a run with model.verify_every, whose searches are compared with a look at all agents,",
                  .hint = "leave model.verify_every out, or use gridlock run",
@@ -103,13 +99,15 @@ bool AgentsKind::is_divided_among_ranks(Configuration const& configuration) cons
 }
 
 std::unique_ptr<AgentsOfRank> AgentsKind::make_agents(Ranks& /*ranks*/, Box const& /*box*/, std::uint64_t /*seed*/,
-                                                      std::uint64_t /*threads*/) const {
+                                                      std::uint64_t /*threads*/,
+                                                      std::vector<std::string>& /*notes*/) const {
   throw RunFailure(fmt::format("the model {} cannot be divided among ranks", name()));
 }
 
 std::unique_ptr<AgentsOfRank> AgentsKind::agents_of_rank(Ranks& ranks, Configuration const& configuration) const {
   // How many threads take the turns, the leader says with them.
-  return make_agents(ranks, make_box(configuration.box), configuration.run.seed, 1);
+  std::vector<std::string> notes_for_leader;
+  return make_agents(ranks, make_box(configuration.box), configuration.run.seed, 1, notes_for_leader);
 }
 
 std::vector<MemoryDemand> AgentsKind::memory(Configuration const& /*configuration*/) const {
@@ -136,14 +134,13 @@ void AgentsKind::build(Setup& setup, SetupOptions const& options) const {
   if (options.ranks != nullptr && is_divided_among_ranks(configuration)) {
     DividedSimulation::announce(*options.ranks, configuration);
     auto simulation =
-        std::make_unique<DividedSimulation>(*options.ranks, make_agents(*options.ranks, box, seed, threads));
+        std::make_unique<DividedSimulation>(*options.ranks, make_agents(*options.ranks, box, seed, threads, notes));
     simulation->observe(configuration.observe);
     setup.simulation = std::move(simulation);
-    return;
+  } else {
+    setup.simulation = make(box, seed, {.threads = threads, .verify_every = configuration.model.verify_every},
+                            configuration.observe, notes);
   }
-  setup.simulation =
-      make(box, seed, {.threads = threads, .verify_every = configuration.model.verify_every, .ranks = options.ranks},
-           configuration.observe, notes);
   for (std::string const& text : notes) {
     setup.notes.push_back({.kind = EventKind::note_of_model, .key = "model.kind", .values = {{"text", text}}});
   }

@@ -34,16 +34,23 @@ void for_each_shared_scene(Visit visit) {
   visit("crowd", colloid, walls, 40);
 }
 
-/// The hashes of a world as it starts and after so many steps.
-template <class Model>
-Hashes hashes_of(Model const& model, Box const& box, std::uint64_t steps, ModelEngineSettings const& settings) {
+/// The hashes of a world as it starts and as advance(world) leaves it.
+template <class Model, class Advance>
+Hashes hashes_of(Model const& model, Box const& box, Advance advance) {
   World<Model> world{.box = box, .seed = seed_of_models};
   start_agents(model, world);
   std::string const start = fmt::format("{:016x}", hash(world));
-  ModelEngine<Model>(model, box, settings).advance(world, {.step = steps});
+  advance(world);
   // A scene in which nothing happens would prove nothing.
   bool const all_happen = std::ranges::all_of(world.events, [](std::uint64_t count) { return count > 0; });
   return {start, all_happen ? fmt::format("{:016x}", hash(world)) : "nothing happens"};
+}
+/// The same after so many steps in one process.
+template <class Model>
+Hashes hashes_of(Model const& model, Box const& box, std::uint64_t steps, ModelEngineSettings const& settings) {
+  return hashes_of(model, box, [&](World<Model>& world) {
+    ModelEngine<Model>(model, box, settings).advance(world, {.step = steps});
+  });
 }
 
 }  // namespace gridlock::golden

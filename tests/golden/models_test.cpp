@@ -6,12 +6,13 @@
 #include <cstdint>
 #include <string>
 #include <type_traits>
+#include <utility>
 
 #include "golden/model_scenes.hpp"
 #include "golden/table.hpp"
+#include "model_on_ranks.hpp"
 #include "models/catalyst.hpp"
 #include "models/colloid.hpp"
-#include "thread_ranks.hpp"
 
 namespace gridlock {
 namespace {
@@ -19,8 +20,6 @@ namespace {
 using golden::hashes_of;
 using golden::periodic;
 using golden::walls;
-
-constexpr std::uint64_t seed = golden::seed_of_models;
 
 template <class Model>
 void expect_golden(std::string const& scene, Model const& model, Box const& box, std::uint64_t steps) {
@@ -42,9 +41,9 @@ TEST(GoldenModels, ThoseOnRanksHaveTheSameBits) {
     golden::for_each_shared_scene(
         [&](std::string const& scene, auto const& model, Box const& box, std::uint64_t steps) {
           SCOPED_TRACE(scene + ", " + std::to_string(ranks) + " ranks");
-          Hashes on_ranks;
-          test::ThreadRanks(ranks).run(
-              [&](Ranks& leader) { on_ranks = hashes_of(model, box, steps, {.threads = 1, .ranks = &leader}); });
+          Hashes const on_ranks = hashes_of(model, box, [&](auto& world) {
+            world = test::advance_on_ranks(model, std::move(world), {.step = steps}, ranks, 1).world;
+          });
           HashTable("models.csv").expect({scene, std::string(std::remove_cvref_t<decltype(model)>::name)}, on_ranks);
         });
   }
@@ -65,19 +64,20 @@ TEST(GoldenModels, CatalystWithEveryEvent) {
 
 TEST(GoldenModels, ColloidInTheScenePaperOfTheEngines) {
   // The scene of the engines: the same start, and 0.5 in time, which their table measures in steps of this length.
-  auto const expect_scene = [](auto model, std::string const& engine, Ranks* ranks = nullptr) {
+  auto const expect_scene = [](auto model, std::string const& engine, auto advance) {
     model.disks = {.count = 841, .packing_fraction = 0.7};
-    World<decltype(model)> world{.box = walls, .seed = seed};
-    start_agents(model, world);
-    ModelEngine<decltype(model)> colloid(model, walls, {.threads = 2, .ranks = ranks});
-    std::string const start = fmt::format("{:016x}", hash(world));
-    colloid.advance(world, {.time = 0.5});
-    HashTable("hashes.csv").expect({"paper", engine}, {start, fmt::format("{:016x}", hash(world))});
+    Hashes const now = hashes_of(model, walls, [&](auto& world) { advance(model, world); });
+    HashTable("hashes.csv").expect({"paper", engine}, now);
   };
-  expect_scene(Colloid{}, "stepped");
-  expect_scene(TiledColloid{}, "tiled");
+  auto const in_one_process = [](auto const& model, auto& world) {
+    ModelEngine<std::remove_cvref_t<decltype(model)>>(model, walls, {.threads = 2}).advance(world, {.time = 0.5});
+  };
+  expect_scene(Colloid{}, "stepped", in_one_process);
+  expect_scene(TiledColloid{}, "tiled", in_one_process);
   for (std::size_t const ranks : {2U, 4U}) {
-    test::ThreadRanks(ranks).run([&](Ranks& leader) { expect_scene(TiledColloid{}, "tiled", &leader); });
+    expect_scene(TiledColloid{}, "tiled", [&](TiledColloid const& model, World<TiledColloid>& world) {
+      world = test::advance_on_ranks(model, std::move(world), {.time = 0.5}, ranks, 1).world;
+    });
   }
 }
 

@@ -62,9 +62,8 @@ struct Market {
       self.die();
     }
   }
-  void observe(World<Market> const& world, Observations& seen) const {
-    double coins = 0.0;
-    for (std::uint32_t const of_agent : world.agents.column<Coins>()) coins += of_agent;
+  void observe(AgentSums<Market> const& agents, Observations& seen) const {
+    double const coins = agents.sum([](auto const& agent) { return static_cast<double>(agent.template get<Coins>()); });
     seen.add("coins", coins, "Coins of all agents.");
   }
 };

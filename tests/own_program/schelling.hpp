@@ -50,7 +50,7 @@ struct Schelling {
     self.move_by(0.1 * random.in_unit_disk());
     self.count(0);
   }
-  void observe(World<Schelling> const& world, Observations& seen) const {
-    seen.add_counts<Side>(world.agents, {"left", "right"});
+  void observe(AgentSums<Schelling> const& agents, Observations& seen) const {
+    seen.add_counts<Side>(agents, {"left", "right"});
   }
 };

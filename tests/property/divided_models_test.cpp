@@ -38,7 +38,7 @@ std::string any_run_of_model(std::uint64_t seed) {
   std::string text = "[box]\nedge = \"" + std::string(is() ? "wall" : "periodic") + "\"\n";
   if (is()) text += "height = " + number(0.6 + random.uniform()) + "\n";
   std::string const count = std::to_string(random.below(4) == 0 ? 1 + random.below(8) : 50 + random.below(900));
-  std::uint64_t const kind = seed % 3;
+  std::uint64_t const kind = seed % 4;
   if (kind == 0) {
     text += "[model]\nkind = \"epidemic\"\n[epidemic]\ncount = " + count +
             "\nradius = " + number(0.02 + 0.1 * random.uniform()) +
@@ -47,6 +47,11 @@ std::string any_run_of_model(std::uint64_t seed) {
     text += "[model]\nkind = \"flocking\"\n[flocking]\ncount = " + count +
             "\nradius = " + number(0.02 + 0.1 * random.uniform()) + "\nspeed = 0.02\nrule = \"" +
             std::string(is() ? "vicsek" : "boids") + "\"\n";
+  } else if (kind == 2) {
+    // Tile by tile, with counters and with disks that are late.
+    text += "[model]\nkind = \"colloid_tiled\"\n[colloid_tiled.disks]\ncount = " + count +
+            "\npacking_fraction = " + number(0.1 + 0.3 * random.uniform()) + "\nstart = \"" +
+            std::string(is() ? "random" : "triangular") + "\"\n[colloid_tiled.velocities]\nkind = \"maxwell\"\n";
   } else {
     text += "[model]\nkind = \"wanderers_of_test\"\n[wanderers_of_test]\ncount = " + count +
             "\nradius = " + number(one_of({0.2, 0.05, 0.01})) + "\nspeed = 0.05\njump = " + number(one_of({0.0, 0.1})) +
@@ -66,7 +71,7 @@ std::string any_run_of_model(std::uint64_t seed) {
 TEST(DividedModels, HaveTheFilesOfOneProcess) {
   KnownModels const known;
   TemporaryDirectory const temporary;
-  for (std::uint64_t seed = 0; seed < 24; ++seed) {
+  for (std::uint64_t seed = 0; seed < 28; ++seed) {
     std::string const text = any_run_of_model(seed);
     fs::path const one = temporary / ("one" + std::to_string(seed));
     carry_out(text, one, 0);
@@ -82,13 +87,13 @@ TEST(DividedModels, HaveTheFilesOfOneProcess) {
 TEST(DividedModels, ContinueOnAnotherNumberOfRanksAndInOneProcess) {
   KnownModels const known;
   TemporaryDirectory const temporary;
-  for (std::uint64_t seed = 100; seed < 127; ++seed) {
+  for (std::uint64_t seed = 100; seed < 136; ++seed) {
     std::string const text = any_run_of_model(seed);
     fs::path const one = temporary / ("one" + std::to_string(seed));
     fs::path const many = temporary / ("many" + std::to_string(seed));
     carry_out(text, one, 0);
-    std::vector<std::size_t> const numbers = seed / 3 % 3 == 0   ? std::vector<std::size_t>{3, 0, 2}
-                                             : seed / 3 % 3 == 1 ? std::vector<std::size_t>{0, 4, 1}
+    std::vector<std::size_t> const numbers = seed / 4 % 3 == 0   ? std::vector<std::size_t>{3, 0, 2}
+                                             : seed / 4 % 3 == 1 ? std::vector<std::size_t>{0, 4, 1}
                                                                  : std::vector<std::size_t>{4, 2, 7};
     EXPECT_EQ(carry_out(text, many, numbers[0], 11), RunStatus::interrupted);
     EXPECT_EQ(carry_out(text, many, numbers[1], 25), RunStatus::interrupted);

@@ -1,4 +1,4 @@
-// Agent models on several ranks, here threads: the bits, the order of rows, the names and counts of one process, however the box
+// Agent models on several ranks, here threads: the bits, the names and counts of one process, however the box
 // is cut and whoever is born or dies where.
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ using test::advance_on_ranks;
 using test::all_of;
 using test::EndedWorld;
 using test::expect_same;
-using test::KnownModels;
+using test::go_on_on_ranks;
 using test::started;
 using test::ThreadRanks;
 using test::Wanderers;
@@ -62,7 +62,6 @@ System any_system(std::uint64_t seed) {
 }
 
 TEST(ModelOnRanks, HasTheBitsOfOneProcess) {
-  KnownModels const known;
   std::array<std::size_t, 4> happened{};
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     System const s = any_system(seed);
@@ -90,7 +89,6 @@ TEST(ModelOnRanks, HasTheBitsOfOneProcessForShippedModels) {
 }
 
 TEST(ModelOnRanks, HasTheBitsOfOneProcessWhereAgentsCrowd) {
-  KnownModels const known;
   for (Edge const edge : {Edge::wall, Edge::periodic}) {
     System s{.model = {.count = 3000, .radius = 0.01, .speed = 0.01, .birth = 0.01, .death = 0.01, .crowd = 0.05},
              .box = Box(10.0, 8.0, edge),
@@ -107,7 +105,6 @@ TEST(ModelOnRanks, HasTheBitsOfOneProcessWhereAgentsCrowd) {
 }
 
 TEST(ModelOnRanks, HasTheBitsOfOneProcessWherePopulationsGrowAndDieOut) {
-  KnownModels const known;
   for (bool const dies : {false, true}) {
     System s{.model = {.count = dies ? 2000U : 1U, .radius = 0.05, .speed = 0.1},
              .box = Box(2.0, 1.0, Edge::periodic),
@@ -120,7 +117,6 @@ TEST(ModelOnRanks, HasTheBitsOfOneProcessWherePopulationsGrowAndDieOut) {
 }
 
 TEST(ModelOnRanks, HasTheBitsOfOneProcessOnMoreRanksThanCells) {
-  KnownModels const known;
   for (std::uint64_t seed = 100; seed < 108; ++seed) {
     System s = any_system(seed);
     s.model.count = 1 + seed % 20;
@@ -131,21 +127,20 @@ TEST(ModelOnRanks, HasTheBitsOfOneProcessOnMoreRanksThanCells) {
 }
 
 TEST(ModelOnRanks, ContinuesOnAnotherNumberOfRanks) {
-  KnownModels const known;
   for (std::uint64_t const seed : {2U, 5U, 11U}) {
     System const s = any_system(seed);
     EndedWorld const one = advance(s.model, s.start(), {.step = 40}, {});
-    EndedWorld<Wanderers> many{.world = s.start()};
-    std::uint64_t step = 0;
-    for (std::size_t const ranks : {3U, 1U, 5U, 2U}) {
-      many = advance_on_ranks(s.model, std::move(many.world), {.step = step += 10}, ranks, 1);
+    EndedWorld<Wanderers> many = advance_on_ranks(s.model, s.start(), {.step = 10}, 3, 1);
+    std::uint64_t step = 10;
+    for (std::size_t const count : {1U, 5U, 2U}) {
+      ThreadRanks ranks(count);
+      go_on_on_ranks(s.model, many, {.step = step += 10}, ranks, 1);
     }
     expect_same(one, many, "seed " + std::to_string(seed));
   }
 }
 
 TEST(ModelOnRanks, FailsWhereOneProcessDoesWithTheSameWords) {
-  KnownModels const known;
   for (std::uint64_t const failing_agents : {1U, 40U}) {
     for (std::uint64_t const fails_at : {0U, 1U, 17U}) {
       System s{.model = {.count = 500, .birth = 0.02, .death = 0.02}, .box = Box(1.0, 2.0, Edge::wall), .seed = 4};
@@ -161,27 +156,22 @@ TEST(ModelOnRanks, FailsWhereOneProcessDoesWithTheSameWords) {
 }
 
 TEST(ModelOnRanks, EndsWhereItIsAskedToOrTheQuestionFails) {
-  KnownModels const known;
   System const s{.model = {.birth = 0.01, .death = 0.01}, .box = Box(1.0, 1.0, Edge::periodic), .seed = 9};
   for (bool const throws : {false, true}) {
-    World<Wanderers> world = s.start();
     int asked = 0;
-    auto const lead = [&](Ranks& leader) {
-      ModelEngine<Wanderers> engine(s.model, s.box, {.threads = 1, .ranks = &leader});
-      engine.advance(world, {.step = 1'000'000, .should_continue = [&] {
-                               if (++asked == 3 && throws) throw std::runtime_error("no more paper");
-                               return asked < 3;
-                             }});
-    };
-    if (throws) {
-      EXPECT_THROW(ThreadRanks(3).run(lead), std::runtime_error);
-    } else {
-      ThreadRanks(3).run(lead);
-    }
+    EndedWorld const many = advance_on_ranks(s.model, s.start(),
+                                             {.step = 1'000'000,
+                                              .should_continue =
+                                                  [&] {
+                                                    if (++asked == 3 && throws)
+                                                      throw std::runtime_error("no more paper");
+                                                    return asked < 3;
+                                                  }},
+                                             3, 1);
+    EXPECT_EQ(many.failure, throws ? "no more paper" : "");
     // What was done until then is whole.
-    EXPECT_GT(world.clock.step, 0U);
-    EndedWorld const one = advance(s.model, s.start(), {.step = world.clock.step}, {});
-    EXPECT_EQ(all_of(one.world), all_of(world));
+    EXPECT_GT(many.world.clock.step, 0U);
+    EXPECT_EQ(all_of(advance(s.model, s.start(), {.step = many.world.clock.step}, {})), all_of(many));
   }
 }
 
@@ -191,10 +181,9 @@ TEST(ModelOnRanks, SendsNoMessageThatGrowsWithTheBoxBehindItsRim) {
     Flocking const model{.count = agents, .radius = 0.05, .speed = 0.01};
     World<Flocking> world{.box = Box(1.0, 1.0, Edge::periodic), .seed = 1};
     start_agents(model, world);
+    EndedWorld<Flocking> ended{.world = std::move(world), .counters = {}, .failure = {}, .names = {}};
     ThreadRanks ranks(2);
-    ranks.run([&](Ranks& leader) {
-      ModelEngine<Flocking>(model, world.box, {.threads = 1, .ranks = &leader}).advance(world, {.step = steps});
-    });
+    go_on_on_ranks(model, ended, {.step = steps}, ranks, 1);
     return ranks.messages();
   };
   constexpr std::size_t steps = 60;

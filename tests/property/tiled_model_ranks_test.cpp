@@ -1,4 +1,4 @@
-// Tiled models on several ranks, here threads: the bits, the order of rows, the names, counts and sums of one process, however the
+// Tiled models on several ranks, here threads: the bits, the names, counts and sums of one process, however the
 // tiles are divided, whoever is born, dies or is late where.
 
 #include <gtest/gtest.h>
@@ -25,6 +25,7 @@ using test::advance_on_ranks;
 using test::all_of;
 using test::EndedWorld;
 using test::expect_same;
+using test::go_on_on_ranks;
 using test::started;
 using test::ThreadRanks;
 
@@ -146,8 +147,6 @@ struct Traders {
   }
 };
 
-using KnownTraders = test::KnownModel<Traders>;
-
 struct Market {
   Traders model;
   Box box;
@@ -184,7 +183,6 @@ Market any_market(std::uint64_t seed) {
 }
 
 TEST(TiledModelOnRanks, HasTheBitsOfOneProcess) {
-  KnownTraders const known;
   std::array<std::size_t, 5> happened{};
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     Market const s = any_market(seed);
@@ -199,7 +197,6 @@ TEST(TiledModelOnRanks, HasTheBitsOfOneProcess) {
 }
 
 TEST(TiledModelOnRanks, HasTheBitsOfOneProcessOnAsManyRanksAsTiles) {
-  KnownTraders const known;
   for (Edge const edge : {Edge::wall, Edge::periodic}) {
     Market const s{.model = {.count = 2500, .radius = 0.02, .late = 0.004, .birth = 0.02, .death = 0.02},
                    .box = Box(1.0, 1.0, edge),
@@ -215,7 +212,6 @@ TEST(TiledModelOnRanks, HasTheBitsOfOneProcessOnAsManyRanksAsTiles) {
 }
 
 TEST(TiledModelOnRanks, HasTheBitsOfOneProcessWherePopulationsGrowAndDieOut) {
-  KnownTraders const known;
   for (bool const dies : {false, true}) {
     Market s{.model = {.count = dies ? 2000U : 1U, .radius = 0.02}, .box = Box(2.0, 1.0, Edge::periodic), .seed = 2};
     (dies ? s.model.death : s.model.birth) = 0.3;
@@ -226,23 +222,22 @@ TEST(TiledModelOnRanks, HasTheBitsOfOneProcessWherePopulationsGrowAndDieOut) {
 }
 
 TEST(TiledModelOnRanks, ContinuesOnAnotherNumberOfRanks) {
-  KnownTraders const known;
   for (Edge const edge : {Edge::wall, Edge::periodic}) {
     Market const s{.model = {.count = 900, .radius = 0.03, .late = 0.003, .birth = 0.03, .death = 0.02},
                    .box = Box(1.0, 1.5, edge),
                    .seed = 5};
     EndedWorld const one = advance(s.model, s.start(), {.step = 20}, {});
-    EndedWorld<Traders> many{.world = s.start(), .counters = {}, .failure = {}};
-    std::uint64_t step = 0;
-    for (std::size_t const ranks : {3U, 1U, 5U, 2U}) {
-      many = advance_on_ranks(s.model, std::move(many.world), {.step = step += 5}, ranks, 1);
+    EndedWorld<Traders> many = advance_on_ranks(s.model, s.start(), {.step = 5}, 3, 1);
+    std::uint64_t step = 5;
+    for (std::size_t const count : {1U, 5U, 2U}) {
+      ThreadRanks ranks(count);
+      go_on_on_ranks(s.model, many, {.step = step += 5}, ranks, 1);
     }
-    EXPECT_EQ(all_of(one.world), all_of(many.world));
+    expect_same(one, many, "continued");
   }
 }
 
 TEST(TiledModelOnRanks, FailsWhereOneProcessDoesWithTheSameWords) {
-  KnownTraders const known;
   for (std::uint64_t const failing_agents : {1U, 40U}) {
     for (std::uint64_t const fails_at : {0U, 1U, 13U}) {
       for (bool const is_late : {false, true}) {
@@ -255,8 +250,7 @@ TEST(TiledModelOnRanks, FailsWhereOneProcessDoesWithTheSameWords) {
         EndedWorld const one = advance(s.model, s.start(), {.step = 20}, {.threads = 1});
         ASSERT_NE(one.failure.find("fails"), std::string::npos) << one.failure;
         EndedWorld const before = advance(s.model, s.start(), {.step = one.world.clock.step}, {});
-        EXPECT_EQ(hash(before.world), hash(one.world)) << "the world is not as it was before the step";
-        EXPECT_EQ(all_of(before.counters), all_of(one.counters));
+        EXPECT_EQ(all_of(before), all_of(one)) << "the world is not as it was before the step";
         expect_same(one, advance(s.model, s.start(), {.step = 20}, {.threads = 3}), "threads");
         for (std::size_t const ranks : {2U, 5U}) {
           expect_same(one, advance_on_ranks(s.model, s.start(), {.step = 20}, ranks, 2), "ranks");
@@ -267,34 +261,26 @@ TEST(TiledModelOnRanks, FailsWhereOneProcessDoesWithTheSameWords) {
 }
 
 TEST(TiledModelOnRanks, EndsWhereItIsAskedToOrTheQuestionFails) {
-  KnownTraders const known;
   Market const s{
       .model = {.radius = 0.03, .birth = 0.01, .death = 0.01}, .box = Box(1.0, 1.0, Edge::periodic), .seed = 9};
   for (bool const throws : {false, true}) {
-    World<Traders> world = s.start();
-    Counters counters;
     int asked = 0;
-    auto const lead = [&](Ranks& leader) {
-      ModelEngine<Traders> engine(s.model, s.box, {.threads = 1, .ranks = &leader});
-      engine.advance(world, counters, {.step = 1'000'000, .should_continue = [&] {
-                                         if (++asked == 3 && throws) throw std::runtime_error("no more paper");
-                                         return asked < 3;
-                                       }});
-    };
-    if (throws) {
-      EXPECT_THROW(ThreadRanks(3).run(lead), std::runtime_error);
-    } else {
-      ThreadRanks(3).run(lead);
-    }
-    EXPECT_GT(world.clock.step, 0U);
-    EndedWorld const one = advance(s.model, s.start(), {.step = world.clock.step}, {});
-    EXPECT_EQ(all_of(one.world), all_of(world));
-    EXPECT_EQ(all_of(one.counters), all_of(counters));
+    EndedWorld const many = advance_on_ranks(s.model, s.start(),
+                                             {.step = 1'000'000,
+                                              .should_continue =
+                                                  [&] {
+                                                    if (++asked == 3 && throws)
+                                                      throw std::runtime_error("no more paper");
+                                                    return asked < 3;
+                                                  }},
+                                             3, 1);
+    EXPECT_EQ(many.failure, throws ? "no more paper" : "");
+    EXPECT_GT(many.world.clock.step, 0U);
+    EXPECT_EQ(all_of(advance(s.model, s.start(), {.step = many.world.clock.step}, {})), all_of(many));
   }
 }
 
 TEST(TiledModelOnRanks, EndsAtTheStepWithEnoughCollisions) {
-  KnownTraders const known;
   Market const s{.model = {.radius = 0.03}, .box = Box(1.0, 1.0, Edge::wall), .seed = 3};
   StopCondition const enough{.pair_collisions = 30'000};
   EndedWorld const one = advance(s.model, s.start(), enough, {});
@@ -333,7 +319,6 @@ struct FarMovers {
 };
 
 TEST(TiledModelOnRanks, RefusesAMoveOfALocalAgentBeyondTheCellsNextToItsOwn) {
-  test::KnownModel<FarMovers> const known;
   Box const box(1.0, 1.0, Edge::periodic);
   EndedWorld const one = advance(FarMovers{}, started(FarMovers{}, box, 1), {.step = 9}, {.threads = 1});
   EXPECT_NE(one.failure.find("step 3: agent "), std::string::npos) << one.failure;

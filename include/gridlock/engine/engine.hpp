@@ -1,7 +1,7 @@
 #pragma once
 
 /// \file
-/// What advances a world: engines, their settings and records, and the counters that they keep.
+/// What advances a world: engines, their settings and records.
 ///
 /// ```cpp
 /// #include "gridlock/lattice/start.hpp"
@@ -25,6 +25,7 @@
 #include <vector>
 
 #include "gridlock/core/archive.hpp"
+#include "gridlock/core/counters.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/setting.hpp"
 
@@ -47,31 +48,6 @@ struct StopCondition {
   }
   [[nodiscard]] bool stops_here() const { return should_continue && !should_continue(); }
 };
-
-/// What happened, counted from the start of the run; the caller keeps them and every advance() adds to them, so the sums
-/// do not depend on how a run is cut into chunks.
-struct Counters {
-  enum Wall : std::size_t { left, right, bottom, top };
-
-  std::uint64_t moves = 0;            ///< moves tried (stepped) or disk events handled (exact)
-  std::uint64_t halted_moves = 0;     ///< moves that ended at a wall or at another disk
-  std::uint64_t pair_collisions = 0;  ///< pairs that collided
-  /// Candidate distances measured; how many that takes is a property of the grid, not of the physics.
-  std::uint64_t distance_checks = 0;
-  std::array<std::uint64_t, 4> wall_hits{};
-  std::array<double, 4> wall_impulse{};  ///< Σ |Δp| given to each wall
-  /// Σ over pairs that collided of −(r_j − r_i)·Δp_i: σ m |v_n| for two equal disks in contact.
-  double pair_virial = 0.0;
-
-  [[nodiscard]] std::uint64_t all_wall_hits() const {
-    return wall_hits[0] + wall_hits[1] + wall_hits[2] + wall_hits[3];
-  }
-};
-
-/// Adds every count and sum.
-void add(Counters& sum, Counters const& part);
-/// Serializes every count and sum.
-void serialize(Archive& archive, Counters& counters);
 
 /// How often something happened since the start, for example "pair_collisions".
 struct Count {

@@ -98,15 +98,29 @@ class Observations {
   std::vector<Entry> entries_;
 };
 
-/// Whether ranks can divide the agents of a model, so that none has all of them: what is observed of them are sums.
+/// Whether ranks can divide the agents of a model, so that none has all of them: they take their turns all at once or tile by tile, and
+/// what the model asks of all agents are sums.
 template <class Model>
 consteval bool can_be_divided() {
-  return can_be_shared<Model>() && Model::schedule == Schedule::synchronous && requires(Model const& model) {
-    model.cutoff();
-    model.time_step();
+  constexpr bool observes_world = requires(Model const& model, World<Model> const& world, Observations& seen) {
+    model.observe(world, seen);
+  };
+  constexpr bool notes_of_world = requires(Model const& model, World<Model> const& world) { model.notes(world); };
+  constexpr bool fixes_cells = requires(Model const& model, AgentSums<Model> const& agents) { model.cells(agents); };
+  if (asks_world_in_every_step<Model>() || observes_world || notes_of_world) return false;
+  return Model::schedule == Schedule::tiled || (Model::schedule == Schedule::synchronous && !fixes_cells);
+}
+
+/// What a model says of a start: where its results will mislead.
+template <class Model>
+std::vector<std::string> notes_of(Model const& model, World<Model> const& world, SumsOfAll const& of_all = {}) {
+  if constexpr (requires { model.notes(world); }) {
+    return model.notes(world);
+  } else if constexpr (requires { model.notes(AgentSums<Model>(world)); }) {
+    return model.notes(AgentSums<Model>(world, of_all));
+  } else {
+    return {};
   }
-  &&!requires(Model const& model, World<Model> const& world, Observations& seen) { model.observe(world, seen); }
-  &&!requires(Model const& model, World<Model> const& world) { model.notes(world); };
 }
 
 /// Puts the first agents of a model into an empty world: by Model::start(), or one by one by Model::first_agent().

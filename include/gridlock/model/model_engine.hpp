@@ -30,6 +30,7 @@
 #include <utility>
 #include <vector>
 
+#include "gridlock/core/detail/counters_of_step.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/error.hpp"
@@ -38,7 +39,7 @@
 #include "gridlock/grid/detail/tiling.hpp"
 #include "gridlock/model/detail/agents_in_cell_order.hpp"
 #include "gridlock/model/detail/checks.hpp"
-#include "gridlock/model/detail/on_ranks.hpp"
+#include "gridlock/model/detail/rank_division.hpp"
 #include "gridlock/model/detail/turns_in_tiles.hpp"
 #include "gridlock/model/mutable_world.hpp"
 #include "gridlock/model/turn.hpp"
@@ -49,7 +50,6 @@ namespace gridlock {
 struct ModelEngineSettings {
   std::uint64_t threads = 1;       ///< of a synchronous or tiled model; 0: all cores
   std::uint64_t verify_every = 0;  ///< steps between two in which searches are compared with brute force; 0: never
-  Ranks* ranks = nullptr;          ///< that share the steps with this process, see can_be_shared()
 };
 
 /// How often each event has happened, with its name.
@@ -82,21 +82,23 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 ///     void describe(SettingVisitor&);                its settings
 ///     void check(Box const&) const;                  throws Error for settings with which no run is possible
 ///     double attempts_at_start(Box const&, std::uint64_t seed) const;   random places that start() will try
-///     std::vector<std::string> notes(World<Model> const&) const;   where its results mislead, of a start
+///     std::vector<std::string> notes(AgentSums<Model> const&) const;   where its results mislead, of a start
 ///
 /// of which the last five may be left out, and, if it likes, `static constexpr std::array<std::string_view, n>
 /// events`, the names of what it counts, and `static constexpr bool keeps_counters = true`: its turns keep Turn::counters(),
-/// and the run measures collision rates and pressures. cutoff() and time_step() may take the World they are asked for, in every
-/// step; with `static constexpr bool asks_world_once = true` they stay what they are when a run begins or continues.
+/// and the run measures collision rates and pressures.
 ///
+/// cutoff() and time_step() may take the World, which they are asked for in every step, or the AgentSums, when a run begins or continues.
+/// Contract of the latter: the answers stay the same during a run (not checked).
 /// First agents that depend on one another `void start(World<Model>&) const` puts into the box in the place of
 /// first_agent(); agents_at_start() is then for the estimate of the memory. What is observed and is no sum over agents,
-/// `void observe(World<Model> const&, Observations&) const` finds in the world, which several processes then cannot divide.
+/// `void observe(World<Model> const&, Observations&) const` finds in the world; notes() may take it too. Several processes divide the
+/// agents of a model that asks none of them for the World, so that none has all; others run in one process.
 ///
 /// In a tiled model no agent searches or moves farther than the cutoff from where its turn began. A model in which a
 /// few do says so in `bool is_local(Turn<Model> const&, double room) const`, with room the shorter side of a cell:
 /// those that are not take their turns one after the other at the end of the step. The order of turns follows from the
-/// cells; a model may fix them in `CellLayout cells(World<Model> const&) const`.
+/// cells; a model may fix them in `CellLayout cells(AgentSums<Model> const&) const`.
 ///
 /// The bits do not depend on the number of threads, on chunks, or on the order of the rows. Neighbours are visited cell
 /// by cell, in a cell in the order of the Ids as they were when the step began, so that sums over them round alike.
@@ -105,10 +107,7 @@ template <class Model>
 class ModelEngine final : public EngineFor<Model> {
  public:
   ModelEngine(Model model, Box const& box, ModelEngineSettings const& settings)
-      : model_(std::move(model)),
-        settings_(settings),
-        thread_pool_(settings.ranks != nullptr ? 1 : settings.threads),
-        order_(thread_pool_) {
+      : model_(std::move(model)), settings_(settings), thread_pool_(settings.threads), order_(thread_pool_) {
     if constexpr (requires { model_.cutoff(); }) require_cutoff_fits(box, model_.cutoff(), Model::name);
   }
 
@@ -122,13 +121,6 @@ class ModelEngine final : public EngineFor<Model> {
   /// Errors: RunFailure where a verified search differs from brute force, where an agent is outside the box, looks
   /// farther than the model says or counts what is not declared, or what the model throws.
   void advance(World<Model>& world, Counters& counters, StopCondition const& stop_condition) override {
-    if constexpr (can_be_shared<Model>()) {
-      if (settings_.ranks != nullptr) {
-        require_inside(world);
-        advance_on_ranks(*settings_.ranks, model_, settings_.threads, world, counters, stop_condition);
-        return;
-      }
-    }
     // Between two calls the world may have become another one.
     bool knows_world = false;
     while (!stop_condition.is_reached(world.clock, counters.pair_collisions)) {
@@ -181,7 +173,7 @@ class ModelEngine final : public EngineFor<Model> {
   void prepare(World<Model>& world, bool knows_world) {
     // What comes from outside: a start, a checkpoint. Within a step births and moves are looked at one by one.
     if (!knows_world) require_inside(world);
-    if (!knows_world || !asks_world_once<Model>()) {
+    if (!knows_world || asks_world_in_every_step<Model>()) {
       cutoff_ = cutoff_of(model_, world);
       time_step_ = gridlock::time_step_of(model_, world);
       require_good_step(world.clock.step, cutoff_, time_step_);
@@ -207,15 +199,16 @@ class ModelEngine final : public EngineFor<Model> {
   }
 
   void find_layout(World<Model> const& world, bool knows_world) {
+    if (!knows_world || asks_world_in_every_step<Model>()) fixed_layout_ = cells_of(model_, world);
     finer_layout_.reset();
-    if constexpr (requires { model_.cells(world); }) {
-      if (!knows_world || !asks_world_once<Model>()) layout_ = model_.cells(world);
-    } else {
-      CellsOfStep const cells = cells_of_step(world.box, cutoff_, world.agents.size());
-      layout_ = cells.layout;
-      // The order of the turns of other schedules follows from the cells.
-      if constexpr (Model::schedule == Schedule::synchronous) finer_layout_ = cells.finer;
+    if (fixed_layout_) {
+      layout_ = *fixed_layout_;
+      return;
     }
+    CellsOfStep const cells = cells_of_step(world.box, cutoff_, world.agents.size());
+    layout_ = cells.layout;
+    // The order of the turns of other schedules follows from the cells.
+    if constexpr (Model::schedule == Schedule::synchronous) finer_layout_ = cells.finer;
   }
 
   void step_synchronously(World<Model>& world) {
@@ -261,7 +254,7 @@ class ModelEngine final : public EngineFor<Model> {
     turns_.begin_step(layout_, world.agents.size());
     take_turns_of_tiles(world);
     auto const tiles = static_cast<std::uint32_t>(turns_.tiling().tiles().size());
-    // In the order of the tiles, however many threads have taken them: sums of floating-point numbers depend on it too.
+    // In the order of the tiles, however many threads have taken them.
     for (std::uint32_t tile = 0; tile < tiles && !turns_.has_failed(); ++tile) {
       turns_.take_late(model_, neighbourhood(world, commands_.front()), tile);
     }
@@ -271,7 +264,9 @@ class ModelEngine final : public EngineFor<Model> {
       std::rethrow_exception(turns_.failure());
     }
     if constexpr (keeps_counters<Model>()) {
-      for (std::uint32_t tile = 0; tile < tiles; ++tile) add(counters, turns_.result_of(tile).counters);
+      CountersOfStep of_step;
+      for (std::uint32_t tile = 0; tile < tiles; ++tile) of_step.add(turns_.result_of(tile).counters);
+      of_step.add_to(counters);
     }
     apply_commands<Model>(world, commands_);
   }
@@ -302,6 +297,7 @@ class ModelEngine final : public EngineFor<Model> {
   double cutoff_ = 0.0;
   double time_step_ = 0.0;
   CellLayout layout_;
+  std::optional<CellLayout> fixed_layout_;  ///< by the model
   std::optional<CellLayout> finer_layout_;  ///< synchronous: where agents crowd
   AgentsInCellOrder<Model> order_;
   PackedGrid grid_;

@@ -64,6 +64,8 @@ struct Snapshot {
   void add_up(std::span<std::uint64_t> counts) const {
     if (others != nullptr) others->add_up(counts);
   }
+  /// The least of such values of all ranks.
+  [[nodiscard]] double least(double value) const { return others != nullptr ? others->least(value) : value; }
 
   Box const& box;
   Clock clock;

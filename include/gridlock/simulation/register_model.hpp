@@ -78,11 +78,11 @@ class AgentsKind : public ModelKind {
 
   /// Of the model itself.
   virtual void describe_model(SettingVisitor& visitor) = 0;
-  [[nodiscard]] virtual bool can_be_shared_by_ranks() const { return false; }
   [[nodiscard]] virtual bool can_be_divided_among_ranks() const { return false; }
-  /// Contract: can_be_divided_among_ranks(). All ranks call it. Errors: Error, on all ranks.
+  /// Contract: can_be_divided_among_ranks(). All ranks call it. Appends to `notes` as make(). Errors: Error, on all ranks.
   [[nodiscard]] virtual std::unique_ptr<AgentsOfRank> make_agents(Ranks& ranks, Box const& box, std::uint64_t seed,
-                                                                  std::uint64_t threads) const;
+                                                                  std::uint64_t threads,
+                                                                  std::vector<std::string>& notes) const;
   /// How many agents the model starts with, where it says so before, and the bytes that each of them takes at least.
   [[nodiscard]] virtual std::uint64_t agents_at_start() const = 0;
   [[nodiscard]] virtual std::size_t bytes_per_agent() const = 0;
@@ -114,13 +114,6 @@ class ModelKindOf final : public AgentsKind {
   [[nodiscard]] bool uses_threads(Configuration const& /*configuration*/) const override {
     return Model::schedule == Schedule::synchronous || Model::schedule == Schedule::tiled;
   }
-  void take_part(Ranks& ranks, MessageReader& message) const override {
-    if constexpr (can_be_shared<Model>()) {
-      gridlock::take_part(ranks, model_, message);
-    } else {
-      AgentsKind::take_part(ranks, message);
-    }
-  }
   void check(Configuration const& configuration) const override {
     Box const box = make_box(configuration.box);
     blame_table(Model::name, [&] {
@@ -133,15 +126,17 @@ class ModelKindOf final : public AgentsKind {
   void describe_model(SettingVisitor& visitor) override {
     if constexpr (requires { model_.describe(visitor); }) model_.describe(visitor);
   }
-  [[nodiscard]] bool can_be_shared_by_ranks() const override { return can_be_shared<Model>(); }
   [[nodiscard]] bool can_be_divided_among_ranks() const override { return can_be_divided<Model>(); }
   [[nodiscard]] std::unique_ptr<AgentsOfRank> make_agents(Ranks& ranks, Box const& box, std::uint64_t seed,
-                                                          std::uint64_t threads) const override {
+                                                          std::uint64_t threads,
+                                                          std::vector<std::string>& notes) const override {
     if constexpr (can_be_divided<Model>()) {
-      return std::make_unique<ModelOfRank<Model>>(
+      auto agents = std::make_unique<ModelOfRank<Model>>(
           ranks, model_, box, seed, threads, [](std::function<void()> const& act) { blame_table(Model::name, act); });
+      notes = agents->notes();
+      return agents;
     } else {
-      return AgentsKind::make_agents(ranks, box, seed, threads);
+      return AgentsKind::make_agents(ranks, box, seed, threads, notes);
     }
   }
   [[nodiscard]] std::uint64_t agents_at_start() const override {
@@ -175,7 +170,7 @@ class ModelKindOf final : public AgentsKind {
       ModelEngine<Model>::require_inside(world);
     });
     require_cutoff_fits(box, cutoff_of(model_, world), Model::name);
-    if constexpr (requires { model_.notes(world); }) notes = model_.notes(world);
+    notes = notes_of(model_, world);
     return std::make_unique<ModelSimulation<Model>>(model_, std::move(world), settings, observed);
   }
 

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "engine/tiled/counters_of_step.hpp"
 #include "engine/tiled/late_turns.hpp"
 #include "engine/tiled/steps.hpp"
+#include "gridlock/core/detail/counters_of_step.hpp"
 #include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/grid/detail/tile_division.hpp"

@@ -152,7 +152,6 @@ class MessageReader {
 /// What the leader asks all others for: the first number of a message.
 enum class TaskOfRanks : std::uint64_t {
   leave,
-  steps_of_model,
   steps_of_disks,
   // Of a run whose agents are divided.
   begin_run,

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "gridlock/core/detail/counters_of_step.hpp"
 #include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/core/error.hpp"
@@ -63,10 +64,10 @@ class AgentsOfShare {
   [[nodiscard]] std::optional<FailedTurn> const& failure() const { return failure_; }
   /// How many agents all ranks have, as far as steps have taken effect.
   [[nodiscard]] std::size_t population() const { return population_; }
-  /// What the agents of this rank asked for in the last step, which has not taken effect.
-  [[nodiscard]] std::span<DeferredCommands<Model> const> commands() const { return commands_; }
   /// What happened in the steps that have taken effect.
   [[nodiscard]] EventCounts<Model> const& events() const { return events_; }
+  /// What the turns of this rank have counted in each step since the last call; nothing where they keep no counters.
+  [[nodiscard]] std::vector<CountersOfStep> take_counters() { return std::exchange(counters_, {}); }
 
  protected:
   using Rows = std::vector<std::uint32_t>;
@@ -117,24 +118,6 @@ class AgentsOfShare {
   Neighbourhood<Model> neighbourhood(DeferredCommands<Model>& commands) {
     return {
         .world = world_, .commands = commands, .cutoff = cutoff_, .time_step = time_step_, .population = population_};
-  }
-
-  /// Calls send(message) for these rows, in messages of bounded length: their cells, Ids and values. An empty message is the last.
-  template <class CellOf, class Send>
-  static void send_rows(std::span<std::uint32_t const> rows, CellOf cell_of, Id const* ids, AllValues const& values,
-                        Send send) {
-    while (true) {
-      std::span<std::uint32_t const> const some = rows.first(std::min(rows.size(), agents_of_message));
-      MessageWriter message;
-      std::vector<std::uint32_t> cells;
-      for (std::uint32_t const row : some) cells.push_back(cell_of(row));
-      message.add(std::uint64_t{some.size()});
-      message.add_all(std::span<std::uint32_t const>(cells));
-      add_agents(message, ids, values, some);
-      send(message.take());
-      if (some.empty()) return;
-      rows = rows.subspan(some.size());
-    }
   }
 
   /// What all agents of this rank have asked for in their turns.
@@ -217,13 +200,9 @@ class AgentsOfShare {
   /// The newborn of all ranks get their names in the order of their parents' Ids, those of one parent as it asked for them.
   void name_births(Told const& told, IdSet const& dead, std::size_t first_newborn) {
     std::vector<Id> names;
-    if (name_births_) {
-      names = name_births_(dead.sorted(), told.parents.size());
-      if (!names.empty()) send_to_others(ranks_, message_of_all(std::span<Id const>(names)));
-    } else if (!told.parents.empty()) {
-      Ranks::Bytes const bytes = ranks_.receive(0);
-      names = MessageReader(bytes).rest<Id>();
-    }
+    if (name_births_) names = name_births_(dead.sorted(), told.parents.size());
+    if (told.parents.empty()) return;
+    names = MessageReader(hand_down(ranks_, message_of_all(std::span<Id const>(names)))).rest<Id>();
     std::size_t const own = ids_.size() - first_newborn;
     std::size_t next = 0;
     for (std::uint32_t const birth : rows_in_order(told.parents)) {
@@ -294,6 +273,22 @@ class AgentsOfShare {
     return true;
   }
 
+  /// Moves the agents of this rank into empty arrays: after the last step has taken effect, by complete_step(), or as they were before it.
+  template <class CompleteStep>
+  void take_own_agents(bool does_step_count, LargeArray<Id>& ids, AllValues& values, CompleteStep complete_step) {
+    if (does_step_count && has_turns_) complete_step();
+    has_turns_ = false;
+    world_.agents.become(ids, values);
+    std::size_t own = 0;
+    for (std::size_t row = 0; row < ids.size(); ++row) {
+      if (!division_.is_own(place(values, row))) continue;
+      ids[own] = ids[row];
+      values.copy(own++, values, row);
+    }
+    ids.resize(own);
+    values.resize(own);
+  }
+
   Ranks& ranks_;
   Model model_;
   double cutoff_;
@@ -306,6 +301,7 @@ class AgentsOfShare {
   AgentsInCellOrder<Model> order_;
   std::vector<DeferredCommands<Model>> commands_;
   EventCounts<Model> events_{};
+  std::vector<CountersOfStep> counters_;  ///< of each step that nobody has asked for yet
   std::optional<FailedTurn> failure_;
   bool has_turns_ = false;  ///< what they ask for has not taken effect yet
   // Between the turns and the next order of the rows:
@@ -355,33 +351,10 @@ class ModelShare final : public AgentsOfShare<Model> {
     return true;
   }
 
-  /// Calls send(message) for the agents of this rank as the last step began, in messages of bounded length: their cells, and
-  /// what they are after their turns, or before them where the step does not count. An empty message is the last.
-  template <class Send>
-  void send_agents(bool step_counts, Send send) const {
-    Rows rows;
-    for (std::uint32_t row = 0; row < world_.agents.size(); ++row) {
-      if (division_.is_own(place(world_.agents.values(), row))) rows.push_back(row);
-    }
-    Base::send_rows(
-        rows, [this](std::uint32_t row) { return cell_of(row); }, world_.agents.ids().data(),
-        step_counts ? order_.next() : world_.agents.values(), send);
-  }
-
   /// Lets the last step take effect, unless it does not count, and moves the agents of this rank into empty arrays. All ranks call it,
   /// once, at the end.
-  void take_agents(bool step_counts, LargeArray<Id>& ids, AllValues& values) {
-    if (step_counts && has_turns_) complete_step();
-    has_turns_ = false;
-    world_.agents.become(ids, values);
-    std::size_t own = 0;
-    for (std::size_t row = 0; row < ids.size(); ++row) {
-      if (!division_.is_own(place(values, row))) continue;
-      ids[own] = ids[row];
-      values.copy(own++, values, row);
-    }
-    ids.resize(own);
-    values.resize(own);
+  void take_agents(bool does_step_count, LargeArray<Id>& ids, AllValues& values) {
+    Base::take_own_agents(does_step_count, ids, values, [this] { complete_step(); });
   }
 
  private:

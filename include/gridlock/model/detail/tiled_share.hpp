@@ -21,14 +21,6 @@
 
 namespace gridlock {
 
-/// What the turns of a tile have counted in a step. Numbers that round are kept tile by tile, so that the leader can add them in
-/// the order of one process.
-struct SumsOfTile {
-  std::uint64_t step;
-  std::uint64_t tile;
-  Counters counters;
-};
-
 /// The share that one rank has in the steps of a tiled model: the agents of its tiles, and of the ring of cells around them that others
 /// own.
 ///
@@ -74,36 +66,15 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     return true;
   }
 
-  /// Calls send(message) for the agents of this rank in the order of the cells in which they were when the last step began, in
-  /// messages of bounded length: what they are after their turns, or before them where the step does not count. An empty message is
-  /// the last.
-  template <class Send>
-  void send_agents(bool step_counts, Send send) const {
-    Id const* const ids = step_counts ? ids_.data() : world_.agents.ids().data();
-    AllValues const& values = step_counts ? order_.next() : world_.agents.values();
-    auto const cell_of = [&](std::uint32_t row) {
-      return step_counts ? cell_before_[row] : static_cast<std::uint32_t>(cells().cell_of(Base::place(values, row)));
-    };
-    Rows rows;
-    if (step_counts) {
-      rows = own_rows_;
-    } else {
-      for (std::uint32_t row = 0; row < values.size(); ++row) {
-        if (division_.is_own(Base::place(values, row))) rows.push_back(row);
-      }
-    }
-    std::ranges::sort(rows, {}, [&](std::uint32_t row) { return std::tuple(cell_of(row), ids[row]); });
-    Base::send_rows(rows, cell_of, ids, values, send);
+  /// As ModelShare::take_agents().
+  void take_agents(bool does_step_count, LargeArray<Id>& ids, AllValues& values) {
+    Base::take_own_agents(does_step_count, ids, values, [this] { complete_step(); });
   }
-
-  /// Tiles of all ranks.
-  [[nodiscard]] std::size_t tiles_of_all() const { return tiles_of_all_; }
-  /// What has been counted since the last call.
-  [[nodiscard]] std::vector<SumsOfTile> take_sums() { return std::exchange(sums_, {}); }
 
  private:
   using Base::also_to_;
   using Base::commands_;
+  using Base::counters_;
   using Base::cutoff_;
   using Base::division_;
   using Base::dropped_;
@@ -156,7 +127,6 @@ class TiledModelShare final : public AgentsOfShare<Model> {
   void begin_in(CellLayout const& layout) {
     Tiling const tiling(layout);
     std::size_t const rank = ranks_.rank();
-    tiles_of_all_ = tiling.tiles().size();
     own_cells_ = window_around(layout, tiling, tiles_of_ranks_[rank], 0);
     seen_ = window_around(layout, tiling, tiles_of_ranks_[rank], 1);
     rounds_ = tiling.rounds(tiles_of_ranks_[rank], thread_pool_.size());
@@ -188,18 +158,13 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     return changed;
   }
 
-  /// Puts the agents into the order that they have in one process, and remembers where the step began for each.
+  /// Puts the agents into the order that they have in one process.
   void begin_step() {
     order_.sort_window(world_.agents, ids_, cells(), division_.window_of(cells()), StoredCells::Which::all);
     AllValues const& values = world_.agents.values();
     margin_ = 0;
     grid_ = PackedGrid(cells(), division_.window_of(cells()), values.size());
-    cell_before_.resize(values.size());
-    for (std::uint32_t row = 0; row < values.size(); ++row) {
-      Vector const p = Base::place(values, row);
-      grid_.insert(row, p);
-      cell_before_[row] = static_cast<std::uint32_t>(cells().cell_of(p));
-    }
+    for (std::uint32_t row = 0; row < values.size(); ++row) grid_.insert(row, Base::place(values, row));
     free_rows_.clear();
   }
 
@@ -239,9 +204,8 @@ class TiledModelShare final : public AgentsOfShare<Model> {
   void end_turns() {
     note_failure();
     if constexpr (keeps_counters<Model>()) {
-      for (std::uint32_t const tile : own_tiles_) {
-        sums_.push_back({.step = world_.clock.step, .tile = tile, .counters = turns_.result_of(tile).counters});
-      }
+      CountersOfStep& of_step = counters_.emplace_back();
+      for (std::uint32_t const tile : own_tiles_) of_step.add(turns_.result_of(tile).counters);
     }
     own_rows_.clear();
     for (int row = own_cells_.first_row; row < own_cells_.end_row; ++row) {
@@ -292,7 +256,6 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     message.add(std::uint64_t{rows.size()});
     message.add_all(std::span<CellHead const>(heads));
     message.add_chosen(turns_.has_turned().data(), rows);
-    message.add_chosen(cell_before_.data(), rows);
     add_agents(message, world_.agents.ids().data(), world_.agents.values(), rows);
   }
 
@@ -307,7 +270,6 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     auto const agents = message.next<std::uint64_t>();
     std::vector<CellHead> const heads = message.next_values<CellHead>(count);
     std::vector<std::uint8_t> const has_turned = message.next_values<std::uint8_t>(agents);
-    std::vector<std::uint32_t> const cell_before = message.next_values<std::uint32_t>(agents);
     LargeArray<Id> ids;
     AllValues values;
     append_agents(message, agents, ids, values);
@@ -317,8 +279,6 @@ class TiledModelShare final : public AgentsOfShare<Model> {
       for (std::uint32_t const row : rows) {
         world_.agents.put_into_part(row, ids[next], values, next);
         turns_.set_turned(row, has_turned[next]);
-        if (row >= cell_before_.size()) cell_before_.resize(row + std::size_t{1});
-        cell_before_[row] = cell_before[next];
         ++next;
       }
       grid_.insert_in_order(rows, [this](std::uint32_t row) { return place_of(row); });
@@ -532,7 +492,7 @@ class TiledModelShare final : public AgentsOfShare<Model> {
 
   /// The cells of the next step, which follow from the number of all agents where the model does not fix them.
   [[nodiscard]] CellLayout next_cells() const {
-    if constexpr (requires { model_.cells(world_); }) {
+    if constexpr (requires { model_.cells(AgentSums<Model>(world_)); }) {
       return cells();
     } else {
       return cells_of_step(world_.box, cutoff_, population_).layout;
@@ -549,20 +509,12 @@ class TiledModelShare final : public AgentsOfShare<Model> {
       if (!dead.contains(ids_[row])) count(row);
     }
     for (std::size_t row = agents; row < ids_.size(); ++row) count(row);
-    std::vector<Ranks::Bytes> const of_ranks =
-        ranks_.gather_for_all(message_of_all(std::span<std::uint64_t const>(agents_of_tile)));
-    std::ranges::fill(agents_of_tile, 0);
-    for (Ranks::Bytes const& bytes : of_ranks) {
-      std::vector<std::uint64_t> const of_rank = MessageReader(bytes).rest<std::uint64_t>();
-      for (std::size_t tile = 0; tile < of_rank.size(); ++tile) agents_of_tile[tile] += of_rank[tile];
-    }
-    tiles_of_ranks_ = divide_tiles(tiling, agents_of_tile, ranks_.count());
+    tiles_of_ranks_ = divide_tiles(ranks_, tiling, std::move(agents_of_tile));
     division_ = division_in(layout, tiles_of_ranks_, ranks_.rank());
     begin_in(layout);
   }
 
   std::vector<Tiling::Rectangle> tiles_of_ranks_;
-  std::size_t tiles_of_all_ = 0;
   CellWindow own_cells_;  ///< of its tiles
   CellWindow seen_;       ///< those and the ring around them
   std::vector<std::uint32_t> own_tiles_;
@@ -570,11 +522,9 @@ class TiledModelShare final : public AgentsOfShare<Model> {
   std::vector<Border> borders_;
   TurnsInTiles<Model> turns_;
   PackedGrid grid_;
-  int margin_ = 0;                          ///< of the cells that are stored, where late agents have come to others
-  Rows free_rows_;                          ///< that no agent has any more
-  std::vector<std::uint32_t> cell_before_;  ///< of each row, the cell in which the step began
-  Rows own_rows_;                           ///< after the turns: of the agents in its tiles
-  std::vector<SumsOfTile> sums_;
+  int margin_ = 0;  ///< of the cells that are stored, where late agents have come to others
+  Rows free_rows_;  ///< that no agent has any more
+  Rows own_rows_;   ///< after the turns: of the agents in its tiles
 };
 
 }  // namespace gridlock

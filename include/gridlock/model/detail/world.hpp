@@ -1,9 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <tuple>
 
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/world.hpp"
+#include "gridlock/grid/cell_layout.hpp"
+#include "gridlock/model/agent_sums.hpp"
 
 namespace gridlock {
 
@@ -30,37 +33,47 @@ consteval bool has_first_agents() {
   };
 }
 
-/// How far an agent of the model searches, and the physical time of a step: numbers of the model alone, or of its world.
+/// How far an agent of the model searches: a number of the model alone, of its world, or of all agents. Where ranks divide the agents,
+/// `world` has those of this rank, `of_all` makes sums of them those of all, and all ranks call it.
 template <class Model>
-double cutoff_of(Model const& model, World<Model> const& world) {
+double cutoff_of(Model const& model, World<Model> const& world, SumsOfAll const& of_all = {}) {
   if constexpr (requires { model.cutoff(world); }) {
     return model.cutoff(world);
+  } else if constexpr (requires { model.cutoff(AgentSums<Model>(world)); }) {
+    return model.cutoff(AgentSums<Model>(world, of_all));
   } else {
     return model.cutoff();
   }
 }
+/// The physical time of a step; the same.
 template <class Model>
-double time_step_of(Model const& model, World<Model> const& world) {
+double time_step_of(Model const& model, World<Model> const& world, SumsOfAll const& of_all = {}) {
   if constexpr (requires { model.time_step(world); }) {
     return model.time_step(world);
+  } else if constexpr (requires { model.time_step(AgentSums<Model>(world)); }) {
+    return model.time_step(AgentSums<Model>(world, of_all));
   } else {
     return model.time_step();
   }
 }
-
-/// Whether a model's cutoff(), time_step() and cells() are the same in all steps of a run, though they ask the World: it says so in
-/// `static constexpr bool asks_world_once = true`, or they ask nothing.
+/// The cells that the model fixes, if it does; the same.
 template <class Model>
-consteval bool asks_world_once() {
-  if constexpr (requires { Model::asks_world_once; }) {
-    return Model::asks_world_once;
+std::optional<CellLayout> cells_of(Model const& model, World<Model> const& world, SumsOfAll const& of_all = {}) {
+  if constexpr (requires { model.cells(world); }) {
+    return model.cells(world);
+  } else if constexpr (requires { model.cells(AgentSums<Model>(world)); }) {
+    return model.cells(AgentSums<Model>(world, of_all));
   } else {
-    return requires(Model const& model) {
-      model.cutoff();
-      model.time_step();
-    }
-    &&!requires(Model const& model, World<Model> const& world) { model.cells(world); };
+    return {};
   }
+}
+
+/// Whether the cutoff, the time step or the cells of a model may be others in every step: they ask the World.
+template <class Model>
+consteval bool asks_world_in_every_step() {
+  return requires(Model const& model, World<Model> const& world) { model.cutoff(world); }
+  || requires(Model const& model, World<Model> const& world) { model.time_step(world); }
+  || requires(Model const& model, World<Model> const& world) { model.cells(world); };
 }
 
 }  // namespace gridlock

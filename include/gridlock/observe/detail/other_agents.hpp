@@ -58,6 +58,8 @@ class OtherAgents {
   /// Each number becomes the sum of those of all ranks.
   virtual void add_up(std::span<ExactSum> sums) const = 0;
   virtual void add_up(std::span<std::uint64_t> counts) const = 0;
+  /// The least of the values of all ranks.
+  [[nodiscard]] virtual double least(double value) const = 0;
   /// The values of all ranks in rising order, each once. Contract: those given are in rising order.
   [[nodiscard]] virtual std::vector<CountedValue> merge(std::vector<CountedValue> values) const = 0;
 

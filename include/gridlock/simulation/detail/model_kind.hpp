@@ -18,7 +18,6 @@ struct Configuration;
 struct Setup;
 struct SetupOptions;
 class AgentsOfRank;
-class MessageReader;
 class Ranks;
 
 /// A table of settings, `[name]`.
@@ -70,8 +69,6 @@ class ModelKind {
   /// Errors: Error, on all ranks.
   [[nodiscard]] virtual std::unique_ptr<AgentsOfRank> agents_of_rank(Ranks& ranks,
                                                                      Configuration const& configuration) const = 0;
-  /// The part of a process that helps with steps of a world that the leader has, see help(). Contract: a model that ranks can share.
-  virtual void take_part(Ranks& ranks, MessageReader& message) const;
   /// Whether a run can end within a step.
   [[nodiscard]] virtual bool ends_within_steps(Configuration const& /*configuration*/) const { return false; }
   /// Whether a run can be given a length in collisions.

@@ -35,9 +35,13 @@ class ModelOfRank final : public AgentsOfRank {
     agree_on_errors(ranks_, [&] { blame([&] { make_start(); }); });
     if constexpr (!has_first_agents<Model>()) send_home();
     require_inside(blame);
-    require_cutoff_fits(box, model_.cutoff(), Model::name);
-    agents_ = sum_over_ranks(ranks_, own_.agents.size());
+    look_at_all_agents();
+    require_cutoff_fits(box, steps_.cutoff, Model::name);
+    notes_ = notes_of(model_, own_, SumsOfAll::over(ranks_));
   }
+
+  /// What the model says of its start.
+  [[nodiscard]] std::vector<std::string> const& notes() const { return notes_; }
 
   [[nodiscard]] Box const& box() const override { return own_.box; }
   [[nodiscard]] Clock const& clock() const override { return own_.clock; }
@@ -79,7 +83,7 @@ class ModelOfRank final : public AgentsOfRank {
 
   void bring_home() override {
     send_home();
-    agents_ = sum_over_ranks(ranks_, own_.agents.size());
+    look_at_all_agents();
     agree_on_errors(ranks_, [&] {
       auto const names = own_.agents.ids();
       if (std::ranges::adjacent_find(names) == names.end()) return;
@@ -105,14 +109,14 @@ class ModelOfRank final : public AgentsOfRank {
 
   bool carry_out(TaskOfRanks task, MessageReader& message) override {
     if (task != TaskOfRanks::steps_from_homes) return false;
-    follow_steps_from_homes(ranks_, model_, message, own_, agents_);
+    follow_steps_from_homes(ranks_, model_, steps_.cells, message, own_, agents_);
     return true;
   }
 
-  void advance(Counters& /*counters*/, StopCondition const& stop_condition) override {
-    lead_steps_from_homes(ranks_, model_, threads_, own_, agents_, names_, stop_condition);
+  void advance(Counters& counters, StopCondition const& stop_condition) override {
+    lead_steps_from_homes(ranks_, model_, steps_, threads_, own_, counters, agents_, names_, stop_condition);
   }
-  [[nodiscard]] double time_step() const override { return model_.time_step(); }
+  [[nodiscard]] double time_step() const override { return steps_.time_step; }
   [[nodiscard]] std::vector<Count> event_counts(Counters const& /*counters*/) const override {
     return counts_of_events(own_);
   }
@@ -151,6 +155,11 @@ class ModelOfRank final : public AgentsOfRank {
     });
   }
 
+  void look_at_all_agents() {
+    agents_ = sum_over_ranks(ranks_, own_.agents.size());
+    steps_ = steps_of(ranks_, model_, own_);
+  }
+
   void send_home() {
     AgentRows<Agents> rows;
     own_.agents.become(rows.ids, rows.values);
@@ -163,7 +172,9 @@ class ModelOfRank final : public AgentsOfRank {
   std::uint64_t threads_;
   World<Model> own_;
   std::size_t agents_ = 0;  ///< of all ranks
-  FreeNames names_;         ///< on the leader
+  StepsOfModel steps_;      ///< as the run began or was restored
+  std::vector<std::string> notes_;
+  FreeNames names_;  ///< on the leader
 };
 
 }  // namespace gridlock

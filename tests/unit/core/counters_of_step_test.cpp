@@ -1,4 +1,4 @@
-#include "engine/tiled/counters_of_step.hpp"
+#include "gridlock/core/detail/counters_of_step.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace gridlock::tiled {
+namespace gridlock {
 namespace {
 
 /// What tiles have counted, with sums of which every order has another rounding.
@@ -87,4 +87,4 @@ TEST(CountersOfStep, HasTheBitsOfAnyDivisionAmongRanks) {
 }
 
 }  // namespace
-}  // namespace gridlock::tiled
+}  // namespace gridlock

@@ -3,11 +3,11 @@
 #include <array>
 #include <cstddef>
 
+#include "gridlock/core/counters.hpp"
 #include "gridlock/core/detail/exact_sum.hpp"
 #include "gridlock/core/detail/ranks.hpp"
-#include "gridlock/engine/engine.hpp"
 
-namespace gridlock::tiled {
+namespace gridlock {
 
 /// What tiles have counted in one step. Sums of floating-point numbers are exact until all tiles are in: so the tiles may come in any order
 /// and from any rank, and the bits are the same.
@@ -29,4 +29,4 @@ class CountersOfStep {
   std::array<ExactSum, 4> wall_impulse_;
 };
 
-}  // namespace gridlock::tiled
+}  // namespace gridlock

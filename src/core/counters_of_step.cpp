@@ -1,10 +1,10 @@
-#include "engine/tiled/counters_of_step.hpp"
+#include "gridlock/core/detail/counters_of_step.hpp"
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
-namespace gridlock::tiled {
+namespace gridlock {
 
 namespace {
 
@@ -60,4 +60,4 @@ CountersOfStep CountersOfStep::read(MessageReader& message) {
   return counters;
 }
 
-}  // namespace gridlock::tiled
+}  // namespace gridlock
