@@ -156,7 +156,7 @@ struct ColloidInOrder {
   }
   /// Σ π R².
   static double area_of(AgentSums<Self> const& all) {
-    return all.sum([](auto const& disk) { return std::numbers::pi * radius_of(disk) * radius_of(disk); });
+    return std::numbers::pi * all.sum([](auto const& disk) { return radius_of(disk) * radius_of(disk); });
   }
 
   static Vector velocity(auto const& disk) { return {disk.template get<VelocityX>(), disk.template get<VelocityY>()}; }

@@ -13,9 +13,6 @@
 
 namespace gridlock {
 
-/// Agents in one message, so that the memory of messages does not grow with the system.
-inline constexpr std::size_t agents_of_message = 1 << 15;
-
 /// Adds rows of agents: their Ids, then column by column.
 template <class AllValues>
 void add_agents(MessageWriter& message, Id const* ids, AllValues const& values, std::span<std::uint32_t const> rows) {
