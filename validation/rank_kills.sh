@@ -40,10 +40,17 @@ for seconds in 0.2 0.001; do
     begin_or_resume "$run" "$seconds" "$ranks" >"$directory/last.log" 2>&1 &
     job=$!
     sleep "$(printf '0.%03d' $((300 + RANDOM % 700)))"
-    mapfile -t processes < <(pgrep --parent "$job" || true)
+    # Each rank is the child of a process that watches it.
+    watchers=$(pgrep --parent "$job" --delimiter , || true)
+    mapfile -t processes < <([[ -n $watchers ]] && pgrep --parent "$watchers" || true)
     [[ ${#processes[@]} -gt 0 ]] && kill -KILL "${processes[RANDOM % ${#processes[@]}]}" 2>/dev/null || true
-    if wait "$job"; then break; fi
-    grep -q "signal 9" "$directory/last.log" && kills=$((kills + 1))
+    code=0
+    wait "$job" || code=$?
+    [[ $code -ne 0 ]] || break
+    if grep -q "was ended by signal 9" "$directory/last.log"; then
+      [[ $code -eq 1 ]] || { echo "mpirun ended with $code after a rank was killed" >&2; exit 1; }
+      kills=$((kills + 1))
+    fi
   done
   "$program" resume "$run" --quiet >"$directory/last.log" 2>&1 || true  # where nobody has ended it
   same "$run"

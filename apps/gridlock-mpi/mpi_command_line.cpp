@@ -5,6 +5,8 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <optional>
 #include <string>
 
 #if defined(__GLIBC__)
@@ -14,6 +16,7 @@
 #include "gridlock/terminal.hpp"
 #include "gridlock/verbs.hpp"
 #include "mpi_crew.hpp"
+#include "rank_watch.hpp"
 
 namespace {
 
@@ -53,9 +56,11 @@ void be_silent() {
 }  // namespace
 
 int gridlock::mpi_command_line(int argc, char** argv) {
-  return_large_memory();
   // A rank that a signal ends while MPI begins would leave mpirun waiting.
   gridlock::cli::StopSignals::keep_until_begun();
+  std::string const program = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "gridlock-mpi";
+  if (std::optional<int> const exit_code = gridlock::mpi::watch_rank(program)) return *exit_code;
+  return_large_memory();
   // The thread that began talks to other ranks; of a sweep whose runs have several ranks those that make runs, too.
   int granted = 0;
   if (MPI_Init_thread(&argc, &argv, MPI_THREAD_MULTIPLE, &granted) != MPI_SUCCESS) return EXIT_FAILURE;

@@ -19,7 +19,8 @@
 
 namespace gridlock::test {
 
-inline std::vector<std::string> operator+(std::vector<std::string> words, std::vector<std::string> const& more) {
+template <class Value>
+std::vector<Value> operator+(std::vector<Value> words, std::vector<Value> const& more) {
   words.insert(words.end(), more.begin(), more.end());
   return words;
 }
@@ -49,6 +50,13 @@ inline void expect_stopped_by(int signal, Outcome const& outcome) {
   } else {
     EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
   }
+}
+
+/// How mpirun ends where a rank has been killed.
+inline void expect_ended_by_kill(Outcome const& outcome, std::size_t rank) {
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  std::string const message = "error: rank " + std::to_string(rank) + " was ended by signal 9 (Killed)";
+  EXPECT_NE(outcome.err.find(message), std::string::npos) << outcome.err;
 }
 
 inline std::size_t occurrences(std::string const& text, std::string const& part) {
@@ -101,7 +109,8 @@ inline fs::file_time_type time_of_newest_checkpoint(fs::path const& directory) {
 /// Several ranks in the middle of a run or sweep in the directory "out".
 struct RanksAtWork {
   Process process;
-  std::vector<pid_t> ranks;
+  std::vector<pid_t> watchers;  ///< that mpirun has started
+  std::vector<pid_t> ranks;     ///< that these have started
 
   /// Sends a signal to one of them after some time.
   void signal(std::size_t rank, int number, std::chrono::milliseconds after) const {
@@ -122,7 +131,8 @@ inline RanksAtWork start_and_wait_for_checkpoint(Workplace const& workplace, std
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   EXPECT_GT(time_of_newest_checkpoint(directory), before) << "no checkpoint has come";
-  RanksAtWork at_work{.process = process, .ranks = children_of(process.id())};
+  RanksAtWork at_work{.process = process, .watchers = children_of(process.id()), .ranks = {}};
+  for (pid_t const watcher : at_work.watchers) at_work.ranks = at_work.ranks + children_of(watcher);
   EXPECT_EQ(at_work.ranks.size(), count);
   return at_work;
 }

@@ -185,7 +185,7 @@ TEST_F(MpiRun, StopsAModelAndContinuesItOnAnotherNumberOfRanks) {
   expect_stopped_by(SIGUSR1, asked.process.wait());
   RanksAtWork const killed = start_and_wait_for_checkpoint(workplace_, 2, {"resume", "out"});
   killed.signal(1, SIGKILL, 20ms);
-  EXPECT_NE(killed.process.wait().exit_code, 0);
+  EXPECT_EQ(killed.process.wait().exit_code, 1);
   expect_good(on_ranks(workplace_, 4, {"resume", "out", "-q"}));
   expect_same_results("alone", "out");
 }
@@ -414,14 +414,24 @@ TEST_F(MpiRun, EndsWhereARankIsKilledAndContinuesToTheSameFiles) {
   for (std::size_t const attempt : {0U, 1U, 2U, 3U}) {
     RanksAtWork const at_work = start_and_wait_for_checkpoint(workplace_, 3, begin_or_resume);
     at_work.signal(attempt % 3, SIGKILL, 20ms * attempt);
-    Outcome const outcome = at_work.process.wait();
-    EXPECT_NE(outcome.exit_code, 0);
-    EXPECT_NE(outcome.err.find("signal 9"), std::string::npos) << outcome.err;
+    expect_ended_by_kill(at_work.process.wait(), attempt % 3);
     begin_or_resume = {"resume", "out", "-q"};
   }
   // What ranks began, one process ends.
   expect_good(in(workplace_, {"resume", "out", "-q"}));
   expect_same_results("alone", "out");
+}
+
+TEST_F(MpiRun, LeavesNoRankBehindWhoseWatcherIsKilled) {
+  write_long_one();
+  RanksAtWork const at_work = start_and_wait_for_checkpoint(workplace_, 3, run_into("out"));
+  kill(at_work.watchers.at(1), SIGKILL);
+  EXPECT_NE(at_work.process.wait().exit_code, 0);
+  for (pid_t const rank : at_work.ranks) {
+    auto const end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (kill(rank, 0) == 0 && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(10ms);
+    EXPECT_NE(kill(rank, 0), 0) << rank;
+  }
 }
 
 TEST_F(MpiRun, MakesARunLonger) {
