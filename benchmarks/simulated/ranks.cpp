@@ -2,21 +2,28 @@
 // what ranks compute takes as long as turns and bytes of messages cost on a real core. Built and started by simulated_ranks.py.
 //
 //     smpirun -np RANKS … gridlock_bench_simulated_ranks DISKS STEPS NANOSECONDS_OF_TURN NANOSECONDS_OF_BYTE
+//     smpirun -np 1 … gridlock_bench_simulated_ranks DISKS RANKS
 //
-// Prints ranks, disks, the simulated seconds of a step, messages and bytes of a rank and step with what is handed out and gathered, and the hash of the
-// last state.
+// The former prints ranks, disks, the simulated seconds of a step, messages and bytes of a rank and step with what is handed out and gathered, and the
+// hash of the last state; the latter the mean number of disks of a rank as a share of the largest one.
 
 #include <fmt/format.h>
 #include <mpi.h>
 #include <smpi/smpi.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <numbers>
 #include <string>
+#include <vector>
 
 #include "engine/tiled/on_ranks.hpp"
 #include "gridlock-mpi/mpi_ranks.hpp"
 #include "gridlock/engine/engine.hpp"
+#include "gridlock/grid/detail/tile_division.hpp"
 #include "gridlock/lattice/start.hpp"
 
 namespace {
@@ -54,6 +61,28 @@ void lead(gridlock::Ranks& ranks, std::size_t disks, std::uint64_t steps) {
              bytes / rank_steps, gridlock::hash(state));
 }
 
+/// How evenly the tiles of so many disks in a square lattice are divided: the mean number of disks of a rank as a share of the largest one.
+double balance_of(double disks, std::size_t ranks) {
+  gridlock::Box const box(1.0, 1.0, gridlock::Edge::periodic);
+  double const radius = std::sqrt(0.7 / (std::numbers::pi * disks));
+  gridlock::CellLayout const layout = gridlock::tiled_layout(
+      {.kind = "tiled"}, box, {.count = static_cast<std::size_t>(disks), .radii = {radius, radius}});
+  gridlock::Tiling const tiling(layout);
+  std::vector<std::uint64_t> cells_of_tile;
+  for (gridlock::Tiling::Tile const& tile : tiling.tiles()) {
+    int const cells = (tile.end_column - tile.first_column) * (tile.end_row - tile.first_row);
+    cells_of_tile.push_back(static_cast<std::uint64_t>(cells));
+  }
+  std::uint64_t largest = 0;
+  for (gridlock::Tiling::Rectangle const& of_rank : divide_tiles(tiling, cells_of_tile, ranks)) {
+    std::uint64_t cells = 0;
+    of_rank.for_each_tile(
+        [&](std::size_t column, std::size_t row) { cells += cells_of_tile[tiling.number_of(column, row)]; });
+    largest = std::max(largest, cells);
+  }
+  return static_cast<double>(layout.count()) / static_cast<double>(ranks) / static_cast<double>(largest);
+}
+
 /// Takes part in the steps of the leader, until it lets all go.
 void follow(gridlock::Ranks& ranks) {
   gridlock::State own;
@@ -69,6 +98,11 @@ void follow(gridlock::Ranks& ranks) {
 
 int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);
+  if (argc == 3) {
+    fmt::print("{:.4f}\n", balance_of(std::stod(argv[1]), std::stoul(argv[2])));
+    MPI_Finalize();
+    return EXIT_SUCCESS;
+  }
   if (argc != 5) {
     fmt::print(stderr, "usage: gridlock_bench_simulated_ranks DISKS STEPS NANOSECONDS_OF_TURN NANOSECONDS_OF_BYTE\n");
     MPI_Abort(MPI_COMM_WORLD, EXIT_FAILURE);
