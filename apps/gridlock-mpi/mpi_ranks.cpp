@@ -117,7 +117,7 @@ Ranks::Bytes MpiRanks::receive(std::size_t from) {
   }
   double const begin = MPI_Wtime();
   Bytes message(wait_for_first_part(next.request));
-  std::memcpy(message.data(), next.first_part.get(), message.size());
+  if (!message.empty()) std::memcpy(message.data(), next.first_part.get(), message.size());
   post_receive(from);
   if (message.size() == bytes_of_first_part) receive_rest(from, message);
   traffic_.seconds_waiting += MPI_Wtime() - begin;
