@@ -330,7 +330,10 @@ void restore_from(checkpoint::File const& file, Parts const& parts, CheckpointSh
   try {
     serialize(archive);
   } catch (Error const& error) {
-    checkpoint::refuse(file.name(), error.problems().front().what, error.problems().front().hint);
+    Problem const& problem = error.problems().front();
+    // What is wrong with a part says so itself.
+    if (!problem.file.empty()) throw;
+    checkpoint::refuse(file.name(), problem.what, problem.hint);
   }
 }
 

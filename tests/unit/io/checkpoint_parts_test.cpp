@@ -210,6 +210,23 @@ TEST(CheckpointParts, OfAgentsThatComeAndGoHaveListsOfAnyLengths) {
   }
 }
 
+TEST(CheckpointParts, OfAgentsThatComeAndGoAreNamedOnceWhereOneIsMissing) {
+  TemporaryDirectory const directory;
+  Agents all = agents_at(1, 20);
+  CheckpointShare const share{.rank = 0, .count = 1};
+  write_checkpoint(directory.path(), serializing(all),
+                   {write_checkpoint_part(directory.path(), share, serializing(all))});
+  std::string const part = parts_in(directory.path()).front();
+  fs::remove(directory.path() / part);
+  try {
+    restored_from(directory.path());
+    FAIL() << "a part is missing";
+  } catch (Error const& error) {
+    EXPECT_EQ(error.problems().front().what,
+              "cannot use the checkpoint " + (directory.path() / part).string() + ": it is missing");
+  }
+}
+
 TEST(CheckpointParts, OnlyThoseOfTheNewestAndThePreviousCheckpointStay) {
   TemporaryDirectory const directory;
   fs::path const& path = directory.path();
