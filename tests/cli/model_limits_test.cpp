@@ -40,6 +40,12 @@ TEST(ModelLimits, AgentsThatDoNotFitIntoMemoryAreRefused) {
   expect_refused("colloid", {"colloid.disks.count=2000000000"}, "2000000000 agents would need about");
 }
 
+TEST(ModelLimits, FilesAreNoStartsOfModels) {
+  for (std::string const model : {"colloid", "colloid_tiled"}) {
+    expect_refused(model, {model + ".disks.file=start.xyz"}, "the model \"" + model + "\" starts from no file");
+  }
+}
+
 TEST(ModelLimits, SamplesThatDoNotFitIntoMemoryAreRefused) {
   expect_refused("flocking", {"run.steps=18446744073709551615", "observe.every=1"}, "samples would need about");
 }
