@@ -30,9 +30,7 @@ void require_bounds(EngineSettings const& settings, DisksOverview const& all) {
                  .hint = "the paper's value is 5",
                  .key = "engine.substeps"});
   }
-  if (all.count == 0) {
-    throw Error({.what = "there are no disks to move", .hint = "give at least one", .key = "disks.count"});
-  }
+  require_disks(all.count);
 }
 
 std::string jump_text(LongSubstep const& disk) {
@@ -74,6 +72,11 @@ void require_short_ways(EngineSettings const& settings, State const& some, Disks
 }
 
 }  // namespace
+
+void require_disks(std::uint64_t count) {
+  if (count > 0) return;
+  throw Error({.what = "there are no disks to move", .hint = "give at least one", .key = "disks.count"});
+}
 
 void throw_long_substep(State const& state, std::size_t i, double displacement) {
   throw_long_substep(state.clock.step,

@@ -14,6 +14,9 @@ namespace gridlock {
 /// could jump over a disk, and a periodic box so small that the image a disk runs into need not be the nearest one.
 void require_room_for_turns(EngineSettings const& settings, State const& state);
 
+/// Throws Error for no disks.
+void require_disks(std::uint64_t count);
+
 /// A disk that covers a contact distance in one sub-step could come out behind the disk it should have met.
 inline bool is_short(double squared_displacement, double contact) { return squared_displacement < contact * contact; }
 

@@ -12,6 +12,7 @@
 #include "core/disks_overview.hpp"
 #include "core/magnitude.hpp"
 #include "core/saturating.hpp"
+#include "engine/stepped.hpp"
 #include "gridlock/core/detail/time_step_rule.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/validate.hpp"
@@ -397,6 +398,8 @@ void build_divided(Setup& setup, SetupOptions const& options) {
   settings.threads = threads_of(configuration, options.threads, options.ranks);
   settings.ranks = options.ranks;
   if (start.whole) {
+    // Without disks there are no settings that others could read.
+    require_disks(start.whole->agents.size());
     require_collisions(configuration.run, *start.whole);
     require_hard_start(configuration.disks, *start.whole);
   }

@@ -268,7 +268,8 @@ TEST_F(MpiRunFromFile, RefusesAFileAsOneProcessDoes) {
   write(workplace_ / "twice.xyz", "2501" + good.substr(4) + last);
   write(workplace_ / "cut.xyz", good.substr(0, good.size() - 40));
   write(workplace_ / "longer.xyz", good + last);
-  for (std::string const name : {"twice.xyz", "cut.xyz", "longer.xyz", "missing.xyz"}) {
+  write(workplace_ / "none.xyz", "0" + good.substr(4, good.find('\n', 5) - 3));
+  for (std::string const name : {"twice.xyz", "cut.xyz", "longer.xyz", "none.xyz", "missing.xyz"}) {
     write(workplace_ / "r.toml", from_file(name, more));
     Outcome const one = in(workplace_, run_into("out"));
     EXPECT_EQ(one.exit_code, 2);
