@@ -5,12 +5,12 @@
 #SBATCH --time=24:00:00
 #SBATCH --signal=B:USR1@120
 #SBATCH --requeue
-# One run of disks on all cores of several nodes. SIGUSR1 two minutes before the end, which mpirun hands on, makes the run save itself; the same job again
+# One run on all cores of several nodes. SIGUSR1 two minutes before the end, which mpirun hands on, makes the run save itself; the same job again
 # continues it, on as many ranks as it has then.
 #
 #     sbatch examples/slurm_mpi_run.sh big.toml results/big
 #
-# Rank 0 alone reads and writes files.
+# The directory must be one that all nodes see: every rank writes its part of a checkpoint there.
 set -euo pipefail
 scene=${1:?usage: sbatch examples/slurm_mpi_run.sh SCENE.toml DIRECTORY}
 directory=${2:?usage: sbatch examples/slurm_mpi_run.sh SCENE.toml DIRECTORY}
