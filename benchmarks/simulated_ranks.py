@@ -6,7 +6,7 @@
 The engine runs as it is, and every message is sent: SimGrid's SMPI says how long that would take on a fat tree of 100 Gbit/s
 (benchmarks/simulated/fat_tree.xml). What a rank computes takes as long as it did on a core: nanoseconds of a turn, and of a byte that is packed or
 read, from two ranks on one machine (benchmarks/ranks.py). Builds in --build; writes benchmarks/results/simulated_ranks.csv. 64 ranks of 10⁶ disks take
-13 GB and a quarter of an hour. 256 of them would take 50 GB, so these are modelled: 256 ranks of 10⁵ disks of which each stands for ten, in turns and, in its side of a rectangle,
+13 GB and a quarter of an hour. 256 of them would take 50 GB, so these are modelled: 256 ranks of 10⁵ disks of which each counts as ten, in turns and, in its side of a rectangle,
 in bytes, and the balance of the tiles of the whole system in the place of that of the small one.
 """
 
@@ -47,7 +47,7 @@ def program_in(build):
 
 
 def smpirun(program, arguments, ranks, disks_of_disk=1):
-    """The words of the line that the program prints. The links are as fast as it needs for a disk to stand for so many."""
+    """The words of the line that the program prints. The links are as fast as it needs for a disk to count as so many."""
     platform = (SIMULATED / "fat_tree.xml").read_text()
     platform = platform.replace('bw="12.5GBps"', f'bw="{12.5 / disks_of_disk**0.5}GBps"')
     with tempfile.TemporaryDirectory() as directory:
@@ -78,7 +78,7 @@ def balance(program, disks, ranks):
 
 
 def modelled(program, ranks, disks, steps):
-    """Seconds of a step of a system of which each disk stands for ten of the real one."""
+    """Seconds of a step of a system of which each disk counts as ten of the real one."""
     few = disks // 10
     seconds, _ = simulate(program, ranks, few, steps, disks_of_disk=10)
     return seconds * balance(program, few, ranks) / balance(program, disks, ranks)

@@ -84,8 +84,8 @@ World<Model> part_of(World<Model> const& world, Ranks const& ranks) {
 
 /// A world on so many ranks, of which the agents go on from where they are; `ended` says how.
 template <class Model>
-void go_on_on_ranks(Model const& model, EndedWorld<Model>& ended, StopCondition const& stop, ThreadRanks& ranks,
-                    std::uint64_t threads) {
+void continue_on_ranks(Model const& model, EndedWorld<Model>& ended, StopCondition const& stop, ThreadRanks& ranks,
+                       std::uint64_t threads) {
   std::vector<World<Model>> parts(ranks.count());
   EndedWorld<Model> const before =
       std::exchange(ended, {.world = {}, .counters = ended.counters, .failure = {}, .names = ended.names});
@@ -131,7 +131,7 @@ EndedWorld<Model> advance_on_ranks(Model const& model, World<Model> world, StopC
   FreeNames names = world.agents.free_names();
   EndedWorld<Model> ended{.world = std::move(world), .counters = {}, .failure = {}, .names = std::move(names)};
   ThreadRanks all(ranks);
-  go_on_on_ranks(model, ended, stop, all, threads);
+  continue_on_ranks(model, ended, stop, all, threads);
   return ended;
 }
 

@@ -23,9 +23,9 @@ namespace {
 using test::advance;
 using test::advance_on_ranks;
 using test::all_of;
+using test::continue_on_ranks;
 using test::EndedWorld;
 using test::expect_same;
-using test::go_on_on_ranks;
 using test::started;
 using test::ThreadRanks;
 using test::Wanderers;
@@ -134,7 +134,7 @@ TEST(ModelOnRanks, ContinuesOnAnotherNumberOfRanks) {
     std::uint64_t step = 10;
     for (std::size_t const count : {1U, 5U, 2U}) {
       ThreadRanks ranks(count);
-      go_on_on_ranks(s.model, many, {.step = step += 10}, ranks, 1);
+      continue_on_ranks(s.model, many, {.step = step += 10}, ranks, 1);
     }
     expect_same(one, many, "seed " + std::to_string(seed));
   }
@@ -183,7 +183,7 @@ TEST(ModelOnRanks, SendsNoMessageThatGrowsWithTheBoxBehindItsRim) {
     start_agents(model, world);
     EndedWorld<Flocking> ended{.world = std::move(world), .counters = {}, .failure = {}, .names = {}};
     ThreadRanks ranks(2);
-    go_on_on_ranks(model, ended, {.step = steps}, ranks, 1);
+    continue_on_ranks(model, ended, {.step = steps}, ranks, 1);
     return ranks.messages();
   };
   constexpr std::size_t steps = 60;

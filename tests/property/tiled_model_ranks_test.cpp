@@ -23,9 +23,9 @@ namespace {
 using test::advance;
 using test::advance_on_ranks;
 using test::all_of;
+using test::continue_on_ranks;
 using test::EndedWorld;
 using test::expect_same;
-using test::go_on_on_ranks;
 using test::started;
 using test::ThreadRanks;
 
@@ -231,7 +231,7 @@ TEST(TiledModelOnRanks, ContinuesOnAnotherNumberOfRanks) {
     std::uint64_t step = 5;
     for (std::size_t const count : {1U, 5U, 2U}) {
       ThreadRanks ranks(count);
-      go_on_on_ranks(s.model, many, {.step = step += 5}, ranks, 1);
+      continue_on_ranks(s.model, many, {.step = step += 5}, ranks, 1);
     }
     expect_same(one, many, "continued");
   }

@@ -114,9 +114,11 @@ consteval bool can_be_divided() {
 /// What a model says of a start: where its results will mislead.
 template <class Model>
 std::vector<std::string> notes_of(Model const& model, World<Model> const& world, SumsOfAll const& of_all = {}) {
-  if constexpr (requires { model.notes(world); }) {
+  constexpr bool asks_world = requires { model.notes(world); };
+  constexpr bool asks_agents = requires { model.notes(AgentSums<Model>(world)); };
+  if constexpr (asks_world) {
     return model.notes(world);
-  } else if constexpr (requires { model.notes(AgentSums<Model>(world)); }) {
+  } else if constexpr (asks_agents) {
     return model.notes(AgentSums<Model>(world, of_all));
   } else {
     return {};

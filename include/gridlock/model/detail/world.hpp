@@ -37,9 +37,11 @@ consteval bool has_first_agents() {
 /// `world` has those of this rank, `of_all` makes sums of them those of all, and all ranks call it.
 template <class Model>
 double cutoff_of(Model const& model, World<Model> const& world, SumsOfAll const& of_all = {}) {
-  if constexpr (requires { model.cutoff(world); }) {
+  constexpr bool asks_world = requires { model.cutoff(world); };
+  constexpr bool asks_agents = requires { model.cutoff(AgentSums<Model>(world)); };
+  if constexpr (asks_world) {
     return model.cutoff(world);
-  } else if constexpr (requires { model.cutoff(AgentSums<Model>(world)); }) {
+  } else if constexpr (asks_agents) {
     return model.cutoff(AgentSums<Model>(world, of_all));
   } else {
     return model.cutoff();
@@ -48,9 +50,11 @@ double cutoff_of(Model const& model, World<Model> const& world, SumsOfAll const&
 /// The physical time of a step; the same.
 template <class Model>
 double time_step_of(Model const& model, World<Model> const& world, SumsOfAll const& of_all = {}) {
-  if constexpr (requires { model.time_step(world); }) {
+  constexpr bool asks_world = requires { model.time_step(world); };
+  constexpr bool asks_agents = requires { model.time_step(AgentSums<Model>(world)); };
+  if constexpr (asks_world) {
     return model.time_step(world);
-  } else if constexpr (requires { model.time_step(AgentSums<Model>(world)); }) {
+  } else if constexpr (asks_agents) {
     return model.time_step(AgentSums<Model>(world, of_all));
   } else {
     return model.time_step();
@@ -59,9 +63,11 @@ double time_step_of(Model const& model, World<Model> const& world, SumsOfAll con
 /// The cells that the model fixes, if it does; the same.
 template <class Model>
 std::optional<CellLayout> cells_of(Model const& model, World<Model> const& world, SumsOfAll const& of_all = {}) {
-  if constexpr (requires { model.cells(world); }) {
+  constexpr bool asks_world = requires { model.cells(world); };
+  constexpr bool asks_agents = requires { model.cells(AgentSums<Model>(world)); };
+  if constexpr (asks_world) {
     return model.cells(world);
-  } else if constexpr (requires { model.cells(AgentSums<Model>(world)); }) {
+  } else if constexpr (asks_agents) {
     return model.cells(AgentSums<Model>(world, of_all));
   } else {
     return {};
@@ -71,9 +77,10 @@ std::optional<CellLayout> cells_of(Model const& model, World<Model> const& world
 /// Whether the cutoff, the time step or the cells of a model may be others in every step: they ask the World.
 template <class Model>
 consteval bool asks_world_in_every_step() {
-  return requires(Model const& model, World<Model> const& world) { model.cutoff(world); }
-  || requires(Model const& model, World<Model> const& world) { model.time_step(world); }
-  || requires(Model const& model, World<Model> const& world) { model.cells(world); };
+  constexpr bool for_cutoff = requires(Model const& model, World<Model> const& world) { model.cutoff(world); };
+  constexpr bool for_time_step = requires(Model const& model, World<Model> const& world) { model.time_step(world); };
+  constexpr bool for_cells = requires(Model const& model, World<Model> const& world) { model.cells(world); };
+  return for_cutoff || for_time_step || for_cells;
 }
 
 }  // namespace gridlock
