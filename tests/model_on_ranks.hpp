@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <stdexcept>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -154,6 +155,23 @@ void expect_same(EndedWorld<Model> const& one, EndedWorld<Model> const& many, st
   ASSERT_EQ(one.failure, many.failure) << what;
   ASSERT_EQ(hash(one.world), hash(many.world)) << what;
   ASSERT_EQ(all_of(one), all_of(many)) << what;
+}
+
+/// On ranks, steps end where they are asked to and where the question fails, and what was done until then is whole.
+template <class Model>
+void expect_to_be_whole_where_it_ends(Model const& model, World<Model> const& start) {
+  for (bool const throws : {false, true}) {
+    int asked = 0;
+    auto const should_continue = [&] {
+      if (++asked == 3 && throws) throw std::runtime_error("no more paper");
+      return asked < 3;
+    };
+    EndedWorld const many =
+        advance_on_ranks(model, start, {.step = 1'000'000, .should_continue = should_continue}, 3, 1);
+    EXPECT_EQ(many.failure, throws ? "no more paper" : "");
+    EXPECT_GT(many.world.clock.step, 0U);
+    EXPECT_EQ(all_of(advance(model, start, {.step = many.world.clock.step}, {})), all_of(many));
+  }
 }
 
 }  // namespace gridlock::test

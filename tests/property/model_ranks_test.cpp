@@ -26,6 +26,7 @@ using test::all_of;
 using test::continue_on_ranks;
 using test::EndedWorld;
 using test::expect_same;
+using test::expect_to_be_whole_where_it_ends;
 using test::started;
 using test::ThreadRanks;
 using test::Wanderers;
@@ -157,22 +158,7 @@ TEST(ModelOnRanks, FailsWhereOneProcessDoesWithTheSameWords) {
 
 TEST(ModelOnRanks, EndsWhereItIsAskedToOrTheQuestionFails) {
   System const s{.model = {.birth = 0.01, .death = 0.01}, .box = Box(1.0, 1.0, Edge::periodic), .seed = 9};
-  for (bool const throws : {false, true}) {
-    int asked = 0;
-    EndedWorld const many = advance_on_ranks(s.model, s.start(),
-                                             {.step = 1'000'000,
-                                              .should_continue =
-                                                  [&] {
-                                                    if (++asked == 3 && throws)
-                                                      throw std::runtime_error("no more paper");
-                                                    return asked < 3;
-                                                  }},
-                                             3, 1);
-    EXPECT_EQ(many.failure, throws ? "no more paper" : "");
-    // What was done until then is whole.
-    EXPECT_GT(many.world.clock.step, 0U);
-    EXPECT_EQ(all_of(advance(s.model, s.start(), {.step = many.world.clock.step}, {})), all_of(many));
-  }
+  expect_to_be_whole_where_it_ends(s.model, s.start());
 }
 
 TEST(ModelOnRanks, SendsNoMessageThatGrowsWithTheBoxBehindItsRim) {
