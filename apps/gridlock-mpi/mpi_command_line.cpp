@@ -5,7 +5,6 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -28,9 +27,7 @@ class LastWords {
   void operator()(std::string const& why) const {
     int rank = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-    dprintf(standard_error_,
-            "error: rank %d: %s\n  hint: all ranks end; %s resume continues a run, the same command a sweep\n", rank,
-            why.c_str(), gridlock::cli::program_name().c_str());
+    gridlock::mpi::say_last_words(standard_error_, "rank " + std::to_string(rank) + ": " + why);
   }
 
  private:
@@ -58,8 +55,8 @@ void be_silent() {
 int gridlock::mpi_command_line(int argc, char** argv) {
   // A rank that a signal ends while MPI begins would leave mpirun waiting.
   gridlock::cli::StopSignals::keep_until_begun();
-  std::string const program = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "gridlock-mpi";
-  if (std::optional<int> const exit_code = gridlock::mpi::watch_rank(program)) return *exit_code;
+  gridlock::cli::set_program_name_of(argc, argv);
+  if (std::optional<int> const exit_code = gridlock::mpi::watch_rank()) return *exit_code;
   return_large_memory();
   // The thread that began talks to other ranks; of a sweep whose runs have several ranks those that make runs, too.
   int granted = 0;

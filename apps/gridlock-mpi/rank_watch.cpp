@@ -7,6 +7,7 @@
 
 #include <array>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <initializer_list>
@@ -15,6 +16,8 @@
 #ifdef __linux__
 #include <sys/prctl.h>
 #endif
+
+#include "gridlock/verbs.hpp"
 
 namespace gridlock::mpi {
 
@@ -48,18 +51,14 @@ void call_this_process([[maybe_unused]] char const* name) {
 #endif
 }
 
-void tell_of_end_by(int signal, std::string const& program) {
-  std::string const reason = signal == SIGKILL ? "; its machine may have had no memory left" : "";
-  std::string const message = fmt::format(
-      "error: rank {} was ended by signal {} ({}){}\n  hint: all ranks end; {} resume continues a run, the same "
-      "command a sweep\n",
-      rank_of_launcher(), signal, strsignal(signal), reason, program);
-  // At once, so that the messages of several ranks do not mix.
-  static_cast<void>(!write(STDERR_FILENO, message.data(), message.size()));
+void tell_of_end_by(int signal) {
+  char const* const reason = signal == SIGKILL ? "; its machine may have had no memory left" : "";
+  say_last_words(STDERR_FILENO, fmt::format("rank {} was ended by signal {} ({}){}", rank_of_launcher(), signal,
+                                            strsignal(signal), reason));
 }
 
 /// Waits for the end of the rank.
-int exit_code_of(pid_t rank, sigset_t const& signals, std::string const& program) {
+int exit_code_of(pid_t rank, sigset_t const& signals) {
   sigset_t handed_on;
   sigemptyset(&handed_on);
   while (true) {
@@ -75,14 +74,14 @@ int exit_code_of(pid_t rank, sigset_t const& signals, std::string const& program
     if (waitpid(rank, &status, WNOHANG) != rank) continue;
     if (WIFEXITED(status)) return WEXITSTATUS(status);
     // Launchers end the ranks that are left when one has failed.
-    if (sigismember(&handed_on, WTERMSIG(status)) == 0) tell_of_end_by(WTERMSIG(status), program);
+    if (sigismember(&handed_on, WTERMSIG(status)) == 0) tell_of_end_by(WTERMSIG(status));
     return EXIT_FAILURE;
   }
 }
 
 }  // namespace
 
-std::optional<int> watch_rank(std::string const& program) {
+std::optional<int> watch_rank() {
   if (ranks_of_launcher() <= 1) return std::nullopt;
   sigset_t signals, before;
   sigemptyset(&signals);
@@ -96,12 +95,17 @@ std::optional<int> watch_rank(std::string const& program) {
   pid_t const rank = fork();
   if (rank > 0) {
     call_this_process("watch-rank");
-    return exit_code_of(rank, signals, program);
+    return exit_code_of(rank, signals);
   }
   // Without a second process, this one is the rank.
   if (rank == 0) end_with(parent);
   sigprocmask(SIG_SETMASK, &before, nullptr);
   return std::nullopt;
+}
+
+void say_last_words(int file, std::string const& what) {
+  dprintf(file, "error: %s\n  hint: all ranks end; %s resume continues a run, the same command a sweep\n", what.c_str(),
+          cli::program_name().c_str());
 }
 
 }  // namespace gridlock::mpi

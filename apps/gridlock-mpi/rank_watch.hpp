@@ -10,7 +10,10 @@ namespace gridlock::mpi {
 ///
 /// Returns nothing in the rank; in the watching process, once the rank has ended, the exit code: that of the rank, or 1 with a message
 /// where a signal has ended it. Signals that ask to stop go on to the rank. A rank does not outlive the process that watches it (Linux).
-/// To be called before there are threads, and before MPI begins. `program` is its name in the message.
-[[nodiscard]] std::optional<int> watch_rank(std::string const& program);
+/// To be called before there are threads, and before MPI begins.
+[[nodiscard]] std::optional<int> watch_rank();
+
+/// Writes why a rank ends all, and what continues a run or a sweep, to an open file.
+void say_last_words(int file, std::string const& what);
 
 }  // namespace gridlock::mpi

@@ -96,10 +96,6 @@ void add_other_programs(CLI::App& app) {
   }
 }
 
-void set_program_name(int argc, char** argv) {
-  if (argc > 0) cli::set_program_name(std::filesystem::path(argv[0]).filename().string());
-}
-
 /// What every program of Gridlock has around its commands.
 void set_up_app(CLI::App& app, std::string const& name) {
   // Looked up for every command, so that a wrong name of instructions is refused before anything runs.
@@ -129,7 +125,7 @@ std::vector<std::string> words_of(int argc, char** argv) {
 }
 
 ExitCode run_command_line(int argc, char** argv) {
-  set_program_name(argc, argv);
+  cli::set_program_name_of(argc, argv);
   CLI::App app{"gridlock: simulates many agents that interact only with nearby neighbours", cli::program_name()};
   set_up_app(app, "gridlock");
   ExitCode exit_code = ExitCode::good;
@@ -163,7 +159,7 @@ std::uint64_t hash_of(std::vector<std::string> const& words) {
 
 /// The commands that several processes carry out together.
 ExitCode run_command_line_of_crew(int argc, char** argv, cli::CrewOptions crew) {
-  set_program_name(argc, argv);
+  cli::set_program_name_of(argc, argv);
   std::vector<std::string> const words = words_of(argc, argv);
   crew.command_hash = hash_of(words);
   CLI::App app{"gridlock-mpi: simulates on many machines; start it with mpirun or srun", cli::program_name()};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <system_error>
 #include <utility>
 
@@ -17,6 +18,9 @@ std::string name_of_program = "gridlock";
 std::string const& program_name() { return name_of_program; }
 
 void set_program_name(std::string name) { name_of_program = std::move(name); }
+void set_program_name_of(int argc, char** argv) {
+  if (argc > 0) set_program_name(std::filesystem::path(argv[0]).filename().string());
+}
 
 std::string name_with_all_commands() {
   std::string const suffix = "-mpi";

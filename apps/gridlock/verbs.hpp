@@ -58,6 +58,8 @@ int command_line_of_crew(int argc, char** argv, CrewOptions const& crew, std::st
 /// The name the program was started by, for messages that say what to type; "gridlock" before it is known.
 std::string const& program_name();
 void set_program_name(std::string name);
+/// The first word of a command line, without its folder.
+void set_program_name_of(int argc, char** argv);
 /// The program that has all commands: NAME beside NAME-mpi, otherwise this one.
 std::string name_with_all_commands();
 
