@@ -27,14 +27,18 @@ inline PairBuffer::Pair* write_pairs(std::uint32_t agent, Block const& block, un
 
 /// For blocks of cells that go around a periodic box: whole ones, and of each pair the agent of the higher row.
 void find_pairs_of_whole_blocks(PackedGrid const& grid, int reach_columns, int reach_rows, PairBuffer& buffer) {
-  for (int cell = 0; cell < grid.layout().count(); ++cell) {
-    grid.for_each_in_cell(cell, [&](std::size_t i) {
-      grid.for_each_in_block(cell, reach_columns, reach_rows, [&](std::size_t j) {
-        PairBuffer::Pair* const pair = buffer.room_for(1);
-        *pair = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)};
-        buffer.keep_until(pair + (j < i ? 1 : 0));
+  CellNumbers const cells(grid.layout(), grid.window());
+  for (int row = 0; row < cells.rows(); ++row) {
+    for (int column = 0; column < cells.columns(); ++column) {
+      int const cell = cells.row_at(row) * grid.layout().columns() + cells.column_at(column);
+      grid.for_each_in_cell(cell, [&](std::size_t i) {
+        grid.for_each_in_block(cell, reach_columns, reach_rows, [&](std::size_t j) {
+          PairBuffer::Pair* const pair = buffer.room_for(1);
+          *pair = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)};
+          buffer.keep_until(pair + (j < i ? 1 : 0));
+        });
       });
-    });
+    }
   }
 }
 
@@ -42,23 +46,15 @@ void find_pairs_of_whole_blocks(PackedGrid const& grid, int reach_columns, int r
 
 std::span<SeenBlock const> blocks_seen_from(HalfBlock& half, int column, int row) {
   PackedGrid const& grid = half.grid;
-  CellLayout const& layout = grid.layout();
-  auto const wrapped = [](int index, int count) {
-    return index < 0 ? index + count : index >= count ? index - count : index;
-  };
+  PlacesOfWindow const columns = columns_of_window(grid);
+  PlacesOfWindow const rows = rows_of_window(grid);
   half.seen.clear();
   auto const add_cell = [&](int dc, int dr) {
-    int c = column + dc;
-    int r = row + dr;
-    if (layout.is_periodic()) {
-      c = wrapped(c, layout.columns());
-      r = wrapped(r, layout.rows());
-    } else if (c < 0 || c >= layout.columns() || r >= layout.rows()) {
-      return;
-    }
+    if (!columns.has(column + dc) || !rows.has(row + dr)) return;
     float const shift_x = -static_cast<float>(dc) * grid.local_width();
     float const shift_y = -static_cast<float>(dr) * grid.local_height();
-    for (Block const* block = &grid.block_at(c, r);; block = &grid.next_of(*block)) {
+    for (Block const* block = &grid.block_at(columns.at(column + dc), rows.at(row + dr));;
+         block = &grid.next_of(*block)) {
       half.seen.push_back({block, shift_x, shift_y});
       if (block->next == PackedGrid::none) return;
     }
@@ -147,7 +143,7 @@ void find_candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOfRow a
     return;
   }
   HalfBlock half{grid, columns, rows, grid.local_limit(cutoff * cutoff, std::max(columns, rows))};
-  for (int row = 0; row < layout.rows(); ++row) add_pairs_of_row(half, row, buffer);
+  for (int row = 0; row < rows_of_window(grid).count(); ++row) add_pairs_of_row(half, row, buffer);
   buffer.flush();
 }
 

@@ -56,6 +56,8 @@ struct HalfBlock {
   std::vector<SeenBlock> seen = {};  ///< room for blocks_seen_from()
 };
 
+// Columns and rows count from 0 in the window of the grid.
+
 /// The blocks of a cell, then those of the cells of its half block, in the order in which each of its agents looks at
 /// them: at its own block first, at the later slots of it only, and not at the blocks before.
 std::span<SeenBlock const> blocks_seen_from(HalfBlock& half, int column, int row);
@@ -99,16 +101,41 @@ struct FiveBlocks {
   }
 };
 
-/// The cells of a row and what they look at. Copies what it needs of the grid: the compiler cannot know that the pairs
+/// What lies beside the places 0 … count − 1 of the columns or rows of a window.
+class PlacesOfWindow {
+ public:
+  PlacesOfWindow(int first, int end, int all, bool is_periodic)
+      : first_(first), count_(end - first), goes_around_(is_periodic && count_ == all) {}
+
+  [[nodiscard]] int count() const { return count_; }
+  /// The column or row that block_at() takes; that of an empty cell for a place which is none.
+  [[nodiscard]] int at(int place) const {
+    if (place >= 0 && place < count_) return first_ + place;
+    return first_ + (!goes_around_ ? count_ : place < 0 ? place + count_ : place - count_);
+  }
+  /// Whether there is such a place.
+  [[nodiscard]] bool has(int place) const { return goes_around_ || (place >= 0 && place < count_); }
+
+ private:
+  int first_;
+  int count_;
+  bool goes_around_;
+};
+
+inline PlacesOfWindow columns_of_window(PackedGrid const& grid) {
+  CellWindow const& window = grid.window();
+  return {window.first_column, window.end_column, grid.layout().columns(), grid.layout().is_periodic()};
+}
+inline PlacesOfWindow rows_of_window(PackedGrid const& grid) {
+  CellWindow const& window = grid.window();
+  return {window.first_row, window.end_row, grid.layout().rows(), grid.layout().is_periodic()};
+}
+
+/// The cells of a row of the window and what they look at. Copies what it needs of the grid: the compiler cannot know that the pairs
 /// written in between change none of it.
 class RowOfCells {
  public:
-  RowOfCells(PackedGrid const& grid, int row)
-      : here_(&grid.block_at(0, row)),
-        above_(&grid.block_at(0, grid.row_above(row))),
-        columns_(grid.layout().columns()),
-        left_of_first_(grid.column_left_of(0)),
-        right_of_last_(grid.column_right_of(columns_ - 1)) {}
+  RowOfCells(PackedGrid const& grid, int row) : RowOfCells(grid, row, columns_of_window(grid)) {}
 
   [[nodiscard]] int columns() const { return columns_; }
   [[nodiscard]] FiveBlocks at(int column) const {
@@ -118,6 +145,13 @@ class RowOfCells {
   }
 
  private:
+  RowOfCells(PackedGrid const& grid, int row, PlacesOfWindow const& columns)
+      : here_(&grid.block_at(columns.at(0), rows_of_window(grid).at(row))),
+        above_(&grid.block_at(columns.at(0), rows_of_window(grid).at(row + 1))),
+        columns_(columns.count()),
+        left_of_first_(columns.at(-1) - columns.at(0)),
+        right_of_last_(columns.at(columns_) - columns.at(0)) {}
+
   PackedGrid::Block const* here_;
   PackedGrid::Block const* above_;
   int columns_;

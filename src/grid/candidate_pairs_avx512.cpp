@@ -83,7 +83,7 @@ GRIDLOCK_AVX512 void add_pairs_of_cell(PackedGrid const& grid, std::span<SeenBlo
                                        PairBuffer& buffer) {
   Block const* home = seen.front().block;
   // Fills the last register where the blocks are no multiple of four.
-  SeenBlock const nobody{&grid.block_at(grid.layout().columns(), 0), 0.0F, 0.0F};
+  SeenBlock const nobody{&grid.empty_block(), 0.0F, 0.0F};
   std::array<FourBlocks, most_blocks_seen / 4> fours;
   for (std::size_t k = 1;; ++k) {
     std::size_t count = 0;

@@ -141,7 +141,7 @@ HWY_NOINLINE void add_pairs_of_cell(PackedGrid const& grid, std::span<SeenBlock 
                                     PairBuffer& buffer) {
   Block const* home = seen.front().block;
   // Fills the last register where the blocks are no multiple of those in one.
-  SeenBlock const nobody{&grid.block_at(grid.layout().columns(), 0), 0.0F, 0.0F};
+  SeenBlock const nobody{&grid.empty_block(), 0.0F, 0.0F};
   SeenRegister registers[most_registers];
   for (std::size_t k = 1;; ++k) {
     std::size_t count = 0;

@@ -35,21 +35,10 @@ class Region {
   [[nodiscard]] std::size_t own() const { return own_; }
   [[nodiscard]] std::size_t size() const { return points_.x.size(); }
 
-  /// Calls visit(i, j, separation) once for every pair with an own agent, separation = r_j − r_i.
+  /// Calls visit(i, j, separation) once for every pair with an own agent, and for some pairs without, separation = r_j − r_i.
   template <class Visit>
   void for_each_pair(Visit visit) const {
-    if (!points_of_cells_) {
-      gridlock::for_each_pair(points_, grid_, cutoff_, std::move(visit));
-      return;
-    }
-    double const squared_cutoff = cutoff_ * cutoff_;
-    for (std::size_t i = 0; i < own_; ++i) {
-      grid_.for_each_candidate(points_[i], cutoff_, [&](std::size_t j) {
-        if (j <= i) return;
-        Vector const separation = points_.box.displacement(points_[i], points_[j]);
-        if (squared_length(separation) < squared_cutoff) visit(i, j, separation);
-      });
-    }
+    gridlock::for_each_pair(points_, grid_, cutoff_, std::move(visit));
   }
 
  private:

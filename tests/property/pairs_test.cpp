@@ -261,6 +261,55 @@ TEST(CandidatePairs, AreTheSameInTheSameOrderWithAnyInstructions) {
   }
 }
 
+/// Some columns or rows, none to all of them.
+std::pair<int, int> any_stretch(RandomStream& random, int all) {
+  int const first = static_cast<int>(random.below(static_cast<std::uint64_t>(all)));
+  return {first, first + static_cast<int>(random.below(static_cast<std::uint64_t>(all - first) + 1))};
+}
+
+TEST(CandidatePairs, OfAWindowHoldThoseOfTheAgentsWhoseBlocksItHas) {
+  std::size_t pairs_seen = 0;
+  for (std::uint64_t seed = 0; seed < 3000; ++seed) {
+    Scene scene(seed);
+    State const& state = scene.state();
+    double const cutoff = scene.any_cutoff();
+    CellLayout const layout = scene.any_layout(cutoff);
+    auto const [first_column, end_column] = any_stretch(scene.random(), layout.columns());
+    auto const [first_row, end_row] = any_stretch(scene.random(), layout.rows());
+    int const columns = layout.columns_within(cutoff);
+    int const rows = layout.rows_within(cutoff);
+    PackedGrid grid(layout,
+                    within(layout, {.first_column = first_column - columns,
+                                    .end_column = end_column + columns,
+                                    .first_row = first_row - rows,
+                                    .end_row = end_row + rows}),
+                    state.agents.size());
+    std::vector<bool> is_inside;
+    for (std::size_t i = 0; i < state.agents.size(); ++i) {
+      Vector const p = position(state.agents, i);
+      Vector const image = layout.image_in_cell(p);
+      int const column = layout.column_of(image.x);
+      int const row = layout.row_of(image.y);
+      is_inside.push_back(column >= first_column && column < end_column && row >= first_row && row < end_row);
+      if (grid.stores(column, row)) grid.insert(i, p);
+    }
+    auto const of_those_inside = [&](Separations all) {
+      std::erase_if(all,
+                    [&](auto const& pair) { return !is_inside[pair.first.first] && !is_inside[pair.first.second]; });
+      return all;
+    };
+    Separations const expected = of_those_inside(separations_by_brute_force(state, cutoff));
+    pairs_seen += expected.size();
+    ASSERT_EQ(of_those_inside(separations_by_grid(state, grid, cutoff)), expected) << "seed " << seed;
+    CandidatePairs const by_scalar = candidate_pairs(grid, cutoff, add_pairs_of_row_scalar);
+    for (Target const target : available_targets()) {
+      ASSERT_EQ(candidate_pairs(grid, cutoff, add_pairs_kernel(target)), by_scalar)
+          << "seed " << seed << ", " << to_text(target);
+    }
+  }
+  EXPECT_GT(pairs_seen, 100'000U);
+}
+
 TEST(CandidatePairs, AreTheSameWhereEveryCellIsFullAndEveryAgentIsNear) {
   // Four coincident agents at the middle of each cell: 3 + 16 pairs for the first of each.
   State state{.box = Box(20.0, 20.0, Edge::periodic)};

@@ -81,6 +81,8 @@ class PackedGrid {
   PackedGrid(CellLayout const& layout, std::span<double const> x, std::span<double const> y);
 
   [[nodiscard]] CellLayout const& layout() const { return layout_; }
+  /// The cells that are stored.
+  [[nodiscard]] CellWindow const& window() const { return window_; }
   [[nodiscard]] std::size_t size() const { return size_; }
   /// Blocks behind the first ones of the cells, those included that are no longer in use.
   [[nodiscard]] std::size_t further_blocks() const { return blocks_.size() - blocks_of_cells_; }
@@ -235,6 +237,8 @@ class PackedGrid {
   [[nodiscard]] Block& block_at(int column, int row) {
     return const_cast<Block&>(std::as_const(*this).block_at(column, row));
   }
+  /// That of an empty cell beside the window.
+  [[nodiscard]] Block const& empty_block() const { return block_at(window_.end_column, window_.first_row); }
   [[nodiscard]] Block const& next_of(Block const& block) const { return blocks_[block.next]; }
   [[nodiscard]] Block& next_of(Block& block) { return blocks_[block.next]; }
   /// How far the blocks of two rows are apart.
