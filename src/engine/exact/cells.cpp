@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "engine/exact/flight.hpp"
 
@@ -45,7 +47,7 @@ CellLayout Flight::layout_for(double side) const { return layout_for_cutoff(box_
 /// Cells for disks of all sizes, without lists. Contract: all events are predicted anew.
 void Flight::lay_cells(CellLayout const& layout, double time) {
   size_classes_.clear();
-  size_classes_.push_back({largest_radius_, SlotGrid(layout, box_)});
+  size_classes_.push_back({largest_radius_, SlotGrid(layout, box_, reach_in_cells())});
   cells_.resize(size_);
   for (Index i = 0; i < size_; ++i) {
     cells_[i] = cell_of(i, time);
@@ -93,13 +95,35 @@ Cell Flight::cell_of(Index i, double time) const {
   return {grid.column_of(disk.x + disk.velocity_x * time), grid.row_of(disk.y + disk.velocity_y * time)};
 }
 
-void Flight::move_to_cell(Index i, Cell const& cell) {
-  if (cell.column == cells_[i].column && cell.row == cells_[i].row) return;
+/// Of two disks without lists that touch. Cells of disks that grow have just the room that they will need.
+double Flight::reach_in_cells() const {
+  return is_growing() ? std::numeric_limits<double>::infinity() : 2.0 * largest_radius_;
+}
+
+void Flight::move_to_cell(Index i, Cell const& cell, double time) {
+  if (cell == cells_[i]) return;
   SlotGrid& grid = grid_of(i);
+  // First, or two guests in one another's cells would send each other home for ever.
   grid.erase(i, cells_[i].column, cells_[i].row);
+  if (grid.largest_margin() > 0.0 && grid.is_full(cell.column, cell.row)) send_guests_home(cell, time);
   cells_[i] = cell;
   grid.insert(i, cell.column, cell.row);
   if (prediction_input_.slots != size_classes_.front().grid.slots()) refresh_prediction_input();
+}
+
+/// Disks that belong to the cell and have left it may be too many for its slots, which those that are in it never are where all disks
+/// are equal. Of each guest the next event was that of this cell, and is predicted anew.
+void Flight::send_guests_home(Cell const& cell, double time) {
+  SlotGrid const& grid = size_classes_.front().grid;
+  Index const* const slots = grid.slots_of(cell.column, cell.row);
+  std::vector<Index> const disks(slots, slots + grid.capacity());
+  for (Index const guest : disks) {
+    Cell const home = cell_of(guest, time);
+    if (home == cell || cells_[guest] != cell) continue;
+    move_to_cell(guest, home, time);
+    bool const is_lost = disks_[guest].event_time == -std::numeric_limits<double>::infinity();
+    if (!is_lost) schedule(guest, predictor_.one(prediction_input_, guest, time));
+  }
 }
 
 }  // namespace gridlock::exact

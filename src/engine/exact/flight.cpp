@@ -85,8 +85,8 @@ void Flight::refresh_prediction_input() {
                        .slots = grid.slots(),
                        .row_stride = grid.row_stride(),
                        .capacity = grid.capacity(),
-                       .column_edges = grid.column_edges(),
-                       .row_edges = grid.row_edges(),
+                       .column_limits = grid.column_limits(),
+                       .row_limits = grid.row_limits(),
                        .columns = grid.columns(),
                        .rows = grid.rows(),
                        .width = box_.width(),
@@ -196,7 +196,7 @@ void Flight::cross_into_next_cell(Index i, Side side) {
   } else {
     cell.row = next(cell.row, side == Side::top ? 1 : -1, grid.rows());
   }
-  move_to_cell(i, cell);
+  move_to_cell(i, cell, now_);
 }
 
 /// A disk that leaves a periodic box goes on with another coordinate, which is rounded anew: as if it had been hit, events

@@ -115,7 +115,9 @@ class Flight {
   [[nodiscard]] SlotGrid& grid_of(Index i) { return size_classes_[class_of(i)].grid; }
   [[nodiscard]] std::size_t class_of(Index i) const;
   [[nodiscard]] Cell cell_of(Index i, double time) const;
-  void move_to_cell(Index i, Cell const& cell);
+  [[nodiscard]] double reach_in_cells() const;
+  void move_to_cell(Index i, Cell const& cell, double time);
+  void send_guests_home(Cell const& cell, double time);
   template <class Visit>
   void for_each_run_around(Vector place, double radius, double scale, double more, Visit visit) const;
 
@@ -300,7 +302,8 @@ template <class Visit>
 void Flight::for_each_run_around(Vector place, double radius, double scale, double more, Visit visit) const {
   for (SizeClass const& like_disks : size_classes_) {
     // A hair for rounding.
-    double const reach = (radius + like_disks.largest_radius) * scale * (1.0 + 1e-6) + more;
+    double const reach =
+        (radius + like_disks.largest_radius) * scale * (1.0 + 1e-6) + more + like_disks.grid.largest_margin();
     like_disks.grid.for_each_run(place - Vector{reach, reach}, place + Vector{reach, reach}, visit);
   }
 }

@@ -183,7 +183,7 @@ void Flight::tell(Index other, Index i) {
 /// A disk that has left the room around its place has other neighbours, and is one of theirs.
 void Flight::take_new_place(Index i, double time) {
   lists_.places[i] = place_of(disks_[i], time);
-  move_to_cell(i, cell_of(i, time));
+  move_to_cell(i, cell_of(i, time), time);
   find_neighbours(i, true);
 }
 

@@ -42,6 +42,8 @@ static_assert(sizeof(MovingDisk) == 64);
 struct Cell {
   std::int32_t column;
   std::int32_t row;
+
+  friend bool operator==(Cell const&, Cell const&) = default;
 };
 
 /// Gives a disk a change of velocity at time `now`: its centre at the zero of time moves so that its path does not jump.

@@ -88,15 +88,15 @@ BorderEvent border_event_growing(PredictionInput const& s, Index i) {
   bool const has_place = s.places != nullptr;
   Border const inner = has_place ? Border::of_place : Border::of_cell;
   double const radius = s.radius_of(i);
-  auto const range = [&](double place, double side, double const* edges, std::int32_t index, std::int32_t count) {
+  auto const range = [&](double place, double side, double const* limits, std::int32_t index, std::int32_t count) {
     if (!has_place) {
       bool const is_first = index == 0;
       bool const is_last = index == count - 1;
       bool const has_lower_wall = is_first && !s.is_periodic;
       bool const has_upper_wall = is_last && !s.is_periodic;
       // Behind the wall it never comes.
-      return Range{.lower = has_lower_wall ? -never : edges[index],
-                   .upper = has_upper_wall ? never : edges[index + 1],
+      return Range{.lower = has_lower_wall ? -never : limits[2 * index],
+                   .upper = has_upper_wall ? never : limits[2 * index + 1],
                    .side = side,
                    .ends_at_lower_edge = is_first,
                    .ends_at_upper_edge = is_last,
@@ -124,10 +124,10 @@ BorderEvent border_event_growing(PredictionInput const& s, Index i) {
   };
   Place const place = has_place ? s.places[i] : Place{0.0, 0.0};
   BorderEvent const vertical = first_border({disk.x, disk.velocity_x, radius, disk.last_hit},
-                                            range(place.x, s.width, s.column_edges, s.cells[i].column, s.columns),
+                                            range(place.x, s.width, s.column_limits, s.cells[i].column, s.columns),
                                             s.scale, inner, Side::left, Side::right);
   BorderEvent const horizontal = first_border({disk.y, disk.velocity_y, radius, disk.last_hit},
-                                              range(place.y, s.height, s.row_edges, s.cells[i].row, s.rows), s.scale,
+                                              range(place.y, s.height, s.row_limits, s.cells[i].row, s.rows), s.scale,
                                               inner, Side::bottom, Side::top);
   return horizontal.time < vertical.time ? horizontal : vertical;
 }

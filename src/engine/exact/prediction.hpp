@@ -25,8 +25,8 @@ struct PredictionInput {
   Index const* slots;  ///< of SlotGrid, where there are no lists
   std::size_t row_stride;
   std::size_t capacity;
-  double const* column_edges;
-  double const* row_edges;
+  double const* column_limits;  ///< of SlotGrid
+  double const* row_limits;
   std::int32_t columns;
   std::int32_t rows;
   double width;
@@ -127,8 +127,8 @@ inline Prediction predict_border(PredictionInput const& s, Index i, double now) 
     x_edge = s.places[i].x + (is_rightwards ? s.room : -s.room);
     y_edge = s.places[i].y + (is_upwards ? s.room : -s.room);
   } else {
-    x_edge = s.column_edges[s.cells[i].column + (is_rightwards ? 1 : 0)];
-    y_edge = s.row_edges[s.cells[i].row + (is_upwards ? 1 : 0)];
+    x_edge = s.column_limits[2 * s.cells[i].column + (is_rightwards ? 1 : 0)];
+    y_edge = s.row_limits[2 * s.cells[i].row + (is_upwards ? 1 : 0)];
   }
   double const r = s.is_periodic ? 0.0 : s.radius_of(i);
   x_edge = std::min(std::max(x_edge, r), s.width - r);

@@ -43,7 +43,7 @@ void Dynamics::restore_grid(Archive const& archive, std::vector<std::uint64_t> c
   constexpr std::uint64_t most = 46340;
   archive.require(cells.size() == 2 && cells[0] >= 1 && cells[1] >= 1 && cells[0] <= most && cells[1] <= most,
                   "these cells cannot be");
-  SlotGrid grid(CellLayout(box_, cells[0], cells[1]), box_);
+  SlotGrid grid(CellLayout(box_, cells[0], cells[1]), box_, reach_in_cells());
   double const side = 2.0 * largest_radius_ * growth_.scale.at(epoch_length_);
   archive.require((grid.columns() == 1 || box_.width() / grid.columns() >= side) &&
                       (grid.rows() == 1 || box_.height() / grid.rows() >= side),

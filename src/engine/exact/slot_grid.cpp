@@ -1,5 +1,6 @@
 #include "engine/exact/slot_grid.hpp"
 
+#include <algorithm>
 #include <cassert>
 
 namespace gridlock::exact {
@@ -9,24 +10,32 @@ namespace {
 /// Wide loads may read this far behind the last slot.
 constexpr std::size_t slack = 32;
 
-std::vector<double> edges(int count, double side) {
-  std::vector<double> edges;
-  for (int k = 0; k < count; ++k) edges.push_back(side * k / count);
-  edges.push_back(side);
-  return edges;
+double margin_of(int count, double side, double reach) {
+  // A hair for rounding.
+  return std::max(0.0, 0.5 * (side / count - reach) - 1e-6 * side / count);
+}
+
+std::vector<double> limits(int count, double side, double margin) {
+  std::vector<double> limits;
+  for (int k = 0; k < count; ++k) {
+    limits.push_back(k == 0 ? 0.0 : side * k / count - margin);
+    limits.push_back(k + 1 == count ? side : side * (k + 1) / count + margin);
+  }
+  return limits;
 }
 
 }  // namespace
 
-SlotGrid::SlotGrid(CellLayout const& layout, Box const& box)
+SlotGrid::SlotGrid(CellLayout const& layout, Box const& box, double reach)
     : layout_(layout),
       is_periodic_(box.is_periodic()),
       columns_(layout.columns()),
       rows_(layout.rows()),
       stride_(static_cast<std::size_t>(columns_) + 2),
       slots_(stride_ * (static_cast<std::size_t>(rows_) + 2) * capacity_ + slack, no_disk),
-      column_edges_(edges(columns_, box.width())),
-      row_edges_(edges(rows_, box.height())) {}
+      largest_margin_(std::max(margin_of(columns_, box.width(), reach), margin_of(rows_, box.height(), reach))),
+      column_limits_(limits(columns_, box.width(), margin_of(columns_, box.width(), reach))),
+      row_limits_(limits(rows_, box.height(), margin_of(rows_, box.height(), reach))) {}
 
 void SlotGrid::insert(Index disk, std::int32_t column, std::int32_t row) {
   for (;;) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -23,17 +24,29 @@ namespace gridlock::exact {
 ///
 /// Cells with a side in [σ, √2 σ) hold at most four centres of hard disks of diameter σ. Where disks are smaller or cells
 /// larger, a cell that runs full doubles the slots of all.
+///
+/// A disk may go on to belong to a cell that it has left, up to a margin beyond its borders, so that one that soon comes back crosses none.
+///
+///     ┌╌╌╌╌╌╌╌╌╌╌╌┐      centres of two disks that touch are no more than `reach` apart: with margins of half of what cells are
+///     ╎ ┌───────┐ ╎      wider than that, each is still in the 3×3 cells around the other. There are none at the edges of the box,
+///     ╎ │ cell  │ ╎      where coordinates change.
+///     ╎ └───────┘ ╎
+///     └╌╌╌╌╌╌╌╌╌╌╌┘ ◄─ limits
+///
 /// Cost: insert, erase O(slots per cell).
 class SlotGrid {
  public:
   SlotGrid() = default;
-  SlotGrid(CellLayout const& layout, Box const& box);
+  /// Without a reach disks belong to the cells in which they are.
+  SlotGrid(CellLayout const& layout, Box const& box, double reach = std::numeric_limits<double>::infinity());
 
   [[nodiscard]] std::int32_t columns() const { return columns_; }
   [[nodiscard]] std::int32_t rows() const { return rows_; }
-  /// Lower edge of column c, or of row r; one more than there are columns, or rows.
-  [[nodiscard]] double const* column_edges() const { return column_edges_.data(); }
-  [[nodiscard]] double const* row_edges() const { return row_edges_.data(); }
+  /// Between which coordinates a disk belongs to column c: 2c is the place of the lower limit, 2c + 1 that of the upper; the same for rows.
+  [[nodiscard]] double const* column_limits() const { return column_limits_.data(); }
+  [[nodiscard]] double const* row_limits() const { return row_limits_.data(); }
+  /// How far a disk may be from the cell that it belongs to, in x or y.
+  [[nodiscard]] double largest_margin() const { return largest_margin_; }
   /// A disk beyond the edge of a periodic box by rounding has not crossed it yet: it belongs to the last cell before.
   [[nodiscard]] std::int32_t column_of(double x) const { return index_of(x * layout_.columns_per_length(), columns_); }
   [[nodiscard]] std::int32_t row_of(double y) const { return index_of(y * layout_.rows_per_length(), rows_); }
@@ -68,6 +81,9 @@ class SlotGrid {
     }
   }
 
+  [[nodiscard]] bool is_full(std::int32_t column, std::int32_t row) const {
+    return *(slots_of(column, row) + capacity_ - 1) != no_disk;
+  }
   void insert(Index disk, std::int32_t column, std::int32_t row);
   void erase(Index disk, std::int32_t column, std::int32_t row);
   /// Disk i is called new_number[i] from now on.
@@ -109,8 +125,9 @@ class SlotGrid {
   std::size_t stride_ = 0;
   std::size_t capacity_ = 4;
   LargeArray<Index> slots_;
-  std::vector<double> column_edges_;
-  std::vector<double> row_edges_;
+  double largest_margin_ = 0.0;
+  std::vector<double> column_limits_;
+  std::vector<double> row_limits_;
 };
 
 }  // namespace gridlock::exact

@@ -173,7 +173,7 @@ void Strip::renew_copies(Flight const& whole, double time) {
   }
   for (Index const i : renewed_) {
     if (has_lists()) lists_.places[i] = place_of(disks_[i], time);
-    move_to_cell(i, cell_of(i, time));
+    move_to_cell(i, cell_of(i, time), time);
   }
   for (Index const i : renewed_) {
     if (disks_[i].event_time == -never) continue;

@@ -53,6 +53,46 @@ TEST(SlotGrid, HoldsWhatASetHoldsInTheFirstSlotsOfEachCellAndOfItsGhosts) {
   EXPECT_GT(grid.capacity(), 4U) << "no cell ran full: the test does not see the slots double";
 }
 
+/// Within the limits of cells with one between them, no two disks are as near as the reach.
+void expect_far_apart(double const* limits, std::int32_t cells, double reach) {
+  for (std::int32_t k = 0; k + 2 < cells; ++k) EXPECT_GT(limits[2 * (k + 2)] - limits[2 * k + 1], reach);
+}
+
+TEST(SlotGrid, LetsDisksLeaveTheirCellAsFarAsTheyStillMeetNobodyElse) {
+  for (Edge const edge : {Edge::wall, Edge::periodic}) {
+    Box const box(7.0, 4.0, edge);
+    CellLayout const layout(box, 7, 5);
+    for (double const reach : {0.1, 0.5, 0.79, 0.8, 0.95, 1.0, 3.0}) {
+      SlotGrid const grid(layout, box, reach);
+      expect_far_apart(grid.column_limits(), 7, std::min(reach, 1.0 - 1e-12));
+      expect_far_apart(grid.row_limits(), 5, std::min(reach, 0.8 - 1e-12));
+      EXPECT_EQ(grid.column_limits()[0], 0.0);
+      EXPECT_EQ(grid.column_limits()[13], 7.0);
+      EXPECT_EQ(grid.row_limits()[0], 0.0);
+      EXPECT_EQ(grid.row_limits()[9], 4.0);
+      EXPECT_NEAR(grid.largest_margin(), std::max(0.0, 0.5 * (1.0 - reach)), 1e-5);
+      EXPECT_NEAR(grid.column_limits()[5], 3.0 + grid.largest_margin(), 1e-12);
+      EXPECT_NEAR(grid.column_limits()[6], 3.0 - grid.largest_margin(), 1e-12);
+    }
+    SlotGrid const without(layout, box);
+    EXPECT_EQ(without.largest_margin(), 0.0);
+    EXPECT_EQ(without.column_limits()[5], without.column_limits()[6]);
+  }
+}
+
+TEST(SlotGrid, SaysWhichCellsAreFull) {
+  Box const box(7.0, 4.0, Edge::wall);
+  SlotGrid grid(CellLayout(box, 7, 4), box);
+  for (Index disk = 0; disk < 4; ++disk) {
+    EXPECT_FALSE(grid.is_full(2, 3));
+    grid.insert(disk, 2, 3);
+  }
+  EXPECT_TRUE(grid.is_full(2, 3));
+  EXPECT_FALSE(grid.is_full(3, 3));
+  grid.erase(1, 2, 3);
+  EXPECT_FALSE(grid.is_full(2, 3));
+}
+
 TEST(SlotGrid, VisitsEachDiskOfTheCellsOfARectangleOnce) {
   RandomStream random(8, 0, 0, Purpose::start_position);
   for (Edge const edge : {Edge::wall, Edge::periodic}) {
