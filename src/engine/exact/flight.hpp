@@ -9,6 +9,7 @@
 #include "engine/exact/calendar.hpp"
 #include "engine/exact/fetch_pipeline.hpp"
 #include "engine/exact/moving_disk.hpp"
+#include "engine/exact/near_places.hpp"
 #include "engine/exact/neighbours.hpp"
 #include "engine/exact/prediction.hpp"
 #include "engine/exact/scale.hpp"
@@ -179,6 +180,7 @@ class Flight {
     double most_scale = 1.0;             // of the radii, up to which they are good
   };
   ListsOfNeighbours lists_;
+  NearPlaces near_places_ = near_places_for(target());
 
   struct Growth {
     Scale scale;

@@ -18,9 +18,6 @@ constexpr double growth_of_lists = 1.001;
 
 double squared(double number) { return number * number; }
 
-/// Without a branch: no processor guesses which disks are neighbours.
-double positive_part(double number) { return 0.5 * (number + std::abs(number)); }
-
 }  // namespace
 
 double Flight::packing_fraction() const {
@@ -101,37 +98,25 @@ void Flight::find_neighbours(Index i, bool tells_them) {
 /// Good until others are collected.
 std::span<Index const> Flight::collect_neighbours(Index i) {
   Place const place = lists_.places[i];
-  double const radius = radius_of(i);
   double const rooms = 2.0 * lists_.room;
-  std::vector<Index>& around = lists_.around;
+  std::vector<Index>& names = lists_.around;
   std::size_t count = 0;
-  for_each_run_around({place.x, place.y}, radius, lists_.most_scale, rooms, [&](std::span<Index const> slots) {
-    if (around.size() < count + slots.size()) around.resize(2 * (count + slots.size()));
-    // Which slots are empty no processor guesses: without a branch.
-    for (Index const j : slots) {
-      around[count] = j;
-      count += static_cast<std::size_t>((j != no_disk) & (j != i));
-    }
+  for_each_run_around({place.x, place.y}, radius_of(i), lists_.most_scale, rooms, [&](std::span<Index const> slots) {
+    std::size_t const room = count + slots.size() + names_per_batch;
+    if (names.size() < room) names.resize(2 * room);
+    count += near_places_.collect(slots.data(), slots.size(), i, names.data() + count);
   });
-  bool const is_periodic = box_.is_periodic();
-  // A hair more than contact, for places and paths are rounded.
-  double const scale = lists_.most_scale * (1.0 + 1e-9);
-  std::size_t near = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    Index const j = around[k];
-    double d_x = std::abs(lists_.places[j].x - place.x);
-    double d_y = std::abs(lists_.places[j].y - place.y);
-    if (is_periodic) {
-      d_x = std::min(d_x, std::abs(box_.width() - d_x));
-      d_y = std::min(d_y, std::abs(box_.height() - d_y));
-    }
-    double const gap_x = positive_part(d_x - rooms);
-    double const gap_y = positive_part(d_y - rooms);
-    double const contact = (radius + radius_of(j)) * scale;
-    around[near] = j;
-    near += static_cast<std::size_t>(gap_x * gap_x + gap_y * gap_y <= contact * contact);
-  }
-  return {around.data(), near};
+  PlacesAround const around{.places = lists_.places.data(),
+                            .radius = radius_.empty() ? nullptr : radius_.data(),
+                            .place = place,
+                            .own_radius = radius_of(i),
+                            .rooms = rooms,
+                            // A hair more than contact, for places and paths are rounded.
+                            .scale = lists_.most_scale * (1.0 + 1e-9),
+                            .width = box_.width(),
+                            .height = box_.height(),
+                            .is_periodic = box_.is_periodic()};
+  return {names.data(), near_places_.keep(around, names.data(), count)};
 }
 
 void Flight::write_list(Index i, std::span<Index const> names) {
