@@ -33,16 +33,6 @@ constexpr double most_distances_in_epoch = 4.0;
 constexpr double moderate_speed = 4.0;
 constexpr double least_diameters_in_epoch = 2.0;
 
-/// Disks of no more than so many bytes stay in the first cache, with what belongs to them, by themselves.
-constexpr std::size_t largest_in_first_cache = std::size_t{3} << 16;
-/// Up to so many a processor finds the next ones in the second cache or the third while it computes.
-constexpr std::size_t largest_found_in_time = std::size_t{1} << 22;
-
-Fetching fetching_for(std::size_t disks, std::size_t bytes_of_disk) {
-  if (disks * sizeof(MovingDisk) <= largest_in_first_cache) return Fetching::nothing;
-  return disks * bytes_of_disk <= largest_found_in_time ? Fetching::near : Fetching::far;
-}
-
 bool are_all_equal(std::span<double const> values) {
   return std::ranges::all_of(values, [&](double value) { return value == values.front(); });
 }
@@ -63,18 +53,11 @@ Dynamics::Dynamics(State const& state, DynamicsOptions const& options) : Flight(
   refresh_prediction_input();
   predict_all(0.0);
   expected_events_ = 32 * size_;
-  fetching_ = fetching_for(size_, bytes_of_disk());
+  choose_fetching();
   open_calendar();
 }
 
 Dynamics::~Dynamics() = default;
-
-/// In memory, without its event.
-std::size_t Dynamics::bytes_of_disk() const {
-  std::size_t const of_lists = has_lists() ? sizeof(Neighbours) + sizeof(Place) : 0;
-  std::size_t const of_mixture = radius_.empty() ? 0 : 2 * sizeof(double);
-  return sizeof(MovingDisk) + sizeof(Cell) + of_lists + of_mixture;
-}
 
 void Dynamics::read_disks(State const& state) {
   Disks const& disks = state.agents;

@@ -131,7 +131,6 @@ class Dynamics final : public Flight {
   void serialize(Archive& archive);
 
  private:
-  [[nodiscard]] std::size_t bytes_of_disk() const;
   void read_disks(State const& state);
   void choose_epoch();
   void end_epoch(bool may_share);

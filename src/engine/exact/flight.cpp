@@ -14,6 +14,11 @@ namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
+/// Disks of no more than so many bytes stay in the first cache, with what belongs to them, by themselves.
+constexpr std::size_t largest_in_first_cache = std::size_t{3} << 16;
+/// Of no more than so many, with what belongs to them, a processor finds the next ones in the second cache or the third while it computes.
+constexpr std::size_t largest_found_in_time = std::size_t{5} << 20;
+
 /// Applies a permutation, element i going to place new_place[i], without a second array.
 template <class Array>
 void permute(Array& values, std::vector<Index> new_place) {
@@ -46,7 +51,6 @@ void Flight::take_part(Flight const& whole, std::span<Index const> disks) {
   disks_.push_back(whole.disks_[whole.size_]);
   equal_radius_ = whole.equal_radius_;
   equal_mass_ = whole.equal_mass_;
-  fetching_ = whole.fetching_;
   now_ = whole.now_;
   epoch_length_ = whole.epoch_length_;
   longest_epoch_ = whole.longest_epoch_;
@@ -104,6 +108,16 @@ void Flight::refresh_prediction_input() {
 void Flight::open_calendar() {
   calendar_.open(epoch_length_, expected_events_, size_);
   for (Index i = 0; i < size_; ++i) calendar_.add(disks_[i].event_time, i, disks_.data());
+}
+
+/// Contract: it is known whether there are lists.
+void Flight::choose_fetching() {
+  std::size_t const of_lists = has_lists() ? sizeof(Neighbours) + sizeof(Place) : 0;
+  std::size_t const of_mixture = radius_.empty() ? 0 : 2 * sizeof(double);
+  std::size_t const of_disk = sizeof(MovingDisk) + sizeof(Cell) + of_lists + of_mixture;
+  fetching_ = size_ * sizeof(MovingDisk) <= largest_in_first_cache ? Fetching::nothing
+              : size_ * of_disk <= largest_found_in_time           ? Fetching::near
+                                                                   : Fetching::far;
 }
 
 /// Puts disks of neighbouring cells next to one another in memory, so that a prediction finds its candidates in few

@@ -107,6 +107,8 @@ class Flight {
   }
   [[nodiscard]] bool has_lists() const { return !lists_.places.empty(); }
 
+  void choose_fetching();
+
   // Cells: cells.cpp.
   void make_room_in_cells(double time);
   void lay_cells(CellLayout const& layout, double time);

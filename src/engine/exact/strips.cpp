@@ -129,6 +129,7 @@ void Strip::load(Flight const& whole, StripPlan const& plan, std::size_t self, d
   size_classes_.clear();
   renew_lists(time);
   make_room_in_cells(time);
+  choose_fetching();
   refresh_prediction_input();
   predict_all(time);
   // Nobody has flown yet, so the copies beyond reach are as good as the others: they go with the first window.
