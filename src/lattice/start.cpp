@@ -11,10 +11,10 @@
 #include <utility>
 
 #include "core/magnitude.hpp"
-#include "grid/linked_grid.hpp"
 #include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
+#include "lattice/random_insertion.hpp"
 #include "lattice/rows_of_start.hpp"
 #include "lattice/sizes.hpp"
 
@@ -250,89 +250,15 @@ State lattice_start(Box const& box, DisksSettings const& settings, Kinds const& 
       box, [&](std::size_t i) { return fit.site(i); }, std::min(radius, largest), kinds, seed, rows);
 }
 
-/// The range of allowed centres along one side.
-struct Span {
-  double first;
-  double length;
-};
-Span span_of_centres(Box const& box, double side, double radius) {
-  return box.is_periodic() ? Span{0.0, side} : Span{radius, side - 2.0 * radius};
+std::vector<double> radii_of(Kinds const& kinds, double radius, RowRange rows) {
+  std::vector<double> radii(rows.end - rows.first);
+  for (std::size_t k = 0; k < radii.size(); ++k) radii[k] = radius * kinds.size_ratio(rows.first + k);
+  return radii;
 }
 
-/// Puts disks down one after the other, each where a uniform point is free; the largest go first, since they would find
-/// no room later.
-class RandomInsertion {
- public:
-  RandomInsertion(Box const& box, Kinds const& kinds, double radius, std::uint64_t seed)
-      : box_(box),
-        seed_(seed),
-        sites_(kinds.count()),
-        radii_(kinds.count()),
-        grid_(layout_for_cutoff(box, 2.0 * radius * kinds.largest_ratio(), kinds.count())),
-        attempts_left_(most_attempts()) {
-    for (std::size_t i = 0; i < radii_.size(); ++i) radii_[i] = kinds.size_ratio(i) * radius;
-  }
-
-  /// Places every disk, or gives up; says how many have a place.
-  std::size_t place_all() {
-    std::vector<std::size_t> order(sites_.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, std::ranges::greater{}, [&](std::size_t i) { return radii_[i]; });
-    largest_ = radii_[order.front()];
-    std::size_t placed = 0;
-    for (std::size_t const i : order) {
-      if (!place(i)) break;
-      ++placed;
-      covered_ += std::numbers::pi * radii_[i] * radii_[i];
-    }
-    return placed;
-  }
-
-  /// The packing fraction of the disks that have a place.
-  [[nodiscard]] double packing_fraction() const { return covered_ / box_.area(); }
-
-  [[nodiscard]] std::vector<Vector> const& sites() const { return sites_; }
-  [[nodiscard]] std::uint64_t attempts() const { return most_attempts() - attempts_left_; }
-
- private:
-  [[nodiscard]] std::uint64_t most_attempts() const { return 1'000'000 + 1000 * sites_.size(); }
-
-  bool place(std::size_t i) {
-    RandomStream random(seed_, 0, i, Purpose::start_position);
-    Span const x = span_of_centres(box_, box_.width(), radii_[i]);
-    Span const y = span_of_centres(box_, box_.height(), radii_[i]);
-    if (x.length < 0.0 || y.length < 0.0) return false;
-    for (; attempts_left_ > 0; --attempts_left_) {
-      Vector const p{x.first + x.length * random.uniform(), y.first + y.length * random.uniform()};
-      if (!is_free(i, p)) continue;
-      sites_[i] = p;
-      grid_.insert(i, p);
-      return true;
-    }
-    return false;
-  }
-
-  [[nodiscard]] bool is_free(std::size_t i, Vector p) const {
-    double const cutoff = radii_[i] + largest_;
-    CellLayout const& layout = grid_.layout();
-    bool is_free = true;
-    grid_.for_each_in_block(layout.cell_of(p), layout.columns_within(cutoff), layout.rows_within(cutoff),
-                            [&](std::size_t j) {
-                              double const contact = radii_[i] + radii_[j];
-                              if (squared_length(box_.displacement(p, sites_[j])) < contact * contact) is_free = false;
-                            });
-    return is_free;
-  }
-
-  Box box_;
-  std::uint64_t seed_;
-  std::vector<Vector> sites_;
-  std::vector<double> radii_;
-  LinkedGrid grid_;
-  std::uint64_t attempts_left_;
-  double largest_ = 0.0;
-  double covered_ = 0.0;  ///< area of the disks that have a place
-};
+RandomInsertion insertion_of_all(Box const& box, Kinds const& kinds, double radius, std::uint64_t seed) {
+  return {box, radii_of(kinds, radius, {.first = 0, .end = kinds.count()}), seed};
+}
 
 /// What random insertion can reach with disks of these settings, found by doing it: with all of the disks where they are
 /// few, otherwise with a sample of the same mixture in a periodic box, which takes about a second where no more fit.
@@ -366,7 +292,7 @@ class InsertionTrial {
     double attempts_per_disk = 0.0;
   };
   [[nodiscard]] Outcome insert(double packing_fraction) const {
-    RandomInsertion insertion(box_, kinds_, radius_for(packing_fraction, box_, kinds_), seed_);
+    RandomInsertion insertion = insertion_of_all(box_, kinds_, radius_for(packing_fraction, box_, kinds_), seed_);
     auto const disks = static_cast<double>(kinds_.count());
     double const share = static_cast<double>(insertion.place_all()) / disks;
     return {share, insertion.packing_fraction(), static_cast<double>(insertion.attempts()) / disks};
@@ -442,7 +368,7 @@ State random_start(Box const& box, DisksSettings const& settings, Kinds const& k
           outcome.packing_fraction);
     }
   }
-  RandomInsertion insertion(box, kinds, radius, seed);
+  RandomInsertion insertion = insertion_of_all(box, kinds, radius, seed);
   std::size_t const placed = insertion.place_all();
   if (placed < count) {
     double const reached = insertion.packing_fraction();
@@ -467,12 +393,8 @@ State uniform_start(Box const& box, DisksSettings const& settings, Kinds const& 
                  .key = size_key(settings)});
   }
   auto const site_of = [&](std::size_t i) {
-    RandomStream random(seed, 0, i, Purpose::start_position);
-    double const own_radius = radius * kinds.size_ratio(i);
-    Span const x = span_of_centres(box, box.width(), own_radius);
-    Span const y = span_of_centres(box, box.height(), own_radius);
-    double const along_x = random.uniform();
-    return Vector{x.first + x.length * along_x, y.first + y.length * random.uniform()};
+    RandomStream random = places_of(seed, i);
+    return AllowedCentres(box, radius * kinds.size_ratio(i)).draw(random);
   };
   return disks_on_sites(box, site_of, radius, kinds, seed, rows);
 }
