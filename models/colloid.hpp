@@ -82,7 +82,7 @@ struct ColloidInOrder {
          .key = "step_length"});
   }
 
-  [[nodiscard]] std::uint64_t agents_at_start() const { return disks.count.value_or(841); }
+  [[nodiscard]] std::uint64_t agents_at_start() const { return count_of(disks); }
   [[nodiscard]] double attempts_at_start(Box const& box, std::uint64_t seed) const {
     return expected_attempts(box, disks, seed);
   }
@@ -108,9 +108,9 @@ struct ColloidInOrder {
            squared_length(velocity(self)) * self.time_step() * self.time_step() <= displacement * displacement;
   }
 
-  void start(World<Self>& world) const {
-    State state = make_start(world.box, disks, world.seed);
-    draw_velocities(state, velocities);
+  void start(World<Self>& world, ShareOfRows const& share) const {
+    State state = make_start(world.box, disks, world.seed, share);
+    draw_velocities(state, velocities, share);
     world.agents = std::move(state.agents);
   }
 

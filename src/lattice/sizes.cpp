@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <string_view>
 
@@ -21,10 +20,6 @@ constexpr double deviation_after_cut = 0.98657839255810862;
 constexpr double share_within_cut = 0.99730020393673981;
 
 constexpr double default_spread = 0.23;  // Ninarello, Berthier, Coslovich 2017, doi:10.1103/PhysRevX.7.021039
-
-double u_of(std::uint64_t k, std::uint64_t count) {
-  return (static_cast<double>(k) + 0.5) / static_cast<double>(count);
-}
 
 /// (σ_max − σ_min)/(σ_max + σ_min) of P(σ) ∝ σ⁻³ with that spread: spread² = artanh(z)/z − 1 = z²/3 + z⁴/5 + z⁶/7 + …
 double width_of_inverse_cube(double spread) {
@@ -95,17 +90,11 @@ std::function<double(double)> quantile_function(DisksSettings const& settings) {
 
 }  // namespace
 
-std::vector<double> quantiles_of_sizes(DisksSettings const& settings, std::uint64_t count) {
-  std::vector<double> sizes(count, 1.0);
-  if (settings.sizes == SizeDistribution::equal) return sizes;
-  auto const quantile = quantile_function(settings);
+Sizes::Sizes(DisksSettings const& settings, std::uint64_t count)
+    : count_(count), quantile_function_(quantile_function(settings)) {
   double sum = 0.0;
-  for (std::uint64_t k = 0; k < count; ++k) {
-    sizes[k] = quantile(u_of(k, count));
-    sum += sizes[k];
-  }
-  for (double& size : sizes) size *= static_cast<double>(count) / sum;
-  return sizes;
+  for (std::uint64_t k = 0; k < count; ++k) sum += quantile(k);
+  scale_ = static_cast<double>(count) / sum;
 }
 
 }  // namespace gridlock

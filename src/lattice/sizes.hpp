@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
+#include <functional>
 
 #include "gridlock/lattice/start.hpp"
 
@@ -10,7 +10,23 @@ namespace gridlock {
 /// The radii of `count` disks in units of their mean, from the smallest to the largest: the quantiles (k + ½)/count of the
 /// distribution of the settings, so that every seed has the same sizes. Additions, multiplications, divisions and square roots
 /// alone, so that every compiler gives the same bits.
-/// Errors: Error for a spread that the distribution cannot have.
-std::vector<double> quantiles_of_sizes(DisksSettings const& settings, std::uint64_t count);
+/// Cost: that of all quantiles, up to a microsecond each, to find the mean; then of one for each size that is asked for.
+class Sizes {
+ public:
+  /// Errors: Error for a spread that the distribution cannot have.
+  Sizes(DisksSettings const& settings, std::uint64_t count);
+
+  [[nodiscard]] double at(std::uint64_t k) const { return quantile(k) * scale_; }
+  [[nodiscard]] double largest() const { return at(count_ - 1); }
+
+ private:
+  [[nodiscard]] double quantile(std::uint64_t k) const {
+    return quantile_function_((static_cast<double>(k) + 0.5) / static_cast<double>(count_));
+  }
+
+  std::uint64_t count_;
+  std::function<double(double)> quantile_function_;
+  double scale_ = 1.0;
+};
 
 }  // namespace gridlock

@@ -14,9 +14,8 @@
 #include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
+#include "lattice/kinds.hpp"
 #include "lattice/random_insertion.hpp"
-#include "lattice/rows_of_start.hpp"
-#include "lattice/sizes.hpp"
 
 namespace gridlock {
 
@@ -25,113 +24,6 @@ namespace {
 constexpr double closest_packing = 0.90689968211710892530;  // π/√12
 constexpr double random_insertion_saturation = 0.547069;    // Wang 1994, doi:10.1016/0927-7757(93)02711-Z
 constexpr double most_fitted_up = 1.0 + 1e-9;               // how far above the largest fit still means the fit
-
-/// Radius in units of disks.radius and mass of every disk, in the order of the Ids. Equal disks take no memory.
-class Kinds {
- public:
-  /// Equal disks.
-  explicit Kinds(std::uint64_t count) : count_(count) {}
-  /// Contract: as many of both (asserted).
-  Kinds(std::vector<double> size_ratios, std::vector<double> masses)
-      : count_(size_ratios.size()), size_ratios_(std::move(size_ratios)), masses_(std::move(masses)) {
-    assert(masses_.size() == count_);
-  }
-
-  [[nodiscard]] std::uint64_t count() const { return count_; }
-  [[nodiscard]] double size_ratio(std::size_t i) const { return size_ratios_.empty() ? 1.0 : size_ratios_[i]; }
-  [[nodiscard]] double mass(std::size_t i) const { return masses_.empty() ? 1.0 : masses_[i]; }
-  [[nodiscard]] double largest_ratio() const {
-    return size_ratios_.empty() ? 1.0 : *std::ranges::max_element(size_ratios_);
-  }
-  [[nodiscard]] double sum_of_squared_ratios() const {
-    if (size_ratios_.empty()) return static_cast<double>(count_);
-    return std::inner_product(size_ratios_.begin(), size_ratios_.end(), size_ratios_.begin(), 0.0);
-  }
-  void exchange(std::size_t i, std::size_t j) {
-    std::swap(size_ratios_[i], size_ratios_[j]);
-    std::swap(masses_[i], masses_[j]);
-  }
-
- private:
-  std::uint64_t count_;
-  std::vector<double> size_ratios_;
-  std::vector<double> masses_;
-};
-
-/// How many disks of each kind: fraction · count rounded so that the numbers add up, largest remainders first.
-std::vector<std::uint64_t> numbers_of_kinds(std::vector<SpeciesSettings> const& species, std::uint64_t count) {
-  std::vector<std::uint64_t> numbers;
-  std::vector<double> remainders;
-  std::uint64_t dealt = 0;
-  for (SpeciesSettings const& kind : species) {
-    double const share = kind.fraction * static_cast<double>(count);
-    numbers.push_back(static_cast<std::uint64_t>(share));
-    remainders.push_back(share - std::floor(share));
-    dealt += numbers.back();
-  }
-  while (dealt < count) {
-    auto const largest = std::ranges::max_element(remainders);
-    ++numbers[static_cast<std::size_t>(largest - remainders.begin())];
-    *largest = -1.0;
-    ++dealt;
-  }
-  return numbers;
-}
-
-void require_whole(std::vector<SpeciesSettings> const& species) {
-  double sum = 0.0;
-  for (SpeciesSettings const& kind : species) sum += kind.fraction;
-  if (std::abs(sum - 1.0) <= 1e-9) return;
-  throw Error({.what = fmt::format("the fractions of the {} species add up to {}, not 1", species.size(), sum),
-               .hint = "give every [[disks.species]] its share of the disks",
-               .key = "disks.species"});
-}
-
-bool are_equal(DisksSettings const& settings) {
-  return settings.species.empty() && settings.sizes == SizeDistribution::equal;
-}
-
-void require_one_description_of_sizes(DisksSettings const& settings) {
-  if (settings.sizes == SizeDistribution::equal) {
-    if (!settings.size_spread) return;
-    throw Error({.what = fmt::format("disks.size_spread = {} is given for equal disks", *settings.size_spread),
-                 .hint = "give disks.sizes as well: \"inverse_cube\", \"uniform\" or \"normal\"",
-                 .key = "disks.size_spread"});
-  }
-  if (settings.species.empty()) return;
-  throw Error({.what = "disks.sizes and disks.species are both given",
-               .hint = "species are a few kinds, sizes a continuous distribution: leave one of them out",
-               .key = "disks.sizes"});
-}
-
-/// The kinds in order.
-Kinds kinds_of_species(std::vector<SpeciesSettings> const& species, std::uint64_t count) {
-  require_whole(species);
-  std::vector<double> size_ratios(count, 1.0);
-  std::vector<double> masses(count, 1.0);
-  std::vector<std::uint64_t> const numbers = numbers_of_kinds(species, count);
-  std::size_t next = 0;
-  for (std::size_t k = 0; k < numbers.size(); ++k) {
-    for (std::uint64_t n = 0; n < numbers[k] && next < count; ++n, ++next) {
-      size_ratios[next] = species[k].size_ratio;
-      masses[next] = species[k].mass;
-    }
-  }
-  return {std::move(size_ratios), std::move(masses)};
-}
-
-Kinds deal_kinds(DisksSettings const& settings, std::uint64_t count, std::uint64_t seed) {
-  require_one_description_of_sizes(settings);
-  if (are_equal(settings)) return Kinds(count);
-  Kinds kinds = settings.species.empty() ? Kinds(quantiles_of_sizes(settings, count), std::vector<double>(count, 1.0))
-                                         : kinds_of_species(settings.species, count);
-  // Fisher–Yates, so that every deal of the kinds over the sites is as likely as any other.
-  RandomStream random(seed, 0, 0, Purpose::species);
-  for (std::uint64_t last = count - 1; last > 0; --last) {
-    kinds.exchange(last, random.below(last + 1));
-  }
-  return kinds;
-}
 
 double radius_for(double packing_fraction, Box const& box, Kinds const& kinds) {
   return std::sqrt(packing_fraction * box.area() / (std::numbers::pi * kinds.sum_of_squared_ratios()));
@@ -170,14 +62,14 @@ double wanted_radius(DisksSettings const& settings, Box const& box, Kinds const&
   return radius;
 }
 
-/// The rows first … end − 1 of the start; `site_of(row)` is where a disk stands.
+/// The rows of the share; `site_of(row)` is where a disk is.
 template <class SiteOf>
 State disks_on_sites(Box const& box, SiteOf site_of, double radius, Kinds const& kinds, std::uint64_t seed,
-                     RowRange rows) {
+                     ShareOfRows const& share) {
   State state{.box = box, .seed = seed};
-  if (rows.end - rows.first == kinds.count()) {
-    state.agents.reserve(rows.end);
-    for (std::size_t i = 0; i < rows.end; ++i) {
+  if (share.size() == kinds.count()) {
+    state.agents.reserve(share.size());
+    for (std::size_t i = 0; i < share.size(); ++i) {
       Vector const site = site_of(i);
       state.agents.add(site.x, site.y, 0.0, 0.0, radius * kinds.size_ratio(i), kinds.mass(i), 0, 0);
     }
@@ -185,10 +77,10 @@ State disks_on_sites(Box const& box, SiteOf site_of, double radius, Kinds const&
   }
   LargeArray<Id> ids;
   Disks::AllValues values;
-  ids.resize(rows.end - rows.first);
+  ids.resize(share.size());
   values.resize(ids.size());
   for (std::size_t k = 0; k < ids.size(); ++k) {
-    std::size_t const i = rows.first + k;
+    std::size_t const i = share.first() + k;
     Vector const site = site_of(i);
     ids[k] = i;
     values.put(k, {site.x, site.y, 0.0, 0.0, radius * kinds.size_ratio(i), kinds.mass(i), 0, 0});
@@ -241,38 +133,38 @@ Error too_large_for_lattice(DisksSettings const& settings, Box const& box, Kinds
 }
 
 State lattice_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed,
-                    RowRange rows) {
+                    ShareOfRows const& share) {
   LatticeFit const fit = fit_lattice(settings.start, box, kinds.count());
   double const largest = fit.radius / kinds.largest_ratio();
   double const radius = wanted_radius(settings, box, kinds);
   if (radius > largest * most_fitted_up) throw too_large_for_lattice(settings, box, kinds, radius, largest);
   return disks_on_sites(
-      box, [&](std::size_t i) { return fit.site(i); }, std::min(radius, largest), kinds, seed, rows);
+      box, [&](std::size_t i) { return fit.site(i); }, std::min(radius, largest), kinds, seed, share);
 }
 
-std::vector<double> radii_of(Kinds const& kinds, double radius, RowRange rows) {
-  std::vector<double> radii(rows.end - rows.first);
-  for (std::size_t k = 0; k < radii.size(); ++k) radii[k] = radius * kinds.size_ratio(rows.first + k);
+std::vector<double> radii_of(Kinds const& kinds, double radius, ShareOfRows const& share) {
+  std::vector<double> radii(share.size());
+  for (std::size_t k = 0; k < radii.size(); ++k) radii[k] = radius * kinds.size_ratio(share.first() + k);
   return radii;
 }
 
 RandomInsertion insertion_of_all(Box const& box, Kinds const& kinds, double radius, std::uint64_t seed) {
-  return {box, radii_of(kinds, radius, {.first = 0, .end = kinds.count()}), seed};
+  return {box, radii_of(kinds, radius, ShareOfRows(kinds.count())), seed};
 }
 
 /// What random insertion can reach with disks of these settings, found by doing it: with all of the disks where they are
 /// few, otherwise with a sample of the same mixture in a periodic box, which takes about a second where no more fit.
 class InsertionTrial {
  public:
-  InsertionTrial(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed)
-      : box_(box), kinds_(kinds), seed_(seed) {
-    if (kinds.count() <= most_disks) return;
-    box_ = Box(1.0, 1.0, Edge::periodic);
-    kinds_ = deal_kinds(settings, most_disks, seed);
-    is_sample_ = true;
-  }
+  InsertionTrial(Box const& box, DisksSettings const& settings, std::uint64_t count, std::uint64_t seed)
+      : box_(count <= most_disks ? box : Box(1.0, 1.0, Edge::periodic)),
+        kinds_(settings, ShareOfRows(std::min(count, most_disks)), seed),
+        seed_(seed),
+        is_sample_(count > most_disks) {}
 
   [[nodiscard]] bool is_sample() const { return is_sample_; }
+  /// Of the disks that are tried.
+  [[nodiscard]] Kinds const& kinds() const { return kinds_; }
 
   /// Whether the sample represents the mixture: a few disks that cover most of the area tell little.
   [[nodiscard]] bool is_representative() const {
@@ -319,7 +211,7 @@ class InsertionTrial {
   Box box_;
   Kinds kinds_;
   std::uint64_t seed_;
-  bool is_sample_ = false;
+  bool is_sample_;
 };
 
 /// What to do instead of a random start that finds no room, in numbers that do fit.
@@ -343,11 +235,11 @@ std::string instead_of_random(Box const& box, DisksSettings const& settings, Kin
 constexpr double always_reached = 0.4;
 
 State random_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed,
-                   RowRange rows) {
+                   ShareOfRows const& share) {
+  std::size_t const count = kinds.count();
   double const radius = wanted_radius(settings, box, kinds);
   double const packing_fraction = packing_fraction_for(radius, box, kinds);
-  std::size_t const count = kinds.count();
-  InsertionTrial const trial(box, settings, kinds, seed);
+  InsertionTrial const trial(box, settings, count, seed);
   auto const refuse = [&](std::string const& what, double reached) -> Error {
     return Error({.what = what,
                   .hint = instead_of_random(box, settings, kinds, trial.find_reachable(reached)),
@@ -368,7 +260,9 @@ State random_start(Box const& box, DisksSettings const& settings, Kinds const& k
           outcome.packing_fraction);
     }
   }
-  RandomInsertion insertion = insertion_of_all(box, kinds, radius, seed);
+  // Each process puts all disks down.
+  Kinds const all_kinds = share.size() < count ? Kinds(settings, ShareOfRows(count), seed) : kinds;
+  RandomInsertion insertion = insertion_of_all(box, all_kinds, radius, seed);
   std::size_t const placed = insertion.place_all();
   if (placed < count) {
     double const reached = insertion.packing_fraction();
@@ -378,12 +272,12 @@ State random_start(Box const& box, DisksSettings const& settings, Kinds const& k
         reached);
   }
   return disks_on_sites(
-      box, [&](std::size_t i) { return insertion.sites()[i]; }, radius, kinds, seed, rows);
+      box, [&](std::size_t i) { return insertion.sites()[i]; }, radius, kinds, seed, share);
 }
 
 /// Points uniformly at random, wherever the other disks are.
 State uniform_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed,
-                    RowRange rows) {
+                    ShareOfRows const& share) {
   double const radius = wanted_radius(settings, box, kinds);
   double const largest = radius * kinds.largest_ratio();
   if (2.0 * largest > std::min(box.width(), box.height())) {
@@ -396,7 +290,7 @@ State uniform_start(Box const& box, DisksSettings const& settings, Kinds const& 
     RandomStream random = places_of(seed, i);
     return AllowedCentres(box, radius * kinds.size_ratio(i)).draw(random);
   };
-  return disks_on_sites(box, site_of, radius, kinds, seed, rows);
+  return disks_on_sites(box, site_of, radius, kinds, seed, share);
 }
 
 }  // namespace
@@ -408,23 +302,23 @@ Box make_box(BoxSettings const& settings) {
 }
 
 State make_start(Box const& box, DisksSettings const& settings, std::uint64_t seed) {
-  return make_rows_of_start(box, settings, seed, {.first = 0, .end = count_of(settings)});
+  return make_start(box, settings, seed, ShareOfRows(count_of(settings)));
 }
 
 std::uint64_t count_of(DisksSettings const& settings) { return settings.count.value_or(841); }
 
-State make_rows_of_start(Box const& box, DisksSettings const& settings, std::uint64_t seed, RowRange rows) {
-  std::uint64_t const count = count_of(settings);
-  if (count == 0) throw Error({.what = "there are 0 disks", .hint = "use at least 1", .key = "disks.count"});
-  Kinds const kinds = deal_kinds(settings, count, seed);
+State make_start(Box const& box, DisksSettings const& settings, std::uint64_t seed, ShareOfRows const& share) {
+  assert(share.all() == count_of(settings));
+  if (share.all() == 0) throw Error({.what = "there are 0 disks", .hint = "use at least 1", .key = "disks.count"});
+  Kinds const kinds(settings, share, seed);
   switch (settings.start) {
     case StartKind::square:
     case StartKind::triangular:
-      return lattice_start(box, settings, kinds, seed, rows);
+      return lattice_start(box, settings, kinds, seed, share);
     case StartKind::random:
-      return random_start(box, settings, kinds, seed, rows);
+      return random_start(box, settings, kinds, seed, share);
     case StartKind::uniform:
-      return uniform_start(box, settings, kinds, seed, rows);
+      return uniform_start(box, settings, kinds, seed, share);
     case StartKind::file:
       break;
   }
@@ -434,11 +328,14 @@ State make_rows_of_start(Box const& box, DisksSettings const& settings, std::uin
 }
 
 double expected_attempts(Box const& box, DisksSettings const& settings, std::uint64_t seed) {
-  std::uint64_t const count = settings.count.value_or(841);
+  std::uint64_t const count = count_of(settings);
   if (settings.start != StartKind::random || count == 0) return 0.0;
-  Kinds const kinds = deal_kinds(settings, count, seed);
-  double const packing_fraction = packing_fraction_for(wanted_radius(settings, box, kinds), box, kinds);
-  InsertionTrial const trial(box, settings, kinds, seed);
+  InsertionTrial const trial(box, settings, count, seed);
+  // A part of the box that has as many disks as are tried.
+  double const side = std::sqrt(static_cast<double>(trial.kinds().count()) / static_cast<double>(count));
+  Box const part(side * box.width(), side * box.height(), box.edge());
+  double const packing_fraction =
+      packing_fraction_for(wanted_radius(settings, part, trial.kinds()), part, trial.kinds());
   if (!trial.is_sample() || !trial.is_representative() || packing_fraction <= always_reached) return 0.0;
   InsertionTrial::Outcome const outcome = trial.insert(packing_fraction);
   // make_start() refuses these, and soon.
@@ -446,20 +343,21 @@ double expected_attempts(Box const& box, DisksSettings const& settings, std::uin
   return outcome.attempts_per_disk * static_cast<double>(count);
 }
 
+namespace {
+
+/// Σ m and Σ m v.
+struct DriftSums {
+  double mass = 0.0;
+  Vector momentum;
+};
+
+}  // namespace
+
 void draw_velocities(State& state, VelocitySettings const& settings) {
-  draw_velocities_of_rows(state, settings, state.agents.size(), [&](DriftSums& sums) { sums.add(state.agents); });
+  draw_velocities(state, settings, ShareOfRows(state.agents.size()));
 }
 
-void DriftSums::add(Disks const& disks) {
-  for (std::size_t i = 0; i < disks.size(); ++i) {
-    double const m = disks.column<Mass>()[i];
-    mass += m;
-    momentum = momentum + m * velocity(disks, i);
-  }
-}
-
-void draw_velocities_of_rows(State& state, VelocitySettings const& settings, std::uint64_t count_of_all,
-                             std::function<void(DriftSums&)> const& add_all) {
+void draw_velocities(State& state, VelocitySettings const& settings, ShareOfRows const& share) {
   if (settings.kind == VelocityKind::file) {
     throw Error({.what = "velocities.kind = \"file\", but there is no file with velocities",
                  .hint = "give disks.file with a velocity column, or draw them: \"uniform\" or \"maxwell\"",
@@ -480,10 +378,15 @@ void draw_velocities_of_rows(State& state, VelocitySettings const& settings, std
     vx[i] = v.x;
     vy[i] = v.y;
   }
-  bool const is_automatic = settings.drift == Drift::automatic && state.box.is_periodic() && count_of_all > 1;
+  bool const is_automatic = settings.drift == Drift::automatic && state.box.is_periodic() && share.all() > 1;
   if (settings.drift != Drift::remove && !is_automatic) return;
-  DriftSums sums;
-  add_all(sums);
+  auto const sums = share.add_in_order(DriftSums{}, [&](DriftSums& so_far) {
+    for (std::size_t i = 0; i < state.agents.size(); ++i) {
+      double const m = state.agents.column<Mass>()[i];
+      so_far.mass += m;
+      so_far.momentum = so_far.momentum + m * velocity(state.agents, i);
+    }
+  });
   Vector const drift = (1.0 / sums.mass) * sums.momentum;
   for (double& v : vx) v -= drift.x;
   for (double& v : vy) v -= drift.y;

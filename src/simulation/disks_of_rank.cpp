@@ -6,7 +6,6 @@
 #include "engine/stepped.hpp"
 #include "gridlock/core/detail/agreement.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
-#include "lattice/rows_of_start.hpp"
 #include "simulation/disk_rows.hpp"
 #include "simulation/patient_engine.hpp"
 
@@ -50,8 +49,7 @@ DisksOfRank::DisksOfRank(Ranks& ranks, Configuration const& configuration, State
 
 void DisksOfRank::make_rows(Configuration const& configuration) {
   agree_on_errors(ranks_, [&] {
-    own_ = make_rows_of_start(own_.box, configuration.disks, configuration.run.seed,
-                              {.first = rows_.first(ranks_.rank()), .end = rows_.end(ranks_.rank())});
+    own_ = make_start(own_.box, configuration.disks, configuration.run.seed, ShareOfRows(ranks_, rows_));
   });
   draw_velocities(configuration);
 }
@@ -65,11 +63,8 @@ void DisksOfRank::read_rows(Configuration const& configuration, StartFile const*
 
 void DisksOfRank::draw_velocities(Configuration const& configuration) {
   // What is refused is of the settings: all refuse it, before anything is added up.
-  agree_on_errors(ranks_, [&] {
-    draw_velocities_of_rows(own_, configuration.velocities, rows_.rows(), [&](DriftSums& sums) {
-      sums = add_in_order(ranks_, sums, [&](DriftSums& so_far) { so_far.add(own_.agents); });
-    });
-  });
+  agree_on_errors(ranks_,
+                  [&] { gridlock::draw_velocities(own_, configuration.velocities, ShareOfRows(ranks_, rows_)); });
 }
 
 /// Of all ranks.

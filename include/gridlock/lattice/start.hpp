@@ -16,6 +16,7 @@
 
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/setting.hpp"
+#include "gridlock/core/share_of_rows.hpp"
 #include "gridlock/core/vector.hpp"
 
 namespace gridlock {
@@ -86,6 +87,14 @@ void describe(VelocitySettings& settings, SettingVisitor& visitor);
 /// that does.
 State make_start(Box const& box, DisksSettings const& settings, std::uint64_t seed);
 
+/// The rows of a share, by which processes divide the disks: no process has all, and the bits are those of one. All call it.
+/// Contract: the share is one of count_of(settings) rows. Memory: that of the rows, and for a mixture a bit for each disk of all.
+/// Errors: the same, on all of them.
+State make_start(Box const& box, DisksSettings const& settings, std::uint64_t seed, ShareOfRows const& share);
+
+/// How many disks the settings ask for.
+std::uint64_t count_of(DisksSettings const& settings);
+
 /// How many places a random start will try in all, each about 0.15 µs; from a sample of 5000 of its disks, about a second at
 /// most. 0 for starts that take no such time: other kinds, few disks, packing fractions up to 0.4, and those that
 /// make_start() refuses after such a sample. Errors: Error for settings that contradict each other.
@@ -99,6 +108,9 @@ double expected_attempts(Box const& box, DisksSettings const& settings, std::uin
 /// box, where nothing else would ever stop it.
 /// Errors: kind = file throws Error, since there is no file here.
 void draw_velocities(State& state, VelocitySettings const& settings);
+
+/// The same for the rows of a share; all processes call it.
+void draw_velocities(State& state, VelocitySettings const& settings, ShareOfRows const& share);
 
 /// The largest radius of equal disks on the best lattice of at least `count` sites, its packing fraction, and `count` of its sites.
 ///

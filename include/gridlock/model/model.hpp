@@ -128,7 +128,9 @@ std::vector<std::string> notes_of(Model const& model, World<Model> const& world,
 /// Puts the first agents of a model into an empty world: by Model::start(), or one by one by Model::first_agent().
 template <class Model>
 void start_agents(Model const& model, World<Model>& world) {
-  if constexpr (has_first_agents<Model>()) {
+  if constexpr (has_shared_start<Model>()) {
+    model.start(world, ShareOfRows(model.agents_at_start()));
+  } else if constexpr (has_first_agents<Model>()) {
     for (std::uint64_t number = 0; number < model.agents_at_start(); ++number) {
       std::apply([&](auto... values) { world.agents.add(values...); }, model.first_agent(world, number));
     }

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "gridlock/core/disks.hpp"
+#include "gridlock/core/share_of_rows.hpp"
 #include "gridlock/core/world.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/model/agent_sums.hpp"
@@ -29,6 +30,15 @@ template <class Model>
 consteval bool has_first_agents() {
   return requires(Model const& model, World<Model> const& world) {
     model.first_agent(world, 0);
+    model.agents_at_start();
+  };
+}
+
+/// Whether each of several processes makes some of the first agents, Model::start() of a share.
+template <class Model>
+consteval bool has_shared_start() {
+  return requires(Model const& model, World<Model>& world, ShareOfRows const& share) {
+    model.start(world, share);
     model.agents_at_start();
   };
 }

@@ -26,8 +26,8 @@ class ModelOfRank final : public AgentsOfRank {
  public:
   using Agents = typename World<Model>::Agents;
 
-  /// Makes the start, each rank its own agents where they are functions of their numbers; else the leader makes all, hands them out and
-  /// forgets them. All ranks call it. `blame(act)` calls act and says what of the settings is wrong.
+  /// Makes the start, each rank its own agents where they are functions of their numbers, or those of a share; else the leader makes all, hands
+  /// them out and forgets them. All ranks call it. `blame(act)` calls act and says what of the settings is wrong.
   /// Errors: Error, on all ranks.
   ModelOfRank(Ranks& ranks, Model const& model, Box const& box, std::uint64_t seed, std::uint64_t threads,
               std::function<void(std::function<void()> const&)> const& blame)
@@ -123,7 +123,7 @@ class ModelOfRank final : public AgentsOfRank {
   void require_valid() const override {}
 
  private:
-  /// The agents of this rank; or all, on the leader.
+  /// The agents of this rank or of its share; or all, on the leader.
   void make_start() {
     if constexpr (has_first_agents<Model>()) {
       AgentRows<Agents> rows;
@@ -134,6 +134,10 @@ class ModelOfRank final : public AgentsOfRank {
         rows.values.put(rows.ids.size() - 1, model_.first_agent(own_, number));
       }
       own_.agents.become(rows.ids, rows.values);
+      names_ = FreeNames(all, {});
+    } else if constexpr (has_shared_start<Model>()) {
+      std::uint64_t const all = model_.agents_at_start();
+      model_.start(own_, ShareOfRows(ranks_, RowDivision::even(all, ranks_.count())));
       names_ = FreeNames(all, {});
     } else if (ranks_.rank() == 0) {
       model_.start(own_);

@@ -1,0 +1,213 @@
+#include "lattice/kinds.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <memory_resource>
+#include <numeric>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+
+#include "gridlock/core/error.hpp"
+#include "gridlock/core/random.hpp"
+#include "lattice/sizes.hpp"
+
+namespace gridlock {
+
+namespace {
+
+/// How many disks of each kind: fraction · count rounded so that the numbers add up, largest remainders first.
+std::vector<std::uint64_t> numbers_of_kinds(std::vector<SpeciesSettings> const& species, std::uint64_t count) {
+  std::vector<std::uint64_t> numbers;
+  std::vector<double> remainders;
+  std::uint64_t dealt = 0;
+  for (SpeciesSettings const& kind : species) {
+    double const share = kind.fraction * static_cast<double>(count);
+    numbers.push_back(static_cast<std::uint64_t>(share));
+    remainders.push_back(share - std::floor(share));
+    dealt += numbers.back();
+  }
+  while (dealt < count) {
+    auto const largest = std::ranges::max_element(remainders);
+    ++numbers[static_cast<std::size_t>(largest - remainders.begin())];
+    *largest = -1.0;
+    ++dealt;
+  }
+  return numbers;
+}
+
+void require_whole(std::vector<SpeciesSettings> const& species) {
+  double sum = 0.0;
+  for (SpeciesSettings const& kind : species) sum += kind.fraction;
+  if (std::abs(sum - 1.0) <= 1e-9) return;
+  throw Error({.what = fmt::format("the fractions of the {} species add up to {}, not 1", species.size(), sum),
+               .hint = "give every [[disks.species]] its share of the disks",
+               .key = "disks.species"});
+}
+
+void require_one_description_of_sizes(DisksSettings const& settings) {
+  if (settings.sizes == SizeDistribution::equal) {
+    if (!settings.size_spread) return;
+    throw Error({.what = fmt::format("disks.size_spread = {} is given for equal disks", *settings.size_spread),
+                 .hint = "give disks.sizes as well: \"inverse_cube\", \"uniform\" or \"normal\"",
+                 .key = "disks.size_spread"});
+  }
+  if (settings.species.empty()) return;
+  throw Error({.what = "disks.sizes and disks.species are both given",
+               .hint = "species are a few kinds, sizes a continuous distribution: leave one of them out",
+               .key = "disks.sizes"});
+}
+
+/// The kinds before they are dealt out: one species after the other, or the sizes of a distribution from the smallest to the largest.
+class KindsInOrder {
+ public:
+  KindsInOrder(DisksSettings const& settings, std::uint64_t count) : species_(settings.species), count_(count) {
+    if (species_.empty()) {
+      sizes_.emplace(settings, count);
+      return;
+    }
+    require_whole(species_);
+    for (std::uint64_t const number : numbers_of_kinds(species_, count)) {
+      ends_.push_back(number + (ends_.empty() ? 0 : ends_.back()));
+    }
+  }
+
+  [[nodiscard]] double size_ratio(std::uint64_t row) const {
+    return sizes_ ? sizes_->at(row) : kind_of(row).size_ratio;
+  }
+  [[nodiscard]] double mass(std::uint64_t row) const { return sizes_ ? 1.0 : kind_of(row).mass; }
+  [[nodiscard]] double largest_ratio() const {
+    if (sizes_) return sizes_->largest();
+    double largest = 0.0;
+    std::uint64_t first = 0;
+    for (std::size_t k = 0; k < species_.size(); ++k) {
+      if (ends_[k] > first && first < count_) largest = std::max(largest, species_[k].size_ratio);
+      first = ends_[k];
+    }
+    return largest;
+  }
+
+ private:
+  [[nodiscard]] SpeciesSettings const& kind_of(std::uint64_t row) const {
+    return species_[static_cast<std::size_t>(std::ranges::upper_bound(ends_, row) - ends_.begin())];
+  }
+
+  std::vector<SpeciesSettings> species_;
+  std::uint64_t count_;
+  std::vector<std::uint64_t> ends_;  ///< behind the last row of each
+  std::optional<Sizes> sizes_;
+};
+
+/// The random numbers of a deal in reverse order. Generators only go forwards, so it remembers where they were at every border of
+/// a block, and draws block by block.
+class DealBackwards {
+ public:
+  DealBackwards(std::uint64_t count, std::uint64_t seed)
+      : last_(count - 1), block_(std::max<std::uint64_t>(1024, std::bit_ceil(count) >> (std::bit_width(count) / 2))) {
+    RandomStream random(seed, 0, 0, Purpose::species);
+    for (std::uint64_t last = last_; last > 0; --last) {
+      if ((last_ - last) % block_ == 0) borders_.push_back(random);
+      static_cast<void>(random.below(last + 1));
+    }
+  }
+
+  /// Calls visit(last, other) for each exchange, the last one first.
+  template <class Visit>
+  void for_each(Visit visit) const {
+    std::vector<std::uint64_t> others;
+    for (std::size_t k = borders_.size(); k-- > 0;) {
+      RandomStream random = borders_[k];
+      std::uint64_t const begin = last_ - k * block_;
+      std::uint64_t const end = begin > block_ ? begin - block_ : 0;
+      others.clear();
+      for (std::uint64_t last = begin; last > end; --last) others.push_back(random.below(last + 1));
+      for (std::uint64_t last = end + 1; last <= begin; ++last) visit(last, others[begin - last]);
+    }
+  }
+
+ private:
+  std::uint64_t last_;
+  std::uint64_t block_;
+  std::vector<RandomStream> borders_;
+};
+
+}  // namespace
+
+bool are_equal(DisksSettings const& settings) {
+  return settings.species.empty() && settings.sizes == SizeDistribution::equal;
+}
+
+std::vector<std::uint64_t> rows_before_deal(std::uint64_t count, std::uint64_t seed, std::uint64_t first,
+                                            std::uint64_t end) {
+  std::vector<std::uint64_t> rows(end - first);
+  std::pmr::monotonic_buffer_resource memory(40 * (rows.size() + 1));
+  std::pmr::unordered_map<std::uint64_t, std::uint64_t> disk_at(&memory);  // by place
+  disk_at.reserve(rows.size());
+  // Of most places there is nothing to know, which is found out quickly.
+  std::vector<bool> is_of_interest(count, false);
+  for (std::uint64_t k = 0; k < rows.size(); ++k) {
+    disk_at.emplace(first + k, k);
+    is_of_interest[first + k] = true;
+  }
+  auto const move_to = [&](auto disk, std::uint64_t place) {
+    if (disk.empty()) return;
+    disk.key() = place;
+    is_of_interest[place] = true;
+    disk_at.insert(std::move(disk));
+  };
+  if (count > 1 && !rows.empty()) {
+    DealBackwards(count, seed).for_each([&](std::uint64_t last, std::uint64_t other) {
+      if (last == other || (!is_of_interest[last] && !is_of_interest[other])) return;
+      auto from_last = disk_at.extract(last);
+      auto from_other = disk_at.extract(other);
+      is_of_interest[last] = is_of_interest[other] = false;
+      move_to(std::move(from_last), other);
+      move_to(std::move(from_other), last);
+    });
+  }
+  for (auto const& [place, k] : disk_at) rows[k] = place;
+  return rows;
+}
+
+Kinds::Kinds(DisksSettings const& settings, ShareOfRows const& share, std::uint64_t seed)
+    : count_(share.all()), first_(share.first()) {
+  require_one_description_of_sizes(settings);
+  if (are_equal(settings)) {
+    sum_of_squared_ratios_ = static_cast<double>(count_);
+    return;
+  }
+  share.size() == count_ ? deal_all(settings, seed) : find_own(settings, share, seed);
+  sum_of_squared_ratios_ = share.add_in_order(0.0, [this](double& sum) {
+    sum = std::inner_product(size_ratios_.begin(), size_ratios_.end(), size_ratios_.begin(), sum);
+  });
+}
+
+/// Fisher–Yates, so that every deal of the kinds over the sites is as likely as any other.
+void Kinds::deal_all(DisksSettings const& settings, std::uint64_t seed) {
+  KindsInOrder const kinds(settings, count_);
+  largest_ratio_ = kinds.largest_ratio();
+  for (std::uint64_t row = 0; row < count_; ++row) {
+    size_ratios_.push_back(kinds.size_ratio(row));
+    masses_.push_back(kinds.mass(row));
+  }
+  RandomStream random(seed, 0, 0, Purpose::species);
+  for (std::uint64_t last = count_ - 1; last > 0; --last) {
+    std::uint64_t const other = random.below(last + 1);
+    std::swap(size_ratios_[last], size_ratios_[other]);
+    std::swap(masses_[last], masses_[other]);
+  }
+}
+
+void Kinds::find_own(DisksSettings const& settings, ShareOfRows const& share, std::uint64_t seed) {
+  KindsInOrder const kinds(settings, count_);
+  largest_ratio_ = kinds.largest_ratio();
+  for (std::uint64_t const row : rows_before_deal(count_, seed, share.first(), share.end())) {
+    size_ratios_.push_back(kinds.size_ratio(row));
+    masses_.push_back(kinds.mass(row));
+  }
+}
+
+}  // namespace gridlock
