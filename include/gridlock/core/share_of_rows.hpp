@@ -1,5 +1,15 @@
 #pragma once
 
+/// \file
+/// Which rows of a start a process makes.
+///
+/// ```cpp
+/// ShareOfRows const share(100);  // all rows, in one process
+/// auto const sum = share.add_in_order(std::uint64_t{0}, [&](std::uint64_t& so_far) {
+///   for (std::uint64_t row = share.first(); row < share.end(); ++row) so_far += row;
+/// });
+/// ```
+
 #include <cstdint>
 #include <utility>
 
