@@ -14,6 +14,7 @@
 #include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
+#include "lattice/insertion_on_ranks.hpp"
 #include "lattice/kinds.hpp"
 #include "lattice/random_insertion.hpp"
 
@@ -202,12 +203,12 @@ class InsertionTrial {
     return std::nullopt;
   }
 
+  static constexpr std::uint64_t most_disks = 5000;
+
   /// Four times the scatter of what 5000 disks reach, 0.35 % where they are equal.
   static constexpr double margin_of_sample = 0.015;
 
  private:
-  static constexpr std::uint64_t most_disks = 5000;
-
   Box box_;
   Kinds kinds_;
   std::uint64_t seed_;
@@ -233,6 +234,23 @@ std::string instead_of_random(Box const& box, DisksSettings const& settings, Kin
 
 // Below, every mixture fits, and a trial would be time lost.
 constexpr double always_reached = 0.4;
+
+/// The rows of the share. Few disks every process puts down by itself, many it does together with the others.
+InsertedRows insert(Box const& box, DisksSettings const& settings, Kinds const& kinds, double radius,
+                    std::uint64_t seed, ShareOfRows const& share) {
+  if (share.size() < kinds.count() && kinds.count() > InsertionTrial::most_disks) {
+    return insert_on_ranks(*share.ranks(), box, radii_of(kinds, radius, share), share.division(), seed);
+  }
+  ShareOfRows const all(kinds.count());
+  RandomInsertion insertion = share.size() < all.size()
+                                  ? insertion_of_all(box, Kinds(settings, all, seed), radius, seed)
+                                  : insertion_of_all(box, kinds, radius, seed);
+  std::size_t const placed = insertion.place_all();
+  auto const first = insertion.sites().begin() + static_cast<std::ptrdiff_t>(share.first());
+  return {.sites = {first, first + static_cast<std::ptrdiff_t>(share.size())},
+          .placed = placed,
+          .packing_fraction = insertion.packing_fraction()};
+}
 
 State random_start(Box const& box, DisksSettings const& settings, Kinds const& kinds, std::uint64_t seed,
                    ShareOfRows const& share) {
@@ -260,19 +278,15 @@ State random_start(Box const& box, DisksSettings const& settings, Kinds const& k
           outcome.packing_fraction);
     }
   }
-  // Each process puts all disks down.
-  Kinds const all_kinds = share.size() < count ? Kinds(settings, ShareOfRows(count), seed) : kinds;
-  RandomInsertion insertion = insertion_of_all(box, all_kinds, radius, seed);
-  std::size_t const placed = insertion.place_all();
-  if (placed < count) {
-    double const reached = insertion.packing_fraction();
+  InsertedRows const inserted = insert(box, settings, kinds, radius, seed, share);
+  if (inserted.placed < count) {
     throw refuse(
         fmt::format("random insertion found room for {} of {} disks; it reached packing fraction {:.4f} of {:.6g}",
-                    placed, count, reached, packing_fraction),
-        reached);
+                    inserted.placed, count, inserted.packing_fraction, packing_fraction),
+        inserted.packing_fraction);
   }
   return disks_on_sites(
-      box, [&](std::size_t i) { return insertion.sites()[i]; }, radius, kinds, seed, share);
+      box, [&](std::size_t i) { return inserted.sites[i - share.first()]; }, radius, kinds, seed, share);
 }
 
 /// Points uniformly at random, wherever the other disks are.

@@ -291,15 +291,23 @@ class DisksKind final : public ModelKind {
   }
 };
 
-/// The start, or another one in its place with a note, where it is slow and not to be made.
-State random_or_lattice_start(Setup& setup, SetupOptions const& options) {
+/// Whether the start that is asked for is made, or another one in its place, with a note, because it is slow.
+bool makes_start_asked_for(Setup& setup, SetupOptions const& options) {
+  Configuration const& configuration = setup.configuration;
+  DisksSettings const& disks = configuration.disks;
+  bool const may_be_slow = options.on_slow_start && disks.count.value_or(0) >= many_agents;
+  double const attempts =
+      may_be_slow ? expected_attempts(make_box(configuration.box), disks, configuration.run.seed) : 0.0;
+  return makes_start(attempts, "disks.start", options, setup.notes);
+}
+
+/// The start, or a lattice in its place.
+State random_or_lattice_start(Setup& setup, bool is_asked_for) {
   Configuration const& configuration = setup.configuration;
   Box const box = make_box(configuration.box);
   std::uint64_t const seed = configuration.run.seed;
-  DisksSettings disks = configuration.disks;
-  bool const may_be_slow = options.on_slow_start && disks.count.value_or(0) >= many_agents;
-  double const attempts = may_be_slow ? expected_attempts(box, disks, seed) : 0.0;
-  if (!makes_start(attempts, "disks.start", options, setup.notes)) {
+  if (!is_asked_for) {
+    DisksSettings disks = configuration.disks;
     disks.start = StartKind::triangular;
     try {
       return make_start(box, disks, seed);
@@ -317,6 +325,12 @@ xyz::Reader open_start_file(Setup& setup, SetupOptions const& options) {
   return xyz::Reader(TextReader(setup.start_file));
 }
 
+State made_start(Setup& setup, bool is_asked_for) {
+  State state = random_or_lattice_start(setup, is_asked_for);
+  draw_velocities(state, setup.configuration.velocities);
+  return state;
+}
+
 State start_of(Setup& setup, SetupOptions const& options) {
   if (options.start) return *options.start;
   Configuration& configuration = setup.configuration;
@@ -324,9 +338,7 @@ State start_of(Setup& setup, SetupOptions const& options) {
     xyz::Reader reader = open_start_file(setup, options);
     return read_whole_start(reader, configuration, options.is_given);
   }
-  State state = random_or_lattice_start(setup, options);
-  draw_velocities(state, configuration.velocities);
-  return state;
+  return made_start(setup, makes_start_asked_for(setup, options));
 }
 
 /// The engine of a run, with a limit to waiting where only collisions end it.
@@ -360,7 +372,7 @@ std::unique_ptr<Simulation> prepared_simulation(Configuration const& configurati
 
 /// Where the rows of ranks come from; nothing where each makes its own.
 struct StartOfRanks {
-  std::optional<State> whole;  ///< where rows cannot be made without the others, or pairs of all disks are looked at
+  std::optional<State> whole;       ///< where it is given or small, or pairs of all disks are looked at
   std::optional<xyz::Reader> file;  ///< of more disks
 };
 
@@ -373,10 +385,12 @@ StartOfRanks start_of_ranks(Setup& setup, SetupOptions const& options) {
     if (start.file->count() > most_disks_for_all_pairs) return start;
     return {.whole = read_whole_start(*start.file, configuration, options.is_given), .file = std::nullopt};
   }
-  bool const is_function_of_row = disks.start == StartKind::square || disks.start == StartKind::triangular;
   bool const is_small = disks.count.value_or(0) <= most_disks_for_all_pairs;
-  if (!options.start && is_function_of_row && !is_small) return {};
-  return {.whole = start_of(setup, options), .file = std::nullopt};
+  if (options.start || disks.start == StartKind::uniform || is_small) {
+    return {.whole = start_of(setup, options), .file = std::nullopt};
+  }
+  if (makes_start_asked_for(setup, options)) return {};
+  return {.whole = made_start(setup, false), .file = std::nullopt};
 }
 
 /// What is wrong with the settings of a run of these disks, and what is worth telling.
