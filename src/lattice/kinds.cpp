@@ -5,10 +5,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <memory_resource>
+#include <limits>
 #include <numeric>
 #include <optional>
-#include <unordered_map>
 #include <utility>
 
 #include "gridlock/core/error.hpp"
@@ -134,6 +133,59 @@ class DealBackwards {
   std::vector<RandomStream> borders_;
 };
 
+/// The places of some disks while all are dealt out: which of them is where is found in chains of those whose places agree in their last
+/// bits, and a bit for each place of all tells quickly that none is there.
+class PlacesInDeal {
+ public:
+  /// They begin at first … end − 1.
+  PlacesInDeal(std::uint64_t count, std::uint64_t first, std::uint64_t end)
+      : is_taken_(count, false),
+        places_(end - first),
+        next_(places_.size(), nobody),
+        chains_(std::bit_ceil(places_.size()), nobody) {
+    for (std::uint64_t k = 0; k < places_.size(); ++k) put(k, first + k);
+  }
+
+  /// Whoever is at one of two places goes to the other.
+  void exchange(std::uint64_t place, std::uint64_t other) {
+    if (place == other || (!is_taken_[place] && !is_taken_[other])) return;
+    std::uint64_t const at_place = take(place);
+    std::uint64_t const at_other = take(other);
+    if (at_place != nobody) put(at_place, other);
+    if (at_other != nobody) put(at_other, place);
+  }
+
+  [[nodiscard]] std::vector<std::uint64_t> take_places() { return std::move(places_); }
+
+ private:
+  static constexpr std::uint64_t nobody = std::numeric_limits<std::uint64_t>::max();
+
+  [[nodiscard]] std::uint64_t& chain_of(std::uint64_t place) { return chains_[place & (chains_.size() - 1)]; }
+
+  void put(std::uint64_t disk, std::uint64_t place) {
+    std::uint64_t& first = chain_of(place);
+    places_[disk] = place;
+    next_[disk] = first;
+    first = disk;
+    is_taken_[place] = true;
+  }
+
+  [[nodiscard]] std::uint64_t take(std::uint64_t place) {
+    if (!is_taken_[place]) return nobody;
+    is_taken_[place] = false;
+    std::uint64_t* link = &chain_of(place);
+    while (places_[*link] != place) link = &next_[*link];
+    std::uint64_t const disk = *link;
+    *link = next_[disk];
+    return disk;
+  }
+
+  std::vector<bool> is_taken_;
+  std::vector<std::uint64_t> places_;  ///< by disk
+  std::vector<std::uint64_t> next_;    ///< by disk: the next one of its chain
+  std::vector<std::uint64_t> chains_;  ///< the first disk of each
+};
+
 }  // namespace
 
 bool are_equal(DisksSettings const& settings) {
@@ -142,34 +194,10 @@ bool are_equal(DisksSettings const& settings) {
 
 std::vector<std::uint64_t> rows_before_deal(std::uint64_t count, std::uint64_t seed, std::uint64_t first,
                                             std::uint64_t end) {
-  std::vector<std::uint64_t> rows(end - first);
-  std::pmr::monotonic_buffer_resource memory(40 * (rows.size() + 1));
-  std::pmr::unordered_map<std::uint64_t, std::uint64_t> disk_at(&memory);  // by place
-  disk_at.reserve(rows.size());
-  // Of most places there is nothing to know, which is found out quickly.
-  std::vector<bool> is_of_interest(count, false);
-  for (std::uint64_t k = 0; k < rows.size(); ++k) {
-    disk_at.emplace(first + k, k);
-    is_of_interest[first + k] = true;
-  }
-  auto const move_to = [&](auto disk, std::uint64_t place) {
-    if (disk.empty()) return;
-    disk.key() = place;
-    is_of_interest[place] = true;
-    disk_at.insert(std::move(disk));
-  };
-  if (count > 1 && !rows.empty()) {
-    DealBackwards(count, seed).for_each([&](std::uint64_t last, std::uint64_t other) {
-      if (last == other || (!is_of_interest[last] && !is_of_interest[other])) return;
-      auto from_last = disk_at.extract(last);
-      auto from_other = disk_at.extract(other);
-      is_of_interest[last] = is_of_interest[other] = false;
-      move_to(std::move(from_last), other);
-      move_to(std::move(from_other), last);
-    });
-  }
-  for (auto const& [place, k] : disk_at) rows[k] = place;
-  return rows;
+  if (first == end) return {};
+  PlacesInDeal places(count, first, end);
+  DealBackwards(count, seed).for_each([&](std::uint64_t last, std::uint64_t other) { places.exchange(last, other); });
+  return places.take_places();
 }
 
 Kinds::Kinds(DisksSettings const& settings, ShareOfRows const& share, std::uint64_t seed)

@@ -17,7 +17,7 @@ class Kinds {
  public:
   /// Deals the kinds out over the rows, so that any deal is as likely as any other: the same one however the rows are shared. All
   /// processes call it. Cost: that of all rows in each process; a rank that has some finds theirs by undoing the deal.
-  /// Memory besides: a bit for each disk of all, and 40 bytes for each row of a rank, until it returns.
+  /// Memory besides: a bit for each disk of all, and 24 to 32 bytes for each row of a rank, until it returns.
   /// Errors: Error for settings that contradict each other.
   Kinds(DisksSettings const& settings, ShareOfRows const& share, std::uint64_t seed);
 

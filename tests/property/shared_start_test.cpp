@@ -7,8 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/lattice/start.hpp"
+#include "gridlock/simulation/run.hpp"
+#include "gridlock/simulation/setup.hpp"
 #include "lattice/kinds.hpp"
 #include "thread_ranks.hpp"
 
@@ -100,15 +103,80 @@ TEST(SharedStart, HasTheRowsOfOneProcess) {
   for (auto [name, disks] : shared_starts()) {
     for (StartKind const start : {StartKind::square, StartKind::triangular, StartKind::uniform, StartKind::random}) {
       disks.start = start;
-      for (std::uint64_t const count : {1U, 2U, 3U, 7U, 1000U}) {
+      for (std::uint64_t const count : {1U, 2U, 3U, 7U, 1000U, 20'001U}) {
         disks.count = count;
         for (std::size_t ranks = 1; ranks <= 9; ++ranks) {
+          // Every rank puts all disks of a random start down.
+          if (start == StartKind::random && count > 1000 && ranks != 4) continue;
           Edge const edge = ranks % 2 == 0 ? Edge::wall : Edge::periodic;
           ASSERT_NO_FATAL_FAILURE(expect_rows_of_one_process(name, disks, edge, ranks));
+          if (count > 1000) continue;
+          Edge const other = ranks % 2 == 0 ? Edge::periodic : Edge::wall;
+          ASSERT_NO_FATAL_FAILURE(expect_rows_of_one_process(name, disks, other, ranks));
         }
       }
-      disks.count = 20'001;
-      ASSERT_NO_FATAL_FAILURE(expect_rows_of_one_process(name, disks, Edge::periodic, 4));
+    }
+  }
+}
+
+TEST(SharedStart, RefusesOnAllRanksWhatOneProcessRefuses) {
+  DisksSettings disks{.count = 3000, .packing_fraction = 0.7};
+  disks.species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = 3.0}};
+  Box const box(1.0, 1.0, Edge::periodic);
+  auto const refusal_of = [&](ShareOfRows const& share) {
+    try {
+      static_cast<void>(make_start(box, disks, 1, share));
+    } catch (Error const& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  std::string const expected = refusal_of(ShareOfRows(3000));
+  EXPECT_NE(expected, "");
+  std::vector<std::string> refusals(3);
+  test::ThreadRanks(3).run_on_all([&](Ranks& here) {
+    refusals[here.rank()] = refusal_of({here, RowDivision::even(3000, 3)});
+  });
+  EXPECT_EQ(refusals, std::vector<std::string>(3, expected));
+}
+
+/// Of a start, and of the state after the steps of its run; `ranks` is 0 in one process.
+std::vector<std::uint64_t> hashes_of_run(std::string const& text, std::size_t ranks) {
+  std::vector<std::uint64_t> hashes;
+  auto const work = [&](Ranks* leader) {
+    Setup const setup = set_up(SettingsFile::from_text(text, "run.toml"), {.threads = 1, .ranks = leader});
+    hashes.push_back(setup.simulation->state_hash());
+    Run(*setup.simulation, plan_of(setup)).advance();
+    hashes.push_back(setup.simulation->state_hash());
+  };
+  if (ranks == 0) {
+    work(nullptr);
+  } else {
+    test::ThreadRanks(ranks).run([&](Ranks& leader) { work(&leader); });
+  }
+  return hashes;
+}
+
+TEST(SharedStart, GivesTheModelTheDisksOfTheEngine) {
+  std::string const mixture = "species = [{ fraction = 0.3 }, { fraction = 0.7, size_ratio = 1.4, mass = 3.0 }]";
+  for (std::string const kinds : {"sizes = \"equal\"", mixture.c_str(), "sizes = \"normal\", size_spread = 0.2"}) {
+    for (std::string const count : {"3", "2500"}) {
+      for (auto const& [edge, start] : {std::pair("wall", "square"), std::pair("periodic", "triangular")}) {
+        std::string const disks = "disks = { count = " + count + ", packing_fraction = 0.3, start = \"" +
+                                  std::string(start) + "\", " + kinds + " }\n";
+        std::string const velocities = "velocities.drift = \"remove\"\n";
+        std::string const run = "run = { steps = 20, seed = 9 }\nbox.edge = \"" + std::string(edge) + "\"\n";
+        std::string const engine = run + "engine.kind = \"tiled\"\n" + disks + velocities;
+        std::string const model =
+            run + "model.kind = \"colloid_tiled\"\ncolloid_tiled." + disks + "colloid_tiled." + velocities;
+        std::vector<std::uint64_t> const expected = hashes_of_run(engine, 0);
+        EXPECT_NE(expected[0], expected[1]) << engine;
+        ASSERT_EQ(hashes_of_run(model, 0), expected) << model;
+        for (std::size_t ranks = 1; ranks <= 6; ++ranks) {
+          ASSERT_EQ(hashes_of_run(engine, ranks), expected) << ranks << " ranks\n" << engine;
+          ASSERT_EQ(hashes_of_run(model, ranks), expected) << ranks << " ranks\n" << model;
+        }
+      }
     }
   }
 }
