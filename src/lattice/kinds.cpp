@@ -63,13 +63,15 @@ void require_one_description_of_sizes(DisksSettings const& settings) {
 /// The kinds before they are dealt out: one species after the other, or the sizes of a distribution from the smallest to the largest.
 class KindsInOrder {
  public:
-  KindsInOrder(DisksSettings const& settings, std::uint64_t count) : species_(settings.species), count_(count) {
+  /// All processes call it.
+  KindsInOrder(DisksSettings const& settings, ShareOfRows const& share)
+      : species_(settings.species), count_(share.all()) {
     if (species_.empty()) {
-      sizes_.emplace(settings, count);
+      sizes_.emplace(settings, share);
       return;
     }
     require_whole(species_);
-    for (std::uint64_t const number : numbers_of_kinds(species_, count)) {
+    for (std::uint64_t const number : numbers_of_kinds(species_, count_)) {
       ends_.push_back(number + (ends_.empty() ? 0 : ends_.back()));
     }
   }
@@ -207,34 +209,32 @@ Kinds::Kinds(DisksSettings const& settings, ShareOfRows const& share, std::uint6
     sum_of_squared_ratios_ = static_cast<double>(count_);
     return;
   }
-  share.size() == count_ ? deal_all(settings, seed) : find_own(settings, share, seed);
+  deal(settings, share, seed);
   sum_of_squared_ratios_ = share.add_in_order(0.0, [this](double& sum) {
     sum = std::inner_product(size_ratios_.begin(), size_ratios_.end(), size_ratios_.begin(), sum);
   });
 }
 
-/// Fisher–Yates, so that every deal of the kinds over the sites is as likely as any other.
-void Kinds::deal_all(DisksSettings const& settings, std::uint64_t seed) {
-  KindsInOrder const kinds(settings, count_);
+void Kinds::deal(DisksSettings const& settings, ShareOfRows const& share, std::uint64_t seed) {
+  KindsInOrder const kinds(settings, share);
   largest_ratio_ = kinds.largest_ratio();
-  for (std::uint64_t row = 0; row < count_; ++row) {
+  size_ratios_.reserve(share.size());
+  masses_.reserve(share.size());
+  auto const add = [&](std::uint64_t row) {
     size_ratios_.push_back(kinds.size_ratio(row));
     masses_.push_back(kinds.mass(row));
+  };
+  if (share.size() < count_) {
+    std::ranges::for_each(rows_before_deal(count_, seed, share.first(), share.end()), add);
+    return;
   }
+  for (std::uint64_t row = 0; row < count_; ++row) add(row);
+  // Fisher–Yates, so that every deal of the kinds over the sites is as likely as any other.
   RandomStream random(seed, 0, 0, Purpose::species);
   for (std::uint64_t last = count_ - 1; last > 0; --last) {
     std::uint64_t const other = random.below(last + 1);
     std::swap(size_ratios_[last], size_ratios_[other]);
     std::swap(masses_[last], masses_[other]);
-  }
-}
-
-void Kinds::find_own(DisksSettings const& settings, ShareOfRows const& share, std::uint64_t seed) {
-  KindsInOrder const kinds(settings, count_);
-  largest_ratio_ = kinds.largest_ratio();
-  for (std::uint64_t const row : rows_before_deal(count_, seed, share.first(), share.end())) {
-    size_ratios_.push_back(kinds.size_ratio(row));
-    masses_.push_back(kinds.mass(row));
   }
 }
 

@@ -16,8 +16,9 @@ bool are_equal(DisksSettings const& settings);
 class Kinds {
  public:
   /// Deals the kinds out over the rows, so that any deal is as likely as any other: the same one however the rows are shared. All
-  /// processes call it. Cost: that of all rows in each process; a rank that has some finds theirs by undoing the deal.
-  /// Memory besides: a bit for each disk of all, and 24 to 32 bytes for each row of a rank, until it returns.
+  /// processes call it. Cost: the random numbers of all rows in each process, twice on a rank, which finds the disks of its rows by undoing
+  /// the deal. Memory besides, until it returns: on a rank a bit for each disk of all, and 24 to 32 bytes for each row; for a distribution of
+  /// sizes 8 bytes for each row.
   /// Errors: Error for settings that contradict each other.
   Kinds(DisksSettings const& settings, ShareOfRows const& share, std::uint64_t seed);
 
@@ -33,8 +34,7 @@ class Kinds {
   [[nodiscard]] double mass(std::uint64_t row) const { return masses_.empty() ? 1.0 : masses_[row - first_]; }
 
  private:
-  void deal_all(DisksSettings const& settings, std::uint64_t seed);
-  void find_own(DisksSettings const& settings, ShareOfRows const& share, std::uint64_t seed);
+  void deal(DisksSettings const& settings, ShareOfRows const& share, std::uint64_t seed);
 
   std::uint64_t count_;
   std::uint64_t first_;

@@ -90,11 +90,14 @@ std::function<double(double)> quantile_function(DisksSettings const& settings) {
 
 }  // namespace
 
-Sizes::Sizes(DisksSettings const& settings, std::uint64_t count)
-    : count_(count), quantile_function_(quantile_function(settings)) {
-  double sum = 0.0;
-  for (std::uint64_t k = 0; k < count; ++k) sum += quantile(k);
-  scale_ = static_cast<double>(count) / sum;
+Sizes::Sizes(DisksSettings const& settings, ShareOfRows const& share)
+    : count_(share.all()), first_(share.first()), quantile_function_(quantile_function(settings)) {
+  of_share_.reserve(share.size());
+  for (std::uint64_t k = share.first(); k < share.end(); ++k) of_share_.push_back(quantile(k));
+  double const sum = share.add_in_order(0.0, [this](double& so_far) {
+    for (double const size : of_share_) so_far += size;
+  });
+  scale_ = static_cast<double>(count_) / sum;
 }
 
 }  // namespace gridlock
