@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
@@ -27,6 +29,47 @@ using test::carry_out;
 using test::expect_same_results;
 using test::KnownModels;
 using test::ThreadRanks;
+
+/// A model that makes its start row by row and adds up over all rows; its agents are born and die.
+struct Heirs {
+  static constexpr std::string_view name = "heirs_of_test";
+  static constexpr std::string_view documentation = "Agents whose shares of one heritage add up to 1.";
+  static constexpr Schedule schedule = Schedule::synchronous;
+  using Agents = Population<X, Y, test::Weight>;
+
+  std::uint64_t count = 300;
+  std::uint64_t left_out = 0;
+
+  void describe(SettingVisitor& visitor) {
+    visitor.visit({.key = "count"}, count);
+    visitor.visit({.key = "left_out"}, left_out);
+  }
+  [[nodiscard]] double cutoff() const { return 0.1; }
+  [[nodiscard]] double time_step() const { return 0.1; }
+  [[nodiscard]] std::uint64_t agents_at_start() const { return count; }
+
+  void start(World<Heirs>& world, ShareOfRows const& share) const {
+    auto const weight = [&](std::uint64_t row) { return world.start_random(row).exponential(); };
+    double const sum = share.add_in_order(0.0, [&](double& so_far) {
+      for (std::uint64_t row = share.first(); row < share.end(); ++row) so_far += weight(row);
+    });
+    for (std::uint64_t row = share.first(); row + left_out < share.end(); ++row) {
+      RandomStream random = world.start_random(count + row);
+      Vector const p = world.anywhere(random);
+      world.agents.add(p.x, p.y, weight(row) / sum);
+    }
+  }
+
+  void turn(Turn<Heirs>& self) const {
+    RandomStream random = self.random();
+    double sum = self.get<test::Weight>();
+    self.for_each_neighbour(0.1, [&](Neighbour<Heirs> const& other) { sum += 0.1 * other.get<test::Weight>(); });
+    self.set<test::Weight>(sum);
+    self.move_by(0.05 * random.in_unit_disk());
+    if (random.uniform() < 0.05) self.give_birth(self.position().x, self.position().y, 0.5 * sum);
+    if (random.uniform() < 0.05) self.die();
+  }
+};
 
 std::string number(double value) { return std::to_string(value); }
 
@@ -99,6 +142,37 @@ TEST(DividedModels, ContinueOnAnotherNumberOfRanksAndInOneProcess) {
     EXPECT_EQ(carry_out(text, many, numbers[1], 25), RunStatus::interrupted);
     EXPECT_EQ(carry_out(text, many, numbers[2]), RunStatus::finished);
     ASSERT_NO_FATAL_FAILURE(expect_same_results(one, many, "seed " + std::to_string(seed) + "\n" + text));
+  }
+}
+
+TEST(DividedModels, MakeTheRowsOfTheirStartWithTheBitsOfOneProcess) {
+  test::KnownModel<Heirs> const known;
+  TemporaryDirectory const temporary;
+  for (std::string const count : {"1", "5", "300"}) {
+    std::string const text = "model.kind = \"heirs_of_test\"\nheirs_of_test.count = " + count +
+                             "\nbox.edge = \"periodic\"\nobserve.every = 5\ntrajectory.every = 10\nrun.steps = 20\n";
+    fs::path const one = temporary / ("one" + count);
+    carry_out(text, one, 0);
+    for (std::size_t ranks = 1; ranks <= 6; ++ranks) {
+      fs::path const many = temporary / ("many" + count + "_" + std::to_string(ranks));
+      carry_out(text, many, ranks);
+      ASSERT_NO_FATAL_FAILURE(expect_same_results(one, many, count + " on " + std::to_string(ranks) + " ranks"));
+    }
+  }
+}
+
+TEST(DividedModels, StartWithAnAgentForEachRow) {
+  test::KnownModel<Heirs> const known;
+  TemporaryDirectory const temporary;
+  for (auto const& [ranks, agents] :
+       {std::pair(0U, "299 agents for 300 rows"), std::pair(3U, "99 agents for 100 rows")}) {
+    try {
+      carry_out("model.kind = \"heirs_of_test\"\nheirs_of_test.left_out = 1\nrun.steps = 2\n", temporary / "refused",
+                ranks);
+      ADD_FAILURE() << ranks << " ranks";
+    } catch (Error const& error) {
+      EXPECT_NE(std::string(error.what()).find(agents), std::string::npos) << error.what();
+    }
   }
 }
 

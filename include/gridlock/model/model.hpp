@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "gridlock/core/disks.hpp"
+#include "gridlock/core/error.hpp"
 #include "gridlock/core/setting.hpp"
+#include "gridlock/core/share_of_rows.hpp"
 #include "gridlock/core/vector.hpp"
 #include "gridlock/model/agent_sums.hpp"
 #include "gridlock/model/model_engine.hpp"
@@ -125,15 +127,27 @@ std::vector<std::string> notes_of(Model const& model, World<Model> const& world,
   }
 }
 
-/// Puts the first agents of a model into an empty world: by Model::start(), or one by one by Model::first_agent().
+/// Puts the first agents of the rows of a share into an empty world, by Model::start(). All processes call it.
+/// Errors: Error where it adds fewer or more.
+template <class Model>
+void start_share(Model const& model, World<Model>& world, ShareOfRows const& share) {
+  model.start(world, share);
+  if (world.agents.size() == share.size()) return;
+  throw Error({.what = "the model \"" + std::string(Model::name) + "\" starts with " +
+                       std::to_string(world.agents.size()) + " agents for " + std::to_string(share.size()) + " rows",
+               .hint = "have its start() add one agent for each row of the share",
+               .key = "model.kind"});
+}
+
+/// Puts the first agents of a model into an empty world: one by one by Model::first_agent(), or by Model::start().
 template <class Model>
 void start_agents(Model const& model, World<Model>& world) {
-  if constexpr (has_shared_start<Model>()) {
-    model.start(world, ShareOfRows(model.agents_at_start()));
-  } else if constexpr (has_first_agents<Model>()) {
+  if constexpr (has_first_agents<Model>()) {
     for (std::uint64_t number = 0; number < model.agents_at_start(); ++number) {
       std::apply([&](auto... values) { world.agents.add(values...); }, model.first_agent(world, number));
     }
+  } else if constexpr (has_shared_start<Model>()) {
+    start_share(model, world, ShareOfRows(model.agents_at_start()));
   } else {
     model.start(world);
   }

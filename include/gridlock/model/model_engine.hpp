@@ -91,8 +91,10 @@ void require_cutoff_fits(Box const& box, double cutoff, std::string_view model);
 /// cutoff() and time_step() may take the World, which they are asked for in every step, or the AgentSums, when a run begins or continues.
 /// Contract of the latter: the answers stay the same during a run (not checked).
 /// First agents that depend on one another `void start(World<Model>&) const` puts into the box in the place of
-/// first_agent(); agents_at_start() is then for the estimate of the memory. `void start(World<Model>&, ShareOfRows const&) const` puts in
-/// those of the rows of a share, whose Ids are the rows, of agents_at_start() in all: each of several processes makes some. What is observed and is no sum over agents,
+/// first_agent(); agents_at_start() is then for the estimate of the memory. So that each of several processes makes some of them,
+/// `void start(World<Model>&, ShareOfRows const&) const` adds an agent for each row of the share, in the order of the rows, of
+/// agents_at_start() in all; its Id will be the row. What the share adds up over all rows, all processes ask for; so what keeps one from
+/// it has to keep all, as an Error for settings does. What is observed and is no sum over agents,
 /// `void observe(World<Model> const&, Observations&) const` finds in the world; notes() may take it too. Several processes divide the
 /// agents of a model that asks none of them for the World, so that none has all; others run in one process.
 ///

@@ -136,9 +136,14 @@ class ModelOfRank final : public AgentsOfRank {
       own_.agents.become(rows.ids, rows.values);
       names_ = FreeNames(all, {});
     } else if constexpr (has_shared_start<Model>()) {
-      std::uint64_t const all = model_.agents_at_start();
-      model_.start(own_, ShareOfRows(ranks_, RowDivision::even(all, ranks_.count())));
-      names_ = FreeNames(all, {});
+      ShareOfRows const share(ranks_, RowDivision::even(model_.agents_at_start(), ranks_.count()));
+      start_share(model_, own_, share);
+      // The model has added them as if they were the first.
+      AgentRows<Agents> rows;
+      own_.agents.become(rows.ids, rows.values);
+      for (std::size_t row = 0; row < rows.ids.size(); ++row) rows.ids[row] = share.first() + row;
+      own_.agents.become(rows.ids, rows.values);
+      names_ = FreeNames(share.all(), {});
     } else if (ranks_.rank() == 0) {
       model_.start(own_);
       names_ = own_.agents.free_names();
