@@ -95,8 +95,8 @@ BorderEvent border_event_growing(PredictionInput const& s, Index i) {
       bool const has_lower_wall = is_first && !s.is_periodic;
       bool const has_upper_wall = is_last && !s.is_periodic;
       // Behind the wall it never comes.
-      return Range{.lower = has_lower_wall ? -never : limits[2 * index],
-                   .upper = has_upper_wall ? never : limits[2 * index + 1],
+      return Range{.lower = has_lower_wall ? -never : limits[std::ptrdiff_t{2} * index],
+                   .upper = has_upper_wall ? never : limits[std::ptrdiff_t{2} * index + 1],
                    .side = side,
                    .ends_at_lower_edge = is_first,
                    .ends_at_upper_edge = is_last,

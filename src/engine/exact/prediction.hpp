@@ -127,8 +127,8 @@ inline Prediction predict_border(PredictionInput const& s, Index i, double now) 
     x_edge = s.places[i].x + (is_rightwards ? s.room : -s.room);
     y_edge = s.places[i].y + (is_upwards ? s.room : -s.room);
   } else {
-    x_edge = s.column_limits[2 * s.cells[i].column + (is_rightwards ? 1 : 0)];
-    y_edge = s.row_limits[2 * s.cells[i].row + (is_upwards ? 1 : 0)];
+    x_edge = s.column_limits[std::ptrdiff_t{2} * s.cells[i].column + (is_rightwards ? 1 : 0)];
+    y_edge = s.row_limits[std::ptrdiff_t{2} * s.cells[i].row + (is_upwards ? 1 : 0)];
   }
   double const r = s.is_periodic ? 0.0 : s.radius_of(i);
   x_edge = std::min(std::max(x_edge, r), s.width - r);

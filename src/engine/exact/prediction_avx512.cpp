@@ -129,8 +129,8 @@ GRIDLOCK_AVX512 inline Prediction predict_border_packed(PredictionInput const& s
     edge = _mm_mask_add_pd(_mm_sub_pd(place, room), is_upwards, place, room);
   } else {
     auto const upwards = static_cast<unsigned>(is_upwards);
-    edge = _mm_loadh_pd(_mm_load_sd(s.column_limits + 2 * s.cells[i].column + (upwards & 1U)),
-                        s.row_limits + 2 * s.cells[i].row + (upwards >> 1U));
+    edge = _mm_loadh_pd(_mm_load_sd(s.column_limits + std::ptrdiff_t{2} * s.cells[i].column + (upwards & 1U)),
+                        s.row_limits + std::ptrdiff_t{2} * s.cells[i].row + (upwards >> 1U));
   }
   edge = _mm_min_pd(_mm_max_pd(edge, _mm_set1_pd(r)), _mm_set_pd(s.height - r, s.width - r));
   __mmask8 const moves = _mm_cmp_pd_mask(velocity, zero, _CMP_NEQ_OQ);
