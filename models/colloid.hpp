@@ -66,13 +66,19 @@ struct ColloidInOrder {
     visitor.leave();
   }
 
-  /// Starts are made, not read.
-  /// Collisions soon give some disk twice the largest speed: a sub-step in which it covers a diameter could jump over a disk.
+  /// Starts are made, not read, and without overlaps. Collisions soon give some disk twice the largest speed: a sub-step in
+  /// which it covers a diameter could jump over a disk.
   void check(Box const& /*box*/) const {
     if (!disks.file.empty()) {
       throw Error({.what = "the model \"" + std::string(name) + "\" starts from no file",
                    .hint = "hard disks do: model.kind = \"disks\"",
                    .key = "disks.file"});
+    }
+    if (disks.start == StartKind::uniform && count_of(disks) > 1) {
+      throw Error(
+          {.what = "disks at uniform points overlap, and the model \"" + std::string(name) + "\" is one of hard disks",
+           .hint = "use disks.start = \"random\"",
+           .key = "disks.start"});
     }
     double const diameters = 2.0 * step_length / static_cast<double>(substeps);
     if (diameters < 1.0) return;

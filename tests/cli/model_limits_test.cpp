@@ -46,6 +46,13 @@ TEST(ModelLimits, FilesAreNoStartsOfModels) {
   }
 }
 
+TEST(ModelLimits, StartsWithOverlapsAreNoStartsOfModels) {
+  for (std::string const model : {"colloid", "colloid_tiled"}) {
+    expect_refused(model, {model + ".disks.start=uniform"},
+                   "disks at uniform points overlap, and the model \"" + model + "\" is one of hard disks");
+  }
+}
+
 TEST(ModelLimits, SamplesThatDoNotFitIntoMemoryAreRefused) {
   expect_refused("flocking", {"run.steps=18446744073709551615", "observe.every=1"}, "samples would need about");
 }
