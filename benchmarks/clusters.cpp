@@ -1,13 +1,16 @@
 // Points that crowd in a small part of the box beside as many uniform ones with the same number of neighbours: building the search,
-// updating it, all pairs, all neighbours of each, and two models. Nanoseconds per point; a counting sort of the points beside.
+// updating it, all pairs, all neighbours of each, and two models. Nanoseconds per point; a counting sort of the points beside, and
+// all pairs by it from scratch.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <memory>
 #include <numbers>
 #include <numeric>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "grid/sorted_points.hpp"
@@ -77,6 +80,40 @@ Points in_cell_order(Points const& points) {
   return ordered;
 }
 
+/// What a short program does: a counting sort, and every point of half the 3×3 block of cells compared.
+std::uint64_t count_pairs_plainly(Box const& box, double cutoff, PointsInMemory const& points) {
+  ThreadPool pool(1);
+  CellLayout const layout = layout_for_cutoff(box, cutoff, points.count);
+  SortedPoints const sorted(layout, {}, points, pool);
+  double const* const x = sorted.x();
+  double const* const y = sorted.y();
+  std::uint64_t pairs = 0;
+  auto const compare = [&](std::size_t row, std::size_t first, std::size_t end) {
+    for (std::size_t other = first; other < end; ++other) {
+      Vector const d = box.displacement_inside({x[row], y[row]}, {x[other], y[other]});
+      if (squared_length(d) < cutoff * cutoff) ++pairs;
+    }
+  };
+  auto const wrapped = [](int index, int count) {
+    return index < 0 ? index + count : index >= count ? index - count : index;
+  };
+  for (int cell_row = 0; cell_row < layout.rows(); ++cell_row) {
+    int const above = wrapped(cell_row + 1, layout.rows());
+    for (int column = 0; column < layout.columns(); ++column) {
+      std::array<std::pair<int, int>, 4> const around{{{wrapped(column + 1, layout.columns()), cell_row},
+                                                       {wrapped(column - 1, layout.columns()), above},
+                                                       {column, above},
+                                                       {wrapped(column + 1, layout.columns()), above}}};
+      std::size_t const end = sorted.first_of(column + 1, cell_row);
+      for (std::size_t row = sorted.first_of(column, cell_row); row < end; ++row) {
+        compare(row, row + 1, end);
+        for (auto const& [c, r] : around) compare(row, sorted.first_of(c, r), sorted.first_of(c + 1, r));
+      }
+    }
+  }
+  return pairs;
+}
+
 void race_at(Crowd const& crowd, std::string const& order, Points const& start, double neighbours, int rounds) {
   Box const box(1.0, 1.0, Edge::periodic);
   auto const points = std::make_shared<Points>(start);
@@ -109,6 +146,15 @@ void race_at(Crowd const& crowd, std::string const& order, Points const& start, 
   contestants.push_back(contestant("all pairs", [=] {
     std::uint64_t pairs = 0;
     search->for_each_pair([&](std::size_t, std::size_t, Vector) { ++pairs; });
+    *found = pairs;
+  }));
+  contestants.push_back(
+      contestant("counting sort with all pairs", [=] { *found = count_pairs_plainly(box, points->cutoff, in_memory); }));
+  contestants.push_back(contestant("build with all pairs", [=] {
+    std::uint64_t pairs = 0;
+    NeighbourSearch(box, points->cutoff, points->x, points->y).for_each_pair([&](std::size_t, std::size_t, Vector) {
+      ++pairs;
+    });
     *found = pairs;
   }));
   contestants.push_back(contestant("neighbours of each", [=] {

@@ -58,7 +58,7 @@ void SortedGrid::move_all(std::span<double const> x, std::span<double const> y) 
     return;
   }
   ThreadPool alone(1);
-  points_->sort_crowd_again(in_memory(x, y), alone);
+  points_->move_crowd(in_memory(x, y), alone);
 }
 
 double SortedGrid::squared_limit(double cutoff) const {

@@ -1,14 +1,18 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "grid/require.hpp"
 #include "gridlock/core/detail/large_array.hpp"
+#include "gridlock/core/detail/look_ahead.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/grid/detail/find_neighbours.hpp"
@@ -39,8 +43,11 @@ class SortedPoints {
     sorted.sort_crowd(layout, {}, points, pool);
     return sorted;
   }
-  /// The same points where they are now, in the same cells.
-  void sort_crowd_again(PointsInMemory const& points, ThreadPool& pool) { sort_crowd(layout_, {}, points, pool); }
+  /// The same points, which crowd, where they are now, in the same cells. In a cell those that have been there stay in their order,
+  /// before those that have come. Contract: the points are finite.
+  void move_crowd(PointsInMemory const& points, ThreadPool& pool) {
+    if (!move_few(points)) sort_crowd(layout_, {}, points, pool);
+  }
 
   [[nodiscard]] CellLayout const& layout() const { return layout_; }
   [[nodiscard]] std::size_t first_of(std::size_t cell) const { return first_[cells_.place_of(cell)]; }
@@ -70,6 +77,7 @@ class SortedPoints {
 
   void sort_crowd(CellLayout const& layout, Vector origin, PointsInMemory const& points, ThreadPool& pool) {
     layout_ = layout;
+    cell_of_row_.clear();
     cells_.clear(static_cast<std::size_t>(layout.count()), StoredCells::Which::occupied);
     pool.for_each(pool.size(), [&](std::size_t part) {
       for (std::size_t i = part * points.count / pool.size(); i < (part + 1) * points.count / pool.size(); ++i) {
@@ -78,6 +86,97 @@ class SortedPoints {
     });
     cells_.find_places();
     sort(origin, points, pool, false);
+  }
+
+  /// A point that has come to another cell.
+  struct Arrival {
+    std::uint32_t cell;
+    std::uint32_t index;
+    friend auto operator<=>(Arrival const&, Arrival const&) = default;
+  };
+
+  /// Moves the points one by one where most stay in their cells. False where it stops because too many do not.
+  bool move_few(PointsInMemory const& points) {
+    constexpr std::size_t ahead = 16;
+    find_cells_of_rows();
+    std::size_t const most_arrivals = size() / 8;
+    std::vector<Arrival> arrivals;
+    std::size_t kept = 0;
+    for (std::size_t row = 0; row < size(); ++row) {
+      if (row + ahead < size()) prefetch_point(points, index_[row + ahead]);
+      std::uint32_t const index = index_[row];
+      std::uint32_t const cell = cell_of_row_[row];
+      Vector const p = point(points, index);
+      auto const cell_now = static_cast<std::uint32_t>(layout_.cell_of(p));
+      if (cell_now != cell) [[unlikely]] {
+        if (arrivals.size() == most_arrivals) return false;
+        arrivals.push_back({.cell = cell_now, .index = index});
+        continue;
+      }
+      put(kept++, cell, index, layout_.image_in_cell(p));
+    }
+    std::ranges::sort(arrivals);
+    // From the last row on, so that every row is moved once.
+    for (std::size_t left = arrivals.size(); left > 0; --left) {
+      Arrival const& last = arrivals[left - 1];
+      std::size_t const end = kept;
+      while (kept > 0 && cell_of_row_[kept - 1] > last.cell) --kept;
+      move_rows(kept, end, left);
+      put(kept + left - 1, last.cell, last.index, layout_.image_in_cell(point(points, last.index)));
+    }
+    find_cells_again();
+    return true;
+  }
+
+  void put(std::size_t row, std::uint32_t cell, std::uint32_t index, Vector p) {
+    cell_of_row_[row] = cell;
+    index_[row] = index;
+    x_[row] = p.x;
+    y_[row] = p.y;
+  }
+
+  /// Rows first … end − 1 go `by` rows up.
+  void move_rows(std::size_t first, std::size_t end, std::size_t by) {
+    auto const move = [&](auto& rows) {
+      std::copy_backward(rows.data() + first, rows.data() + end, rows.data() + end + by);
+    };
+    move(cell_of_row_);
+    move(index_);
+    move(x_);
+    move(y_);
+  }
+
+  void find_cells_of_rows() {
+    if (!cell_of_row_.empty()) return;
+    cell_of_row_.resize(size());
+    for_each_cell(0, layout_.rows(), [&](int column, int cell_row, RowRange rows) {
+      auto const cell = static_cast<std::uint32_t>(cell_row * layout_.columns() + column);
+      std::fill(cell_of_row_.data() + rows.first, cell_of_row_.data() + rows.end, cell);
+    });
+  }
+
+  /// Which cells are occupied, and their first rows, from the cells of the rows.
+  void find_cells_again() {
+    cells_.clear(static_cast<std::size_t>(layout_.count()), StoredCells::Which::occupied);
+    first_.resize(size() + 1);
+    std::size_t count = 0;
+    std::uint32_t before = std::numeric_limits<std::uint32_t>::max();
+    for (std::size_t row = 0; row < size(); ++row) {
+      std::uint32_t const cell = cell_of_row_[row];
+      cells_.add_alone(cell);
+      // Whether a cell ends here is as good as random: what is no first row is written over by the next one.
+      first_[count] = static_cast<std::uint32_t>(row);
+      count += cell != before ? 1 : 0;
+      before = cell;
+    }
+    cells_.find_places();
+    first_.resize(count + 1);
+    first_[count] = static_cast<std::uint32_t>(size());
+  }
+
+  static void prefetch_point(PointsInMemory const& points, std::size_t i) {
+    prefetch_near(points.x + i * points.stride);
+    prefetch_near(points.y + i * points.stride);
   }
 
   /// False where it stops because the points crowd.
@@ -134,6 +233,7 @@ class SortedPoints {
   UninitializedArray<std::uint32_t> index_;
   UninitializedArray<double> x_;
   UninitializedArray<double> y_;
+  UninitializedArray<std::uint32_t> cell_of_row_;  ///< of points that have been moved, otherwise empty
 };
 
 /// The points in cells of at least `cutoff`: in fine ones, the occupied of which are stored, where they crowd in a part of the box.

@@ -384,6 +384,33 @@ TEST(PairsOnSortedGrid, AreThoseOfBruteForceBeforeAndAfterPointsMove) {
   }
 }
 
+TEST(PairsOnSortedGrid, AreThoseOfBruteForceWhileFewPointsMove) {
+  std::size_t moved = 0;
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    Scene scene(seed);
+    State& state = scene.state();
+    RandomStream random(seed, 1, 0, Purpose::start_position);
+    double const cutoff = scene.any_cutoff();
+    CellLayout const layout = layout_for_cutoff(state.box, cutoff, state.agents.size(), 64.0);
+    SortedGrid grid(state.box, layout, state.agents.column<X>(), state.agents.column<Y>());
+    for (int round = 0; round < 5; ++round) {
+      double const share = std::array{0.0, 0.03, 0.1, 0.5}[random.below(4)];
+      for (std::size_t i = 0; i < state.agents.size(); ++i) {
+        if (random.uniform() >= share) continue;
+        Vector const p = scene.any_point();
+        state.agents.column<X>()[i] = p.x;
+        state.agents.column<Y>()[i] = p.y;
+        ++moved;
+      }
+      grid.move_all(state.agents.column<X>(), state.agents.column<Y>());
+      Separations const expected = separations_by_brute_force(state, cutoff);
+      ASSERT_EQ(separations_by_grid(state, grid, cutoff), expected) << "seed " << seed << ", round " << round;
+      ASSERT_EQ(pairs_by_neighbours(state, grid, cutoff), expected) << "seed " << seed << ", round " << round;
+    }
+  }
+  EXPECT_GT(moved, 5000U);
+}
+
 /// Most points in a small part of the box, in an image of it if the box is periodic: some at the same place, some exactly one cutoff
 /// apart, and a few everywhere else.
 State crowd(Box const& box, std::size_t count, double cutoff, RandomStream& random) {

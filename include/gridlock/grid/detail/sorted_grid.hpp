@@ -15,9 +15,9 @@ namespace gridlock {
 class SortedPoints;
 
 /// Copies of the points in the order of their cells, for points that crowd: cells as fine as the cutoff, of which only the occupied ones
-/// are stored. It is sorted anew when points move.
+/// are stored. Points that come to other cells are put there, and all are sorted anew where many do.
 ///
-/// Memory: 20 bytes a point, 4 an occupied cell and at most 16 a point for which cells are occupied. Copies share it.
+/// Memory: 20 bytes a point, 4 more where points have moved, 4 an occupied cell and at most 16 a point for which cells are occupied. Copies share it.
 class SortedGrid {
  public:
   using AgentPair = PackedGrid::AgentPair;
@@ -27,7 +27,7 @@ class SortedGrid {
   /// Point i is at (x[i], y[i]). Contract: the points are finite.
   SortedGrid(Box const& box, CellLayout const& layout, std::span<double const> x, std::span<double const> y);
 
-  /// Point i of as many is at (x[i], y[i]). Cost: that of a counting sort.
+  /// Point i of as many is at (x[i], y[i]). Contract: the points are finite. Cost: at most that of a counting sort.
   void move_all(std::span<double const> x, std::span<double const> y);
 
   /// As those of PackedGrid. Contract: the cutoff is at most the shorter side of a cell.

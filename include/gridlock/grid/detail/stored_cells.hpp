@@ -22,7 +22,7 @@ class StoredCells {
  public:
   enum class Which { all, occupied };
 
-  /// All of so many cells; or none of them, for add() of each that is occupied and find_places() afterwards.
+  /// All of so many cells; or none of them, for add() or add_alone() of each that is occupied and find_places() afterwards.
   void clear(std::size_t cells, Which which) {
     count_ = which == Which::all ? cells : 0;
     words_.assign(which == Which::all ? 0 : cells / 64 + 1, {});
@@ -34,6 +34,8 @@ class StoredCells {
     // Most cells are there already, and reading is cheaper.
     if ((bits.load(std::memory_order_relaxed) & bit) == 0) bits.fetch_or(bit, std::memory_order_relaxed);
   }
+  /// The same where no other thread adds.
+  void add_alone(std::size_t cell) { words_[cell / 64].bits |= std::uint64_t{1} << cell % 64; }
   void find_places() {
     count_ = 0;
     for (Word& word : words_) {
