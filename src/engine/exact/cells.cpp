@@ -63,7 +63,7 @@ void Flight::lay_cells_by_size() {
     return std::min(static_cast<std::size_t>(std::ilogb(largest_radius_ / radius)), largest.size() - 1);
   };
   if (radius_.empty()) largest[0] = largest_radius_;
-  for (double const radius : radius_) {
+  for (double const radius : radii()) {
     double& of_class = largest[by_halves(radius)];
     of_class = std::max(of_class, radius);
   }

@@ -105,6 +105,7 @@ void Dynamics::read_disks(State const& state) {
     diameters_in_epoch_ = std::max(least_diameters_in_epoch, diameters);
   }
   disks_.push_back({.event_time = -never, .partner = vertical_border});
+  if (is_mixture) radius_.push_back(0.0);
   if (size_ > 0 && disks.ids()[rows.back()] != size_ - 1) {
     for (std::uint32_t const row : rows) ids_.push_back(disks.ids()[row]);
   }

@@ -49,6 +49,7 @@ void Flight::take_part(Flight const& whole, std::span<Index const> disks) {
     mass_.push_back(whole.mass_[i]);
   }
   disks_.push_back(whole.disks_[whole.size_]);
+  if (!whole.radius_.empty()) radius_.push_back(whole.radius_[whole.size_]);
   equal_radius_ = whole.equal_radius_;
   equal_mass_ = whole.equal_mass_;
   now_ = whole.now_;

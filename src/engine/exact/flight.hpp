@@ -98,6 +98,7 @@ class Flight {
   void schedule(Index i, Prediction const& next);
 
   [[nodiscard]] bool is_growing() const { return growth_.scale.rate != 0.0; }
+  [[nodiscard]] std::span<double const> radii() const { return std::span(radius_).first(radius_.empty() ? 0 : size_); }
   [[nodiscard]] double radius_of(Index i) const { return radius_.empty() ? equal_radius_ : radius_[i]; }
   [[nodiscard]] double mass_of(Index i) const { return mass_.empty() ? equal_mass_ : mass_[i]; }
 
@@ -148,7 +149,7 @@ class Flight {
   Predictor predictor_{};
 
   // Empty while all disks are equal.
-  std::vector<double> radius_;
+  std::vector<double> radius_;  // and, as of disks_, one more behind them: predictions read it
   std::vector<double> mass_;
   double equal_radius_ = 0.0;
   double equal_mass_ = 0.0;

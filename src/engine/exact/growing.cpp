@@ -14,7 +14,7 @@ constexpr double hits_in_epoch = 64.0;
 
 void Dynamics::start_growing(double rate) {
   if (radius_.empty()) {
-    radius_.assign(size_, equal_radius_);
+    radius_.assign(size_ + 1, equal_radius_);
     mass_.assign(size_, equal_mass_);
   }
   growth_.scale.rate = rate;
@@ -49,8 +49,8 @@ void Dynamics::serialize_growth(Archive& archive) {
     radius_[disks[id_index]] = radius[id_index];
     mean_squared_radius_ += radius[id_index] * radius[id_index] / static_cast<double>(size_);
   }
-  largest_radius_ = std::ranges::max(radius_);
-  smallest_radius_ = std::ranges::min(radius_);
+  largest_radius_ = std::ranges::max(radii());
+  smallest_radius_ = std::ranges::min(radii());
   archive.require(growth_.scale.rate > 0.0 && growth_.scale.at_zero >= 1.0, "the disks do not grow");
 }
 

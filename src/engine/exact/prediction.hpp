@@ -19,7 +19,7 @@ struct PredictionInput {
       disks;  ///< and the one at `nobody` behind them, which waits for an event of the past: nobody meets it
   Index nobody;
   Cell const* cells;     ///< of each disk
-  double const* radius;  ///< of each disk; nullptr while all are equal
+  double const* radius;  ///< of each disk and of `nobody`; nullptr while all are equal
   double equal_radius;
   double const* mass;  ///< of each disk; nullptr while all are equal: not read, but fetched for collisions to come
   Index const* slots;  ///< of SlotGrid, where there are no lists
