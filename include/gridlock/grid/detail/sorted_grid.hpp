@@ -27,7 +27,8 @@ class SortedGrid {
   /// Point i is at (x[i], y[i]). Contract: the points are finite.
   SortedGrid(Box const& box, CellLayout const& layout, std::span<double const> x, std::span<double const> y);
 
-  /// Point i of as many is at (x[i], y[i]). Contract: the points are finite. Cost: at most that of a counting sort.
+  /// Point i of as many is at (x[i], y[i]). Contract: the points are finite. Cost: about that of a counting
+  /// sort where many come to other cells, half as much where few do.
   void move_all(std::span<double const> x, std::span<double const> y);
 
   /// As those of PackedGrid. Contract: the cutoff is at most the shorter side of a cell.
