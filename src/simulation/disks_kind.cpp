@@ -175,6 +175,15 @@ std::optional<Event> nothing_moves(DisksOverview const& disks, VelocitySettings 
   return Event{.kind = EventKind::nothing_moves, .key = velocities.max > 0.0 ? "disks.file" : "velocities.max"};
 }
 
+/// In equilibrium one disk in 10¹³ is four times as fast as the speed that an engine has its time step from.
+std::optional<Event> fast_on_ranks(Ranks const& ranks, EngineSettings const& engine, DisksOverview const& disks) {
+  double const speed = engine.speed.value_or(1.0);
+  if (ranks.count() == 1 || !(speed > 0.0) || !(disks.largest_speed > 4.0 * speed)) return std::nullopt;
+  return Event{.kind = EventKind::fast_on_ranks,
+               .key = "engine.speed",
+               .values = {{"ratio", disks.largest_speed / speed}, {"speed", speed}}};
+}
+
 bool has_length(RunSettings const& run) { return run.steps.value_or(0) > 0 || run.time || run.collisions_per_disk; }
 
 void require_no_overlaps_in_run(Configuration const& configuration) {
@@ -432,6 +441,7 @@ void build_divided(Setup& setup, SetupOptions const& options) {
   auto simulation = std::make_unique<DividedSimulation>(*options.ranks, std::move(disks));
   if (has_speed) require_bounded_step(configuration.engine, own.all());
   check_disks(setup, settings, own.box(), own.clock(), own.all());
+  if (auto note = fast_on_ranks(*options.ranks, settings, own.all())) setup.notes.push_back(*std::move(note));
   if (!configuration.run.steps && !configuration.run.time && !(own.all().largest_speed > 0.0)) refuse_rest();
   blaming_file(setup.start_file, [&] { own.begin(settings, configuration.run); });
   simulation->observe(configuration.observe);

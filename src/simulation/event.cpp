@@ -16,11 +16,12 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::array<std::string_view, 25> kind_texts{"unused_setting",
+constexpr std::array<std::string_view, 26> kind_texts{"unused_setting",
                                                       "misleading_rule",
                                                       "note_of_model",
                                                       "frames_beyond_end",
                                                       "nothing_moves",
+                                                      "fast_on_ranks",
                                                       "start_not_tried",
                                                       "begun",
                                                       "began_again",
@@ -84,6 +85,12 @@ std::string text_of_setup(Event const& event) {
     case EventKind::nothing_moves:
       return event.key == "disks.file" ? "no disk of the start file has a velocity: nothing moves"
                                        : "velocities.max is 0: nothing moves";
+    case EventKind::fast_on_ranks:
+      return fmt::format(
+          "some disks are {:.3g} times as fast as engine.speed = {:.6g}: on ranks such disks wait for one another, and "
+          "a run of many can take "
+          "hundreds of times as long; a larger engine.speed makes shorter steps",
+          of.number("ratio"), of.number("speed"));
     default:
       return fmt::format(
           "the random start was not tried, since that takes about {:.0f} s; gridlock run will tell "

@@ -373,6 +373,20 @@ TEST_F(MpiRun, RefusesWhatCannotBeUsedAndSaysItOnce) {
   expect_good(on_ranks(workplace_, 1, {"run", "exact.toml", "--set", "run.steps=10", "-o", "out"}));
 }
 
+TEST_F(MpiRun, SaysOnceWhereDisksAreSoFastThatTheyWaitForOneAnother) {
+  write(workplace_ / "r.toml",
+        "[disks]\ncount = 100\npacking_fraction = 0.2\nspecies = [{fraction = 0.5}, {fraction = 0.5, mass = 0.01}]\n"
+        "[velocities]\nkind = \"maxwell\"\n[engine]\nkind = \"tiled\"\nsubsteps = 20\n[run]\nsteps = 3\n");
+  std::string const note = "times as fast as engine.speed = 1:";
+  Outcome const one = in(workplace_, {"run", "r.toml", "-o", "alone", "--no-pictures"});
+  Outcome const many = on_ranks(workplace_, 2, {"run", "r.toml", "-o", "out"});
+  expect_good(one);
+  EXPECT_EQ(many.exit_code, 0) << many.err;
+  EXPECT_EQ(occurrences(one.err, note), 0U) << one.err;
+  EXPECT_EQ(occurrences(many.err, note), 1U) << many.err;
+  EXPECT_EQ(state_hash_of(workplace_ / "alone"), state_hash_of(workplace_ / "out"));
+}
+
 TEST_F(MpiRun, FailsWhereOneProcessDoesAndSaysItOnce) {
   write(workplace_ / "r.toml", light_among_heavy + std::string("time_step = 0.5\n[run]\nsteps = 2000\n"));
   Outcome const one = in(workplace_, run_into("alone"));

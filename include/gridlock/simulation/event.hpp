@@ -28,6 +28,7 @@ enum class EventKind {
   note_of_model,      ///< what a model says of its start, in its own words
   frames_beyond_end,  ///< frames are asked for that lie beyond the end of the run
   nothing_moves,      ///< no disk has a velocity
+  fast_on_ranks,      ///< several ranks share disks so fast that those of one rank wait for those of others
   start_not_tried,    ///< the start takes long and was left out
   // A run in a directory.
   begun,
