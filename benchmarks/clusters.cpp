@@ -148,8 +148,8 @@ void race_at(Crowd const& crowd, std::string const& order, Points const& start, 
     search->for_each_pair([&](std::size_t, std::size_t, Vector) { ++pairs; });
     *found = pairs;
   }));
-  contestants.push_back(
-      contestant("counting sort with all pairs", [=] { *found = count_pairs_plainly(box, points->cutoff, in_memory); }));
+  contestants.push_back(contestant("counting sort with all pairs",
+                                   [=] { *found = count_pairs_plainly(box, points->cutoff, in_memory); }));
   contestants.push_back(contestant("build with all pairs", [=] {
     std::uint64_t pairs = 0;
     NeighbourSearch(box, points->cutoff, points->x, points->y).for_each_pair([&](std::size_t, std::size_t, Vector) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -92,7 +91,6 @@ class SortedPoints {
   struct Arrival {
     std::uint32_t cell;
     std::uint32_t index;
-    friend auto operator<=>(Arrival const&, Arrival const&) = default;
   };
 
   /// Moves the points one by one where most stay in their cells. False where it stops because too many do not.
@@ -115,7 +113,7 @@ class SortedPoints {
       }
       put(kept++, cell, index, layout_.image_in_cell(p));
     }
-    std::ranges::sort(arrivals);
+    std::ranges::sort(arrivals, {}, [](Arrival const& a) { return std::pair(a.cell, a.index); });
     // From the last row on, so that every row is moved once.
     for (std::size_t left = arrivals.size(); left > 0; --left) {
       Arrival const& last = arrivals[left - 1];
