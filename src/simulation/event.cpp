@@ -88,8 +88,7 @@ std::string text_of_setup(Event const& event) {
     case EventKind::fast_on_ranks:
       return fmt::format(
           "some disks are {:.3g} times as fast as engine.speed = {:.6g}: on ranks such disks wait for one another, and "
-          "a run of many can take "
-          "hundreds of times as long; a larger engine.speed makes shorter steps",
+          "a run of many can take hundreds of times as long; a larger engine.speed makes shorter steps",
           of.number("ratio"), of.number("speed"));
     default:
       return fmt::format(
