@@ -269,7 +269,7 @@ std::pair<int, int> any_stretch(RandomStream& random, int all) {
 
 TEST(CandidatePairs, OfAWindowHoldThoseOfTheAgentsWhoseBlocksItHas) {
   std::size_t pairs_seen = 0;
-  for (std::uint64_t seed = 0; seed < 3000; ++seed) {
+  for (std::uint64_t seed = 0; seed < 4500; ++seed) {
     Scene scene(seed);
     State const& state = scene.state();
     double const cutoff = scene.any_cutoff();
@@ -307,7 +307,7 @@ TEST(CandidatePairs, OfAWindowHoldThoseOfTheAgentsWhoseBlocksItHas) {
           << "seed " << seed << ", " << to_text(target);
     }
   }
-  EXPECT_GT(pairs_seen, 50'000U);
+  EXPECT_GT(pairs_seen, 100'000U);
 }
 
 TEST(CandidatePairs, AreTheSameWhereEveryCellIsFullAndEveryAgentIsNear) {
