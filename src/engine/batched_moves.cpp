@@ -36,8 +36,6 @@ constexpr std::uint64_t most_substeps = 1'000'000'000;
 
 using Doubles = hn::CappedTag<double, 8>;
 constexpr std::size_t lanes = hn::MaxLanes(Doubles());
-/// As many single-precision numbers.
-using Halves = hn::Rebind<float, Doubles>;
 using Floats = hn::CappedTag<float, 16>;
 constexpr std::size_t blocks_at_once = hn::MaxLanes(Floats()) / PackedGrid::slots;
 
@@ -82,9 +80,6 @@ struct Candidates {
 /// Bit l is that of turn l.
 using Turns = unsigned;
 
-using Double = hn::Vec<Doubles>;
-using IsTrue = hn::Mask<Doubles>;
-
 /// What lies at from[0], from[step], from[2 · step] …, `at_once` numbers each, side by side.
 template <std::size_t at_once, class D, class T>
 HWY_INLINE hn::Vec<D> side_by_side(D tag, T const* const* from, std::size_t step = 1) {
@@ -98,48 +93,51 @@ HWY_INLINE hn::Vec<D> side_by_side(D tag, T const* const* from, std::size_t step
   }
 }
 
+/// As many single-precision numbers.
+template <class D>
+using Single = hn::Rebind<float, D>;
+
+template <class D>
 struct Vectors {
-  Double x;
-  Double y;
+  hn::Vec<D> x;
+  hn::Vec<D> y;
 };
 
 /// Two numbers that are side by side in memory, of all disks.
-HWY_INLINE Vectors pairs_of(double const* const* from) {
-  Doubles const tag;
+template <class D>
+HWY_INLINE Vectors<D> pairs_of(D tag, double const* const* from) {
   auto const even = side_by_side<2>(tag, from, 2);
   auto const odd = side_by_side<2>(tag, from + 1, 2);
   return {hn::InterleaveLower(tag, even, odd), hn::InterleaveUpper(tag, even, odd)};
 }
-HWY_INLINE Vectors positions_of(DiskInTurn const* const* disks) {
-  double const* from[lanes];
-  for (std::size_t k = 0; k < lanes; ++k) from[k] = &disks[k]->position.x;
-  return pairs_of(from);
+template <class D>
+HWY_INLINE Vectors<D> positions_of(D tag, DiskInTurn const* const* disks) {
+  double const* from[hn::MaxLanes(D())];
+  for (std::size_t k = 0; k < hn::MaxLanes(tag); ++k) from[k] = &disks[k]->position.x;
+  return pairs_of(tag, from);
 }
-HWY_INLINE Vectors velocities_of(DiskInTurn const* const* disks) {
-  double const* from[lanes];
-  for (std::size_t k = 0; k < lanes; ++k) from[k] = &disks[k]->velocity.x;
-  return pairs_of(from);
+template <class D>
+HWY_INLINE Vectors<D> velocities_of(D tag, DiskInTurn const* const* disks) {
+  double const* from[hn::MaxLanes(D())];
+  for (std::size_t k = 0; k < hn::MaxLanes(tag); ++k) from[k] = &disks[k]->velocity.x;
+  return pairs_of(tag, from);
 }
-HWY_INLINE Double radii_of(DiskInTurn const* const* disks) {
+template <class D>
+HWY_INLINE hn::Vec<D> radii_of(D tag, DiskInTurn const* const* disks) {
   static_assert(offsetof(DiskInTurn, mass) == offsetof(DiskInTurn, radius) + sizeof(double));
-  double const* from[lanes];
-  for (std::size_t k = 0; k < lanes; ++k) from[k] = &disks[k]->radius;
-  return pairs_of(from).x;
+  double const* from[hn::MaxLanes(D())];
+  for (std::size_t k = 0; k < hn::MaxLanes(tag); ++k) from[k] = &disks[k]->radius;
+  return pairs_of(tag, from).x;
 }
 
-/// Columns and rows of cells.
-struct Cells {
-  Double columns;
-  Double rows;
-};
-
-HWY_INLINE Cells cells_of(Block const* const* blocks) {
+/// Columns and rows of cells, as x and y.
+template <class D>
+HWY_INLINE Vectors<D> cells_of(D tag, Block const* const* blocks) {
   static_assert(offsetof(Block, row) == offsetof(Block, column) + sizeof(std::int32_t));
-  hn::Repartition<std::int32_t, Doubles> const numbers;
-  hn::RebindToUnsigned<Doubles> const words;
-  Doubles const tag;
-  std::int32_t const* from[lanes];
-  for (std::size_t k = 0; k < lanes; ++k) from[k] = &blocks[k]->column;
+  hn::Repartition<std::int32_t, D> const numbers;
+  hn::RebindToUnsigned<D> const words;
+  std::int32_t const* from[hn::MaxLanes(D())];
+  for (std::size_t k = 0; k < hn::MaxLanes(tag); ++k) from[k] = &blocks[k]->column;
   auto const both = hn::BitCast(words, side_by_side<2>(numbers, from));
   // Numbers below 2³² added to 2⁵² are the last bits of the sum.
   auto const two_to_52 = hn::Set(words, 0x4330'0000'0000'0000U);
@@ -149,7 +147,10 @@ HWY_INLINE Cells cells_of(Block const* const* blocks) {
   return {to_double(hn::And(both, hn::Set(words, 0xffff'ffffU))), to_double(hn::ShiftRight<32>(both))};
 }
 
-HWY_INLINE Double squared_length(Double x, Double y) { return hn::Add(hn::Mul(x, x), hn::Mul(y, y)); }
+template <class V>
+HWY_INLINE V squared_length(V x, V y) {
+  return hn::Add(hn::Mul(x, x), hn::Mul(y, y));
+}
 
 template <class D, class M>
 HWY_INLINE unsigned bits_of(D tag, M mask) {
@@ -163,22 +164,24 @@ HWY_INLINE unsigned bits_of(D tag, M mask) {
 }
 
 /// Coordinates in cells, seen from one.
-HWY_INLINE Double in_cells(Double p, double cells_per_length, Double cells) {
-  return hn::Sub(hn::Mul(p, hn::Set(Doubles(), cells_per_length)), cells);
+template <class D>
+HWY_INLINE hn::Vec<D> in_cells(D tag, hn::Vec<D> p, double cells_per_length, hn::Vec<D> cells) {
+  return hn::Sub(hn::Mul(p, hn::Set(tag, cells_per_length)), cells);
 }
 
-HWY_INLINE void store_local(float* to, Double in_cells, float side) {
-  Halves const halves;
-  hn::Store(hn::Mul(hn::DemoteTo(halves, in_cells), hn::Set(halves, side)), halves, to);
+template <class D>
+HWY_INLINE void store_local(D /*tag*/, float* to, hn::Vec<D> in_cells, float side) {
+  Single<D> const single;
+  hn::Store(hn::Mul(hn::DemoteTo(single, in_cells), hn::Set(single, side)), single, to);
 }
 
-HWY_INLINE IsTrue is_from_0_to_1(Double v) {
-  Doubles const tag;
+template <class D>
+HWY_INLINE hn::Mask<D> is_from_0_to_1(D tag, hn::Vec<D> v) {
   return hn::And(hn::Ge(v, hn::Zero(tag)), hn::Lt(v, hn::Set(tag, 1.0)));
 }
 
-HWY_INLINE IsTrue is_inner(Double cells, unsigned inner) {
-  Doubles const tag;
+template <class D>
+HWY_INLINE hn::Mask<D> is_inner(D tag, hn::Vec<D> cells, unsigned inner) {
   return hn::And(hn::Ge(cells, hn::Set(tag, 1.0)), hn::Le(cells, hn::Set(tag, static_cast<double>(inner))));
 }
 
@@ -195,13 +198,20 @@ std::size_t first_of(std::uint64_t bits) { return static_cast<std::size_t>(std::
 /// The same operations in the same order as in one turn after the other, so that they round alike.
 class BatchedMoves {
  public:
-  BatchedMoves(PackedTurns& turns, std::span<std::uint32_t const> rows)
-      : turns_(turns), constants_(turns.constants()), view_(constants_.view), grid_(turns.grid()), rows_(rows) {}
+  BatchedMoves(PackedTurns& turns, std::span<std::uint32_t const> rows, ResultsOfTurns results)
+      : turns_(turns),
+        constants_(turns.constants()),
+        view_(constants_.view),
+        grid_(turns.grid()),
+        rows_(rows),
+        results_(results) {}
 
-  void take(Counters& counters, std::vector<std::uint32_t>& not_local) {
+  void take() {
     Turns const all = (1U << rows_.size()) - 1U;
-    find_disks();
-    for (std::size_t first = 0; first < rows_.size(); first += lanes) aim(first);
+    by_registers(rows_.size(), [this](auto tag, std::size_t first) HWY_ATTR {
+      find_disks(tag, first);
+      aim(tag, first);
+    });
     Turns const local = all & local_;
     Turns together = look_around<EdgeOfTurn::is_far>(local & far_from_edge_);
     if ((local & ~far_from_edge_ & inside_) != 0) {
@@ -209,11 +219,10 @@ class BatchedMoves {
     }
     list_candidates();
     find_partners();
-    counters.distance_checks += checks_ * view_.substeps;
     for (Turns left = together & staying_ & ~halted_; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
       t_.disk[l]->position = t_.position[l];
-      PackedGrid::place_within_cell(*t_.block[l], t_.slot[l], {t_.local_x[l], t_.local_y[l]});
+      place_within_cell(l);
     }
     for (Turns left = together & ~staying_ & ~halted_; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
@@ -224,38 +233,58 @@ class BatchedMoves {
     for (Turns left = halted_ | (local & ~together); left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
       if (halted_ >> l & 1U) {
-        halt(l, counters);
+        halt(l, results_.of(l).counters);
       } else {
-        turns_.take(turns_.prepare(rows_[l]), counters);
+        turns_.take(turns_.prepare(rows_[l]), results_.of(l).counters);
       }
     }
-    for (Turns left = all & ~local; left != 0; left &= left - 1) not_local.push_back(rows_[first_of(left)]);
+    for (Turns left = all & ~local; left != 0; left &= left - 1) {
+      std::size_t const l = first_of(left);
+      results_.of(l).not_local.push_back(rows_[l]);
+    }
+    Counters& counters = results_.any_counters();
     counters.moves += count_of(together);
     counters.halted_moves += count_of(halted_);
+    counters.distance_checks += checks_ * view_.substeps - checks_left_out_;
   }
 
  private:
-  HWY_INLINE void find_disks() {
-    for (std::size_t l = 0; l < rows_.size(); ++l) {
-      t_.disk[l] = &view_.disks[rows_[l]];
-      t_.block[l] = &grid_.block_of(rows_[l]);
-      t_.slot[l] = grid_.slot_of(rows_[l]);
+  /// Calls visit(tag, first) for every register of `count` items from `first` on, the last one half as wide where that will do.
+  template <class Visit>
+  HWY_INLINE static void by_registers(std::size_t count, Visit visit) {
+    constexpr std::size_t half = std::max<std::size_t>(2, lanes / 2);
+    for (std::size_t first = 0; first < count; first += lanes) {
+      if (half < lanes && count - first <= half) {
+        visit(hn::CappedTag<double, half>(), first);
+      } else {
+        visit(Doubles(), first);
+      }
     }
-    for (std::size_t l = rows_.size(); l % lanes != 0; ++l) {
-      t_.disk[l] = t_.disk[0];
-      t_.block[l] = t_.block[0];
+  }
+
+  /// Of the turns in a register; lanes beyond the last turn have its disk.
+  template <class D>
+  HWY_INLINE void find_disks(D tag, std::size_t first) {
+    HWY_UNROLL(8)
+    for (std::size_t l = first; l < first + hn::MaxLanes(tag); ++l) {
+      std::uint32_t const row = rows_[std::min(l, rows_.size() - 1)];
+      t_.disk[l] = &view_.disks[row];
+      t_.block[l] = &grid_.block_of(row);
+      t_.slot[l] = grid_.slot_of(row);
     }
   }
 
   /// Where the disks in a register are bound for, from turn `first` on, and where they come to if they meet nobody.
-  HWY_INLINE void aim(std::size_t first) {
-    Doubles const tag;
-    Halves const halves;
+  template <class D>
+  HWY_INLINE void aim(D tag, std::size_t first) {
+    using Double = hn::Vec<D>;
+    using IsTrue = hn::Mask<D>;
+    Single<D> const single;
     TurnConstants const& c = constants_;
-    Vectors const position = positions_of(&t_.disk[first]);
-    Vectors const velocity = velocities_of(&t_.disk[first]);
-    Double const radius = radii_of(&t_.disk[first]);
-    Cells const cells = cells_of(&t_.block[first]);
+    Vectors<D> const position = positions_of(tag, &t_.disk[first]);
+    Vectors<D> const velocity = velocities_of(tag, &t_.disk[first]);
+    Double const radius = radii_of(tag, &t_.disk[first]);
+    Vectors<D> const cells = cells_of(tag, &t_.block[first]);
     Double const duration = hn::Set(tag, c.duration);
     Double const squared_speed = squared_length(velocity.x, velocity.y);
     Double const contact = hn::Add(radius, hn::Set(tag, c.cutoff.contact(0.0)));
@@ -264,19 +293,19 @@ class BatchedMoves {
     Double const room = hn::Sub(hn::Sub(hn::Set(tag, c.room), contact), hn::Set(tag, c.cutoff.rounding()));
     Double const squared_displacement = hn::Mul(hn::Mul(squared_speed, duration), duration);
     IsTrue const local = hn::And(hn::Gt(room, hn::Zero(tag)), hn::Le(squared_displacement, hn::Mul(room, room)));
-    IsTrue const inner = hn::And(is_inner(cells.columns, c.inner_columns), is_inner(cells.rows, c.inner_rows));
+    IsTrue const inner = hn::And(is_inner(tag, cells.x, c.inner_columns), is_inner(tag, cells.y, c.inner_rows));
 
     // find_near()
     Double const squared_cutoff =
         hn::Add(hn::Mul(contact, contact), hn::Mul(hn::Set(tag, c.duration * c.duration), squared_speed));
-    auto const limit = hn::DemoteTo(halves, hn::Mul(squared_cutoff, hn::Set(tag, c.limit_per_area)));
-    hn::Store(hn::Add(limit, hn::Set(halves, c.limit_error)), halves, &t_.limit[first]);
+    auto const limit = hn::DemoteTo(single, hn::Mul(squared_cutoff, hn::Set(tag, c.limit_per_area)));
+    hn::Store(hn::Add(limit, hn::Set(single, c.limit_error)), single, &t_.limit[first]);
     double const columns_per_length = c.layout.columns_per_length();
     double const rows_per_length = c.layout.rows_per_length();
     Double const end_x = hn::Add(position.x, hn::Mul(duration, velocity.x));
     Double const end_y = hn::Add(position.y, hn::Mul(duration, velocity.y));
-    store_local(&t_.sight_x[first], in_cells(end_x, columns_per_length, cells.columns), grid_.local_width());
-    store_local(&t_.sight_y[first], in_cells(end_y, rows_per_length, cells.rows), grid_.local_height());
+    store_local(tag, &t_.sight_x[first], in_cells(tag, end_x, columns_per_length, cells.x), grid_.local_width());
+    store_local(tag, &t_.sight_y[first], in_cells(tag, end_y, rows_per_length, cells.y), grid_.local_height());
 
     // take_turn() without partners
     Double const substep = hn::Set(tag, view_.substep);
@@ -289,20 +318,22 @@ class BatchedMoves {
       y = hn::Add(y, displacement_y);
     }
     hn::StoreInterleaved2(x, y, tag, &t_.position[first].x);
-    Double const columns = in_cells(x, columns_per_length, cells.columns);
-    Double const rows = in_cells(y, rows_per_length, cells.rows);
-    store_local(&t_.local_x[first], columns, grid_.local_width());
-    store_local(&t_.local_y[first], rows, grid_.local_height());
+    Double const columns = in_cells(tag, x, columns_per_length, cells.x);
+    Double const rows = in_cells(tag, y, rows_per_length, cells.y);
+    store_local(tag, &t_.local_x[first], columns, grid_.local_width());
+    store_local(tag, &t_.local_y[first], rows, grid_.local_height());
     local_ |= bits_of(tag, local) << first;
     far_from_edge_ |= bits_of(tag, inner) << first;
-    inside_ |= bits_of(tag, is_inside(position, {x, y}, radius)) << first;
-    staying_ |= bits_of(tag, hn::And(is_from_0_to_1(columns), is_from_0_to_1(rows))) << first;
+    inside_ |= bits_of(tag, is_inside(tag, position, {x, y}, radius)) << first;
+    staying_ |= bits_of(tag, hn::And(is_from_0_to_1(tag, columns), is_from_0_to_1(tag, rows))) << first;
   }
 
   /// Whether disks stay within the walls, or in the box, from one point to the other. Every sub-step adds the same
   /// displacement, so all places are between these two, however they round.
-  HWY_INLINE IsTrue is_inside(Vectors from, Vectors to, Double radius) const {
-    Doubles const tag;
+  template <class D>
+  HWY_INLINE hn::Mask<D> is_inside(D tag, Vectors<D> from, Vectors<D> to, hn::Vec<D> radius) const {
+    using Double = hn::Vec<D>;
+    using IsTrue = hn::Mask<D>;
     TurnConstants const& c = constants_;
     Double const low = hn::Mul(radius, hn::Set(tag, c.radii_from_edge));
     Double const high_x = hn::Sub(hn::Set(tag, c.last_x), low);
@@ -316,9 +347,6 @@ class BatchedMoves {
   /// nobody across an edge.
   template <EdgeOfTurn edge>
   HWY_INLINE Turns look_around(Turns turns) {
-    constexpr std::size_t registers = TurnConstants::blocks_around / blocks_at_once;
-    Floats const tag;
-    hn::FixedTag<float, PackedGrid::slots> const cell;
     std::ptrdiff_t const* offset = constants_.block_offsets[0].data();
     for (Turns left = turns; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
@@ -328,29 +356,9 @@ class BatchedMoves {
         turns &= ~(1U << l);
         continue;
       }
-      float const* x[TurnConstants::blocks_around];
-      float const* y[TurnConstants::blocks_around];
-      for (std::size_t k = 0; k < TurnConstants::blocks_around; ++k) {
-        x[k] = here[offset[k]].x.data();
-        y[k] = here[offset[k]].y.data();
-      }
-      auto const sight_x = hn::Set(tag, t_.sight_x[l]);
-      auto const sight_y = hn::Set(tag, t_.sight_y[l]);
-      auto const limit = hn::Set(tag, t_.limit[l]);
-      std::uint64_t near = 0;
-      HWY_UNROLL(8)
-      for (std::size_t n = 0; n < registers; ++n) {
-        auto const dx = hn::Sub(side_by_side<PackedGrid::slots>(tag, x + n * blocks_at_once),
-                                hn::Add(sight_x, hn::Load(tag, constants_.shift_x.data() + n * hn::MaxLanes(tag))));
-        auto const dy = hn::Sub(side_by_side<PackedGrid::slots>(tag, y + n * blocks_at_once),
-                                hn::Add(sight_y, hn::Load(tag, constants_.shift_y.data() + n * hn::MaxLanes(tag))));
-        auto const is_near = hn::Le(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), limit);
-        near |= std::uint64_t{bits_of(tag, is_near)} << (n * hn::MaxLanes(tag));
-      }
-      auto const dx = hn::Sub(hn::Load(cell, here->x.data()), hn::Set(cell, t_.sight_x[l]));
-      auto const dy = hn::Sub(hn::Load(cell, here->y.data()), hn::Set(cell, t_.sight_y[l]));
-      auto const is_near = hn::Le(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Set(cell, t_.limit[l]));
-      near |= std::uint64_t{bits_of(cell, is_near) & ~(1U << t_.slot[l])} << 32;
+      Block const* around[TurnConstants::blocks_around];
+      for (std::size_t k = 0; k < TurnConstants::blocks_around; ++k) around[k] = &here[offset[k]];
+      std::uint64_t const near = near_around(around, l) | std::uint64_t{near_in(*here, l) & ~(1U << t_.slot[l])} << 32;
       if constexpr (edge == EdgeOfTurn::may_be_met) {
         // Distances are those of the nearest images there.
         if (constants_.layout.is_periodic() && near != 0) {
@@ -363,6 +371,51 @@ class BatchedMoves {
       with_candidates_ |= static_cast<Turns>(near != 0) << l;
     }
     return turns;
+  }
+
+  /// Whom turn l may meet in the cells around.
+  template <std::size_t at_once = blocks_at_once>
+  HWY_INLINE std::uint64_t near_around(Block const* const* around, std::size_t l) const {
+    static_assert(offsetof(Block, y) == offsetof(Block, x) + PackedGrid::slots * sizeof(float));
+    Floats const tag;
+    auto const sight_x = hn::Set(tag, t_.sight_x[l]);
+    auto const sight_y = hn::Set(tag, t_.sight_y[l]);
+    auto const limit = hn::Set(tag, t_.limit[l]);
+    std::uint64_t near = 0;
+    HWY_UNROLL(8)
+    for (std::size_t k = 0; k < TurnConstants::blocks_around; k += at_once) {
+      auto squared = hn::Zero(tag);
+      if constexpr (at_once == 1) {
+        float const* const shift = constants_.shift_of_block(k);
+        auto const dx = hn::Sub(hn::Load(tag, around[k]->x.data()), hn::Add(sight_x, hn::Load(tag, shift)));
+        auto const dy =
+            hn::Sub(hn::Load(tag, around[k]->y.data()), hn::Add(sight_y, hn::Load(tag, shift + PackedGrid::slots)));
+        squared = hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
+      } else {
+        auto const sight = hn::OddEvenBlocks(sight_y, sight_x);
+        auto const parts_of = [&](std::size_t first) HWY_ATTR {
+          float const* from[at_once / 2];
+          for (std::size_t n = 0; n < at_once / 2; ++n) from[n] = around[first + 2 * n]->x.data();
+          auto const shift = hn::Load(tag, constants_.shift_of_block(first));
+          auto const d = hn::Sub(side_by_side<2 * PackedGrid::slots>(tag, from), hn::Add(sight, shift));
+          return hn::Mul(d, d);
+        };
+        // Blocks 0 x y 2 x y and 1 x y 3 x y become 0 x 1 y 2 x 3 y and 1 x 0 y 3 x 2 y.
+        auto const even = parts_of(k);
+        auto const odd = parts_of(k + 1);
+        squared = hn::Add(hn::OddEvenBlocks(odd, even), hn::SwapAdjacentBlocks(hn::OddEvenBlocks(even, odd)));
+      }
+      near |= std::uint64_t{bits_of(tag, hn::Le(squared, limit))} << (k * PackedGrid::slots);
+    }
+    return near;
+  }
+
+  /// Whom turn l may meet in its cell, and itself.
+  HWY_INLINE unsigned near_in(Block const& here, std::size_t l) const {
+    hn::FixedTag<float, PackedGrid::slots> const tag;
+    auto const dx = hn::Sub(hn::Load(tag, here.x.data()), hn::Set(tag, t_.sight_x[l]));
+    auto const dy = hn::Sub(hn::Load(tag, here.y.data()), hn::Set(tag, t_.sight_y[l]));
+    return bits_of(tag, hn::Le(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Set(tag, t_.limit[l])));
   }
 
   /// Whether a cell around the one of this block has more disks than a block.
@@ -404,61 +457,83 @@ class BatchedMoves {
     candidates_.count = count;
   }
 
+  /// The disk of turn l is now in its cell where it comes to if it meets nobody. Written as a whole: what is written in halves and soon
+  /// read as a whole makes the processor wait.
+  HWY_INLINE void place_within_cell(std::size_t l) {
+    if constexpr (blocks_at_once == 1) {
+      PackedGrid::place_within_cell(*t_.block[l], t_.slot[l], {t_.local_x[l], t_.local_y[l]});
+    } else {
+      hn::CappedTag<float, 2 * PackedGrid::slots> const tag;
+      hn::Rebind<std::uint32_t, decltype(tag)> const numbers;
+      float* const to = t_.block[l]->x.data();
+      auto const slots = hn::And(hn::Iota(numbers, 0), hn::Set(numbers, PackedGrid::slots - 1));
+      auto const is_slot = hn::RebindMask(tag, hn::Eq(slots, hn::Set(numbers, t_.slot[l])));
+      auto const place = hn::OddEvenBlocks(hn::Set(tag, t_.local_y[l]), hn::Set(tag, t_.local_x[l]));
+      hn::Store(hn::IfThenElse(is_slot, place, hn::Load(tag, to)), tag, to);
+    }
+  }
+
   /// Whom the disks meet first.
   HWY_INLINE void find_partners() {
     if (candidates_.count == 0) return;
-    Doubles const tag;
-    auto const substeps = static_cast<std::uint32_t>(view_.substeps);
     // Lanes beyond the last candidate look at somebody too.
     for (std::size_t k = 0; k < lanes; ++k) {
       candidates_.row[candidates_.count + k] = candidates_.row[0];
       candidates_.turn[candidates_.count + k] = candidates_.turn[0];
     }
-    Double const substep = hn::Set(tag, view_.substep);
-    for (std::size_t first = 0; first < candidates_.count; first += lanes) {
-      DiskInTurn const* selves[lanes];
-      DiskInTurn const* others[lanes];
-      for (std::size_t k = 0; k < lanes; ++k) {
-        selves[k] = t_.disk[candidates_.turn[first + k]];
-        others[k] = &view_.disks[candidates_.row[first + k]];
-      }
-      Vectors const from = positions_of(selves);
-      Vectors const velocity = velocities_of(selves);
-      Vectors const other = positions_of(others);
-      Double const contact = hn::Add(radii_of(selves), radii_of(others));
-      Double const squared_contact = hn::Mul(contact, contact);
-      Double const displacement_x = hn::Mul(substep, velocity.x);
-      Double const displacement_y = hn::Mul(substep, velocity.y);
-      Double x = from.x;
-      Double y = from.y;
-      // Of the sub-step in which they meet, or the last one.
-      Double before_x = x;
-      Double before_y = y;
-      Double nearest = hn::Zero(tag);
-      Double met_in = hn::Zero(tag);
-      IsTrue apart = hn::FirstN(tag, candidates_.count - first);
-      for (std::uint32_t m = 0; m < substeps; ++m) {
-        before_x = hn::IfThenElse(apart, x, before_x);
-        before_y = hn::IfThenElse(apart, y, before_y);
-        x = hn::Add(x, displacement_x);
-        y = hn::Add(y, displacement_y);
-        Double const squared = squared_length(hn::Sub(other.x, x), hn::Sub(other.y, y));
-        nearest = hn::IfThenElse(apart, squared, nearest);
-        met_in = hn::IfThenElse(apart, hn::Set(tag, static_cast<double>(m)), met_in);
-        apart = hn::AndNot(hn::Lt(squared, squared_contact), apart);
-      }
-      std::size_t const valid = std::min(lanes, candidates_.count - first);
-      unsigned const met = ((1U << valid) - 1U) & ~bits_of(tag, apart);
-      if (met != 0) choose_partners(met, first, {before_x, before_y}, met_in, nearest);
+    by_registers(candidates_.count, [this](auto tag, std::size_t first) HWY_ATTR { find_partners(tag, first); });
+  }
+
+  /// Of the candidates in a register.
+  template <class D>
+  HWY_INLINE void find_partners(D tag, std::size_t first) {
+    using Double = hn::Vec<D>;
+    constexpr std::size_t count = hn::MaxLanes(D());
+    auto const substeps = static_cast<std::uint32_t>(view_.substeps);
+    DiskInTurn const* selves[count];
+    DiskInTurn const* others[count];
+    for (std::size_t k = 0; k < count; ++k) {
+      selves[k] = t_.disk[candidates_.turn[first + k]];
+      others[k] = &view_.disks[candidates_.row[first + k]];
     }
+    Vectors<D> const from = positions_of(tag, selves);
+    Vectors<D> const velocity = velocities_of(tag, selves);
+    Vectors<D> const other = positions_of(tag, others);
+    Double const contact = hn::Add(radii_of(tag, selves), radii_of(tag, others));
+    Double const squared_contact = hn::Mul(contact, contact);
+    Double const substep = hn::Set(tag, view_.substep);
+    Double const displacement_x = hn::Mul(substep, velocity.x);
+    Double const displacement_y = hn::Mul(substep, velocity.y);
+    Double x = from.x;
+    Double y = from.y;
+    // Of the sub-step in which they meet, or the last one.
+    Double before_x = x;
+    Double before_y = y;
+    Double nearest = hn::Zero(tag);
+    Double met_in = hn::Zero(tag);
+    hn::Mask<D> apart = hn::FirstN(tag, candidates_.count - first);
+    for (std::uint32_t m = 0; m < substeps; ++m) {
+      before_x = hn::IfThenElse(apart, x, before_x);
+      before_y = hn::IfThenElse(apart, y, before_y);
+      x = hn::Add(x, displacement_x);
+      y = hn::Add(y, displacement_y);
+      Double const squared = squared_length(hn::Sub(other.x, x), hn::Sub(other.y, y));
+      nearest = hn::IfThenElse(apart, squared, nearest);
+      met_in = hn::IfThenElse(apart, hn::Set(tag, static_cast<double>(m)), met_in);
+      apart = hn::AndNot(hn::Lt(squared, squared_contact), apart);
+    }
+    std::size_t const valid = std::min(count, candidates_.count - first);
+    unsigned const met = ((1U << valid) - 1U) & ~bits_of(tag, apart);
+    if (met != 0) choose_partners(tag, met, first, {before_x, before_y}, met_in, nearest);
   }
 
   /// Of the candidates from `first` on that are met those that are met before others.
-  HWY_INLINE void choose_partners(unsigned met, std::size_t first, Vectors before, Double met_in, Double nearest) {
-    Doubles const tag;
-    alignas(64) double substep[lanes];
-    alignas(64) double squared[lanes];
-    alignas(64) Point halted_at[lanes];
+  template <class D>
+  HWY_INLINE void choose_partners(D tag, unsigned met, std::size_t first, Vectors<D> before, hn::Vec<D> met_in,
+                                  hn::Vec<D> nearest) {
+    alignas(64) double substep[hn::MaxLanes(D())];
+    alignas(64) double squared[hn::MaxLanes(D())];
+    alignas(64) Point halted_at[hn::MaxLanes(D())];
     hn::Store(met_in, tag, substep);
     hn::Store(nearest, tag, squared);
     hn::StoreInterleaved2(before.x, before.y, tag, &halted_at[0].x);
@@ -485,7 +560,7 @@ class BatchedMoves {
 
   HWY_INLINE void halt(std::size_t l, Counters& counters) {
     std::uint64_t const left_out = view_.substeps - t_.free_substeps[l] - 1;
-    counters.distance_checks -= left_out * count_of(t_.near[l]);
+    checks_left_out_ += left_out * count_of(t_.near[l]);
     t_.disk[l]->position = t_.halted_at[l];
     collide(view_, rows_[l], t_.partner[l], counters);
     grid_.move(rows_[l], t_.halted_at[l]);
@@ -496,6 +571,7 @@ class BatchedMoves {
   TurnView const& view_;
   PackedGrid& grid_;
   std::span<std::uint32_t const> rows_;
+  ResultsOfTurns results_;
   Turns local_ = 0;
   Turns far_from_edge_ = 0;
   Turns inside_ = 0;   ///< neither at a wall nor across an edge if they meet nobody
@@ -503,18 +579,18 @@ class BatchedMoves {
   Turns halted_ = 0;
   Turns with_candidates_ = 0;
   std::uint64_t checks_ = 0;  ///< in each sub-step
+  std::uint64_t checks_left_out_ = 0;
   Turning t_;
   Candidates candidates_;
 };
 
 }  // namespace
 
-void take_batch(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
-                std::vector<std::uint32_t>& not_local) {
+void take_batch(PackedTurns& turns, std::span<std::uint32_t const> rows, ResultsOfTurns results) {
   if (rows.size() < worth_it || turns.substeps() > most_substeps) {
-    take_batch_scalar(turns, rows, counters, not_local);
+    take_batch_scalar(turns, rows, results);
   } else {
-    BatchedMoves(turns, rows).take(counters, not_local);
+    BatchedMoves(turns, rows, results).take();
   }
 }
 

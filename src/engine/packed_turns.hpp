@@ -44,13 +44,27 @@ class Cutoff {
 
 class PackedTurns;
 
-/// A kernel of PackedTurns::take_batch().
-using TakeBatch = void (*)(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
-                           std::vector<std::uint32_t>& not_local);
+/// What turns leave behind.
+struct TurnResult {
+  Counters counters;
+  std::vector<std::uint32_t> not_local;  ///< rows of disks that have not taken their turn
+};
+
+/// Where turns, which may be of several tiles, leave it behind.
+struct ResultsOfTurns {
+  std::uint8_t const* places;  ///< of the result of each turn
+  TurnResult* const* results;
+
+  [[nodiscard]] TurnResult& of(std::size_t turn) const { return *results[places[turn]]; }
+  /// For what is counted in whole numbers: it does not matter where, since all results are added up.
+  [[nodiscard]] Counters& any_counters() const { return of(0).counters; }
+};
+
+/// A kernel of PackedTurns::take_batch(). What it is told fits in registers of the processor: it begins at once.
+using TakeBatch = void (*)(PackedTurns& turns, std::span<std::uint32_t const> rows, ResultsOfTurns results);
 
 /// One turn after the other.
-void take_batch_scalar(PackedTurns& turns, std::span<std::uint32_t const> rows, Counters& counters,
-                       std::vector<std::uint32_t>& not_local);
+void take_batch_scalar(PackedTurns& turns, std::span<std::uint32_t const> rows, ResultsOfTurns results);
 /// The kernel for instructions that are available.
 TakeBatch batch_kernel(Target target);
 
@@ -74,10 +88,9 @@ struct TurnConstants {
     for (int const row : {-1, 0, 1}) {
       for (int const column : {-1, 0, 1}) {
         if (row == 0 && column == 0) continue;
-        for (std::size_t slot = k * PackedGrid::slots; slot < (k + 1) * PackedGrid::slots; ++slot) {
-          shift_x[slot] = -static_cast<float>(column) * grid.local_width();
-          shift_y[slot] = -static_cast<float>(row) * grid.local_height();
-        }
+        float* const shift = shift_of_block(k);
+        std::fill_n(shift, PackedGrid::slots, -static_cast<float>(column) * grid.local_width());
+        std::fill_n(shift + PackedGrid::slots, PackedGrid::slots, -static_cast<float>(row) * grid.local_height());
         ++k;
       }
     }
@@ -113,12 +126,16 @@ struct TurnConstants {
   static constexpr std::size_t kinds_of_column = at_first + at_last + 1;
   static constexpr std::size_t kinds_of_cell = kinds_of_column * kinds_of_column;
   std::array<BlockOffsets, kinds_of_cell> block_offsets;
-  /// What is to be added to a point seen from a cell to see it from one of the cells around it.
-  /// As often as there are slots in a block.
-  alignas(64) std::array<float, blocks_around * PackedGrid::slots> shift_x;
-  alignas(64) std::array<float, blocks_around * PackedGrid::slots> shift_y;
+  /// What is to be added to a point seen from a cell to see it from cell k around it: to x as often as there are slots in a block, then to y.
+  /// Behind that of cell 0 lies that of cell 2, behind that of 1 that of 3, so that those of two cells can be read as a whole.
+  [[nodiscard]] float const* shift_of_block(std::size_t k) const { return shifts.data() + place_of_shift(k); }
+  [[nodiscard]] float* shift_of_block(std::size_t k) { return shifts.data() + place_of_shift(k); }
+  alignas(64) std::array<float, 2 * blocks_around * PackedGrid::slots> shifts;
 
  private:
+  static constexpr std::size_t place_of_shift(std::size_t k) {
+    return 2 * PackedGrid::slots * (k / 4 * 4 + k % 2 * 2 + k / 2 % 2);
+  }
   [[nodiscard]] BlockOffsets block_offsets_of(PackedGrid const& grid, std::size_t kind) const {
     auto const place = [](std::size_t edges, int count) {
       return (edges & at_first) != 0 ? 0 : (edges & at_last) != 0 ? count - 1 : 1;
@@ -208,11 +225,11 @@ class PackedTurns {
 
   static constexpr std::size_t largest_batch = 16;
 
-  /// The turns of up to largest_batch disks without a common neighbour, in their order. Those that are not local do not
-  /// take it and are added to `not_local`. The same bits as one turn after the other, as many at a time as target() allows.
-  void take_batch(std::span<std::uint32_t const> rows, Counters& counters, std::vector<std::uint32_t>& not_local) {
+  /// The turns of up to largest_batch disks without a common neighbour, in their order. Those that are not local do not take
+  /// theirs. The same bits as one turn after the other, as many at a time as target() allows.
+  void take_batch(std::span<std::uint32_t const> rows, ResultsOfTurns results) {
     static TakeBatch const kernel = batch_kernel(target());
-    kernel(*this, rows, counters, not_local);
+    kernel(*this, rows, results);
   }
 
   /// The turn of any disk.

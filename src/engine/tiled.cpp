@@ -46,8 +46,8 @@ void take_step(tiled::Steps& steps, std::vector<Tiling::Round> const& rounds, Co
   CountersOfStep of_step;
   for (tiled::TileResult& result : steps.results()) {
     // In the order of tiles: a late disk may change the turn of the next one.
-    for (std::uint32_t const i : result.too_fast_for_tile) steps.take_late(i, result);
-    result.too_fast_for_tile.clear();
+    for (std::uint32_t const i : result.not_local) steps.take_late(i, result);
+    result.not_local.clear();
     of_step.add(result.counters);
     result.counters = {};
   }

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cstdint>
 #include <numeric>
+#include <span>
 
 namespace gridlock {
 
@@ -83,6 +84,14 @@ std::array<Tiling::Round, Tiling::colours + 1> Tiling::rounds_of_colours(Rectang
     }
   }
   return all;
+}
+
+std::span<std::uint32_t const> Tiling::first_team(std::span<std::uint32_t const> tiles) const {
+  std::size_t count = 0;
+  for (std::size_t const most = std::min(tiles.size(), tiles_of_team); count < most; ++count) {
+    if (colour_of(tiles[count]) != colour_of(tiles[0])) break;
+  }
+  return tiles.first(count);
 }
 
 std::uint32_t Tiling::number_of(std::size_t column, std::size_t row) const {
@@ -164,12 +173,15 @@ std::vector<bool> Tiling::left_to_later_rounds(std::vector<std::uint32_t> const&
 Tiling::Part Tiling::in_order_of_memory() const {
   Part order;
   order.reserve(tiles_.size());
+  // Every second tile of a few, then those between them.
   auto const add_row = [&](std::size_t row) {
+    std::size_t between = 1;
     for (std::size_t column = 0; column < columns_; column += 2) {
       order.push_back(number_of(column, row));
-      if (column > 0) order.push_back(number_of(column - 1, row));
+      bool const is_last = column + 2 >= columns_;
+      if (!is_last && column / 2 % tiles_of_team != tiles_of_team - 1) continue;
+      for (; between < columns_ && (between < column || is_last); between += 2) order.push_back(number_of(between, row));
     }
-    if (columns_ % 2 == 0) order.push_back(number_of(columns_ - 1, row));
   };
   for (std::size_t row = 0; row < rows_; row += 2) {
     add_row(row);

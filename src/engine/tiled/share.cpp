@@ -232,7 +232,7 @@ void Share::exchange(std::size_t round) {
 
 /// Remembers late disks by Id and cell, for messages give disks other rows.
 void Share::note_late(std::uint32_t tile) {
-  std::vector<std::uint32_t>& rows = steps_->result_of(tile).too_fast_for_tile;
+  std::vector<std::uint32_t>& rows = steps_->result_of(tile).not_local;
   for (std::uint32_t const row : rows) {
     DiskInTurn const& disk = steps_->disks()[row];
     late_.push_back({.tile = tile,

@@ -49,26 +49,44 @@ Steps::Steps(HotDisks&& disks, TurnRule const& rule, CellLayout const& layout, T
 }
 
 void Steps::take_part(Tiling::Part const& part) {
-  static thread_local UpdateOrder found;
-  FetchAhead ahead(grid_, view_, id_indices_);
-  auto const tile = [&](std::size_t k) { return k < part.size() ? &tiling_.tiles()[part[k]] : nullptr; };
-  for (std::size_t k = 0; k < part.size(); ++k) {
-    TileResult& result = result_of(part[k]);
-    KeptOrder& kept = kept_orders_[place_of_tile_[part[k]]];
-    kept.begin_step(has_changed(*tile(k)));
-    bool const is_known = kept.is_kept();
-    if (is_known) {
-      mark_as_turned(*tile(k));
-    } else if (find_order(found, *tile(k)) && kept.is_worth_keeping()) {
-      kept.keep(found);
+  static thread_local Team team;
+  FetchAhead ahead(grid_, view_, id_indices_, tiling_);
+  std::span<std::uint32_t const> rest = part;
+  std::span<std::uint32_t const> tiles = tiling_.first_team(rest);
+  while (!tiles.empty()) {
+    rest = rest.subspan(tiles.size());
+    std::span<std::uint32_t const> const next = tiling_.first_team(rest);
+    team.clear();
+    std::array<TurnResult*, Tiling::tiles_of_team> results;
+    for (std::size_t k = 0; k < tiles.size(); ++k) {
+      add_to(team, tiles[k]);
+      results[k] = &result_of(tiles[k]);
     }
-    ahead.aim(tile(k + 1), tile(k + 2), is_known ? kept.size() : found.size());
-    if (is_known) {
-      take_turns(kept, result, ahead);
-    } else {
-      take_turns(found, result, ahead);
-    }
+    ahead.aim(next, tiling_.first_team(rest.subspan(next.size())), team.turns());
+    team.for_each_group([&](std::span<std::uint32_t const> rows, std::uint8_t const* places) {
+      for (std::size_t first = 0; first < rows.size(); first += group_size_) {
+        // A local disk is short of a contact distance in the whole step, so in each sub-step too.
+        turns_.take_batch(rows.subspan(first, std::min(group_size_, rows.size() - first)),
+                          {.places = places + first, .results = results.data()});
+      }
+      ahead.advance(rows.size());
+    });
+    tiles = next;
   }
+}
+
+/// The tile begins: its disks are marked as turned.
+void Steps::add_to(Team& team, std::uint32_t tile) {
+  Tiling::Tile const& cells = tiling_.tiles()[tile];
+  KeptOrder& kept = kept_orders_[place_of_tile_[tile]];
+  kept.begin_step(has_changed(cells));
+  if (kept.is_kept()) {
+    mark_as_turned(cells);
+    team.add(kept);
+    return;
+  }
+  if (find_order(team.room(), cells) && kept.is_worth_keeping()) kept.keep(team.room());
+  team.add_found();
 }
 
 /// Whether a disk has come into a cell of a tile or left one since the order of its turns was found.
@@ -106,22 +124,6 @@ bool Steps::find_order(UpdateOrder& order, Tiling::Tile const& tile) {
     return pending;
   });
   return turned == 0;
-}
-
-template <class Order>
-void Steps::take_turns(Order const& order, TileResult& result, FetchAhead& ahead) {
-  order.for_each_group([&](std::span<std::uint32_t const> rows) {
-    for (std::size_t first = 0; first < rows.size(); first += group_size_) {
-      take_group(rows.subspan(first, std::min(group_size_, rows.size() - first)), result, ahead);
-    }
-  });
-}
-
-/// The turns of disks without a common neighbour.
-void Steps::take_group(std::span<std::uint32_t const> rows, TileResult& result, FetchAhead& ahead) {
-  // A local disk is short of a contact distance in the whole step, so in each sub-step too.
-  turns_.take_batch(rows, result.counters, result.too_fast_for_tile);
-  ahead.advance(rows.size());
 }
 
 void Steps::take_late(std::uint32_t row, TileResult& result) {

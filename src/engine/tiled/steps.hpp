@@ -10,6 +10,7 @@
 #include "engine/packed_turns.hpp"
 #include "engine/tiled/fetch_ahead.hpp"
 #include "engine/tiled/kept_order.hpp"
+#include "engine/tiled/team.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/grid/detail/tiling.hpp"
 #include "gridlock/grid/detail/update_order.hpp"
@@ -35,10 +36,9 @@ struct TooFast {
 };
 
 /// What one tile leaves behind in one step; on a cache line of its own, since threads write to it side by side.
-struct alignas(64) TileResult {
-  Counters counters;
-  std::vector<std::uint32_t> too_fast_for_tile;  ///< rows that wait for the end of the step
-  std::optional<TooFast> too_fast;               ///< the first one
+/// Disks that are not local wait for the end of the step.
+struct alignas(64) TileResult : TurnResult {
+  std::optional<TooFast> too_fast;  ///< the first one
 };
 
 /// The turns of the disks of some tiles, step after step.
@@ -81,9 +81,7 @@ class Steps {
   void replace_cell(int cell, std::span<DiskInTurn const> disks, std::span<std::uint8_t const> has_turned);
 
  private:
-  template <class Order>
-  void take_turns(Order const& order, TileResult& result, FetchAhead& ahead);
-  void take_group(std::span<std::uint32_t const> rows, TileResult& result, FetchAhead& ahead);
+  void add_to(Team& team, std::uint32_t tile);
   [[nodiscard]] bool has_changed(Tiling::Tile const& tile) const;
   void mark_as_turned(Tiling::Tile const& tile);
   bool find_order(UpdateOrder& order, Tiling::Tile const& tile);

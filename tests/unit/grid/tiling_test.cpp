@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -125,6 +126,37 @@ TEST_P(TilingOf, RoundsForAnyNumberOfThreadsKeepTheOrderOfColours) {
       }
     }
   }
+}
+
+TEST_P(TilingOf, TeamsAreOfOneColourAndMostOfThemAreFull) {
+  Tiling const tiling(CellLayout(Box(1.0, 1.0, GetParam()), 500, 400));
+  auto const colour_of = [&](std::uint32_t tile) {
+    std::size_t colour = 0;
+    while (tile >= tiling.first_of(colour + 1)) ++colour;
+    return colour;
+  };
+  for (std::size_t const threads : {1, 2}) {
+    std::size_t teams = 0;
+    std::size_t tiles = 0;
+    for (Tiling::Round const& round : tiling.rounds(threads)) {
+      for (Tiling::Part const& part : round) {
+        std::span<std::uint32_t const> rest = part;
+        while (!rest.empty()) {
+          std::span<std::uint32_t const> const team = tiling.first_team(rest);
+          ASSERT_GE(team.size(), 1U);
+          ASSERT_LE(team.size(), Tiling::tiles_of_team);
+          ASSERT_EQ(team.data(), rest.data());
+          for (std::uint32_t const tile : team) ASSERT_EQ(colour_of(tile), colour_of(team[0]));
+          rest = rest.subspan(team.size());
+          ++teams;
+          tiles += team.size();
+        }
+      }
+    }
+    EXPECT_EQ(tiles, tiling.tiles().size());
+    EXPECT_LT(teams, tiles / 2) << threads << " threads";
+  }
+  EXPECT_TRUE(tiling.first_team({}).empty());
 }
 
 std::size_t tiles_of(Tiling::Round const& round) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "gridlock/grid/cell_layout.hpp"
@@ -54,6 +55,10 @@ class Tiling {
 
   /// Numbers of tiles, to be visited one after the other.
   using Part = std::vector<std::uint32_t>;
+  /// As many tiles of one colour, or fewer, lie one after the other in a part: they may take their turns together.
+  static constexpr std::size_t tiles_of_team = 3;
+  /// The first of these tiles, up to tiles_of_team of one colour.
+  [[nodiscard]] std::span<std::uint32_t const> first_team(std::span<std::uint32_t const> tiles) const;
   /// Parts that may be carried out at once: no cell is touched from two of them.
   using Round = std::vector<Part>;
   /// All tiles, round after round, for a number of threads. Whatever that number, of two tiles that touch the same cell

@@ -42,6 +42,16 @@ class UpdateOrder {
   /// Agents that wait.
   [[nodiscard]] std::size_t size() const { return size_; }
 
+  /// So many numbers may be read behind the end of a group.
+  static constexpr std::size_t beyond_group = 16;
+
+  /// Those of a class and a level; none where there is no such level, nor a higher one.
+  [[nodiscard]] std::span<std::uint32_t const> group(std::size_t of_class, std::size_t level) const {
+    std::vector<Level> const& levels = classes_[of_class];
+    if (level >= levels.size()) return std::span(levels[0].rows).first(0);
+    return std::span(levels[level].rows).first(levels[level].size);
+  }
+
   /// Calls visit(rows) for every class and level, in the order of the turns.
   template <class Visit>
   void for_each_group(Visit visit) const {
@@ -61,10 +71,10 @@ class UpdateOrder {
     for (std::vector<Level>& levels : classes_) {
       for (Level& level : levels) {
         level.size = 0;
-        if (level.rows.size() < cells_of_class + 1) level.rows.resize(cells_of_class + 1);
+        if (level.rows.size() < cells_of_class + beyond_group) level.rows.resize(cells_of_class + beyond_group);
       }
       while (levels.size() < PackedGrid::slots)
-        levels.push_back({.rows = std::vector<std::uint32_t>(cells_of_class + 1)});
+        levels.push_back({.rows = std::vector<std::uint32_t>(cells_of_class + beyond_group)});
     }
   }
 
@@ -145,7 +155,7 @@ class UpdateOrder {
   }
 
   struct Level {
-    std::vector<std::uint32_t> rows;  ///< one more than can be, for what is written and not meant
+    std::vector<std::uint32_t> rows;  ///< more than can be: for what is written and not meant, and beyond_group
     std::size_t size = 0;
   };
   /// A cell in whose block several agents wait, or one of several blocks; in level 0 it has the place `place`.
