@@ -4,8 +4,10 @@
 #include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <exception>
 #include <iterator>
 #include <optional>
 #include <set>
@@ -171,9 +173,21 @@ class Rows {
 void append_blocks(Rows const& rows, AtomicFile& file) {
   constexpr std::size_t blocks_in_memory = 16;
   std::size_t next = 0;
+  // A pipeline that ends by an exception loses what is on its way, so it ends as always and the exception is thrown afterwards.
+  std::exception_ptr failure;
+  std::atomic<bool> has_failed = false;
+  auto const append = [&](std::string const& text) {
+    if (has_failed) return;
+    try {
+      file.append(text);
+    } catch (...) {
+      failure = std::current_exception();
+      has_failed = true;
+    }
+  };
   auto const take_next = [&](tbb::flow_control& control) {
     std::size_t const first = std::min(next, rows.size());
-    if (first == rows.size()) control.stop();
+    if (first == rows.size() || has_failed) control.stop();
     next += rows_per_block;
     return rows.block(first);
   };
@@ -182,9 +196,9 @@ void append_blocks(Rows const& rows, AtomicFile& file) {
         blocks_in_memory, tbb::make_filter<void, Frame>(tbb::filter_mode::serial_in_order, take_next) &
                               tbb::make_filter<Frame, std::string>(
                                   tbb::filter_mode::parallel, [&](Frame const& block) { return rows.text(block); }) &
-                              tbb::make_filter<std::string, void>(tbb::filter_mode::serial_in_order,
-                                                                  [&](std::string const& text) { file.append(text); }));
+                              tbb::make_filter<std::string, void>(tbb::filter_mode::serial_in_order, append));
   });
+  if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace
