@@ -147,6 +147,18 @@ void find_candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOfRow a
   buffer.flush();
 }
 
+bool PackedGrid::are_scattered(std::span<AgentPair const> pairs) {
+  // What they point to is some lines of memory apart.
+  constexpr std::uint32_t far = 256;
+  constexpr std::size_t sample = 16;
+  std::size_t scattered = 0;
+  for (std::size_t k = 0; k < sample && !pairs.empty(); ++k) {
+    AgentPair const& pair = pairs[k * pairs.size() / sample];
+    scattered += pair.first > pair.second + far || pair.second > pair.first + far ? 1 : 0;
+  }
+  return 2 * scattered > sample;
+}
+
 void PackedGrid::find_candidate_pairs(double cutoff, OnPairs const& on_pairs) const {
   require_cutoff(cutoff);
   static AddPairsOfRow const kernel = add_pairs_kernel(target());

@@ -18,7 +18,6 @@ NeighbourSearch::NeighbourSearch(Box const& box, double cutoff, std::span<double
   require_box_for(box, cutoff);
   require_equal_lengths(x, y);
   require_point_count(x.size());
-  require_points(x, y);
   make_grid();
 }
 
@@ -26,12 +25,15 @@ void NeighbourSearch::make_grid() {
   // A block has room for four points, so that cells of two each are as quick to search as smaller ones, and quicker to make.
   constexpr double cells_per_point = 0.6;
   CellLayout const layout = layout_for_cutoff(box_, cutoff_, size(), cells_per_point);
+  // Each of them looks for points that are not finite, once.
   if (!make_grid_of_crowd(layout)) grid_ = PackedGrid(layout, x_, y_);
 }
 
 bool NeighbourSearch::make_grid_of_crowd(CellLayout const& layout) {
   std::optional<CellLayout> const finer = layout_for_crowd(box_, cutoff_, size(), layout);
-  if (!finer || !has_crowd(layout)) return false;
+  if (!finer) return false;
+  require_points(x_, y_);
+  if (!has_crowd(layout)) return false;
   crowd_.emplace(box_, *finer, x_, y_);
   grid_ = PackedGrid();
   return true;

@@ -32,7 +32,7 @@ namespace gridlock {
 /// end of the search. Several threads may search at once.
 /// Errors: Error for lists of different lengths, coordinates that are not finite, more than 250 million points, a cutoff
 /// outside 10⁻⁶⁰ … 10⁶⁰ or above half the shorter side of a periodic box, and a box with sides outside that range.
-/// Cost for a million points in no order with six neighbours each: 40 ns a point to build, 15 ns to update, 60 ns for all
+/// Cost for a million points in no order with six neighbours each: 35 ns a point to build, 15 ns to update, 45 ns for all
 /// pairs (AMD Zen 4); 60 bytes a point. Where points crowd in a part of the box, up to 2.3 times as much for building, an update and
 /// all pairs, and as much for an update as for building where more than one point in eight comes to another cell.
 class NeighbourSearch {

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "gridlock/core/box.hpp"
+#include "gridlock/core/detail/look_ahead.hpp"
 #include "gridlock/grid/detail/neighbour_grid.hpp"
 
 namespace gridlock {
@@ -16,6 +17,10 @@ struct PointsInBox {
   std::span<double const> y;
 
   [[nodiscard]] Vector operator[](std::size_t i) const { return {x[i], y[i]}; }
+  void prefetch(std::size_t i) const {
+    prefetch_near(&x[i]);
+    prefetch_near(&y[i]);
+  }
 };
 
 /// Whether all points lie in [0, width) × [0, height).
@@ -33,12 +38,21 @@ template <SearchGrid Grid, class Visit>
 void for_each_pair(PointsInBox const& points, Grid const& grid, double cutoff, Visit visit) {
   double const squared_cutoff = cutoff * cutoff;
   auto const search = [&](auto displacement) {
-    grid.for_each_candidate_pair(cutoff, [&, displacement](std::size_t a, std::size_t b) {
+    auto const visit_near = [&, displacement](std::size_t a, std::size_t b) {
       std::size_t const i = std::max(a, b);
       std::size_t const j = std::min(a, b);
       Vector const separation = displacement(points[i], points[j]);
       if (squared_length(separation) < squared_cutoff) visit(i, j, separation);
-    });
+    };
+    auto const expect = [&](std::size_t a, std::size_t b) {
+      points.prefetch(a);
+      points.prefetch(b);
+    };
+    if constexpr (requires { grid.for_each_candidate_pair(cutoff, visit_near, expect); }) {
+      grid.for_each_candidate_pair(cutoff, visit_near, expect);
+    } else {
+      grid.for_each_candidate_pair(cutoff, visit_near);
+    }
   };
   Box const& box = points.box;
   // Asked once instead of for every pair.
