@@ -180,7 +180,8 @@ Tiling::Part Tiling::in_order_of_memory() const {
       order.push_back(number_of(column, row));
       bool const is_last = column + 2 >= columns_;
       if (!is_last && column / 2 % tiles_of_team != tiles_of_team - 1) continue;
-      for (; between < columns_ && (between < column || is_last); between += 2) order.push_back(number_of(between, row));
+      for (; between < columns_ && (between < column || is_last); between += 2)
+        order.push_back(number_of(between, row));
     }
   };
   for (std::size_t row = 0; row < rows_; row += 2) {

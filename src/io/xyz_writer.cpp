@@ -192,11 +192,11 @@ void append_blocks(Rows const& rows, AtomicFile& file) {
     return rows.block(first);
   };
   on_all_cores([&] {
-    tbb::parallel_pipeline(
-        blocks_in_memory, tbb::make_filter<void, Frame>(tbb::filter_mode::serial_in_order, take_next) &
-                              tbb::make_filter<Frame, std::string>(
-                                  tbb::filter_mode::parallel, [&](Frame const& block) { return rows.text(block); }) &
-                              tbb::make_filter<std::string, void>(tbb::filter_mode::serial_in_order, append));
+    tbb::parallel_pipeline(blocks_in_memory,
+                           tbb::make_filter<void, Frame>(tbb::filter_mode::serial_in_order, take_next) &
+                               tbb::make_filter<Frame, std::string>(
+                                   tbb::filter_mode::parallel, [&](Frame const& block) { return rows.text(block); }) &
+                               tbb::make_filter<std::string, void>(tbb::filter_mode::serial_in_order, append));
   });
   if (failure) std::rethrow_exception(failure);
 }

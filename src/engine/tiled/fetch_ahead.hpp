@@ -49,7 +49,8 @@ class FetchAhead {
       grid_.prefetch(block.agent[0]);
       prefetch(&id_indices_[block.agent[0]]);
     });
-    advance(block_walk_, cells_a_turn_ * turns, [this](int column, int row) { prefetch(&grid_.block_at(column, row)); });
+    advance(block_walk_, cells_a_turn_ * turns,
+            [this](int column, int row) { prefetch(&grid_.block_at(column, row)); });
   }
 
  private:

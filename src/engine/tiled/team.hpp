@@ -61,8 +61,9 @@ class Team {
       for (std::size_t level = 0;; ++level) {
         std::size_t size = 0;
         for (std::size_t tile = 0; tile < tiles_; ++tile) {
-          size += copy(kept_[tile] != nullptr ? kept_[tile]->group(of_class, level) : room_[tile].group(of_class, level),
-                       tile, size);
+          size +=
+              copy(kept_[tile] != nullptr ? kept_[tile]->group(of_class, level) : room_[tile].group(of_class, level),
+                   tile, size);
         }
         if (size == 0) break;
         visit(std::span<std::uint32_t const>(rows_).first(size), places_.data());

@@ -37,9 +37,8 @@ class Turns {
     UpdateOrder order;
     find(order, tile);
     std::vector<std::uint32_t> rows;
-    order.for_each_group([&](std::span<std::uint32_t const> group) {
-      rows.insert(rows.end(), group.begin(), group.end());
-    });
+    order.for_each_group(
+        [&](std::span<std::uint32_t const> group) { rows.insert(rows.end(), group.begin(), group.end()); });
     return rows;
   }
 
