@@ -55,7 +55,7 @@ class Tiling {
 
   /// Numbers of tiles, to be visited one after the other.
   using Part = std::vector<std::uint32_t>;
-  /// As many tiles of one colour, or fewer, lie one after the other in a part: they may take their turns together.
+  /// A part has up to so many tiles of one colour one behind another: they may have their turns at once.
   static constexpr std::size_t tiles_of_team = 3;
   /// The first of these tiles, up to tiles_of_team of one colour.
   [[nodiscard]] std::span<std::uint32_t const> first_team(std::span<std::uint32_t const> tiles) const;

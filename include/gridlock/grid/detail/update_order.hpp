@@ -48,8 +48,9 @@ class UpdateOrder {
   /// Those of a class and a level; none where there is no such level, nor a higher one.
   [[nodiscard]] std::span<std::uint32_t const> group(std::size_t of_class, std::size_t level) const {
     std::vector<Level> const& levels = classes_[of_class];
-    if (level >= levels.size()) return std::span(levels[0].rows).first(0);
-    return std::span(levels[level].rows).first(levels[level].size);
+    if (levels.empty()) return {};
+    Level const& found = levels[std::min(level, levels.size() - 1)];
+    return std::span(found.rows).first(level < levels.size() ? found.size : 0);
   }
 
   /// Calls visit(rows) for every class and level, in the order of the turns.
