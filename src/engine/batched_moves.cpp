@@ -390,7 +390,7 @@ class BatchedMoves {
         auto const dx = hn::Sub(hn::Load(tag, around[k]->x.data()), hn::Add(sight_x, hn::Load(tag, shift)));
         auto const dy =
             hn::Sub(hn::Load(tag, around[k]->y.data()), hn::Add(sight_y, hn::Load(tag, shift + PackedGrid::slots)));
-        squared = hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
+        squared = squared_length(dx, dy);
       } else {
         auto const sight = hn::OddEvenBlocks(sight_y, sight_x);
         auto const parts_of = [&](std::size_t first) HWY_ATTR {
@@ -415,7 +415,7 @@ class BatchedMoves {
     hn::FixedTag<float, PackedGrid::slots> const tag;
     auto const dx = hn::Sub(hn::Load(tag, here.x.data()), hn::Set(tag, t_.sight_x[l]));
     auto const dy = hn::Sub(hn::Load(tag, here.y.data()), hn::Set(tag, t_.sight_y[l]));
-    return bits_of(tag, hn::Le(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Set(tag, t_.limit[l])));
+    return bits_of(tag, hn::Le(squared_length(dx, dy), hn::Set(tag, t_.limit[l])));
   }
 
   /// Whether a cell around the one of this block has more disks than a block.

@@ -25,7 +25,7 @@ void NeighbourSearch::make_grid() {
   // A block has room for four points, so that cells of two each are as quick to search as smaller ones, and quicker to make.
   constexpr double cells_per_point = 0.6;
   CellLayout const layout = layout_for_cutoff(box_, cutoff_, size(), cells_per_point);
-  // Each of them looks for points that are not finite, once.
+  // PackedGrid looks itself for points that are not finite.
   if (!make_grid_of_crowd(layout)) grid_ = PackedGrid(layout, x_, y_);
 }
 

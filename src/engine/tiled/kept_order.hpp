@@ -28,8 +28,7 @@ class alignas(64) KeptOrder {
 
   void keep(UpdateOrder const& order) {
     forget();
-    size_ = order.size();
-    rows_.resize(size_ + UpdateOrder::beyond_group);
+    rows_.resize(order.size() + UpdateOrder::beyond_group);
     std::size_t count = 0;
     for (std::size_t of_class = 0; of_class < UpdateOrder::classes; ++of_class) {
       first_group_[of_class] = static_cast<std::uint32_t>(begins_.size());
@@ -45,7 +44,7 @@ class alignas(64) KeptOrder {
     begins_.push_back(static_cast<std::uint32_t>(count));
   }
 
-  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] std::size_t size() const { return begins_.empty() ? 0 : begins_.back(); }
 
   /// As that of UpdateOrder. How many levels a class has is as good as random: no branch depends on it.
   [[nodiscard]] std::span<std::uint32_t const> group(std::size_t of_class, std::size_t level) const {
@@ -63,14 +62,10 @@ class alignas(64) KeptOrder {
   }
 
  private:
-  void forget() {
-    begins_.clear();
-    size_ = 0;
-  }
+  void forget() { begins_.clear(); }
 
   static constexpr int most_quiet_steps = 8;
 
-  std::size_t size_ = 0;
   std::vector<std::uint32_t> rows_;
   std::vector<std::uint32_t> begins_;  ///< of the groups among the rows, and the end of the last one
   std::array<std::uint32_t, UpdateOrder::classes + 1> first_group_{};

@@ -41,6 +41,7 @@ class Team {
   /// Calls visit(rows, places) for every class and level; places[k] is the number of the tile of rows[k] in the team.
   template <class Visit>
   void for_each_group(Visit visit) {
+    // The groups of a tile that is alone need not be copied.
     auto const visit_alone = [&](std::span<std::uint32_t const> group) {
       if (alone_.size() < group.size()) alone_.resize(group.size());
       visit(group, alone_.data());

@@ -219,8 +219,6 @@ class PackedGrid {
     std::uint32_t second;
     friend bool operator==(AgentPair const&, AgentPair const&) = default;
   };
-  /// Whether most of them are of agents whose numbers are far from each other, by a sample.
-  static bool are_scattered(std::span<AgentPair const> pairs);
   using OnPairs = std::function<void(std::span<AgentPair const>)>;
   /// The same pairs in portions of up to a thousand. Sixteen candidates are looked at at a time with AVX-512, eight with AVX2, four
   /// elsewhere, chosen at run time; the same pairs in the same order with any.
@@ -286,6 +284,8 @@ class PackedGrid {
   }
 
  private:
+  /// Whether most of them are of agents whose numbers are far from each other, by a sample.
+  static bool are_scattered(std::span<AgentPair const> pairs);
   /// By itself, or it would change how the loop over agents near each other in memory is compiled.
   template <class Visit, class Expect>
   [[gnu::noinline]] static void visit_ahead(std::span<AgentPair const> pairs, Visit& visit, Expect& expect);
