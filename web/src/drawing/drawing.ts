@@ -162,12 +162,17 @@ export class Drawing {
     return recording.stop();
   }
 
+  /** Loads the frame once more, as a new one, and draws it. For measurements. */
+  drawAnew(): void {
+    this.renderer.load(this.frame, this.paint);
+    this.paintNow();
+  }
+
   /** Draws once; the milliseconds until the page has handed the picture over, and until it is there. */
   measureFrame(): { handedOver: number; drawn: number } {
     this.renderer.finish();
     const start = performance.now();
-    this.renderer.load(this.frame, this.paint);
-    this.paintNow();
+    this.drawAnew();
     const handedOver = performance.now() - start;
     this.renderer.finish();
     return { handedOver, drawn: performance.now() - start };

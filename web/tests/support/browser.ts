@@ -38,8 +38,13 @@ export async function servePage(): Promise<{ address: string; server: Server }> 
   return { address: `http://127.0.0.1:${(server.address() as AddressInfo).port}/`, server };
 }
 
-/** Software rendering, so that pictures do not depend on the machine; no traffic but that of the page. */
-export async function startBrowser(): Promise<Browser> {
+/** Pictures that do not depend on the machine. */
+const SOFTWARE_RENDERING = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+/** A graphics processor, which needs no screen. */
+const GRAPHICS_PROCESSOR = ["--use-angle=gl-egl"];
+
+/** Software rendering, or a graphics processor; no traffic but that of the page. */
+export async function startBrowser(rendering: "software" | "graphics processor" = "software"): Promise<Browser> {
   return chromium.launch({
     executablePath: CHROMIUM,
     args: [
@@ -51,8 +56,7 @@ export async function startBrowser(): Promise<Browser> {
       "--disable-component-update",
       "--disable-sync",
       "--use-gl=angle",
-      "--use-angle=swiftshader",
-      "--enable-unsafe-swiftshader",
+      ...(rendering === "software" ? SOFTWARE_RENDERING : GRAPHICS_PROCESSOR),
       "--ignore-gpu-blocklist",
       "--force-color-profile=srgb",
       "--font-render-hinting=none",
