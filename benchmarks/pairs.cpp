@@ -55,11 +55,10 @@ struct Sum {
 class PlainGrid : public PackedGrid {
  public:
   using PackedGrid::PackedGrid;
-  template <class Visit>
-  void for_each_candidate_pair(double cutoff, Visit visit) const {
-    gridlock::find_candidate_pairs(*this, cutoff, add_pairs_of_row_scalar, [&](std::span<AgentPair const> pairs) {
-      for (AgentPair const& pair : pairs) visit(pair.first, pair.second);
-    });
+  template <class Visit, class Expect = ExpectNothing>
+  void for_each_candidate_pair(double cutoff, Visit visit, Expect expect = {}) const {
+    gridlock::find_candidate_pairs(*this, cutoff, add_pairs_of_row_scalar,
+                                   [&](std::span<AgentPair const> pairs) { visit_pairs(pairs, visit, expect); });
   }
 };
 

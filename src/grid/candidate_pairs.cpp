@@ -129,7 +129,7 @@ AddPairsOfRow add_pairs_kernel(Target target) {
 }
 
 void find_candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOfRow add_pairs_of_row,
-                          PackedGrid::OnPairs const& on_pairs) {
+                          OnPairs const& on_pairs) {
   CellLayout const& layout = grid.layout();
   int const columns = layout.columns_within(cutoff);
   int const rows = layout.rows_within(cutoff);
@@ -147,7 +147,7 @@ void find_candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOfRow a
   buffer.flush();
 }
 
-bool PackedGrid::are_scattered(std::span<AgentPair const> pairs) {
+bool are_scattered(std::span<AgentPair const> pairs) {
   // What they point to is some lines of memory apart.
   constexpr std::uint32_t far = 256;
   constexpr std::size_t sample = 16;

@@ -15,11 +15,11 @@ namespace gridlock {
 /// processor at every other pair; instead every candidate is written and only the count depends on the answer.
 class PairBuffer {
  public:
-  using Pair = PackedGrid::AgentPair;
+  using Pair = AgentPair;
   /// Pairs that may be written behind the last one that counts.
   static constexpr std::size_t slack = 16;
 
-  explicit PairBuffer(PackedGrid::OnPairs const& on_pairs) : on_pairs_(on_pairs) {}
+  explicit PairBuffer(OnPairs const& on_pairs) : on_pairs_(on_pairs) {}
 
   /// Where the next pairs are written, at most `pairs` of which count.
   Pair* room_for(std::size_t pairs) {
@@ -37,7 +37,7 @@ class PairBuffer {
   static constexpr std::size_t capacity = 1024;
   alignas(64) std::array<Pair, capacity + slack> pairs_;
   std::size_t size_ = 0;
-  PackedGrid::OnPairs const& on_pairs_;
+  OnPairs const& on_pairs_;
 };
 
 /// A block that the agents of a cell look at, and what is added to their places to see them from there.
@@ -85,7 +85,7 @@ AddPairsOfRow add_pairs_with_highway(Target target);
 
 /// PackedGrid::find_candidate_pairs() by one of the kernels.
 void find_candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOfRow add_pairs_of_row,
-                          PackedGrid::OnPairs const& on_pairs);
+                          OnPairs const& on_pairs);
 
 /// The five blocks of a cell in a row whose half block is that of 3×3 cells.
 struct FiveBlocks {

@@ -12,6 +12,7 @@
 #include <hwy/highway.h>
 
 #include "core/highway-inl.hpp"
+#include "grid/write_pairs-inl.hpp"
 
 // The plain C++ beside is faster than Highway's one lane.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
@@ -41,42 +42,6 @@ struct SeenRegister {
   Register shift_y;
   std::uint32_t const* agents[blocks_per_register];
 };
-
-/// Which bytes of four agents to take for the pairs of those whose bits are set: the higher half of each pair is the agent, and the
-/// lower half zero.
-struct PairBytes {
-  static constexpr std::uint8_t zero = 0x80;
-  alignas(32) std::uint8_t of[1U << slots][slots * sizeof(PairBuffer::Pair)];
-};
-constexpr PairBytes find_pair_bytes() {
-  PairBytes bytes{};
-  for (unsigned bits = 0; bits < 1U << slots; ++bits) {
-    std::size_t at = 0;
-    for (std::uint8_t slot = 0; slot < slots; ++slot) {
-      if ((bits >> slot & 1U) == 0) continue;
-      for (std::uint8_t k = 0; k < 4; ++k) bytes.of[bits][at++] = PairBytes::zero;
-      for (std::uint8_t k = 0; k < 4; ++k) bytes.of[bits][at++] = static_cast<std::uint8_t>(4 * slot + k);
-    }
-    while (at < sizeof(bytes.of[bits])) bytes.of[bits][at++] = PairBytes::zero;
-  }
-  return bytes;
-}
-constexpr PairBytes pair_bytes = find_pair_bytes();
-
-/// Writes the pairs of an agent with those of four others whose bits are set and returns their end. Four are written, whoever is near.
-HWY_INLINE PairBuffer::Pair* write_pairs(std::uint32_t agent, std::uint32_t const* others, unsigned bits,
-                                         PairBuffer::Pair* pair) {
-  hn::CappedTag<std::uint8_t, sizeof(pair_bytes.of[0])> const tag;
-  hn::Repartition<std::uint64_t, decltype(tag)> const pairs_tag;
-  auto const first = hn::BitCast(tag, hn::Set(pairs_tag, std::uint64_t{agent}));
-  auto const agents = hn::LoadDup128(tag, reinterpret_cast<std::uint8_t const*>(others));
-  auto* const to = reinterpret_cast<std::uint8_t*>(pair);
-  for (std::size_t k = 0; k < sizeof(pair_bytes.of[0]); k += hn::Lanes(tag)) {
-    auto const second = hn::TableLookupBytesOr0(agents, hn::Load(tag, pair_bytes.of[bits] + k));
-    hn::StoreU(hn::Or(first, second), tag, to + k);
-  }
-  return pair + std::popcount(bits);
-}
 
 // Templates, so that what needs room for two blocks is not compiled where there is none.
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gridlock/grid/cell_layout.hpp"
+#include "gridlock/grid/detail/agent_pairs.hpp"
 
 namespace gridlock {
 
@@ -85,8 +86,8 @@ class LinkedGrid {
   }
 
   /// Calls visit(i, j), i > j, once for every pair nearer than `cutoff`, and for some that are farther.
-  template <class Visit>
-  void for_each_candidate_pair(double cutoff, Visit visit) const {
+  template <class Visit, class Expect = ExpectNothing>
+  void for_each_candidate_pair(double cutoff, Visit visit, Expect const& = {}) const {
     int const reach_columns = layout_.columns_within(cutoff);
     int const reach_rows = layout_.rows_within(cutoff);
     for (std::size_t i = 0; i < cell_.size(); ++i) {

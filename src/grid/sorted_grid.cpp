@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "grid/candidate_pairs.hpp"
+#include "grid/sorted_pairs.hpp"
 #include "grid/sorted_points.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/grid/detail/find_neighbours.hpp"
@@ -35,6 +36,16 @@ void for_each_near(RowBlock const& block, RowSearch const& search, Visit const& 
       std::size_t const count = find_neighbours(search, {&part, 1}, found.data());
       visit(std::span<std::uint32_t const>(found).first(count));
     }
+  }
+}
+
+/// Adds the near pairs of a row with those of a range, which may be long.
+void add_pairs_of_row(SortedRows const& rows, std::size_t row, RowRange range, Box const* box, AddPairsOfRows add_pairs,
+                      PairBuffer& buffer) {
+  for (std::size_t first = range.first; first < range.end; first += most_candidates) {
+    RowRange const cell{row, row + 1};
+    std::array const ranges{cell, RowRange{first, std::min(range.end, first + most_candidates)}};
+    add_pairs(rows, cell, ranges, box, buffer);
   }
 }
 
@@ -89,35 +100,42 @@ void SortedGrid::find_candidates(Vector p, double cutoff, OnAgents const& on_age
 }
 
 void SortedGrid::find_candidate_pairs(double cutoff, OnPairs const& on_pairs) const {
+  static AddPairsOfRows const add_pairs = add_pairs_of_rows_kernel(target());
   SortedPoints const& points = *points_;
   CellLayout const& layout = points.layout();
   RowBlocks const blocks(layout, [&](int column, int row) { return points.first_of(column, row); });
-  bool const has_halves = blocks.has_halves();
-  double const limit = squared_limit(cutoff);
+  SortedRows const sorted{.x = points.x(),
+                          .y = points.y(),
+                          .index = points.indices(),
+                          .size = points.size(),
+                          .squared_cutoff = squared_limit(cutoff)};
   PairBuffer buffer(on_pairs);
-  points.for_each_cell(0, layout.rows(), [&](int column, int cell_row, RowRange rows) {
-    RowBlock block = has_halves ? blocks.after(column, cell_row) : blocks.around(column, cell_row);
-    for (std::size_t row = rows.first; row < rows.end; ++row) {
-      // The own cell comes first: pairs in it are found from the row that comes first.
-      if (has_halves) block.rows[0].first = row + 1;
-      RowSearch const search{.x = points.x(),
-                             .y = points.y(),
-                             .size = points.size(),
-                             .p = {points.x()[row], points.y()[row]},
-                             .squared_cutoff = limit,
-                             .left_out = row,
-                             .box = block.is_at_edge ? &box_ : nullptr};
-      std::uint32_t const agent = points.index(row);
-      for_each_near(block, search, [&](std::span<std::uint32_t const> others) {
-        PairBuffer::Pair* pair = buffer.room_for(others.size());
-        for (std::uint32_t const other : others) {
-          *pair = {agent, points.index(other)};
-          pair += has_halves || other > row ? 1 : 0;
+  if (!blocks.has_halves()) {
+    points.for_each_cell(0, layout.rows(), [&](int column, int cell_row, RowRange cell) {
+      RowBlock const block = blocks.around(column, cell_row);
+      for (std::size_t row = cell.first; row < cell.end; ++row) {
+        // Of each pair the row that comes first.
+        for (RowRange const range : block.ranges()) {
+          add_pairs_of_row(sorted, row, {std::max(range.first, row + 1), range.end}, &box_, add_pairs, buffer);
         }
-        buffer.keep_until(pair);
-      });
-    }
-  });
+      }
+    });
+  } else {
+    points.for_each_cell(0, layout.rows(), [&](int column, int cell_row, RowRange cell) {
+      RowBlock const block = blocks.after(column, cell_row);
+      Box const* const box = block.is_at_edge ? &box_ : nullptr;
+      if (block.candidates <= most_candidates) [[likely]] {
+        add_pairs(sorted, cell, block.ranges(), box, buffer);
+        return;
+      }
+      for (std::size_t row = cell.first; row < cell.end; ++row) {
+        for (RowRange const& range : block.ranges()) {
+          std::size_t const first = &range == block.rows.data() ? row + 1 : range.first;
+          add_pairs_of_row(sorted, row, {first, range.end}, box, add_pairs, buffer);
+        }
+      }
+    });
+  }
   buffer.flush();
 }
 

@@ -64,6 +64,7 @@ class SortedPoints {
   }
   [[nodiscard]] std::size_t size() const { return index_.size(); }
   [[nodiscard]] std::uint32_t index(std::size_t row) const { return index_[row]; }
+  [[nodiscard]] std::uint32_t const* indices() const { return index_.data(); }
   [[nodiscard]] double const* x() const { return x_.data(); }
   [[nodiscard]] double const* y() const { return y_.data(); }
 

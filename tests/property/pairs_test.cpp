@@ -237,13 +237,12 @@ TEST(NeighboursOnPackedGrid, ComeInTheOrderOfTheBlockOfCells) {
   }
 }
 
-using CandidatePairs = std::vector<PackedGrid::AgentPair>;
+using CandidatePairs = std::vector<AgentPair>;
 
 CandidatePairs candidate_pairs(PackedGrid const& grid, double cutoff, AddPairsOfRow kernel) {
   CandidatePairs all;
-  find_candidate_pairs(grid, cutoff, kernel, [&](std::span<PackedGrid::AgentPair const> pairs) {
-    all.insert(all.end(), pairs.begin(), pairs.end());
-  });
+  find_candidate_pairs(grid, cutoff, kernel,
+                       [&](std::span<AgentPair const> pairs) { all.insert(all.end(), pairs.begin(), pairs.end()); });
   return all;
 }
 

@@ -33,8 +33,9 @@ namespace gridlock {
 /// Errors: Error for lists of different lengths, coordinates that are not finite, more than 250 million points, a cutoff
 /// outside 10⁻⁶⁰ … 10⁶⁰ or above half the shorter side of a periodic box, and a box with sides outside that range.
 /// Cost for a million points in no order with six neighbours each: 35 ns a point to build, 15 ns to update, 45 ns for all
-/// pairs (AMD Zen 4); 60 bytes a point. Where points crowd in a part of the box, up to 2.3 times as much for building, an update and
-/// all pairs, and as much for an update as for building where more than one point in eight comes to another cell.
+/// pairs (AMD Zen 4); 60 bytes a point. Where points crowd in a part of the box, up to 2.8 times as much for building and an
+/// update, up to 1.5 times as much for all pairs, and as much for an update as for building where more than one point in
+/// eight comes to another cell.
 class NeighbourSearch {
  public:
   /// Point i is at (x[i], y[i]).

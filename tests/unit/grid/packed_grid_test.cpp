@@ -272,50 +272,5 @@ TEST(PackedGrid, TheCellsBesideOneInAWindowAreThoseOfTheBox) {
   EXPECT_EQ(at_wall.block_at(1, at_wall.row_above(8)).row, 9);
 }
 
-/// Points on a lattice in a shuffled or in their own order.
-struct Lattice {
-  explicit Lattice(bool is_shuffled) {
-    constexpr std::size_t side = 60;
-    std::vector<std::size_t> sites(side * side);
-    std::iota(sites.begin(), sites.end(), std::size_t{0});
-    RandomStream random(1, 0, 0, Purpose::start_position);
-    for (std::size_t k = sites.size(); is_shuffled && k > 1; --k) std::swap(sites[k - 1], sites[random.below(k)]);
-    for (std::size_t const site : sites) {
-      x.push_back((static_cast<double>(site % side) + 0.5) / side);
-      y.push_back((static_cast<double>(site / side) + 0.5) / side);
-    }
-  }
-
-  std::vector<double> x;
-  std::vector<double> y;
-};
-
-TEST(PackedGrid, ExpectsEachPairOfScatteredAgentsBeforeItIsVisitedAndNoOther) {
-  constexpr double cutoff = 1.5 / 60;
-  for (bool const is_shuffled : {true, false}) {
-    Lattice const points(is_shuffled);
-    PackedGrid const grid(CellLayout(Box(1.0, 1.0, Edge::wall), 30, 30), points.x, points.y);
-    using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
-    Pairs plain;
-    grid.for_each_candidate_pair(cutoff, [&](std::size_t i, std::size_t j) { plain.emplace_back(i, j); });
-    Pairs expected;
-    Pairs visited;
-    std::size_t ahead = 0;
-    grid.for_each_candidate_pair(
-        cutoff,
-        [&](std::size_t i, std::size_t j) {
-          visited.emplace_back(i, j);
-          if (!is_shuffled) return;
-          ASSERT_GE(expected.size(), visited.size());
-          ahead = std::max(ahead, expected.size() - visited.size());
-        },
-        [&](std::size_t i, std::size_t j) { expected.emplace_back(i, j); });
-    EXPECT_GT(plain.size(), 10'000U);
-    EXPECT_EQ(visited, plain);
-    EXPECT_EQ(expected, is_shuffled ? plain : Pairs());
-    EXPECT_EQ(ahead > 16, is_shuffled);
-  }
-}
-
 }  // namespace
 }  // namespace gridlock

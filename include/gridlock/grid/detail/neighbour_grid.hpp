@@ -13,13 +13,14 @@ namespace gridlock {
 ///
 /// - for_each_candidate(p, cutoff, visit): calls visit(j) once for every agent nearer to p than `cutoff`, and for some
 ///   that are farther: the caller measures the distance that counts.
-/// - for_each_candidate_pair(cutoff, visit): calls visit(i, j) once for every pair nearer than `cutoff`, either one first,
-///   and for some that are farther.
+/// - for_each_candidate_pair(cutoff, visit, expect): calls visit(i, j) once for every pair nearer than `cutoff`, either one first,
+///   and for some that are farther; it may call expect(i, j) some time before, to ask for memory.
 template <class Grid>
 concept SearchGrid = requires(Grid const same, Vector p, double cutoff, void (*visit)(std::size_t),
                               void (*visit_pair)(std::size_t, std::size_t)) {
   same.for_each_candidate(p, cutoff, visit);
   same.for_each_candidate_pair(cutoff, visit_pair);
+  same.for_each_candidate_pair(cutoff, visit_pair, visit_pair);
 };
 
 /// What a grid must know of the agents it holds, named by their row in the population, so that every search works on

@@ -15,6 +15,7 @@
 #include "gridlock/core/detail/large_array.hpp"
 #include "gridlock/core/detail/look_ahead.hpp"
 #include "gridlock/grid/cell_layout.hpp"
+#include "gridlock/grid/detail/agent_pairs.hpp"
 #include "gridlock/grid/detail/cell_window.hpp"
 #include "gridlock/grid/detail/float4.hpp"
 
@@ -206,20 +207,12 @@ class PackedGrid {
   template <class Visit>
   void for_each_candidate(Vector p, double cutoff, Visit visit) const;
 
-  /// Calls visit(i, j) once for every pair nearer than `cutoff`, and for some that are farther.
-  template <class Visit>
-  void for_each_candidate_pair(double cutoff, Visit visit) const;
-  /// The same; where agents near each other have numbers far from each other, expect(i, j) is called some pairs before visit(i, j), to
-  /// ask for memory.
-  template <class Visit, class Expect>
-  void for_each_candidate_pair(double cutoff, Visit visit, Expect expect) const;
+  /// Calls visit(i, j) once for every pair nearer than `cutoff`, and for some that are farther; expect(i, j) before, as visit_pairs().
+  template <class Visit, class Expect = ExpectNothing>
+  void for_each_candidate_pair(double cutoff, Visit visit, Expect expect = {}) const {
+    find_candidate_pairs(cutoff, [&](std::span<AgentPair const> pairs) { visit_pairs(pairs, visit, expect); });
+  }
 
-  struct AgentPair {
-    std::uint32_t first;
-    std::uint32_t second;
-    friend bool operator==(AgentPair const&, AgentPair const&) = default;
-  };
-  using OnPairs = std::function<void(std::span<AgentPair const>)>;
   /// The same pairs in portions of up to a thousand. Sixteen candidates are looked at at a time with AVX-512, eight with AVX2, four
   /// elsewhere, chosen at run time; the same pairs in the same order with any.
   /// Errors: Error for a cutoff that is negative or no number.
@@ -284,12 +277,6 @@ class PackedGrid {
   }
 
  private:
-  /// Whether most of them are of agents whose numbers are far from each other, by a sample.
-  static bool are_scattered(std::span<AgentPair const> pairs);
-  /// By itself, or it would change how the loop over agents near each other in memory is compiled.
-  template <class Visit, class Expect>
-  [[gnu::noinline]] static void visit_ahead(std::span<AgentPair const> pairs, Visit& visit, Expect& expect);
-
   /// Far from everything, and its square still finite.
   static constexpr float nowhere = 1e18F;
   /// Above every distance between two cells and below that to nowhere, whatever the cutoff.
@@ -433,35 +420,6 @@ void PackedGrid::for_each_candidate(Vector p, double cutoff, Visit visit) const 
     }
   });
   hand_out();
-}
-
-template <class Visit>
-void PackedGrid::for_each_candidate_pair(double cutoff, Visit visit) const {
-  find_candidate_pairs(cutoff, [&](std::span<AgentPair const> pairs) {
-    for (AgentPair const& pair : pairs) visit(std::size_t{pair.first}, std::size_t{pair.second});
-  });
-}
-
-template <class Visit, class Expect>
-void PackedGrid::for_each_candidate_pair(double cutoff, Visit visit, Expect expect) const {
-  find_candidate_pairs(cutoff, [&](std::span<AgentPair const> pairs) {
-    if (are_scattered(pairs)) [[unlikely]] {
-      visit_ahead(pairs, visit, expect);
-    } else {
-      for (AgentPair const& pair : pairs) visit(std::size_t{pair.first}, std::size_t{pair.second});
-    }
-  });
-}
-
-template <class Visit, class Expect>
-void PackedGrid::visit_ahead(std::span<AgentPair const> pairs, Visit& visit, Expect& expect) {
-  constexpr std::size_t ahead = 48;
-  auto const first = pairs.first(std::min(ahead, pairs.size()));
-  for (AgentPair const& pair : first) expect(std::size_t{pair.first}, std::size_t{pair.second});
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    if (k + ahead < pairs.size()) expect(std::size_t{pairs[k + ahead].first}, std::size_t{pairs[k + ahead].second});
-    visit(std::size_t{pairs[k].first}, std::size_t{pairs[k].second});
-  }
 }
 
 }  // namespace gridlock

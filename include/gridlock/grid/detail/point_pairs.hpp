@@ -48,11 +48,7 @@ void for_each_pair(PointsInBox const& points, Grid const& grid, double cutoff, V
       points.prefetch(a);
       points.prefetch(b);
     };
-    if constexpr (requires { grid.for_each_candidate_pair(cutoff, visit_near, expect); }) {
-      grid.for_each_candidate_pair(cutoff, visit_near, expect);
-    } else {
-      grid.for_each_candidate_pair(cutoff, visit_near);
-    }
+    grid.for_each_candidate_pair(cutoff, visit_near, expect);
   };
   Box const& box = points.box;
   // Asked once instead of for every pair.

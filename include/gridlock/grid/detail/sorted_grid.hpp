@@ -8,7 +8,7 @@
 
 #include "gridlock/core/box.hpp"
 #include "gridlock/grid/cell_layout.hpp"
-#include "gridlock/grid/detail/packed_grid.hpp"
+#include "gridlock/grid/detail/agent_pairs.hpp"
 
 namespace gridlock {
 
@@ -20,8 +20,6 @@ class SortedPoints;
 /// Memory: 20 bytes a point, 4 more where points have moved, 4 an occupied cell and at most 16 a point for which cells are occupied. Copies share it.
 class SortedGrid {
  public:
-  using AgentPair = PackedGrid::AgentPair;
-  using OnPairs = PackedGrid::OnPairs;
   using OnAgents = std::function<void(std::span<std::uint32_t const>)>;
 
   /// Point i is at (x[i], y[i]). Contract: the points are finite.
@@ -39,11 +37,9 @@ class SortedGrid {
       for (std::uint32_t const agent : agents) visit(std::size_t{agent});
     });
   }
-  template <class Visit>
-  void for_each_candidate_pair(double cutoff, Visit visit) const {
-    find_candidate_pairs(cutoff, [&](std::span<AgentPair const> pairs) {
-      for (AgentPair const& pair : pairs) visit(std::size_t{pair.first}, std::size_t{pair.second});
-    });
+  template <class Visit, class Expect = ExpectNothing>
+  void for_each_candidate_pair(double cutoff, Visit visit, Expect expect = {}) const {
+    find_candidate_pairs(cutoff, [&](std::span<AgentPair const> pairs) { visit_pairs(pairs, visit, expect); });
   }
 
  private:

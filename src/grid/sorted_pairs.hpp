@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "grid/candidate_pairs.hpp"
+#include "gridlock/core/box.hpp"
+#include "gridlock/core/target.hpp"
+#include "gridlock/grid/detail/find_neighbours.hpp"
+
+namespace gridlock {
+
+/// Points in the order of their cells, and how near a pair of them is.
+struct SortedRows {
+  double const* x;
+  double const* y;
+  std::uint32_t const* index;  ///< of the agents
+  std::size_t size;
+  double squared_cutoff;
+};
+
+/// The most candidates of a row that a kernel takes at once.
+constexpr std::size_t most_candidates = 512;
+
+/// A kernel: adds the near pairs of each row of a cell with the rows behind it in the first range, which begins with the cell, and with all rows of
+/// the other ranges, in the order of the ranges. `box` as that of RowSearch. Contract: at most most_candidates rows in the ranges.
+using AddPairsOfRows = void (*)(SortedRows const&, RowRange cell, std::span<RowRange const> ranges, Box const* box,
+                                PairBuffer&);
+
+/// The kernel for these instructions, or for the next plainer ones that have one. All add the same pairs in the same order, which a
+/// test compares. Contract: is_available(target).
+AddPairsOfRows add_pairs_of_rows_kernel(Target target);
+
+void add_pairs_of_rows_scalar(SortedRows const& rows, RowRange cell, std::span<RowRange const> ranges, Box const* box,
+                              PairBuffer& buffer);
+
+/// nullptr where it has none for these instructions.
+AddPairsOfRows add_pairs_of_rows_with_highway(Target target);
+
+}  // namespace gridlock
