@@ -43,6 +43,11 @@ export function numberAt(column: Numbers, row: number): number {
   return Number(column[row]);
 }
 
+/** A column whose numbers a loop reads as they are: several times faster than numberAt(). */
+export function withoutBigInts(column: Numbers): Exclude<Numbers, BigInt64Array | BigUint64Array> {
+  return column instanceof BigInt64Array || column instanceof BigUint64Array ? Float64Array.from(column, Number) : column;
+}
+
 /** Where an agent is. */
 export function positionAt(frame: Frame, row: number): Point {
   return { x: Number(frame.positions[2 * row]), y: Number(frame.positions[2 * row + 1]) };

@@ -1,6 +1,6 @@
 import type { Camera } from "./camera.ts";
 import type { Paint } from "./colouring.ts";
-import { markRadius, numberAt, type Box, type Frame } from "./frame.ts";
+import { markRadius, withoutBigInts, type Box, type Frame, type Numbers } from "./frame.ts";
 
 /** A rectangle in pixels of a canvas, from its upper left corner. */
 export interface Clip {
@@ -31,15 +31,20 @@ export class PackedAgents {
     const mark = markRadius(box, count);
     this.mark = radius === undefined && heading !== undefined ? mark : 0;
     const oneRadius = radius === undefined ? mark : typeof radius === "number" ? radius : 0;
-    const radii = typeof radius === "object" ? radius : undefined;
-    let end = 0;
-    let smallest = Infinity;
+    const radii = typeof radius === "object" ? withoutBigInts(radius) : undefined;
+    const thirds = this.mark > 0 ? withoutBigInts(heading as Numbers) : radii;
+    const points = withoutBigInts(positions);
+    const { numbers } = this;
+    const { places } = paint;
+    let smallest = oneRadius > 0 && count > 0 ? oneRadius : Infinity;
     for (let i = 0; i < count; ++i) {
-      const r = radii === undefined ? oneRadius : numberAt(radii, i);
-      if (r < smallest && r > 0) smallest = r;
-      const third = this.mark > 0 ? numberAt(heading as NonNullable<typeof heading>, i) : r;
-      end = this.put(end, numberAt(positions, 2 * i), numberAt(positions, 2 * i + 1), third, paint.places[i] as number);
+      numbers[4 * i] = points[2 * i] as number;
+      numbers[4 * i + 1] = points[2 * i + 1] as number;
+      numbers[4 * i + 2] = oneRadius;
+      numbers[4 * i + 3] = places[i] as number;
     }
+    if (thirds !== undefined) for (let i = 0; i < count; ++i) numbers[4 * i + 2] = thirds[i] as number;
+    for (const r of radii?.subarray(0, count) ?? []) if (r < smallest && r > 0) smallest = r;
     this.smallest = smallest < Infinity ? smallest : 0;
     this.count = box.periodic ? this.addImages(box, count, this.mark > 0 ? 2.2 * mark : undefined) : count;
   }

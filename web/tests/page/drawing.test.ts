@@ -160,6 +160,27 @@ describe("places", () => {
     ]);
   });
 
+  test("columns of any numbers are packed, with the radius, or of darts the heading, and the place in the palette", () => {
+    const box = { width: 10, height: 10, periodic: false };
+    const packed = new PackedAgents();
+    const packedRows = (frame: Frame): number[][] => {
+      packed.pack(frame, { palette: [], places: Uint16Array.from([7, 8]), legend: { kind: "none" } });
+      return Array.from({ length: packed.count }, (_, i) => [...packed.numbers.slice(4 * i, 4 * i + 4)]);
+    };
+    for (const positions of [Float32Array.of(1, 2, 3, 4), Int8Array.of(1, 2, 3, 4), BigInt64Array.of(1n, 2n, 3n, 4n)]) {
+      const frame = { box, count: 2, positions };
+      expect(packedRows({ ...frame, radius: 0.5 })).toEqual([[1, 2, 0.5, 7], [3, 4, 0.5, 8]]);
+      expect(packed.smallest).toBe(0.5);
+      expect(packedRows({ ...frame, radius: Float64Array.of(0, 0.25) })).toEqual([[1, 2, 0, 7], [3, 4, 0.25, 8]]);
+      expect(packed.smallest).toBe(0.25);
+      expect(packedRows({ ...frame, heading: BigUint64Array.of(2n, 3n) })).toEqual([[1, 2, 2, 7], [3, 4, 3, 8]]);
+      expect(packed.mark).toBe(markRadius(box, 2));
+      expect(packed.smallest).toBe(packed.mark);
+    }
+    expect(packedRows({ box, count: 0, positions: new Float64Array(0), radius: 0.5 })).toEqual([]);
+    expect(packed.smallest).toBe(0);
+  });
+
   test("marks of agents without a radius neither vanish nor cover one another", () => {
     const box = { width: 1, height: 1, periodic: false };
     expect(markRadius(box, 4)).toBe(0.008);
