@@ -10,7 +10,9 @@
 
 #include <hwy/highway.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 HWY_BEFORE_NAMESPACE();
 
@@ -30,10 +32,34 @@ HWY_INLINE V nearest_image(V d, double side) {
 /// Bit k is lane k of a mask of at most sixteen lanes.
 template <class Tag>
 HWY_INLINE unsigned bits_of(Tag tag, hn::Mask<Tag> mask) {
-  std::uint8_t bytes[8] = {};
+  static_assert(hn::MaxLanes(Tag()) <= 16);
+  std::uint8_t bytes[8];
   hn::StoreMaskBits(tag, mask, bytes);
-  return static_cast<unsigned>(bytes[0]) | static_cast<unsigned>(bytes[1]) << 8;
+  if constexpr (hn::MaxLanes(Tag()) <= 8) return bytes[0];
+  std::uint16_t bits = 0;
+  std::memcpy(&bits, bytes, sizeof bits);
+  return bits;
 }
+
+template <class V>
+HWY_INLINE V squared_length(V x, V y) {
+  return hn::Add(hn::Mul(x, x), hn::Mul(y, y));
+}
+
+#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+/// What lies at from[0], from[step], from[2 · step] …, `at_once` numbers each, side by side in a register.
+template <std::size_t at_once, class Tag, class T>
+HWY_INLINE hn::Vec<Tag> side_by_side(Tag tag, T const* const* from, std::size_t step = 1) {
+  if constexpr (hn::MaxLanes(Tag()) == at_once) {
+    return hn::Load(tag, from[0]);
+  } else {
+    hn::Half<Tag> const half;
+    std::size_t const pieces = hn::MaxLanes(half) / at_once;
+    return hn::Combine(tag, side_by_side<at_once>(half, from + step * pieces, step),
+                       side_by_side<at_once>(half, from, step));
+  }
+}
+#endif
 
 }  // namespace gridlock::HWY_NAMESPACE
 

@@ -3,7 +3,6 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <utility>
 
 #include "engine/packed_turns.hpp"
@@ -16,13 +15,13 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "core/highway-inl.hpp"
+
 // The plain C++ beside is faster than Highway's one lane.
 #if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 HWY_BEFORE_NAMESPACE();
 
 namespace gridlock::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
 
 namespace {
 
@@ -80,19 +79,6 @@ struct Candidates {
 /// Bit l is that of turn l.
 using Turns = unsigned;
 
-/// What lies at from[0], from[step], from[2 · step] …, `at_once` numbers each, side by side.
-template <std::size_t at_once, class D, class T>
-HWY_INLINE hn::Vec<D> side_by_side(D tag, T const* const* from, std::size_t step = 1) {
-  if constexpr (hn::MaxLanes(D()) == at_once) {
-    return hn::Load(tag, from[0]);
-  } else {
-    hn::Half<D> const half;
-    std::size_t const pieces = hn::MaxLanes(half) / at_once;
-    return hn::Combine(tag, side_by_side<at_once>(half, from + step * pieces, step),
-                       side_by_side<at_once>(half, from, step));
-  }
-}
-
 /// As many single-precision numbers.
 template <class D>
 using Single = hn::Rebind<float, D>;
@@ -145,22 +131,6 @@ HWY_INLINE Vectors<D> cells_of(D tag, Block const* const* blocks) {
     return hn::Sub(hn::BitCast(tag, hn::Or(whole, two_to_52)), hn::BitCast(tag, two_to_52));
   };
   return {to_double(hn::And(both, hn::Set(words, 0xffff'ffffU))), to_double(hn::ShiftRight<32>(both))};
-}
-
-template <class V>
-HWY_INLINE V squared_length(V x, V y) {
-  return hn::Add(hn::Mul(x, x), hn::Mul(y, y));
-}
-
-template <class D, class M>
-HWY_INLINE unsigned bits_of(D tag, M mask) {
-  std::uint8_t bytes[8];
-  std::size_t constexpr count = (hn::MaxLanes(D()) + 7) / 8;
-  hn::StoreMaskBits(tag, mask, bytes);
-  if constexpr (count == 1) return bytes[0];
-  std::uint16_t bits = 0;
-  std::memcpy(&bits, bytes, sizeof bits);
-  return bits;
 }
 
 /// Coordinates in cells, seen from one.

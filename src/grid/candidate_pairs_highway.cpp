@@ -43,17 +43,8 @@ struct SeenRegister {
   std::uint32_t const* agents[blocks_per_register];
 };
 
-// Templates, so that what needs room for two blocks is not compiled where there is none.
+// A template, so that what needs room for two blocks is not compiled where there is none.
 
-template <class Tag>
-HWY_INLINE hn::Vec<Tag> side_by_side(Tag tag, float const* a, float const* b) {
-  if constexpr (hn::MaxLanes(Tag()) == 2 * slots) {
-    hn::Half<Tag> const block;
-    return hn::Combine(tag, hn::Load(block, b), hn::Load(block, a));
-  } else {
-    return hn::Load(tag, a);
-  }
-}
 template <class Tag>
 HWY_INLINE hn::Vec<Tag> each_four_times(Tag tag, float a, float b) {
   if constexpr (hn::MaxLanes(Tag()) == 2 * slots) {
@@ -66,8 +57,10 @@ HWY_INLINE hn::Vec<Tag> each_four_times(Tag tag, float a, float b) {
 
 /// Two blocks, or the first one where a register has room for one.
 HWY_INLINE void load(SeenRegister& seen, Block const& a, Block const& b) {
-  seen.x = side_by_side(Numbers(), a.x.data(), b.x.data());
-  seen.y = side_by_side(Numbers(), a.y.data(), b.y.data());
+  float const* const x[] = {a.x.data(), b.x.data()};
+  float const* const y[] = {a.y.data(), b.y.data()};
+  seen.x = side_by_side<slots>(Numbers(), x);
+  seen.y = side_by_side<slots>(Numbers(), y);
   seen.agents[0] = a.agent.data();
   if constexpr (blocks_per_register == 2) seen.agents[blocks_per_register - 1] = b.agent.data();
 }
@@ -80,7 +73,7 @@ HWY_INLINE PairBuffer::Pair* write_pairs_at_home(Block const& home, std::uint32_
   hn::FixedTag<float, slots> const tag;
   auto const d_x = hn::Sub(hn::Load(tag, home.x.data()), hn::Set(tag, home.x[s]));
   auto const d_y = hn::Sub(hn::Load(tag, home.y.data()), hn::Set(tag, home.y[s]));
-  auto const squared = hn::Add(hn::Mul(d_x, d_x), hn::Mul(d_y, d_y));
+  auto const squared = squared_length(d_x, d_y);
   unsigned const later = 14U << s & 15U;
   unsigned const near = bits_of(tag, hn::Le(squared, hn::Set(tag, limit))) & later;
   return write_pairs(home.agent[s], home.agent.data(), near, pair);
@@ -92,7 +85,7 @@ HWY_INLINE PairBuffer::Pair* write_pairs_with(Block const& home, std::uint32_t s
   Numbers const tag;
   auto const d_x = hn::Sub(seen.x, hn::Add(hn::Set(tag, home.x[s]), seen.shift_x));
   auto const d_y = hn::Sub(seen.y, hn::Add(hn::Set(tag, home.y[s]), seen.shift_y));
-  auto const squared = hn::Add(hn::Mul(d_x, d_x), hn::Mul(d_y, d_y));
+  auto const squared = squared_length(d_x, d_y);
   unsigned near = bits_of(tag, hn::Le(squared, hn::Set(tag, limit)));
   for (std::uint32_t const* agents : seen.agents) {
     pair = write_pairs(home.agent[s], agents, near & 15U, pair);

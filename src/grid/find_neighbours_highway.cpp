@@ -66,7 +66,7 @@ HWY_INLINE std::size_t find(RowSearch const& search, std::span<RowRange const> r
       d_x = nearest_image(d_x, width);
       d_y = nearest_image(d_y, height);
     }
-    return bits_of(tag, hn::Lt(hn::Add(hn::Mul(d_x, d_x), hn::Mul(d_y, d_y)), squared_cutoff));
+    return bits_of(tag, hn::Lt(squared_length(d_x, d_y), squared_cutoff));
   };
   std::uint32_t* top = found;
   auto const write_group = [&](std::size_t row, unsigned bits) HWY_ATTR {

@@ -69,7 +69,7 @@ HWY_INLINE void add_pairs(SortedRows const& rows, RowRange cell, std::span<RowRa
         d_x = nearest_image(d_x, width);
         d_y = nearest_image(d_y, height);
       }
-      return bits_of(tag, hn::Lt(hn::Add(hn::Mul(d_x, d_x), hn::Mul(d_y, d_y)), squared_cutoff));
+      return bits_of(tag, hn::Lt(squared_length(d_x, d_y), squared_cutoff));
     };
     PairBuffer::Pair* pair = buffer.room_for(most_candidates);
     for (RowRange const& range : ranges) {
