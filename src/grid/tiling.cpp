@@ -86,9 +86,9 @@ std::array<Tiling::Round, Tiling::colours + 1> Tiling::rounds_of_colours(Rectang
   return all;
 }
 
-std::span<std::uint32_t const> Tiling::first_team(std::span<std::uint32_t const> tiles) const {
+std::span<std::uint32_t const> Tiling::first_team(std::span<std::uint32_t const> tiles, std::size_t most) const {
   std::size_t count = 0;
-  for (std::size_t const most = std::min(tiles.size(), tiles_of_team); count < most; ++count) {
+  for (most = std::min(tiles.size(), most); count < most; ++count) {
     if (colour_of(tiles[count]) != colour_of(tiles[0])) break;
   }
   return tiles.first(count);

@@ -6,6 +6,7 @@
 
 #include "engine/stepped.hpp"
 #include "engine/turn.hpp"
+#include "gridlock/core/target.hpp"
 
 namespace gridlock::tiled {
 
@@ -15,6 +16,9 @@ namespace {
 bool goes_around_box(CellLayout const& layout, Tiling const& tiling) {
   return layout.is_periodic() && (tiling.columns() == 1 || tiling.rows() == 1);
 }
+
+/// Registers of one or two numbers are full without a team, and the copies of its groups would cost up to 8 % of the time.
+std::size_t team_size() { return target() == Target::avx2 || target() == Target::avx512 ? Tiling::tiles_of_team : 1; }
 
 PackedGrid grid_of_window(CellLayout const& layout, CellWindow const& window, HotDisks const& disks) {
   // Disks of other ranks come later.
@@ -39,6 +43,7 @@ Steps::Steps(HotDisks&& disks, TurnRule const& rule, CellLayout const& layout, T
       turns_(view_, grid_, rule.radii, rule.duration),
       cutoff_(rule_.box, rule.radii.largest, rule.duration, rule.substeps),
       group_size_(goes_around_box(layout, tiling) ? 1 : PackedTurns::largest_batch),
+      team_size_(team_size()),
       tiles_(std::move(tiles)),
       place_of_tile_(tiling.tiles().size()),
       results_(tiles_.size()),
@@ -51,18 +56,19 @@ Steps::Steps(HotDisks&& disks, TurnRule const& rule, CellLayout const& layout, T
 void Steps::take_part(Tiling::Part const& part) {
   static thread_local Team team;
   FetchAhead ahead(grid_, view_, id_indices_, tiling_);
+  auto const first_team = [this](std::span<std::uint32_t const> of) { return tiling_.first_team(of, team_size_); };
   std::span<std::uint32_t const> rest = part;
-  std::span<std::uint32_t const> tiles = tiling_.first_team(rest);
+  std::span<std::uint32_t const> tiles = first_team(rest);
   while (!tiles.empty()) {
     rest = rest.subspan(tiles.size());
-    std::span<std::uint32_t const> const next = tiling_.first_team(rest);
+    std::span<std::uint32_t const> const next = first_team(rest);
     team.clear();
     std::array<TurnResult*, Tiling::tiles_of_team> results;
     for (std::size_t k = 0; k < tiles.size(); ++k) {
       add_to(team, tiles[k]);
       results[k] = &result_of(tiles[k]);
     }
-    ahead.aim(next, tiling_.first_team(rest.subspan(next.size())), team.turns());
+    ahead.aim(next, first_team(rest.subspan(next.size())), team.turns());
     team.for_each_group([&](std::span<std::uint32_t const> rows, std::uint8_t const* places) {
       for (std::size_t first = 0; first < rows.size(); first += group_size_) {
         // A local disk is short of a contact distance in the whole step, so in each sub-step too.

@@ -96,6 +96,7 @@ class Steps {
   PackedTurns turns_;
   Cutoff cutoff_;
   std::size_t group_size_;
+  std::size_t team_size_;  ///< tiles that have their turns at once
   /// A disk has the mark of its last turn, from when its tile begins; what a mark says turns around with every step.
   static constexpr unsigned all_slots = (1U << PackedGrid::slots) - 1U;
   unsigned marks_of_turned_ = 0;             ///< what the marks are of those that have had their turn

@@ -147,6 +147,10 @@ TEST_P(TilingOf, TeamsAreOfOneColourAndMostOfThemAreFull) {
           ASSERT_LE(team.size(), Tiling::tiles_of_team);
           ASSERT_EQ(team.data(), rest.data());
           for (std::uint32_t const tile : team) ASSERT_EQ(colour_of(tile), colour_of(team[0]));
+          for (std::size_t const most : {1U, 2U}) {
+            ASSERT_EQ(tiling.first_team(rest, most).size(), std::min(team.size(), most));
+            ASSERT_EQ(tiling.first_team(rest, most).data(), rest.data());
+          }
           rest = rest.subspan(team.size());
           ++teams;
           tiles += team.size();

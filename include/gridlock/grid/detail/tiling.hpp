@@ -57,8 +57,9 @@ class Tiling {
   using Part = std::vector<std::uint32_t>;
   /// A part has up to so many tiles of one colour one behind another: they may have their turns at once.
   static constexpr std::size_t tiles_of_team = 3;
-  /// The first of these tiles, up to tiles_of_team of one colour.
-  [[nodiscard]] std::span<std::uint32_t const> first_team(std::span<std::uint32_t const> tiles) const;
+  /// The first of these tiles, up to `most` of one colour.
+  [[nodiscard]] std::span<std::uint32_t const> first_team(std::span<std::uint32_t const> tiles,
+                                                          std::size_t most = tiles_of_team) const;
   /// Parts that may be carried out at once: no cell is touched from two of them.
   using Round = std::vector<Part>;
   /// All tiles, round after round, for a number of threads. Whatever that number, of two tiles that touch the same cell
