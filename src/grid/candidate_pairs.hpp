@@ -18,6 +18,8 @@ class PairBuffer {
   using Pair = AgentPair;
   /// Pairs that may be written behind the last one that counts.
   static constexpr std::size_t slack = 16;
+  /// The most that are kept before they are handed out.
+  static constexpr std::size_t capacity = 1024;
 
   explicit PairBuffer(OnPairs const& on_pairs) : on_pairs_(on_pairs) {}
 
@@ -34,7 +36,6 @@ class PairBuffer {
   }
 
  private:
-  static constexpr std::size_t capacity = 1024;
   alignas(64) std::array<Pair, capacity + slack> pairs_;
   std::size_t size_ = 0;
   OnPairs const& on_pairs_;

@@ -11,7 +11,9 @@
 #include <utility>
 
 #include "core/magnitude.hpp"
+#include "grid/candidate_pairs.hpp"
 #include "grid/require.hpp"
+#include "grid/sorted_pairs.hpp"
 #include "grid/sorted_points.hpp"
 #include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/grid/detail/find_neighbours.hpp"
@@ -28,68 +30,49 @@ struct SearchFrame {
   Vector origin;
 };
 
-/// Grows by halves; what is behind size() is not initialized.
+/// Grows; what is behind size() is not initialized.
+template <class Value>
 class Found {
  public:
-  std::uint32_t* room_for(std::size_t count) {
-    if (size_ + count > capacity_) grow(size_ + count);
-    return memory_.get() + size_;
+  Value* room_for(std::size_t count) {
+    if (size_ + count > memory_.size()) memory_.resize(std::max(size_ + count, memory_.size() + memory_.size() / 2));
+    return memory_.data() + size_;
   }
   void add(std::size_t count) { size_ += count; }
   [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] std::uint32_t const* begin() const { return memory_.get(); }
-  [[nodiscard]] std::uint32_t const* end() const { return memory_.get() + size_; }
+  [[nodiscard]] std::span<Value const> all() const { return std::span(memory_).first(size_); }
 
  private:
-  void grow(std::size_t least) {
-    std::size_t const capacity = std::max(least, capacity_ + capacity_ / 2 + 4096);
-    auto larger = std::make_unique_for_overwrite<std::uint32_t[]>(capacity);
-    std::copy(begin(), end(), larger.get());
-    memory_ = std::move(larger);
-    capacity_ = capacity;
-  }
-  std::unique_ptr<std::uint32_t[]> memory_;
+  UninitializedArray<Value> memory_;
   std::size_t size_ = 0;
-  std::size_t capacity_ = 0;
 };
 
 /// What a band of cells has found: the neighbours of its rows, one after the other, and how many each row has.
 struct Band {
-  Found neighbours;
-  Found counts;
+  Found<std::uint32_t> neighbours;
+  Found<std::uint32_t> counts;
 };
 
-enum class Half { no, yes };
-
-/// The neighbours of all rows of a band, as rows; with Half::yes those of every pair for one of the two alone.
-template <Half half>
+/// The neighbours of all rows of a band, as rows.
 void search_band(SortedPoints const& points, Box const& box, double cutoff, int first_row, int end_row, Band& band) {
   RowBlocks const blocks(points.layout(), [&](int column, int row) { return points.first_of(column, row); });
-  bool const has_halves = half == Half::yes && blocks.has_halves();
   points.for_each_cell(first_row, end_row, [&](int column, int cell_row, RowRange rows) {
-    RowBlock block = has_halves ? blocks.after(column, cell_row) : blocks.around(column, cell_row);
+    RowBlock const block = blocks.around(column, cell_row);
     std::uint32_t* const counts = band.counts.room_for(rows.end - rows.first);
-    std::size_t counted = 0;
     for (std::size_t row = rows.first; row < rows.end; ++row) {
-      // The own cell comes first: pairs in it are found from the row that comes first.
-      if (has_halves) block.rows[0].first = row + 1;
       std::uint32_t* const found = band.neighbours.room_for(block.candidates + neighbour_slack);
-      std::size_t count = find_neighbours({.x = points.x(),
-                                           .y = points.y(),
-                                           .size = points.size(),
-                                           .p = {points.x()[row], points.y()[row]},
-                                           .squared_cutoff = cutoff * cutoff,
-                                           .left_out = row,
-                                           .box = block.is_at_edge && box.is_periodic() ? &box : nullptr},
-                                          block.ranges(), found);
-      if (half == Half::yes && !has_halves) {
-        count = static_cast<std::size_t>(
-            std::remove_if(found, found + count, [&](std::uint32_t other) { return other < row; }) - found);
-      }
+      std::size_t const count = find_neighbours({.x = points.x(),
+                                                 .y = points.y(),
+                                                 .size = points.size(),
+                                                 .p = {points.x()[row], points.y()[row]},
+                                                 .squared_cutoff = cutoff * cutoff,
+                                                 .left_out = row,
+                                                 .box = block.is_at_edge && box.is_periodic() ? &box : nullptr},
+                                                block.ranges(), found);
       band.neighbours.add(count);
-      counts[counted++] = static_cast<std::uint32_t>(count);
+      counts[row - rows.first] = static_cast<std::uint32_t>(count);
     }
-    band.counts.add(counted);
+    band.counts.add(rows.end - rows.first);
   });
 }
 
@@ -123,31 +106,37 @@ class Search {
         pool_(pool),
         points_(sorted_for_cutoff(frame.box, frame.origin, cutoff, points, pool_)) {
     ends_ = bands_of(points_, pool_);
-    bands_.resize(ends_.size() - 1);
-    begin_.resize(bands_.size() + 1, 0);
   }
 
-  PointPairs pairs() {
-    search<Half::yes>();
+  PointPairs pairs() const {
+    std::vector<Found<AgentPair>> bands(ends_.size() - 1);
+    pool_.for_each(bands.size(), [&](std::size_t b) {
+      OnPairs const keep = [&](std::span<AgentPair const> pairs) {
+        std::ranges::copy(pairs, bands[b].room_for(pairs.size()));
+        bands[b].add(pairs.size());
+      };
+      PairBuffer buffer(keep);
+      add_pairs_of_cells(points_, box_, cutoff_ * cutoff_, ends_[b], ends_[b + 1], buffer);
+      buffer.flush();
+    });
+    std::vector<std::size_t> const begin = first_of_each(bands);
     PointPairs pairs;
-    pairs.indices.resize(2 * begin_.back());
+    pairs.indices.resize(2 * begin.back());
     std::uint32_t* const first = pairs.indices.data();
-    std::uint32_t* const second = first + begin_.back();
-    pool_.for_each(bands_.size(), [&](std::size_t b) {
-      std::size_t k = begin_[b];
-      for_each_row(b, [&](std::size_t row, std::span<std::uint32_t const> neighbours) {
-        for (std::uint32_t const other : neighbours) {
-          first[k] = points_.index(row);
-          second[k++] = points_.index(other);
-        }
-      });
+    std::uint32_t* const second = first + begin.back();
+    pool_.for_each(bands.size(), [&](std::size_t b) {
+      std::size_t k = begin[b];
+      for (AgentPair const& pair : bands[b].all()) {
+        first[k] = pair.first;
+        second[k++] = pair.second;
+      }
     });
     return pairs;
   }
 
   /// The rows of the points that are nearer to a point in the box, good until `found` is used again.
   /// Contract: no cutoff above that of the search.
-  std::span<std::uint32_t const> near(Vector place, double cutoff, Found& found) const {
+  std::span<std::uint32_t const> near(Vector place, double cutoff, Found<std::uint32_t>& found) const {
     CellLayout const& layout = points_.layout();
     RowBlocks const blocks(layout, [&](int column, int row) { return points_.first_of(column, row); });
     Vector const p = layout.image_in_cell(place);
@@ -166,18 +155,20 @@ class Search {
   }
   [[nodiscard]] SortedPoints const& points() const { return points_; }
 
-  NeighbourLists lists(std::size_t count) {
-    search<Half::no>();
+  NeighbourLists lists(std::size_t count) const {
+    std::vector<Band> bands(ends_.size() - 1);
+    pool_.for_each(bands.size(),
+                   [&](std::size_t b) { search_band(points_, box_, cutoff_, ends_[b], ends_[b + 1], bands[b]); });
     NeighbourLists lists{.begin = std::vector<std::uint64_t>(count + 1, 0), .neighbours = {}};
-    pool_.for_each(bands_.size(), [&](std::size_t b) {
-      for_each_row(b, [&](std::size_t row, std::span<std::uint32_t const> neighbours) {
+    pool_.for_each(bands.size(), [&](std::size_t b) {
+      for_each_row(b, bands[b], [&](std::size_t row, std::span<std::uint32_t const> neighbours) {
         lists.begin[points_.index(row) + 1] = neighbours.size();
       });
     });
     for (std::size_t i = 0; i < count; ++i) lists.begin[i + 1] += lists.begin[i];
-    lists.neighbours.resize(begin_.back());
-    pool_.for_each(bands_.size(), [&](std::size_t b) {
-      for_each_row(b, [&](std::size_t row, std::span<std::uint32_t const> neighbours) {
+    lists.neighbours.resize(lists.begin.back());
+    pool_.for_each(bands.size(), [&](std::size_t b) {
+      for_each_row(b, bands[b], [&](std::size_t row, std::span<std::uint32_t const> neighbours) {
         std::size_t k = lists.begin[points_.index(row)];
         for (std::uint32_t const other : neighbours) lists.neighbours[k++] = points_.index(other);
       });
@@ -186,21 +177,20 @@ class Search {
   }
 
  private:
-  template <Half half>
-  void search() {
-    pool_.for_each(bands_.size(), [&](std::size_t b) {
-      search_band<half>(points_, box_, cutoff_, ends_[b], ends_[b + 1], bands_[b]);
-    });
-    for (std::size_t b = 0; b < bands_.size(); ++b) begin_[b + 1] = begin_[b] + bands_[b].neighbours.size();
+  /// Where what each band has found begins among all, and the end.
+  static std::vector<std::size_t> first_of_each(std::vector<Found<AgentPair>> const& bands) {
+    std::vector<std::size_t> begin{0};
+    for (Found<AgentPair> const& band : bands) begin.push_back(begin.back() + band.size());
+    return begin;
   }
 
-  /// Calls visit(row, its neighbours) for every row of a band.
+  /// Calls visit(row, its neighbours) for every row of band `b`.
   template <class Visit>
-  void for_each_row(std::size_t b, Visit visit) const {
+  void for_each_row(std::size_t b, Band const& band, Visit visit) const {
     auto row =
         points_.first_of(static_cast<std::size_t>(ends_[b]) * static_cast<std::size_t>(points_.layout().columns()));
-    std::uint32_t const* neighbours = bands_[b].neighbours.begin();
-    for (std::uint32_t const count : std::span(bands_[b].counts.begin(), bands_[b].counts.size())) {
+    std::uint32_t const* neighbours = band.neighbours.all().data();
+    for (std::uint32_t const count : band.counts.all()) {
       visit(row++, std::span(neighbours, count));
       neighbours += count;
     }
@@ -210,9 +200,7 @@ class Search {
   double cutoff_;
   ThreadPool& pool_;
   SortedPoints points_;
-  std::vector<int> ends_;
-  std::vector<Band> bands_;
-  std::vector<std::size_t> begin_;  ///< of what each band has found, among all
+  std::vector<int> ends_;  ///< of the bands of cells, and 0 before
 };
 
 SearchFrame frame_of(Box const& box, double cutoff, PointsInMemory const& points) {
@@ -317,9 +305,6 @@ class NearPairs {
   }
 
  private:
-  struct Pair {
-    std::uint32_t first, second;
-  };
   [[nodiscard]] Vector at(std::uint32_t i) const {
     return {centres_.x[i * centres_.stride], centres_.y[i * centres_.stride]};
   }
@@ -327,7 +312,7 @@ class NearPairs {
   DiskReach reach_;
   PointsInMemory centres_;
   std::span<double const> radius_;
-  UninitializedArray<Pair> pairs_;
+  UninitializedArray<AgentPair> pairs_;
   std::size_t count_ = 0;
 };
 
@@ -384,7 +369,7 @@ PointPairs find_pairs_of_disks(Box const& box, DiskReach const& reach, PointsInM
       Search const& found_among = *searches[large];
       double const cutoff = cutoff_of(classes[small], classes[large]);
       add_in_parts(pool, none, all, [&](std::size_t part, std::size_t parts, NearPairs& near) {
-        Found rows;
+        Found<std::uint32_t> rows;
         std::size_t const end = (part + 1) * seeking.size() / parts;
         for (std::size_t row = part * seeking.size() / parts; row < end; ++row) {
           std::uint32_t const seeker = classes[small].disk(seeking.index(row));

@@ -1,5 +1,10 @@
 #include "grid/sorted_pairs.hpp"
 
+#include <algorithm>
+#include <array>
+
+#include "gridlock/grid/detail/row_block.hpp"
+
 namespace gridlock {
 
 namespace {
@@ -22,6 +27,16 @@ void add_pairs(SortedRows const& rows, RowRange cell, std::span<RowRange const> 
   }
 }
 
+/// Adds the near pairs of a row with those of a range, which may be long.
+void add_pairs_of_row(SortedRows const& rows, std::size_t row, RowRange range, Box const* box, AddPairsOfRows add_pairs,
+                      PairBuffer& buffer) {
+  for (std::size_t first = range.first; first < range.end; first += most_candidates) {
+    RowRange const cell{row, row + 1};
+    std::array const ranges{cell, RowRange{first, std::min(range.end, first + most_candidates)}};
+    add_pairs(rows, cell, ranges, box, buffer);
+  }
+}
+
 }  // namespace
 
 void add_pairs_of_rows_scalar(SortedRows const& rows, RowRange cell, std::span<RowRange const> ranges, Box const* box,
@@ -40,6 +55,43 @@ AddPairsOfRows add_pairs_of_rows_kernel(Target target) {
 #endif
   static_cast<void>(target);
   return add_pairs_of_rows_scalar;
+}
+
+void add_pairs_of_cells(SortedPoints const& points, Box const& box, double squared_cutoff, int first_row, int end_row,
+                        PairBuffer& buffer) {
+  static AddPairsOfRows const add_pairs = add_pairs_of_rows_kernel(target());
+  RowBlocks const blocks(points.layout(), [&](int column, int row) { return points.first_of(column, row); });
+  SortedRows const sorted{.x = points.x(),
+                          .y = points.y(),
+                          .index = points.indices(),
+                          .size = points.size(),
+                          .squared_cutoff = squared_cutoff};
+  if (!blocks.has_halves()) {
+    points.for_each_cell(first_row, end_row, [&](int column, int cell_row, RowRange cell) {
+      RowBlock const block = blocks.around(column, cell_row);
+      for (std::size_t row = cell.first; row < cell.end; ++row) {
+        // Of each pair the row that comes first.
+        for (RowRange const range : block.ranges()) {
+          add_pairs_of_row(sorted, row, {std::max(range.first, row + 1), range.end}, &box, add_pairs, buffer);
+        }
+      }
+    });
+    return;
+  }
+  points.for_each_cell(first_row, end_row, [&](int column, int cell_row, RowRange cell) {
+    RowBlock const block = blocks.after(column, cell_row);
+    Box const* const images = block.is_at_edge ? &box : nullptr;
+    if (block.candidates <= most_candidates) [[likely]] {
+      add_pairs(sorted, cell, block.ranges(), images, buffer);
+      return;
+    }
+    for (std::size_t row = cell.first; row < cell.end; ++row) {
+      for (RowRange const& range : block.ranges()) {
+        std::size_t const first = &range == block.rows.data() ? row + 1 : range.first;
+        add_pairs_of_row(sorted, row, {first, range.end}, images, add_pairs, buffer);
+      }
+    }
+  });
 }
 
 }  // namespace gridlock

@@ -5,13 +5,14 @@
 #include <span>
 
 #include "grid/candidate_pairs.hpp"
+#include "grid/sorted_points.hpp"
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/target.hpp"
 #include "gridlock/grid/detail/find_neighbours.hpp"
 
 namespace gridlock {
 
-/// Points in the order of their cells, and how near a pair of them is.
+/// Points in the order of their cells, row after row, and how near a pair of them is. Here a row is a point; cells have rows of their own.
 struct SortedRows {
   double const* x;
   double const* y;
@@ -22,6 +23,7 @@ struct SortedRows {
 
 /// The most candidates of a row that a kernel takes at once.
 constexpr std::size_t most_candidates = 512;
+static_assert(most_candidates <= PairBuffer::capacity);
 
 /// A kernel: adds the near pairs of each row of a cell with the rows behind it in the first range, which begins with the cell, and with all rows of
 /// the other ranges, in the order of the ranges. `box` as that of RowSearch. Contract: at most most_candidates rows in the ranges.
@@ -34,6 +36,11 @@ AddPairsOfRows add_pairs_of_rows_kernel(Target target);
 
 void add_pairs_of_rows_scalar(SortedRows const& rows, RowRange cell, std::span<RowRange const> ranges, Box const* box,
                               PairBuffer& buffer);
+
+/// Adds all pairs of points with |separation|² < squared_cutoff of which the first is in rows of cells first_row … end_row − 1. Contract: the
+/// cutoff is at most the shorter side of a cell.
+void add_pairs_of_cells(SortedPoints const& points, Box const& box, double squared_cutoff, int first_row, int end_row,
+                        PairBuffer& buffer);
 
 /// nullptr where it has none for these instructions.
 AddPairsOfRows add_pairs_of_rows_with_highway(Target target);

@@ -22,7 +22,7 @@ namespace gridlock::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Which bytes of four agents to take for the pairs of those whose bits are set: the higher half of each pair is the agent, and the
+/// Which bytes of four agents to take for the pairs of those whose bits are set: the higher half of each pair is one of the four, and the
 /// lower half zero.
 struct PairBytes {
   static constexpr unsigned others = 4;

@@ -9,14 +9,14 @@
 
 namespace gridlock {
 
-/// Two agents by their numbers.
+/// Two agents by their numbers. Kernels write it as one number of 64 bits, the first agent in its lower half.
 struct AgentPair {
   std::uint32_t first;
   std::uint32_t second;
   friend bool operator==(AgentPair const&, AgentPair const&) = default;
 };
 
-/// Takes a portion of pairs, up to a thousand.
+/// Takes a portion of pairs, none to 1,024 of them.
 using OnPairs = std::function<void(std::span<AgentPair const>)>;
 
 /// Whether most pairs of a portion are of agents whose numbers are far from each other, by a sample.
