@@ -1,6 +1,7 @@
 #include "gridlock/grid/neighbour_search.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,15 +19,15 @@ NeighbourSearch::NeighbourSearch(Box const& box, double cutoff, std::span<double
   require_box_for(box, cutoff);
   require_equal_lengths(x, y);
   require_point_count(x.size());
-  make_grid();
-}
-
-void NeighbourSearch::make_grid() {
-  // A block has room for four points, so that cells of two each are as quick to search as smaller ones, and quicker to make.
-  constexpr double cells_per_point = 0.6;
-  CellLayout const layout = layout_for_cutoff(box_, cutoff_, size(), cells_per_point);
+  CellLayout const layout = plain_layout();
   // PackedGrid looks itself for points that are not finite.
   if (!make_grid_of_crowd(layout)) grid_ = PackedGrid(layout, x_, y_);
+}
+
+CellLayout NeighbourSearch::plain_layout() const {
+  // A block has room for four points, so that cells of two each are as quick to search as smaller ones, and quicker to make.
+  constexpr double cells_per_point = 0.6;
+  return layout_for_cutoff(box_, cutoff_, size(), cells_per_point);
 }
 
 bool NeighbourSearch::make_grid_of_crowd(CellLayout const& layout) {
@@ -35,17 +36,20 @@ bool NeighbourSearch::make_grid_of_crowd(CellLayout const& layout) {
   require_points(x_, y_);
   if (!has_crowd(layout)) return false;
   crowd_.emplace(box_, *finer, x_, y_);
+  arrivals_ = 0;
   grid_ = PackedGrid();
   return true;
 }
 
 bool NeighbourSearch::has_crowd(CellLayout const& layout) const {
+  // Counted no further: so many in a cell are a crowd by themselves.
+  constexpr std::uint8_t most = 255;
   std::vector<std::uint8_t> in_cell(static_cast<std::size_t>(layout.count()), 0);
   std::uint64_t pairs = 0;
   for (std::size_t i = 0; i < size(); ++i) {
     std::uint8_t& count = in_cell[static_cast<std::size_t>(layout.cell_of(points()[i]))];
     pairs += count;
-    count = static_cast<std::uint8_t>(count + (count < 255 ? 1 : 0));
+    count = static_cast<std::uint8_t>(count + (count < most ? 1 : 0));
   }
   return is_crowd(pairs, size());
 }
@@ -60,7 +64,14 @@ void NeighbourSearch::update(std::span<double const> x, std::span<double const> 
   x_ = x;
   y_ = y;
   if (crowd_) {
-    crowd_->move_all(x, y);
+    arrivals_ += crowd_->move_all(x, y);
+    if (arrivals_ <= size()) return;
+    // They may have dispersed.
+    arrivals_ = 0;
+    CellLayout const layout = plain_layout();
+    if (has_crowd(layout)) return;
+    grid_ = PackedGrid(layout, x, y);
+    crowd_.reset();
     return;
   }
   grid_.move_all(x, y);

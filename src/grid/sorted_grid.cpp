@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "grid/candidate_pairs.hpp"
@@ -39,16 +41,6 @@ void for_each_near(RowBlock const& block, RowSearch const& search, Visit const& 
   }
 }
 
-/// Adds the near pairs of a row with those of a range, which may be long.
-void add_pairs_of_row(SortedRows const& rows, std::size_t row, RowRange range, Box const* box, AddPairsOfRows add_pairs,
-                      PairBuffer& buffer) {
-  for (std::size_t first = range.first; first < range.end; first += most_candidates) {
-    RowRange const cell{row, row + 1};
-    std::array const ranges{cell, RowRange{first, std::min(range.end, first + most_candidates)}};
-    add_pairs(rows, cell, ranges, box, buffer);
-  }
-}
-
 PointsInMemory in_memory(std::span<double const> x, std::span<double const> y) {
   return {.x = x.data(), .y = y.data(), .count = x.size()};
 }
@@ -61,15 +53,20 @@ SortedPoints sorted(CellLayout const& layout, std::span<double const> x, std::sp
 }  // namespace
 
 SortedGrid::SortedGrid(Box const& box, CellLayout const& layout, std::span<double const> x, std::span<double const> y)
-    : box_(box), points_(std::make_shared<SortedPoints>(sorted(layout, x, y))) {}
+    : box_(box), points_(std::make_unique<SortedPoints>(sorted(layout, x, y))) {}
+SortedGrid::SortedGrid(SortedGrid const& other)
+    : box_(other.box_), points_(std::make_unique<SortedPoints>(*other.points_)) {}
+SortedGrid::SortedGrid(SortedGrid&& other) noexcept = default;
+SortedGrid& SortedGrid::operator=(SortedGrid other) noexcept {
+  box_ = other.box_;
+  points_ = std::move(other.points_);
+  return *this;
+}
+SortedGrid::~SortedGrid() = default;
 
-void SortedGrid::move_all(std::span<double const> x, std::span<double const> y) {
-  if (points_.use_count() > 1) {
-    points_ = std::make_shared<SortedPoints>(sorted(points_->layout(), x, y));
-    return;
-  }
+std::size_t SortedGrid::move_all(std::span<double const> x, std::span<double const> y) {
   ThreadPool alone(1);
-  points_->move_crowd(in_memory(x, y), alone);
+  return points_->move_crowd(in_memory(x, y), alone);
 }
 
 double SortedGrid::squared_limit(double cutoff) const {
@@ -100,42 +97,8 @@ void SortedGrid::find_candidates(Vector p, double cutoff, OnAgents const& on_age
 }
 
 void SortedGrid::find_candidate_pairs(double cutoff, OnPairs const& on_pairs) const {
-  static AddPairsOfRows const add_pairs = add_pairs_of_rows_kernel(target());
-  SortedPoints const& points = *points_;
-  CellLayout const& layout = points.layout();
-  RowBlocks const blocks(layout, [&](int column, int row) { return points.first_of(column, row); });
-  SortedRows const sorted{.x = points.x(),
-                          .y = points.y(),
-                          .index = points.indices(),
-                          .size = points.size(),
-                          .squared_cutoff = squared_limit(cutoff)};
   PairBuffer buffer(on_pairs);
-  if (!blocks.has_halves()) {
-    points.for_each_cell(0, layout.rows(), [&](int column, int cell_row, RowRange cell) {
-      RowBlock const block = blocks.around(column, cell_row);
-      for (std::size_t row = cell.first; row < cell.end; ++row) {
-        // Of each pair the row that comes first.
-        for (RowRange const range : block.ranges()) {
-          add_pairs_of_row(sorted, row, {std::max(range.first, row + 1), range.end}, &box_, add_pairs, buffer);
-        }
-      }
-    });
-  } else {
-    points.for_each_cell(0, layout.rows(), [&](int column, int cell_row, RowRange cell) {
-      RowBlock const block = blocks.after(column, cell_row);
-      Box const* const box = block.is_at_edge ? &box_ : nullptr;
-      if (block.candidates <= most_candidates) [[likely]] {
-        add_pairs(sorted, cell, block.ranges(), box, buffer);
-        return;
-      }
-      for (std::size_t row = cell.first; row < cell.end; ++row) {
-        for (RowRange const& range : block.ranges()) {
-          std::size_t const first = &range == block.rows.data() ? row + 1 : range.first;
-          add_pairs_of_row(sorted, row, {first, range.end}, box, add_pairs, buffer);
-        }
-      }
-    });
-  }
+  add_pairs_of_cells(*points_, box_, squared_limit(cutoff), 0, points_->layout().rows(), buffer);
   buffer.flush();
 }
 

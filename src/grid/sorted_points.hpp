@@ -43,9 +43,12 @@ class SortedPoints {
     return sorted;
   }
   /// The same points, which crowd, where they are now, in the same cells. In a cell those that have been there stay in their order,
-  /// before those that have come. Contract: the points are finite.
-  void move_crowd(PointsInMemory const& points, ThreadPool& pool) {
-    if (!move_few(points)) sort_crowd(layout_, {}, points, pool);
+  /// before those that have come. Returns how many have come, or the number of all where so many have that all are sorted.
+  /// Contract: the points are finite, and their cells begin to count at the origin.
+  std::size_t move_crowd(PointsInMemory const& points, ThreadPool& pool) {
+    if (std::optional<std::size_t> const arrivals = move_few(points)) return *arrivals;
+    sort_crowd(layout_, {}, points, pool);
+    return size();
   }
 
   [[nodiscard]] CellLayout const& layout() const { return layout_; }
@@ -94,8 +97,8 @@ class SortedPoints {
     std::uint32_t index;
   };
 
-  /// Moves the points one by one where most stay in their cells. False where it stops because too many do not.
-  bool move_few(PointsInMemory const& points) {
+  /// Moves the points one by one where most stay in their cells, and returns how many do not; nothing where it stops because these are too many.
+  std::optional<std::size_t> move_few(PointsInMemory const& points) {
     constexpr std::size_t ahead = 16;
     find_cells_of_rows();
     std::size_t const most_arrivals = size() / 8;
@@ -108,7 +111,7 @@ class SortedPoints {
       Vector const p = point(points, index);
       auto const cell_now = static_cast<std::uint32_t>(layout_.cell_of(p));
       if (cell_now != cell) [[unlikely]] {
-        if (arrivals.size() == most_arrivals) return false;
+        if (arrivals.size() == most_arrivals) return std::nullopt;
         arrivals.push_back({.cell = cell_now, .index = index});
         continue;
       }
@@ -124,7 +127,7 @@ class SortedPoints {
       put(kept + left - 1, last.cell, last.index, layout_.image_in_cell(point(points, last.index)));
     }
     find_cells_again();
-    return true;
+    return arrivals.size();
   }
 
   void put(std::size_t row, std::uint32_t cell, std::uint32_t index, Vector p) {

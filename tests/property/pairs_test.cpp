@@ -376,7 +376,7 @@ TEST(PairsOnSortedGrid, AreThoseOfBruteForceBeforeAndAfterPointsMove) {
         state.agents.column<X>()[i] = p.x;
         state.agents.column<Y>()[i] = p.y;
       }
-      // A copy shares the points only until they move.
+      // Copies know nothing of each other.
       if (round == 1) grid = SortedGrid(before);
       grid.move_all(state.agents.column<X>(), state.agents.column<Y>());
     }

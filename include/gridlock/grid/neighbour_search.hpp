@@ -35,7 +35,7 @@ namespace gridlock {
 /// Cost for a million points in no order with six neighbours each: 35 ns a point to build, 15 ns to update, 45 ns for all
 /// pairs (AMD Zen 4); 60 bytes a point. Where points crowd in a part of the box, up to 2.8 times as much for building and an
 /// update, up to 1.5 times as much for all pairs, and as much for an update as for building where more than one point in
-/// eight comes to another cell.
+/// eight comes to another cell. Whether points crowd no longer is asked after as many have come to other cells as there are points.
 class NeighbourSearch {
  public:
   /// Point i is at (x[i], y[i]).
@@ -91,8 +91,8 @@ class NeighbourSearch {
   [[gnu::noinline]] void visit_near_in_crowd(Vector p, Visit visit) const {
     gridlock::for_each_neighbour(points(), *crowd_, cutoff_, p, std::move(visit));
   }
-  /// Finds out which of the two grids is to hold the points, and makes it.
-  void make_grid();
+  /// The cells of points that do not crowd.
+  [[nodiscard]] CellLayout plain_layout() const;
   /// Makes that of points that crowd in cells of `layout`, and returns whether they do.
   bool make_grid_of_crowd(CellLayout const& layout);
   [[nodiscard]] bool has_crowd(CellLayout const& layout) const;
@@ -105,6 +105,7 @@ class NeighbourSearch {
   std::span<double const> y_;
   PackedGrid grid_;                  ///< of points that do not crowd
   std::optional<SortedGrid> crowd_;  ///< of points that do
+  std::size_t arrivals_ = 0;         ///< in other cells, since they were found to crowd
 };
 
 }  // namespace gridlock

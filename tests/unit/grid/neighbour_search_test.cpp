@@ -7,10 +7,13 @@
 #include <set>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/core/random.hpp"
+#include "gridlock/grid/neighbour_lists.hpp"
 
 namespace gridlock {
 namespace {
@@ -126,6 +129,99 @@ TEST(NeighbourSearch, RefusesABoxThatCannotBeComputedWith) {
 TEST(NeighbourSearch, RefusesAPointThatItDoesNotHave) {
   NeighbourSearch const search(walled, 0.1, middle, middle);
   EXPECT_THROW(search.for_each_neighbour(3, [](std::size_t, Vector) {}), Error);
+}
+
+static_assert(std::is_nothrow_move_constructible_v<NeighbourSearch> &&
+              std::is_nothrow_move_assignable_v<NeighbourSearch>);
+
+TEST(NeighbourSearch, OfACopyIsUpdatedByItself) {
+  std::vector<double> x;
+  std::vector<double> y;
+  for (int k = 0; k < 16; ++k) {
+    x.push_back(0.1 + 0.25 * (k % 4));
+    y.push_back(0.1 + 0.25 * (k / 4));
+  }
+  std::vector<double> const together(16, 0.1);
+  NeighbourSearch const first(walled, 0.25, x, y);
+  NeighbourSearch copy = first;
+  copy.update(together, together);
+  EXPECT_EQ(pairs_of(copy).size(), 120U);
+  std::vector<NeighbourSearch> several(2, first);
+  several.push_back(first);
+  several[0].update(together, together);
+  several[1] = several[0];
+  several[1].update(together, together);
+  EXPECT_EQ(pairs_of(several[0]).size(), 120U);
+  EXPECT_EQ(pairs_of(several[1]).size(), 120U);
+  EXPECT_EQ(pairs_of(several[2]), pairs_of(first));
+}
+
+/// Points of which nine in ten are in a square of this side.
+struct Crowd {
+  explicit Crowd(double side) {
+    RandomStream random(1, 0, 0, Purpose::start_position);
+    for (int k = 0; k < 3000; ++k) {
+      double const span = k % 10 == 0 ? 1.0 : side;
+      x.push_back(span * random.uniform());
+      y.push_back(span * random.uniform());
+    }
+  }
+  std::vector<double> x;
+  std::vector<double> y;
+};
+
+std::vector<std::pair<std::size_t, std::size_t>> visits_of(NeighbourSearch const& search) {
+  std::vector<std::pair<std::size_t, std::size_t>> visits;
+  search.for_each_pair([&](std::size_t i, std::size_t j, Vector) { visits.emplace_back(i, j); });
+  return visits;
+}
+
+TEST(NeighbourSearch, HasAnOrderOfVisitsThatCopiesDoNotChange) {
+  Crowd points(0.02);
+  NeighbourSearch alone(periodic, 0.002, points.x, points.y);
+  NeighbourSearch copied = alone;
+  NeighbourSearch const copy = copied;
+  std::vector<double> moved = points.x;
+  for (std::size_t i = 0; i < moved.size(); i += 20) moved[i] = moved[(i + 1500) % moved.size()];
+  alone.update(moved, points.y);
+  copied.update(moved, points.y);
+  EXPECT_EQ(visits_of(alone), visits_of(copied));
+  EXPECT_NE(visits_of(alone), visits_of(copy));
+}
+
+TEST(NeighbourSearch, OfACrowdThatDispersesBecomesThatOfOtherPoints) {
+  Crowd const crowd(0.02);
+  Crowd const dispersed(1.0);
+  NeighbourSearch search(periodic, 0.002, crowd.x, crowd.y);
+  search.update(dispersed.x, dispersed.y);
+  EXPECT_EQ(pairs_of(search), pairs_of(NeighbourSearch(periodic, 0.002, dispersed.x, dispersed.y)));
+  search.update(dispersed.y, dispersed.x);
+  EXPECT_EQ(visits_of(search), visits_of(NeighbourSearch(periodic, 0.002, dispersed.y, dispersed.x)));
+  search.update(crowd.x, crowd.y);
+  EXPECT_EQ(pairs_of(search), pairs_of(NeighbourSearch(periodic, 0.002, crowd.x, crowd.y)));
+}
+
+TEST(NeighbourSearch, FindsPairsACutoffApartInALongNarrowBox) {
+  // 36 million cells of the cutoff in a row.
+  Box const box(1.9, 4.7499999952499996e-08, Edge::wall);
+  constexpr double cutoff = 5.2777777724999994e-08;
+  std::vector<double> x{1.7709283555555555, 1.7709284083333332};
+  std::vector<double> y(2, 0.3 * box.height());
+  ASSERT_LT(x[1] - x[0], cutoff);
+  RandomStream random(1, 0, 0, Purpose::start_position);
+  while (x.size() < 620'000) {
+    x.push_back(0.01 * box.width() * random.uniform());
+    y.push_back(box.height() * random.uniform());
+  }
+  bool is_found = false;
+  NeighbourSearch(box, cutoff, x, y).for_each_pair([&](std::size_t i, std::size_t j, Vector) {
+    is_found = is_found || (i == 1 && j == 0);
+  });
+  EXPECT_TRUE(is_found);
+  PointPairs const pairs = find_pairs(box, cutoff, {.x = x.data(), .y = y.data(), .count = x.size()});
+  std::size_t found = 0;
+  for (std::size_t k = 0; k < pairs.size(); ++k) found += pairs.first()[k] + pairs.second()[k] == 1 ? 1 : 0;
+  EXPECT_EQ(found, 1U);
 }
 
 TEST(NeighbourSearch, FindsNothingAmongNoneOrOne) {

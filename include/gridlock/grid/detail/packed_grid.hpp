@@ -213,7 +213,7 @@ class PackedGrid {
     find_candidate_pairs(cutoff, [&](std::span<AgentPair const> pairs) { visit_pairs(pairs, visit, expect); });
   }
 
-  /// The same pairs in portions of up to a thousand. Sixteen candidates are looked at at a time with AVX-512, eight with AVX2, four
+  /// The same pairs in portions. Sixteen candidates are looked at at a time with AVX-512, eight with AVX2, four
   /// elsewhere, chosen at run time; the same pairs in the same order with any.
   /// Errors: Error for a cutoff that is negative or no number.
   void find_candidate_pairs(double cutoff, OnPairs const& on_pairs) const;
@@ -285,12 +285,28 @@ class PackedGrid {
   /// nobody comes to seem farther away by that.
   static constexpr float farthest_outside = 2.0F;
 
+  /// Keeps its room when it is copied, since blocks must not move while agents do.
+  class Blocks : public LargeArray<Block> {
+   public:
+    Blocks() = default;
+    Blocks(Blocks const& other) : LargeArray<Block>() {
+      reserve(other.capacity());
+      assign(other.begin(), other.end());
+    }
+    Blocks(Blocks&&) noexcept = default;
+    Blocks& operator=(Blocks other) noexcept {
+      swap(other);
+      return *this;
+    }
+    ~Blocks() = default;
+  };
+
   /// A lock of which every copy of the grid has its own.
   class Lock {
    public:
     Lock() = default;
-    Lock(Lock const&) {}
-    Lock& operator=(Lock const&) { return *this; }
+    Lock(Lock const&) noexcept {}
+    Lock& operator=(Lock const&) noexcept { return *this; }
     void lock() {
       while (flag_.test_and_set(std::memory_order_acquire)) {
       }
@@ -374,7 +390,7 @@ class PackedGrid {
   double locals_per_length_ = 1.0;
   float local_width_ = 1.0F;
   float local_height_ = 1.0F;
-  LargeArray<Block> blocks_;         ///< of the cells, then the further ones
+  Blocks blocks_;                    ///< of the cells, then the further ones
   LargeArray<std::uint32_t> place_;  ///< of an agent: block · slots + slot
   std::uint32_t first_free_ = none;  ///< of a list, by `next`, of further blocks not in use
   Lock further_blocks_;              ///< guards the growth of blocks_ and the list

@@ -17,7 +17,7 @@ class SortedPoints;
 /// Copies of the points in the order of their cells, for points that crowd: cells as fine as the cutoff, of which only the occupied ones
 /// are stored. Points that come to other cells are put there, and all are sorted anew where many do.
 ///
-/// Memory: 20 bytes a point, 4 more where points have moved, 4 an occupied cell and at most 16 a point for which cells are occupied. Copies share it.
+/// Memory: 20 bytes a point, 4 more where points have moved, 4 an occupied cell and at most 16 a point for which cells are occupied.
 class SortedGrid {
  public:
   using OnAgents = std::function<void(std::span<std::uint32_t const>)>;
@@ -25,9 +25,14 @@ class SortedGrid {
   /// Point i is at (x[i], y[i]). Contract: the points are finite.
   SortedGrid(Box const& box, CellLayout const& layout, std::span<double const> x, std::span<double const> y);
 
-  /// Point i of as many is at (x[i], y[i]). Contract: the points are finite. Cost: about that of a counting
-  /// sort where many come to other cells, half as much where few do.
-  void move_all(std::span<double const> x, std::span<double const> y);
+  SortedGrid(SortedGrid const& other);
+  SortedGrid(SortedGrid&& other) noexcept;
+  SortedGrid& operator=(SortedGrid other) noexcept;
+  ~SortedGrid();
+
+  /// Point i of as many is at (x[i], y[i]). Returns how many have come to other cells, or the number of all where these are many.
+  /// Contract: the points are finite. Cost: about that of a counting sort where many come to other cells, half as much where few do.
+  std::size_t move_all(std::span<double const> x, std::span<double const> y);
 
   /// As those of PackedGrid. Contract: the cutoff is at most the shorter side of a cell.
 
@@ -49,7 +54,7 @@ class SortedGrid {
   [[nodiscard]] double squared_limit(double cutoff) const;
 
   Box box_;
-  std::shared_ptr<SortedPoints> points_;  ///< never changed where copies share it
+  std::unique_ptr<SortedPoints> points_;
 };
 
 }  // namespace gridlock
