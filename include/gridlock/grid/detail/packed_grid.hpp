@@ -289,7 +289,7 @@ class PackedGrid {
   class Blocks : public LargeArray<Block> {
    public:
     Blocks() = default;
-    Blocks(Blocks const& other) : LargeArray<Block>() {
+    Blocks(Blocks const& other) : Blocks() {
       reserve(other.capacity());
       assign(other.begin(), other.end());
     }
