@@ -28,13 +28,12 @@ namespace {
 using Block = PackedGrid::Block;
 
 constexpr std::size_t most = PackedTurns::largest_batch;
-/// Turns that take less time together than one after the other.
-constexpr std::size_t worth_it = 3;
 /// Sub-steps are counted in double precision.
 constexpr std::uint64_t most_substeps = 1'000'000'000;
 
 using Doubles = hn::CappedTag<double, 8>;
 constexpr std::size_t lanes = hn::MaxLanes(Doubles());
+static_assert(lanes <= PackedTurns::read_behind);
 using Floats = hn::CappedTag<float, 16>;
 constexpr std::size_t blocks_at_once = hn::MaxLanes(Floats()) / PackedGrid::slots;
 
@@ -53,27 +52,25 @@ struct Point {
 /// The disks that take their turns, as the phases hand them on. What is written lane by lane is not read as a whole soon
 /// after: that makes the processor wait until all before it is done.
 struct alignas(64) Turning {
-  Each<float> sight_x;  ///< seen from the cell of the disk: where it would come to
+  Each<double> x;
+  Each<double> y;
+  Each<double> displacement_x;  ///< in a sub-step
+  Each<double> displacement_y;
+  Each<double> radius;
+  Each<double> column;  ///< of its cell
+  Each<double> row;
+  Each<double> free_substeps;  ///< before the one in which it meets its partner
+  Each<Point> position;        ///< where it comes to
+  Each<float> sight_x;         ///< seen from its cell: where it would come to
   Each<float> sight_y;
   Each<float> limit;    ///< of the squared distance from there to disks it may meet
-  Each<float> local_x;  ///< seen from its cell: where it comes to if it meets nobody
+  Each<float> local_x;  ///< seen from its cell: where it comes to
   Each<float> local_y;
-  Each<Point> position;  ///< the same point in the box
+  Each<std::uint64_t> near;  ///< bit slots · k + s is set where the disk in slot s of block k around may be met
   Each<DiskInTurn*> disk;
   Each<Block*> block;
-  Each<std::uint64_t> near;  ///< bit slots · k + s is set where the disk in slot s of block k around may be met
-  Each<std::uint32_t> slot;  ///< in its block
-  Each<std::uint32_t> free_substeps;  ///< before the one in which it meets its partner
-  Each<std::uint32_t> partner;
-  Each<double> nearest;   ///< squared distance of the partner where it is met
-  Each<Point> halted_at;  ///< before that
-};
-
-/// Disks that may be met, those of one turn after those of another.
-struct Candidates {
-  std::array<std::uint32_t, most * 9 * PackedGrid::slots + lanes> row;
-  std::array<std::uint8_t, most * 9 * PackedGrid::slots + lanes> turn;
-  std::size_t count = 0;
+  Each<std::ptrdiff_t const*> offset;  ///< of the blocks around
+  Each<std::uint32_t> partner;         ///< the row of the one whom it meets, if it meets anybody
 };
 
 /// Bit l is that of turn l.
@@ -161,24 +158,31 @@ std::size_t first_of(std::uint64_t bits) { return static_cast<std::size_t>(std::
 /// Turns of disks without a common neighbour, as many at a time as a register holds.
 ///
 ///     turns         0 1 2 3 │ 4 5 6 7       where they would come to, how far they see
-///     candidates    0 0 2 3 │ 3 3 6 7       whom they may meet: few, most turns one or none;
-///                                           in which sub-step a turn meets a candidate, if at all
-///     turns         0 1 2 3 4 5 6 7         moved, and those that meet somebody collide
+///                   0, 1, 2 …               whom they may meet: few, most turns one or none
+///     candidates    a – b c │ – d – e       in which sub-step a turn meets the first of them, if at all;
+///                   – – – f │               then the second …
+///     turns         0, 1, 2 …               moved, and those that meet somebody collide
 ///
 /// The same operations in the same order as in one turn after the other, so that they round alike.
 class BatchedMoves {
+  using Pair = hn::FixedTag<double, 2>;
+
  public:
-  BatchedMoves(PackedTurns& turns, std::span<std::uint32_t const> rows, ResultsOfTurns results)
+  BatchedMoves(PackedTurns& turns, TurnsInOrder const& order, std::size_t first, std::size_t count)
       : turns_(turns),
         constants_(turns.constants()),
         view_(constants_.view),
         grid_(turns.grid()),
-        rows_(rows),
-        results_(results) {}
+        rows_(order.rows + first),
+        blocks_(order.blocks + first),
+        slots_(order.slots + first),
+        places_(order.places + first),
+        results_(order.results),
+        count_(count) {}
 
   void take() {
-    Turns const all = (1U << rows_.size()) - 1U;
-    by_registers(rows_.size(), [this](auto tag, std::size_t first) HWY_ATTR {
+    Turns const all = (1U << count_) - 1U;
+    by_registers(count_, [this](auto tag, std::size_t first) HWY_ATTR {
       find_disks(tag, first);
       aim(tag, first);
     });
@@ -187,32 +191,32 @@ class BatchedMoves {
     if ((local & ~far_from_edge_ & inside_) != 0) {
       together |= look_around<EdgeOfTurn::may_be_met>(local & ~far_from_edge_ & inside_);
     }
-    list_candidates();
-    find_partners();
-    for (Turns left = together & staying_ & ~halted_; left != 0; left &= left - 1) {
+    by_registers(count_, [this](auto tag, std::size_t first) HWY_ATTR { find_partners(tag, first); });
+    for (Turns left = together; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
-      t_.disk[l]->position = t_.position[l];
-      place_within_cell(l);
+      hn::Store(hn::Load(Pair(), &t_.position[l].x), Pair(), &t_.disk[l]->position.x);
+      // Whether it stays in its cell is as good as random.
+      std::uint32_t const slot = slots_[l] | ((staying_ >> l & 1U) - 1U);
+      place_within_cell(l, slot, t_.local_x[l], t_.local_y[l]);
     }
-    for (Turns left = together & ~staying_ & ~halted_; left != 0; left &= left - 1) {
+    for (Turns left = together & ~staying_; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
-      t_.disk[l]->position = t_.position[l];
       grid_.move(rows_[l], t_.position[l]);
     }
     // In the order of the turns, on which sums of floating point numbers depend.
     for (Turns left = halted_ | (local & ~together); left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
       if (halted_ >> l & 1U) {
-        halt(l, results_.of(l).counters);
+        collide(l, result_of(l).counters);
       } else {
-        turns_.take(turns_.prepare(rows_[l]), results_.of(l).counters);
+        turns_.take(turns_.prepare(rows_[l], *t_.block[l], slots_[l]), result_of(l).counters);
       }
     }
     for (Turns left = all & ~local; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
-      results_.of(l).not_local.push_back(rows_[l]);
+      result_of(l).not_local.push_back(rows_[l]);
     }
-    Counters& counters = results_.any_counters();
+    Counters& counters = result_of(0).counters;
     counters.moves += count_of(together);
     counters.halted_moves += count_of(halted_);
     counters.distance_checks += checks_ * view_.substeps - checks_left_out_;
@@ -232,19 +236,19 @@ class BatchedMoves {
     }
   }
 
-  /// Of the turns in a register; lanes beyond the last turn have its disk.
+  /// Of the turns in a register; lanes beyond the last turn have the disks of others.
   template <class D>
   HWY_INLINE void find_disks(D tag, std::size_t first) {
     HWY_UNROLL(8)
     for (std::size_t l = first; l < first + hn::MaxLanes(tag); ++l) {
-      std::uint32_t const row = rows_[std::min(l, rows_.size() - 1)];
-      t_.disk[l] = &view_.disks[row];
-      t_.block[l] = &grid_.block_of(row);
-      t_.slot[l] = grid_.slot_of(row);
+      t_.disk[l] = &view_.disks[rows_[l]];
+      t_.block[l] = blocks_[l];
+      t_.near[l] = 0;
+      t_.offset[l] = constants_.block_offsets[0].data();
     }
   }
 
-  /// Where the disks in a register are bound for, from turn `first` on, and where they come to if they meet nobody.
+  /// Where the disks in a register are bound for, from turn `first` on, and where they come to unless find_partners() says otherwise.
   template <class D>
   HWY_INLINE void aim(D tag, std::size_t first) {
     using Double = hn::Vec<D>;
@@ -278,24 +282,26 @@ class BatchedMoves {
     store_local(tag, &t_.sight_y[first], in_cells(tag, end_y, rows_per_length, cells.y), grid_.local_height());
 
     // take_turn() without partners
+    hn::Store(position.x, tag, &t_.x[first]);
+    hn::Store(position.y, tag, &t_.y[first]);
+    hn::Store(radius, tag, &t_.radius[first]);
+    hn::Store(cells.x, tag, &t_.column[first]);
+    hn::Store(cells.y, tag, &t_.row[first]);
     Double const substep = hn::Set(tag, view_.substep);
     Double const displacement_x = hn::Mul(substep, velocity.x);
     Double const displacement_y = hn::Mul(substep, velocity.y);
+    hn::Store(displacement_x, tag, &t_.displacement_x[first]);
+    hn::Store(displacement_y, tag, &t_.displacement_y[first]);
     Double x = position.x;
     Double y = position.y;
     for (std::uint64_t m = 0; m < view_.substeps; ++m) {
       x = hn::Add(x, displacement_x);
       y = hn::Add(y, displacement_y);
     }
-    hn::StoreInterleaved2(x, y, tag, &t_.position[first].x);
-    Double const columns = in_cells(tag, x, columns_per_length, cells.x);
-    Double const rows = in_cells(tag, y, rows_per_length, cells.y);
-    store_local(tag, &t_.local_x[first], columns, grid_.local_width());
-    store_local(tag, &t_.local_y[first], rows, grid_.local_height());
     local_ |= bits_of(tag, local) << first;
     far_from_edge_ |= bits_of(tag, inner) << first;
     inside_ |= bits_of(tag, is_inside(tag, position, {x, y}, radius)) << first;
-    staying_ |= bits_of(tag, hn::And(is_from_0_to_1(tag, columns), is_from_0_to_1(tag, rows))) << first;
+    end_at(tag, first, {x, y}, cells);
   }
 
   /// Whether disks stay within the walls, or in the box, from one point to the other. Every sub-step adds the same
@@ -318,17 +324,27 @@ class BatchedMoves {
   template <EdgeOfTurn edge>
   HWY_INLINE Turns look_around(Turns turns) {
     std::ptrdiff_t const* offset = constants_.block_offsets[0].data();
+    bool const may_have_further_blocks = grid_.has_further_blocks();
+    std::ptrdiff_t const blocks_in_row = grid_.blocks_in_row();
     for (Turns left = turns; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
       Block const* const here = t_.block[l];
       if constexpr (edge == EdgeOfTurn::may_be_met) offset = block_offsets_of(l);
-      if (!constants_.fits_one_block && has_further_blocks(*here, offset)) {
+      if (may_have_further_blocks && has_further_blocks(*here, offset)) {
         turns &= ~(1U << l);
         continue;
       }
-      Block const* around[TurnConstants::blocks_around];
-      for (std::size_t k = 0; k < TurnConstants::blocks_around; ++k) around[k] = &here[offset[k]];
-      std::uint64_t const near = near_around(around, l) | std::uint64_t{near_in(*here, l) & ~(1U << t_.slot[l])} << 32;
+      std::uint64_t near = 0;
+      if constexpr (edge == EdgeOfTurn::is_far) {
+        Block const* const below = here - blocks_in_row;
+        Block const* const above = here + blocks_in_row;
+        near = near_around({below - 1, below, below + 1, here - 1, here + 1, above - 1, above, above + 1}, l);
+      } else {
+        Around around;
+        for (std::size_t k = 0; k < around.size(); ++k) around[k] = &here[offset[k]];
+        near = near_around(around, l);
+      }
+      near |= std::uint64_t{near_in(*here, l) & ~(1U << slots_[l])} << own_slots;
       if constexpr (edge == EdgeOfTurn::may_be_met) {
         // Distances are those of the nearest images there.
         if (constants_.layout.is_periodic() && near != 0) {
@@ -338,14 +354,17 @@ class BatchedMoves {
       }
       t_.near[l] = near;
       checks_ += count_of(near);
+      if constexpr (edge == EdgeOfTurn::may_be_met) t_.offset[l] = offset;
       with_candidates_ |= static_cast<Turns>(near != 0) << l;
     }
     return turns;
   }
 
+  using Around = std::array<Block const*, TurnConstants::blocks_around>;
+
   /// Whom turn l may meet in the cells around.
   template <std::size_t at_once = blocks_at_once>
-  HWY_INLINE std::uint64_t near_around(Block const* const* around, std::size_t l) const {
+  HWY_INLINE std::uint64_t near_around(Around const& around, std::size_t l) const {
     static_assert(offsetof(Block, y) == offsetof(Block, x) + PackedGrid::slots * sizeof(float));
     Floats const tag;
     auto const sight_x = hn::Set(tag, t_.sight_x[l]);
@@ -388,6 +407,8 @@ class BatchedMoves {
     return bits_of(tag, hn::Le(squared_length(dx, dy), hn::Set(tag, t_.limit[l])));
   }
 
+  static constexpr std::size_t own_slots = TurnConstants::blocks_around * PackedGrid::slots;
+
   /// Whether a cell around the one of this block has more disks than a block.
   [[nodiscard]] bool has_further_blocks(Block const& block, std::ptrdiff_t const* offset) const {
     Block const* const first = &std::as_const(grid_).block_at(block.column, block.row);
@@ -400,167 +421,209 @@ class BatchedMoves {
     return constants_.block_offsets_at(t_.block[l]->column, t_.block[l]->row).data();
   }
 
-  HWY_INLINE void list_candidates() {
-    std::size_t count = 0;
-    for (Turns left = with_candidates_; left != 0; left &= left - 1) {
-      std::size_t const l = first_of(left);
-      std::ptrdiff_t const* const offset =
-          (far_from_edge_ >> l & 1U) != 0 ? constants_.block_offsets[0].data() : block_offsets_of(l);
-      auto const add = [&](std::uint64_t near) HWY_ATTR {
-        std::size_t const bit = first_of(near);
-        candidates_.row[count] = t_.block[l][offset[bit / PackedGrid::slots]].agent[bit % PackedGrid::slots];
-        candidates_.turn[count] = static_cast<std::uint8_t>(l);
-      };
-      std::uint64_t near = t_.near[l];
-      add(near);
-      ++count;
-      near &= near - 1;
-      // Whether there is a second is as good as random, a third is rare: the second is written in any case.
-      add(near | std::uint64_t{1} << 35);
-      count += near != 0 ? 1 : 0;
-      near &= near - 1;
-      for (; near != 0; near &= near - 1) {
-        add(near);
-        ++count;
+  /// How turns end that may meet somebody.
+  template <class D>
+  struct Ending {
+    Vectors<D> at;
+    hn::Vec<D> free_substeps;
+    hn::Vec<D> squared;  ///< distance of the one who is met
+    hn::Mask<D> is_met;
+  };
+
+  /// Whom the turns in a register meet, and where they end.
+  template <class D>
+  HWY_INLINE void find_partners(D tag, std::size_t first) {
+    constexpr std::size_t count = hn::MaxLanes(D());
+    unsigned const with = with_candidates_ >> first & ((1U << count) - 1U);
+    if (with == 0) return;
+    std::uint64_t near[count];
+    std::uint32_t rows[count];
+    DiskInTurn const* candidates[count];
+    // Whom the next bits name. Returns the turns that have more.
+    auto const next_candidates = [&]() HWY_ATTR {
+      unsigned more = 0;
+      for (std::size_t k = 0; k < count; ++k) {
+        // Without a candidate somebody is looked at: empty slots name disks that were here before.
+        std::size_t const bit = first_of(near[k] | std::uint64_t{1} << (own_slots + PackedGrid::slots - 1));
+        Block const& block = t_.block[first + k][t_.offset[first + k][bit / PackedGrid::slots]];
+        rows[k] = block.agent[bit % PackedGrid::slots];
+        candidates[k] = &view_.disks[rows[k]];
+        near[k] &= near[k] - 1;
+        more |= (near[k] != 0 ? 1U : 0U) << k;
+      }
+      return more;
+    };
+    for (std::size_t k = 0; k < count; ++k) near[k] = t_.near[first + k];
+    unsigned more = next_candidates();
+    Ending<D> ending = meet(tag, first, candidates, with);
+    for (std::size_t k = 0; k < count; ++k) t_.partner[first + k] = rows[k];
+    while (more != 0) {
+      unsigned const again = more;
+      more = next_candidates();
+      Ending<D> const other = meet(tag, first, candidates, again);
+      hn::Mask<D> const is_first = comes_first(tag, other, ending, &t_.partner[first], rows);
+      ending = {{hn::IfThenElse(is_first, other.at.x, ending.at.x), hn::IfThenElse(is_first, other.at.y, ending.at.y)},
+                hn::IfThenElse(is_first, other.free_substeps, ending.free_substeps),
+                hn::IfThenElse(is_first, other.squared, ending.squared),
+                hn::Or(other.is_met, ending.is_met)};
+      for (unsigned left = bits_of(tag, is_first); left != 0; left &= left - 1) {
+        t_.partner[first + first_of(left)] = rows[first_of(left)];
       }
     }
-    candidates_.count = count;
+    hn::Store(ending.free_substeps, tag, &t_.free_substeps[first]);
+    halted_ |= bits_of(tag, ending.is_met) << first;
+    end_at(tag, first, ending.at, {hn::Load(tag, &t_.column[first]), hn::Load(tag, &t_.row[first])});
   }
 
-  /// The disk of turn l is now in its cell where it comes to if it meets nobody. Written as a whole: what is written in halves and soon
-  /// read as a whole makes the processor wait.
-  HWY_INLINE void place_within_cell(std::size_t l) {
+  /// Which turns meet the disks in `rows` rather than their partners: the choice of Partner::consider(), of disks that are first met in
+  /// different sub-steps.
+  template <class D>
+  HWY_INLINE hn::Mask<D> comes_first(D tag, Ending<D> const& with_row, Ending<D> const& with_partner,
+                                     std::uint32_t const* partners, std::uint32_t const* rows) const {
+    auto const is_same_substep = hn::Eq(with_row.free_substeps, with_partner.free_substeps);
+    auto const is_nearer = hn::And(is_same_substep, hn::Lt(with_row.squared, with_partner.squared));
+    auto const is_earlier = hn::Lt(with_row.free_substeps, with_partner.free_substeps);
+    auto const is_as_near = hn::And(is_same_substep, hn::Eq(with_row.squared, with_partner.squared));
+    unsigned has_lower_id = 0;
+    for (unsigned left = bits_of(tag, hn::And(with_row.is_met, is_as_near)); left != 0; left &= left - 1) {
+      std::size_t const k = first_of(left);
+      bool const is_lower = view_.disks[rows[k]].id_index < view_.disks[partners[k]].id_index;
+      has_lower_id |= (is_lower ? 1U : 0U) << k;
+    }
+    return hn::And(with_row.is_met, hn::Or(hn::Or(is_earlier, is_nearer), mask_of(tag, has_lower_id)));
+  }
+
+  /// How the turns in a register end that have a candidate, if they meet nobody else.
+  template <class D>
+  HWY_INLINE Ending<D> meet(D tag, std::size_t first, DiskInTurn const* const* candidates,
+                            unsigned with_candidate) const {
+    using Double = hn::Vec<D>;
+    Vectors<D> const other = positions_of(tag, candidates);
+    Double const contact = hn::Add(hn::Load(tag, &t_.radius[first]), radii_of(tag, candidates));
+    Double const squared_contact = hn::Mul(contact, contact);
+    Double const displacement_x = hn::Load(tag, &t_.displacement_x[first]);
+    Double const displacement_y = hn::Load(tag, &t_.displacement_y[first]);
+    Double x = hn::Load(tag, &t_.x[first]);
+    Double y = hn::Load(tag, &t_.y[first]);
+    // No place waits for the answer whether two disks are apart.
+    Double last_x = x;
+    Double last_y = y;
+    Double squared = hn::Zero(tag);
+    Double free_substeps = hn::Zero(tag);
+    Double const one = hn::Set(tag, 1.0);
+    hn::Mask<D> const is_asked = mask_of(tag, with_candidate);
+    hn::Mask<D> apart = is_asked;
+    for (std::uint64_t m = 0; m < view_.substeps; ++m) {
+      last_x = hn::IfThenElse(apart, x, last_x);
+      last_y = hn::IfThenElse(apart, y, last_y);
+      x = hn::Add(x, displacement_x);
+      y = hn::Add(y, displacement_y);
+      Double const squared_now = squared_length(hn::Sub(other.x, x), hn::Sub(other.y, y));
+      squared = hn::IfThenElse(apart, squared_now, squared);
+      apart = hn::AndNot(hn::Lt(squared_now, squared_contact), apart);
+      free_substeps = hn::IfThenElse(apart, hn::Add(free_substeps, one), free_substeps);
+    }
+    hn::Mask<D> const is_met = hn::AndNot(apart, is_asked);
+    return {{hn::IfThenElse(is_met, last_x, x), hn::IfThenElse(is_met, last_y, y)}, free_substeps, squared, is_met};
+  }
+
+  /// True in the lanes of the bits.
+  template <class D>
+  static HWY_INLINE hn::Mask<D> mask_of(D tag, unsigned bits) {
+    std::uint8_t const bytes[8] = {static_cast<std::uint8_t>(bits)};
+    return hn::LoadMaskBits(tag, bytes);
+  }
+
+  /// The turns in a register end there.
+  template <class D>
+  HWY_INLINE void end_at(D tag, std::size_t first, Vectors<D> to, Vectors<D> cells) {
+    hn::StoreInterleaved2(to.x, to.y, tag, &t_.position[first].x);
+    auto const columns = in_cells(tag, to.x, constants_.layout.columns_per_length(), cells.x);
+    auto const rows = in_cells(tag, to.y, constants_.layout.rows_per_length(), cells.y);
+    store_local(tag, &t_.local_x[first], columns, grid_.local_width());
+    store_local(tag, &t_.local_y[first], rows, grid_.local_height());
+    Turns const in_register = ((1U << hn::MaxLanes(tag)) - 1U) << first;
+    staying_ = (staying_ & ~in_register) |
+               bits_of(tag, hn::And(is_from_0_to_1(tag, columns), is_from_0_to_1(tag, rows))) << first;
+  }
+
+  /// The disk of turn l is now there in its cell; nothing changes for a slot that there is not. Written as a whole: what is written in
+  /// halves and soon read as a whole makes the processor wait.
+  HWY_INLINE void place_within_cell(std::size_t l, std::uint32_t slot, float x, float y) {
     if constexpr (blocks_at_once == 1) {
-      PackedGrid::place_within_cell(*t_.block[l], t_.slot[l], {t_.local_x[l], t_.local_y[l]});
+      PackedGrid::place_within_cell(*t_.block[l], slot, {x, y});
     } else {
       hn::CappedTag<float, 2 * PackedGrid::slots> const tag;
       hn::Rebind<std::uint32_t, decltype(tag)> const numbers;
       float* const to = t_.block[l]->x.data();
       auto const slots = hn::And(hn::Iota(numbers, 0), hn::Set(numbers, PackedGrid::slots - 1));
-      auto const is_slot = hn::RebindMask(tag, hn::Eq(slots, hn::Set(numbers, t_.slot[l])));
-      auto const place = hn::OddEvenBlocks(hn::Set(tag, t_.local_y[l]), hn::Set(tag, t_.local_x[l]));
+      auto const is_slot = hn::RebindMask(tag, hn::Eq(slots, hn::Set(numbers, slot)));
+      auto const place = hn::OddEvenBlocks(hn::Set(tag, y), hn::Set(tag, x));
       hn::Store(hn::IfThenElse(is_slot, place, hn::Load(tag, to)), tag, to);
     }
   }
 
-  /// Whom the disks meet first.
-  HWY_INLINE void find_partners() {
-    if (candidates_.count == 0) return;
-    // Lanes beyond the last candidate look at somebody too.
-    for (std::size_t k = 0; k < lanes; ++k) {
-      candidates_.row[candidates_.count + k] = candidates_.row[0];
-      candidates_.turn[candidates_.count + k] = candidates_.turn[0];
-    }
-    by_registers(candidates_.count, [this](auto tag, std::size_t first) HWY_ATTR { find_partners(tag, first); });
-  }
+  [[nodiscard]] TurnResult& result_of(std::size_t l) const { return *results_[places_[l]]; }
 
-  /// Of the candidates in a register.
-  template <class D>
-  HWY_INLINE void find_partners(D tag, std::size_t first) {
-    using Double = hn::Vec<D>;
-    constexpr std::size_t count = hn::MaxLanes(D());
-    auto const substeps = static_cast<std::uint32_t>(view_.substeps);
-    DiskInTurn const* selves[count];
-    DiskInTurn const* others[count];
-    for (std::size_t k = 0; k < count; ++k) {
-      selves[k] = t_.disk[candidates_.turn[first + k]];
-      others[k] = &view_.disks[candidates_.row[first + k]];
-    }
-    Vectors<D> const from = positions_of(tag, selves);
-    Vectors<D> const velocity = velocities_of(tag, selves);
-    Vectors<D> const other = positions_of(tag, others);
-    Double const contact = hn::Add(radii_of(tag, selves), radii_of(tag, others));
-    Double const squared_contact = hn::Mul(contact, contact);
-    Double const substep = hn::Set(tag, view_.substep);
-    Double const displacement_x = hn::Mul(substep, velocity.x);
-    Double const displacement_y = hn::Mul(substep, velocity.y);
-    Double x = from.x;
-    Double y = from.y;
-    // Of the sub-step in which they meet, or the last one.
-    Double before_x = x;
-    Double before_y = y;
-    Double nearest = hn::Zero(tag);
-    Double met_in = hn::Zero(tag);
-    hn::Mask<D> apart = hn::FirstN(tag, candidates_.count - first);
-    for (std::uint32_t m = 0; m < substeps; ++m) {
-      before_x = hn::IfThenElse(apart, x, before_x);
-      before_y = hn::IfThenElse(apart, y, before_y);
-      x = hn::Add(x, displacement_x);
-      y = hn::Add(y, displacement_y);
-      Double const squared = squared_length(hn::Sub(other.x, x), hn::Sub(other.y, y));
-      nearest = hn::IfThenElse(apart, squared, nearest);
-      met_in = hn::IfThenElse(apart, hn::Set(tag, static_cast<double>(m)), met_in);
-      apart = hn::AndNot(hn::Lt(squared, squared_contact), apart);
-    }
-    std::size_t const valid = std::min(count, candidates_.count - first);
-    unsigned const met = ((1U << valid) - 1U) & ~bits_of(tag, apart);
-    if (met != 0) choose_partners(tag, met, first, {before_x, before_y}, met_in, nearest);
-  }
-
-  /// Of the candidates from `first` on that are met those that are met before others.
-  template <class D>
-  HWY_INLINE void choose_partners(D tag, unsigned met, std::size_t first, Vectors<D> before, hn::Vec<D> met_in,
-                                  hn::Vec<D> nearest) {
-    alignas(64) double substep[hn::MaxLanes(D())];
-    alignas(64) double squared[hn::MaxLanes(D())];
-    alignas(64) Point halted_at[hn::MaxLanes(D())];
-    hn::Store(met_in, tag, substep);
-    hn::Store(nearest, tag, squared);
-    hn::StoreInterleaved2(before.x, before.y, tag, &halted_at[0].x);
-    for (; met != 0; met &= met - 1) {
-      std::size_t const k = first_of(met);
-      std::size_t const l = candidates_.turn[first + k];
-      std::uint32_t const row = candidates_.row[first + k];
-      auto const free_substeps = static_cast<std::uint32_t>(substep[k]);
-      if ((halted_ >> l & 1U) && !is_met_before(l, row, free_substeps, squared[k])) continue;
-      halted_ |= 1U << l;
-      t_.free_substeps[l] = free_substeps;
-      t_.nearest[l] = squared[k];
-      t_.partner[l] = row;
-      t_.halted_at[l] = halted_at[k];
-    }
-  }
-
-  /// The choice of Partner::consider(), of disks that are first met in different sub-steps.
-  [[nodiscard]] bool is_met_before(std::size_t l, std::uint32_t row, std::uint32_t substep, double squared) const {
-    if (substep != t_.free_substeps[l]) return substep < t_.free_substeps[l];
-    if (squared != t_.nearest[l]) return squared < t_.nearest[l];
-    return view_.disks[row].id_index < view_.disks[t_.partner[l]].id_index;
-  }
-
-  HWY_INLINE void halt(std::size_t l, Counters& counters) {
-    std::uint64_t const left_out = view_.substeps - t_.free_substeps[l] - 1;
+  /// Turn l ends at its partner.
+  HWY_INLINE void collide(std::size_t l, Counters& counters) {
+    auto const left_out = static_cast<std::uint64_t>(static_cast<double>(view_.substeps - 1) - t_.free_substeps[l]);
     checks_left_out_ += left_out * count_of(t_.near[l]);
-    t_.disk[l]->position = t_.halted_at[l];
-    collide(view_, rows_[l], t_.partner[l], counters);
-    grid_.move(rows_[l], t_.halted_at[l]);
+    collide(*t_.disk[l], view_.disks[t_.partner[l]], counters);
+  }
+
+  /// x + y in both lanes.
+  static HWY_INLINE hn::Vec<Pair> sum(hn::Vec<Pair> v) { return hn::Add(v, hn::Shuffle01(v)); }
+
+  /// As collide() of turn.hpp, x and y side by side.
+  HWY_INLINE void collide(DiskInTurn& self, DiskInTurn& other, Counters& counters) const {
+    Pair const tag;
+    auto b = hn::Sub(hn::Load(tag, &other.position.x), hn::Load(tag, &self.position.x));
+    if (view_.box.is_periodic()) {
+      Vector const nearest = view_.box.displacement_inside(self.position, other.position);
+      b = hn::OddEven(hn::Set(tag, nearest.y), hn::Set(tag, nearest.x));
+    }
+    auto const v_self = hn::Load(tag, &self.velocity.x);
+    auto const v_other = hn::Load(tag, &other.velocity.x);
+    double const approach = hn::GetLane(sum(hn::Mul(hn::Sub(v_self, v_other), b)));
+    if (view_.contact == CollisionRule::approaching && !(approach > 0.0)) return;
+    double const along = 2.0 * approach / ((self.mass + other.mass) * hn::GetLane(sum(hn::Mul(b, b))));
+    auto const change_self = hn::Mul(hn::Set(tag, -other.mass * along), b);
+    auto const change_other = hn::Mul(hn::Set(tag, self.mass * along), b);
+    hn::Store(hn::Add(v_self, change_self), tag, &self.velocity.x);
+    hn::Store(hn::Add(v_other, change_other), tag, &other.velocity.x);
+    ++counters.pair_collisions;
+    counters.pair_virial -= self.mass * hn::GetLane(sum(hn::Mul(b, change_self)));
   }
 
   PackedTurns& turns_;
   TurnConstants const& constants_;
   TurnView const& view_;
   PackedGrid& grid_;
-  std::span<std::uint32_t const> rows_;
-  ResultsOfTurns results_;
+  std::uint32_t const* rows_;
+  Block* const* blocks_;
+  std::uint8_t const* slots_;
+  std::uint8_t const* places_;
+  TurnResult* const* results_;
+  std::size_t count_;
   Turns local_ = 0;
   Turns far_from_edge_ = 0;
   Turns inside_ = 0;   ///< neither at a wall nor across an edge if they meet nobody
-  Turns staying_ = 0;  ///< in their cells if they meet nobody
+  Turns staying_ = 0;  ///< in their cells
   Turns halted_ = 0;
   Turns with_candidates_ = 0;
   std::uint64_t checks_ = 0;  ///< in each sub-step
   std::uint64_t checks_left_out_ = 0;
   Turning t_;
-  Candidates candidates_;
 };
 
 }  // namespace
 
-void take_batch(PackedTurns& turns, std::span<std::uint32_t const> rows, ResultsOfTurns results) {
-  if (rows.size() < worth_it || turns.substeps() > most_substeps) {
-    take_batch_scalar(turns, rows, results);
+void take_batch(PackedTurns& turns, TurnsInOrder const& order, std::size_t first, std::size_t count) {
+  if (turns.substeps() > most_substeps) {
+    take_batch_scalar(turns, order, first, count);
   } else {
-    BatchedMoves(turns, rows, results).take();
+    BatchedMoves(turns, order, first, count).take();
   }
 }
 

@@ -50,21 +50,22 @@ struct TurnResult {
   std::vector<std::uint32_t> not_local;  ///< rows of disks that have not taken their turn
 };
 
-/// Where turns, which may be of several tiles, leave it behind.
-struct ResultsOfTurns {
-  std::uint8_t const* places;  ///< of the result of each turn
+/// Turns one behind another, which may be of several tiles.
+struct TurnsInOrder {
+  std::uint32_t const* rows;         ///< of the disks
+  PackedGrid::Block* const* blocks;  ///< in which they are
+  std::uint8_t const* slots;         ///< in these
+  std::uint8_t const* places;        ///< among the results
   TurnResult* const* results;
 
-  [[nodiscard]] TurnResult& of(std::size_t turn) const { return *results[places[turn]]; }
-  /// For what is counted in whole numbers: it does not matter where, since all results are added up.
-  [[nodiscard]] Counters& any_counters() const { return of(0).counters; }
+  [[nodiscard]] TurnResult& result_of(std::size_t turn) const { return *results[places[turn]]; }
 };
 
 /// A kernel of PackedTurns::take_batch(). What it is told fits in registers of the processor: it begins at once.
-using TakeBatch = void (*)(PackedTurns& turns, std::span<std::uint32_t const> rows, ResultsOfTurns results);
+using TakeBatch = void (*)(PackedTurns& turns, TurnsInOrder const& order, std::size_t first, std::size_t count);
 
 /// One turn after the other.
-void take_batch_scalar(PackedTurns& turns, std::span<std::uint32_t const> rows, ResultsOfTurns results);
+void take_batch_scalar(PackedTurns& turns, TurnsInOrder const& order, std::size_t first, std::size_t count);
 /// The kernel for instructions that are available.
 TakeBatch batch_kernel(Target target);
 
@@ -78,7 +79,6 @@ struct TurnConstants {
         room(std::min(layout.cell_width(), layout.cell_height()) * (1.0 - 1e-9)),
         limit_per_area(1.001 * grid.locals_per_length() * grid.locals_per_length()),
         limit_error(grid.local_limit(0.0)),
-        fits_one_block(std::max(layout.cell_width(), layout.cell_height()) <= widest_for_four(radii.smallest)),
         inner_columns(static_cast<unsigned>(std::max(0, layout.columns() - 2))),
         inner_rows(static_cast<unsigned>(std::max(0, layout.rows() - 2))),
         radii_from_edge(view.box.is_periodic() ? 0.0 : 1.0),
@@ -104,7 +104,6 @@ struct TurnConstants {
   double room;  ///< for contact distance and displacement of a turn that is local
   double limit_per_area;
   float limit_error;
-  bool fits_one_block;     ///< every cell
   unsigned inner_columns;  ///< columns that are not at the edge
   unsigned inner_rows;
   double radii_from_edge;  ///< that a disk keeps: 1 from walls, 0 where it goes through
@@ -194,16 +193,17 @@ class PackedTurns {
 
   /// What the turn of a disk that is_local() needs. It stays right while the disks of the 3×3 block stay as they are,
   /// so those of disks three cells apart can be prepared together, which keeps the processor from waiting for each.
-  [[nodiscard]] Prepared prepare(std::size_t i) const {
-    Block const& home = std::as_const(grid_).block_of(i);
+  [[nodiscard]] Prepared prepare(std::size_t i) const { return prepare(i, grid_.block_of(i), grid_.slot_of(i)); }
+  /// Of a disk in this slot.
+  [[nodiscard]] Prepared prepare(std::size_t i, PackedGrid::Block const& home, std::uint32_t slot) const {
     Around const around = around_of(home);
     // A cell away from the edge means a displacement and a contact distance away.
     bool const is_far_from_edge = static_cast<unsigned>(home.column - 1) < constants_.inner_columns &&
                                   static_cast<unsigned>(home.row - 1) < constants_.inner_rows;
-    return {.near = find_near(i, home, around),
+    return {.near = find_near(i, home, slot, around),
             .disk = static_cast<std::uint32_t>(i),
             .is_far_from_edge = is_far_from_edge,
-            .needs_more_blocks = !constants_.fits_one_block && has_further_blocks(around)};
+            .needs_more_blocks = grid_.has_further_blocks() && has_further_blocks(around)};
   }
 
   void take(Prepared const& turn, Counters& counters) {
@@ -225,11 +225,14 @@ class PackedTurns {
 
   static constexpr std::size_t largest_batch = 16;
 
-  /// The turns of up to largest_batch disks without a common neighbour, in their order. Those that are not local do not take
-  /// theirs. The same bits as one turn after the other, as many at a time as target() allows.
-  void take_batch(std::span<std::uint32_t const> rows, ResultsOfTurns results) {
+  /// So many rows and blocks behind the last turn of a batch are read too: they are of disks of the grid.
+  static constexpr std::size_t read_behind = 8;
+
+  /// The turns `first` … first + count − 1, up to largest_batch, of disks without a common neighbour, in their order. Those that are not
+  /// local do not take theirs. The same bits as one turn after the other, as many at a time as target() allows.
+  void take_batch(TurnsInOrder const& order, std::size_t first, std::size_t count) {
     static TakeBatch const kernel = batch_kernel(target());
-    kernel(*this, rows, results);
+    kernel(*this, order, first, count);
   }
 
   /// The turn of any disk.
@@ -269,7 +272,8 @@ class PackedTurns {
     return next != PackedGrid::none;
   }
 
-  [[nodiscard]] std::uint64_t find_near(std::size_t i, Block const& home, Around const& around) const {
+  [[nodiscard]] std::uint64_t find_near(std::size_t i, Block const& home, std::uint32_t slot,
+                                        Around const& around) const {
     Vector const v = constants_.view.disks[i].velocity;
     double const contact = constants_.cutoff.contact(constants_.view.disks[i].radius);
     double const squared_cutoff = contact * contact + constants_.duration * constants_.duration * squared_length(v);
@@ -287,7 +291,7 @@ class PackedTurns {
         bits_of(is_near(0, left, below), is_near(1, p.x, below), is_near(2, right, below), is_near(3, left, p.y));
     std::uint64_t const last =
         bits_of(is_near(5, right, p.y), is_near(6, left, above), is_near(7, p.x, above), is_near(8, right, above));
-    std::uint64_t const own_cell = bits_of(is_near(own, p.x, p.y)) & ~(1U << grid_.slot_of(i));
+    std::uint64_t const own_cell = bits_of(is_near(own, p.x, p.y)) & ~(1U << slot);
     return first | own_cell << (slots * own) | last << (slots * (own + 1));
   }
 

@@ -114,6 +114,7 @@ void PackedGrid::put(std::size_t agent, CellPoint const& cell_point) {
   blocks_[base_index].marks |= changed;
   Block& block = blocks_[index];
   std::uint32_t const slot = block.count++;
+  block.marks = static_cast<std::uint16_t>(block.marks & ~(1U << slot));
   block.agent[slot] = static_cast<std::uint32_t>(agent);
   write_place(block, slot, local(cell_point.p, cell_point.column, cell_point.row));
   place_[agent] = static_cast<std::uint32_t>(index * slots + slot);
@@ -135,7 +136,6 @@ void PackedGrid::take_out(std::size_t agent) {
   place_[filler] = place;
   unsigned const mark_of_filler = (top.marks >> last) & 1U;
   hole.marks = static_cast<std::uint16_t>((hole.marks & ~(1U << slot)) | mark_of_filler << slot);
-  top.marks = static_cast<std::uint16_t>(top.marks & ~(1U << last));
   store(top.x, with_lane(load(top.x), last, nowhere));
   store(top.y, with_lane(load(top.y), last, nowhere));
   if (last == 0 && base.next != none) drop_second_block(base);
@@ -167,6 +167,7 @@ std::uint32_t PackedGrid::add_block(Block& base) {
   block.row = base.row;
   block.next = base.next;
   base.next = index;
+  further_blocks_in_use_.add(1);
   return index;
 }
 
@@ -176,6 +177,7 @@ void PackedGrid::drop_second_block(Block& base) {
   base.next = blocks_[index].next;
   blocks_[index].next = first_free_;
   first_free_ = index;
+  further_blocks_in_use_.add(-std::size_t{1});
 }
 
 void PackedGrid::move_all(std::span<double const> x, std::span<double const> y) {
@@ -209,7 +211,6 @@ bool PackedGrid::is_consistent() const {
       for (std::uint32_t s = 0; s < slots; ++s) {
         bool const is_empty = block.x[s] == nowhere && block.y[s] == nowhere;
         if (is_empty != (s >= block.count)) return false;
-        if (is_empty && ((block.marks >> s) & 1U) != 0) return false;
         if (!is_empty && place_[block.agent[s]] != index * slots + s) return false;
       }
       // A loop in a chain would never end: more agents than there are proves it.

@@ -113,6 +113,30 @@ struct Hot {
         grid(grid_of<PackedGrid>(layout, disks)),
         turns(view, grid, radius_range(state.agents), duration) {}
 
+  /// Turns of these rows, the first of which are others that have had theirs.
+  void take(TakeBatch take_batch, std::vector<std::uint32_t> const& rows) { take(turns, take_batch, rows); }
+  void take(PackedTurns& some, TakeBatch take_batch, std::vector<std::uint32_t> rows) {
+    constexpr std::size_t first = 3;
+    std::size_t const count = rows.size();
+    rows.insert(rows.begin(), first, 0);
+    rows.resize(rows.size() + PackedTurns::read_behind, 0);
+    std::vector<PackedGrid::Block*> blocks;
+    std::vector<std::uint8_t> slots;
+    std::vector<std::uint8_t> places;
+    for (std::uint32_t const row : rows) {
+      blocks.push_back(&grid.block_of(row));
+      slots.push_back(static_cast<std::uint8_t>(grid.slot_of(row)));
+      places.push_back(static_cast<std::uint8_t>(places.size() / 2 % 3));
+    }
+    take_batch(some,
+               {.rows = rows.data(),
+                .blocks = blocks.data(),
+                .slots = slots.data(),
+                .places = places.data(),
+                .results = results.data()},
+               first, count);
+  }
+
   Box box;
   double duration;
   HotDisks disks;
@@ -160,8 +184,6 @@ TEST_P(TakenTogether, AreTheSameAsOneByOne) {
   if (!is_available(GetParam())) GTEST_SKIP() << "this processor has no " << to_text(GetParam());
   TakeBatch const take_batch = batch_kernel(GetParam());
   ASSERT_NE(take_batch, take_batch_scalar);
-  std::array<std::uint8_t, PackedTurns::largest_batch> places;
-  for (std::size_t l = 0; l < places.size(); ++l) places[l] = static_cast<std::uint8_t>(l / 2 % 3);
   std::uint64_t collisions = 0;
   std::uint64_t left_out = 0;
   std::size_t with_further_blocks = 0;
@@ -178,8 +200,8 @@ TEST_P(TakenTogether, AreTheSameAsOneByOne) {
     RandomStream random(seed, 1, 0, Purpose::start_position);
     for (int group = 0; group < 300; ++group) {
       auto const rows = rows_apart(plain, 1 + random.below(PackedTurns::largest_batch), random);
-      take_batch_scalar(plain.turns, rows, {.places = places.data(), .results = plain.results.data()});
-      take_batch(wide.turns, rows, {.places = places.data(), .results = wide.results.data()});
+      plain.take(take_batch_scalar, rows);
+      wide.take(take_batch, rows);
     }
     for (std::size_t i = 0; i < state.agents.size(); ++i) {
       DiskInTurn const& a = plain.disks[i];
@@ -211,6 +233,36 @@ TEST_P(TakenTogether, AreTheSameAsOneByOne) {
   EXPECT_GT(collisions, 20'000U) << "most groups must do something";
   EXPECT_GT(left_out, 1'000U);
   EXPECT_GT(with_further_blocks, 1'000U);
+}
+
+TEST_P(TakenTogether, ChooseTheLowerIdOfTwoDisksAsNear) {
+  if (!is_available(GetParam())) GTEST_SKIP() << "this processor has no " << to_text(GetParam());
+  TakeBatch const take_batch = batch_kernel(GetParam());
+  // Disks that come exactly between two others, above and below, which they meet in the same sub-step; in every second triple the one above
+  // comes first. All numbers are sums of few powers of two.
+  State state{.box = Box(64.0, 8.0, Edge::wall)};
+  std::vector<std::uint32_t> rows;
+  for (int k = 0; k < 14; ++k) {
+    double const x = 4.25 + 4.0 * k;
+    double const up = k % 2 == 0 ? 0.5625 : -0.5625;
+    rows.push_back(static_cast<std::uint32_t>(state.agents.size()));
+    state.agents.add(x, 4.0, 0.5, 0.0, 0.5, 1.0, 0, 0);
+    state.agents.add(x + 1.0, 4.0 + up, 0.0, 0.0, 0.5, 1.0, 0, 0);
+    state.agents.add(x + 1.0, 4.0 - up, 0.0, 0.0, 0.5, 1.0, 0, 0);
+  }
+  EngineSettings const settings{.time_step = 1.0, .substeps = 4};
+  Hot hot(state, settings, packed_layout(state.box, state.agents, 0.5));
+  hot.duration = 1.0;
+  hot.view.substep = 0.25;
+  PackedTurns turns(hot.view, hot.grid, radius_range(state.agents), hot.duration);
+  hot.take(turns, take_batch, rows);
+  std::uint64_t collisions = 0;
+  for (TurnResult const& result : hot.result) collisions += result.counters.pair_collisions;
+  EXPECT_EQ(collisions, rows.size());
+  for (std::uint32_t const row : rows) {
+    EXPECT_NE(hot.disks[row + 1].velocity, (Vector{0.0, 0.0})) << "the first of two disks as near as each other";
+    EXPECT_EQ(hot.disks[row + 2].velocity, (Vector{0.0, 0.0}));
+  }
 }
 
 TEST(PackedLayout, HoldsAtMostFourEqualDisksInACellAndTheWholeCutoffInABlock) {

@@ -47,14 +47,17 @@ Steps::Steps(HotDisks&& disks, TurnRule const& rule, CellLayout const& layout, T
       tiles_(std::move(tiles)),
       place_of_tile_(tiling.tiles().size()),
       results_(tiles_.size()),
-      kept_orders_(tiles_.size()) {
+      turns_of_tile_(tiles_.size(),
+                     static_cast<std::uint32_t>(disks_.size() / std::max<std::size_t>(1, tiles_.size()))) {
   id_indices_.reserve(disks_.size());
   for (std::size_t k = 0; k < disks_.size(); ++k) id_indices_.push_back(disks_[k].id_index);
   for (std::size_t k = 0; k < tiles_.size(); ++k) place_of_tile_[tiles_[k]] = static_cast<std::uint32_t>(k);
 }
 
+static_assert(ClassOrder::beyond >= PackedTurns::read_behind);
+
 void Steps::take_part(Tiling::Part const& part) {
-  static thread_local Team team;
+  static thread_local ClassOrder order;
   FetchAhead ahead(grid_, view_, id_indices_, tiling_);
   auto const first_team = [this](std::span<std::uint32_t const> of) { return tiling_.first_team(of, team_size_); };
   std::span<std::uint32_t const> rest = part;
@@ -62,74 +65,35 @@ void Steps::take_part(Tiling::Part const& part) {
   while (!tiles.empty()) {
     rest = rest.subspan(tiles.size());
     std::span<std::uint32_t const> const next = first_team(rest);
-    team.clear();
     std::array<TurnResult*, Tiling::tiles_of_team> results;
+    std::size_t turns = 0;
     for (std::size_t k = 0; k < tiles.size(); ++k) {
-      add_to(team, tiles[k]);
       results[k] = &result_of(tiles[k]);
+      turns += turns_of_tile_[place_of_tile_[tiles[k]]];
     }
-    ahead.aim(next, first_team(rest.subspan(next.size())), team.turns());
-    team.for_each_group([&](std::span<std::uint32_t const> rows, std::uint8_t const* places) {
-      for (std::size_t first = 0; first < rows.size(); first += group_size_) {
+    ahead.aim(next, first_team(rest.subspan(next.size())), turns);
+    std::size_t taken = 0;
+    for (std::size_t of_class = 0; of_class < ClassOrder::classes; ++of_class) {
+      order.find(grid_, tiling_, tiles, of_class, id_indices_, marks_of_turned_);
+      TurnsInOrder const in_order{.rows = order.rows(),
+                                  .blocks = order.blocks(),
+                                  .slots = order.slots(),
+                                  .places = order.tiles(),
+                                  .results = results.data()};
+      for (std::size_t first = 0; first < order.size();) {
+        std::size_t const end = order.next_batch(grid_, first, group_size_);
         // A local disk is short of a contact distance in the whole step, so in each sub-step too.
-        turns_.take_batch(rows.subspan(first, std::min(group_size_, rows.size() - first)),
-                          {.places = places + first, .results = results.data()});
+        turns_.take_batch(in_order, first, end - first);
+        ahead.advance(end - first);
+        first = end;
       }
-      ahead.advance(rows.size());
-    });
+      taken += order.size();
+    }
+    for (std::uint32_t const tile : tiles) {
+      turns_of_tile_[place_of_tile_[tile]] = static_cast<std::uint32_t>(taken / tiles.size());
+    }
     tiles = next;
   }
-}
-
-/// The tile begins: its disks are marked as turned.
-void Steps::add_to(Team& team, std::uint32_t tile) {
-  Tiling::Tile const& cells = tiling_.tiles()[tile];
-  KeptOrder& kept = kept_orders_[place_of_tile_[tile]];
-  kept.begin_step(has_changed(cells));
-  if (kept.is_kept()) {
-    mark_as_turned(cells);
-    team.add(kept);
-    return;
-  }
-  if (find_order(team.room(), cells) && kept.is_worth_keeping()) kept.keep(team.room());
-  team.add_found();
-}
-
-/// Whether a disk has come into a cell of a tile or left one since the order of its turns was found.
-bool Steps::has_changed(Tiling::Tile const& tile) const {
-  for (int row = tile.first_row; row < tile.end_row; ++row) {
-    unsigned marks = 0;
-    for (int column = tile.first_column; column < tile.end_column; ++column) marks |= grid_.block_at(column, row).marks;
-    if ((marks & PackedGrid::changed) != 0) return true;
-  }
-  return false;
-}
-
-void Steps::mark_as_turned(Tiling::Tile const& tile) {
-  auto const mark = [marks = marks_of_turned_](PackedGrid::Block& block) {
-    block.marks = static_cast<std::uint16_t>(marks & ((1U << block.count) - 1U));
-  };
-  for (int row = tile.first_row; row < tile.end_row; ++row) {
-    for (int column = tile.first_column; column < tile.end_column; ++column) {
-      PackedGrid::Block* block = &grid_.block_at(column, row);
-      mark(*block);
-      for (; block->next != PackedGrid::none; mark(*block)) block = &grid_.next_of(*block);
-    }
-  }
-}
-
-/// Finds the order of the turns of a tile. Returns whether it is that of all disks of the tile: those that have come
-/// in this step have had their turn.
-bool Steps::find_order(UpdateOrder& order, Tiling::Tile const& tile) {
-  unsigned turned = 0;
-  order.find(grid_, tile, id_indices_, [&turned, marks = marks_of_turned_](PackedGrid::Block& block) {
-    unsigned const taken = (1U << block.count) - 1U;
-    unsigned const pending = (block.marks ^ marks) & taken;
-    turned |= pending ^ taken;
-    block.marks = static_cast<std::uint16_t>(marks & taken);
-    return pending;
-  });
-  return turned == 0;
 }
 
 void Steps::take_late(std::uint32_t row, TileResult& result) {

@@ -8,12 +8,10 @@
 
 #include "engine/hot_disks.hpp"
 #include "engine/packed_turns.hpp"
+#include "engine/tiled/class_order.hpp"
 #include "engine/tiled/fetch_ahead.hpp"
-#include "engine/tiled/kept_order.hpp"
-#include "engine/tiled/team.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/grid/detail/tiling.hpp"
-#include "gridlock/grid/detail/update_order.hpp"
 
 namespace gridlock::tiled {
 
@@ -81,10 +79,6 @@ class Steps {
   void replace_cell(int cell, std::span<DiskInTurn const> disks, std::span<std::uint8_t const> has_turned);
 
  private:
-  void add_to(Team& team, std::uint32_t tile);
-  [[nodiscard]] bool has_changed(Tiling::Tile const& tile) const;
-  void mark_as_turned(Tiling::Tile const& tile);
-  bool find_order(UpdateOrder& order, Tiling::Tile const& tile);
   void insert(DiskInTurn const& disk, bool has_turned);
   void set_mark(std::uint32_t row, bool has_turned);
 
@@ -97,7 +91,7 @@ class Steps {
   Cutoff cutoff_;
   std::size_t group_size_;
   std::size_t team_size_;  ///< tiles that have their turns at once
-  /// A disk has the mark of its last turn, from when its tile begins; what a mark says turns around with every step.
+  /// A disk has the mark of its last turn, from when the class of its cell begins; what a mark says turns around with every step.
   static constexpr unsigned all_slots = (1U << PackedGrid::slots) - 1U;
   unsigned marks_of_turned_ = 0;             ///< what the marks are of those that have had their turn
   std::vector<std::uint32_t> id_indices_;    ///< of DiskInTurn, side by side
@@ -106,7 +100,7 @@ class Steps {
   std::vector<std::uint32_t> tiles_;
   std::vector<std::uint32_t> place_of_tile_;  ///< among the tiles that take turns
   std::vector<TileResult> results_;
-  std::vector<KeptOrder> kept_orders_;  ///< of the same tiles
+  std::vector<std::uint32_t> turns_of_tile_;  ///< about so many in each of the same tiles
 };
 
 /// The order of the cells of a rectangle of tiles: tile by tile, and in a tile row by row.

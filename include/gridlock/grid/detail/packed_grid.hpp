@@ -57,14 +57,15 @@ class PackedGrid {
     std::array<std::uint32_t, slots> agent;
     std::uint32_t next;   ///< the next block of this cell, or none
     std::uint16_t count;  ///< the first `count` slots are taken
-    /// Bit s belongs to the agent in slot s, with which it moves; 0 where there is none. For the caller to write, as is the bit
-    /// `changed`, which is set in the first block of a cell whenever an agent comes into the cell or leaves it.
+    /// Bit s belongs to the agent in slot s, with which it moves; it is 0 when an agent comes. The others but for `changed` stay as they
+    /// are. All are for the caller to write; `changed` is set in the first block of a cell whenever an agent comes into the cell or
+    /// leaves it.
     std::uint16_t marks;
     std::int32_t column;
     std::int32_t row;
   };
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-  static constexpr std::uint16_t changed = 1U << slots;  ///< of Block::marks
+  static constexpr std::uint16_t changed = 0x8000;  ///< of Block::marks
 
   /// A point as seen from a cell, in units of the longer side of a cell.
   struct LocalPoint {
@@ -87,6 +88,8 @@ class PackedGrid {
   [[nodiscard]] std::size_t size() const { return size_; }
   /// Blocks behind the first ones of the cells, those included that are no longer in use.
   [[nodiscard]] std::size_t further_blocks() const { return blocks_.size() - blocks_of_cells_; }
+  /// Whether a cell has more agents than a block. Other threads may move agents meanwhile: it is right for the cells that they leave alone.
+  [[nodiscard]] bool has_further_blocks() const { return further_blocks_in_use_.get() != 0; }
   [[nodiscard]] bool contains(std::size_t agent) const { return agent < place_.size() && place_[agent] != none; }
   [[nodiscard]] int cell_of(std::size_t agent) const {
     Block const& block = block_of(agent);
@@ -227,6 +230,14 @@ class PackedGrid {
   [[nodiscard]] Block const& block_of(std::size_t agent) const { return blocks_[place_[agent] / slots]; }
   [[nodiscard]] Block& block_of(std::size_t agent) { return blocks_[place_[agent] / slots]; }
   [[nodiscard]] std::uint32_t slot_of(std::size_t agent) const { return place_[agent] % slots; }
+  struct Place {
+    Block* block;
+    std::uint32_t slot;
+  };
+  [[nodiscard]] Place place_of(std::size_t agent) {
+    std::uint32_t const place = place_[agent];
+    return {.block = &blocks_[place / slots], .slot = static_cast<std::uint32_t>(place % slots)};
+  }
   /// Contract: the cell is in the window, or one of the empty ones beside it.
   [[nodiscard]] Block const& block_at(int column, int row) const {
     return blocks_[static_cast<std::size_t>(row * static_cast<std::ptrdiff_t>(stride_) + column - first_)];
@@ -381,6 +392,22 @@ class PackedGrid {
   std::uint32_t add_block(Block& base);
   void drop_second_block(Block& base);
 
+  /// A number that one thread may read while another writes it.
+  class SharedNumber {
+   public:
+    SharedNumber() = default;
+    SharedNumber(SharedNumber const& other) noexcept : value_(other.get()) {}
+    SharedNumber& operator=(SharedNumber const& other) noexcept {
+      value_.store(other.get(), std::memory_order_relaxed);
+      return *this;
+    }
+    [[nodiscard]] std::size_t get() const { return value_.load(std::memory_order_relaxed); }
+    void add(std::size_t number) { value_.fetch_add(number, std::memory_order_relaxed); }
+
+   private:
+    std::atomic<std::size_t> value_ = 0;
+  };
+
   CellLayout layout_;
   CellWindow window_;
   std::size_t stride_ = 0;
@@ -394,6 +421,7 @@ class PackedGrid {
   LargeArray<std::uint32_t> place_;  ///< of an agent: block · slots + slot
   std::uint32_t first_free_ = none;  ///< of a list, by `next`, of further blocks not in use
   Lock further_blocks_;              ///< guards the growth of blocks_ and the list
+  SharedNumber further_blocks_in_use_;
   std::size_t size_ = 0;
 };
 

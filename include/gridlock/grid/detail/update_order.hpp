@@ -39,20 +39,6 @@ class UpdateOrder {
     sort_cells(ids);
   }
 
-  /// Agents that wait.
-  [[nodiscard]] std::size_t size() const { return size_; }
-
-  /// So many numbers may be read behind the end of a group.
-  static constexpr std::size_t beyond_group = 16;
-
-  /// Those of a class and a level; none where there is no such level, nor a higher one.
-  [[nodiscard]] std::span<std::uint32_t const> group(std::size_t of_class, std::size_t level) const {
-    std::vector<Level> const& levels = classes_[of_class];
-    if (levels.empty()) return {};
-    Level const& found = levels[std::min(level, levels.size() - 1)];
-    return std::span(found.rows).first(level < levels.size() ? found.size : 0);
-  }
-
   /// Calls visit(rows) for every class and level, in the order of the turns.
   template <class Visit>
   void for_each_group(Visit visit) const {
@@ -65,17 +51,16 @@ class UpdateOrder {
 
  private:
   void clear(std::size_t cells_of_class) {
-    size_ = 0;
     crowded_size_ = 0;
     chains_.clear();
     if (crowded_.size() < classes * cells_of_class + 1) crowded_.resize(classes * cells_of_class + 1);
     for (std::vector<Level>& levels : classes_) {
       for (Level& level : levels) {
         level.size = 0;
-        if (level.rows.size() < cells_of_class + beyond_group) level.rows.resize(cells_of_class + beyond_group);
+        if (level.rows.size() < cells_of_class + 1) level.rows.resize(cells_of_class + 1);
       }
       while (levels.size() < PackedGrid::slots)
-        levels.push_back({.rows = std::vector<std::uint32_t>(cells_of_class + beyond_group)});
+        levels.push_back({.rows = std::vector<std::uint32_t>(cells_of_class + 1)});
     }
   }
 
@@ -88,7 +73,6 @@ class UpdateOrder {
     auto const level = [&](std::size_t k) -> Level& { return classes_[first_class + k][0]; };
     std::array<std::uint32_t*, 3> const rows{level(0).rows.data(), level(1).rows.data(), level(2).rows.data()};
     std::array<std::size_t, 3> size{level(0).size, level(1).size, level(2).size};
-    std::size_t const size_before = size[0] + size[1] + size[2];
     auto const add = [&](int column, std::size_t k) {
       auto& block = grid.block_at(column, row);
       unsigned slots_set = 0;
@@ -113,7 +97,6 @@ class UpdateOrder {
     if (column + 1 < tile.end_column) add(column + 1, 1);
     crowded_size_ = static_cast<std::size_t>(crowded - crowded_.data());
     for (std::size_t k = 0; k < 3; ++k) level(k).size = size[k];
-    size_ += size[0] + size[1] + size[2] - size_before;
   }
 
   /// Adds the agents that wait in a cell of several blocks. Returns `chain`, or 0 where nobody waits.
@@ -156,7 +139,7 @@ class UpdateOrder {
   }
 
   struct Level {
-    std::vector<std::uint32_t> rows;  ///< more than can be: for what is written and not meant, and beyond_group
+    std::vector<std::uint32_t> rows;  ///< one more than can be: for what is written and not meant
     std::size_t size = 0;
   };
   /// A cell in whose block several agents wait, or one of several blocks; in level 0 it has the place `place`.
@@ -172,7 +155,6 @@ class UpdateOrder {
     while (levels.size() < rows.size()) levels.push_back({.rows = std::vector<std::uint32_t>(levels[0].rows.size())});
     levels[0].rows[cell.place] = rows[0];
     for (std::size_t n = 1; n < rows.size(); ++n) levels[n].rows[levels[n].size++] = rows[n];
-    size_ += rows.size() - 1;
   }
 
   // Of a set of slots: 1 where there is any in it, or several. Looked up, because a compiler makes a branch of a question.
@@ -199,7 +181,6 @@ class UpdateOrder {
   std::vector<Crowded> crowded_;                    ///< one more than can be
   std::vector<std::vector<std::uint32_t>> chains_;  ///< who waits in cells of several blocks
   std::size_t crowded_size_ = 0;
-  std::size_t size_ = 0;
 };
 
 }  // namespace gridlock

@@ -1,0 +1,279 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "gridlock/grid/detail/packed_grid.hpp"
+#include "gridlock/grid/detail/tiling.hpp"
+
+namespace gridlock::tiled {
+
+/// What the marks of a block say to ClassOrder, and what is looked up with them: a compiler would make branches of the questions, and
+/// the answers are as good as random.
+///
+///     bits of marks    0 … 3                      4 … 10                       15
+///                      whose turn it is, by the   how many agents there are,   `changed`: the code is to be
+///                      mark of the step           and the order of their Ids   found anew
+struct WaitingInBlock {
+  static constexpr unsigned slots = PackedGrid::slots;
+  static constexpr unsigned all_slots = (1U << slots) - 1U;
+  static constexpr unsigned orders = 24;  ///< of four slots
+  static constexpr unsigned bits_of_slot = 2;
+  static constexpr unsigned mask_of_slot = (1U << bits_of_slot) - 1U;
+  static constexpr unsigned first_bit_of_count = slots * bits_of_slot;
+  static constexpr unsigned more_than_two = 1U << 13;
+  static constexpr unsigned any = 1U << 14;
+  static constexpr unsigned several = 1U << 15;
+
+  /// The code in the marks, of a number of agents and of the slots in the order of Ids, two bits each.
+  std::array<std::array<std::uint16_t, 1U << first_bit_of_count>, slots + 1> code{};
+  /// Of marks in which bit s says that the agent in slot s waits: the slots of those who wait in the order of Ids, two bits each, their
+  /// number, and whether it is above 0, 1 and 2.
+  std::array<std::uint16_t, ((slots + 1) * orders) << slots> waiting{};
+
+  constexpr WaitingInBlock() {
+    std::array<unsigned, slots> order{0, 1, 2, 3};
+    for (unsigned k = 0; k < orders; ++k, std::next_permutation(order.begin(), order.end())) {
+      unsigned sequence = 0;
+      for (unsigned n = 0; n < slots; ++n) sequence |= order[n] << (bits_of_slot * n);
+      for (unsigned count = 0; count <= slots; ++count) {
+        unsigned const first = (count * orders + k) << slots;
+        code[count][sequence] = static_cast<std::uint16_t>(first);
+        for (unsigned set = 0; set <= all_slots; ++set) waiting[first + set] = waiting_of(order, count, set);
+      }
+    }
+  }
+
+  static constexpr unsigned slot(unsigned waiting, unsigned n) { return waiting >> (bits_of_slot * n) & mask_of_slot; }
+  static constexpr unsigned count(unsigned waiting) { return waiting >> first_bit_of_count & 0xfU; }
+
+ private:
+  static constexpr std::uint16_t waiting_of(std::array<unsigned, slots> const& order, unsigned count, unsigned set) {
+    unsigned found = 0;
+    unsigned size = 0;
+    for (unsigned const slot : order) {
+      if (slot < count && (set >> slot & 1U) != 0) found |= slot << (bits_of_slot * size++);
+    }
+    return static_cast<std::uint16_t>(found | size << first_bit_of_count | (size > 2 ? more_than_two : 0U) |
+                                      (size > 0 ? any : 0U) | (size > 1 ? several : 0U));
+  }
+};
+inline constexpr WaitingInBlock waiting_in_block;
+
+/// The order of the turns of some tiles of one colour, which touch no common cell, found class by class; UpdateOrder says what classes
+/// and levels are. Level by level the turns of a class come tile after tile, so each tile has its own order in it.
+///
+/// Agents of a class stay where they are until it is their turn, and those that come into its cells have had theirs: what has been found
+/// at the beginning of a class stays right.
+class ClassOrder {
+ public:
+  using Block = PackedGrid::Block;
+  static constexpr std::size_t classes = 9;
+  /// So many more turns may be read behind the last one; they are of agents of the grid.
+  static constexpr std::size_t beyond = 8;
+
+  /// Finds the turns of a class, and marks the agents as turned. `ids` are the Ids of all rows, or numbers in the same order;
+  /// `turned` has the bits of all slots that say that an agent has had its turn, none or all.
+  void find(PackedGrid& grid, Tiling const& tiling, std::span<std::uint32_t const> tiles, std::size_t of_class,
+            std::span<std::uint32_t const> ids, unsigned turned) {
+    size_ = 0;
+    several_size_ = 0;
+    chains_.clear();
+    for (std::size_t k = 0; k < tiles.size(); ++k) {
+      add_tile(grid, tiling.tiles()[tiles[k]], static_cast<std::uint8_t>(k), of_class, ids, turned);
+    }
+    end_of_first_ = size_;
+    if (several_size_ > 0) add_levels();
+    if (size_ > 0) {
+      std::fill_n(rows_.begin() + static_cast<std::ptrdiff_t>(size_), beyond, rows_[size_ - 1]);
+      std::fill_n(blocks_.begin() + static_cast<std::ptrdiff_t>(size_), beyond, blocks_[size_ - 1]);
+    }
+  }
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+
+  // Of the agents, in the order of their turns.
+  [[nodiscard]] std::uint32_t const* rows() const { return rows_.data(); }
+  /// Which of the tiles they are in.
+  [[nodiscard]] std::uint8_t const* tiles() const { return tiles_.data(); }
+  /// Right for those of the last batch.
+  [[nodiscard]] Block* const* blocks() const { return blocks_.data(); }
+  [[nodiscard]] std::uint8_t const* slots() const { return slots_.data(); }
+
+  /// The end of a batch of up to `most` agents from `first` on, of different cells. Contract: all before have had their turns.
+  [[nodiscard]] std::size_t next_batch(PackedGrid& grid, std::size_t first, std::size_t most) {
+    std::size_t const limit = std::min(first + most, size_);
+    std::size_t end = std::min(limit, std::max(first, end_of_first_));
+    std::uint32_t const* const after = after_.data();
+    std::uint32_t const* const rows = rows_.data();
+    Block** const blocks = blocks_.data();
+    std::uint8_t* const slots = slots_.data();
+    // An agent is not in one batch with the one before it in its cell, whose turn may give it another slot.
+    for (; end < limit && after[end] < first; ++end) {
+      PackedGrid::Place const place = grid.place_of(rows[end]);
+      blocks[end] = place.block;
+      slots[end] = static_cast<std::uint8_t>(place.slot);
+    }
+    return end;
+  }
+
+ private:
+  /// A cell in which several agents wait.
+  struct Several {
+    std::uint32_t last;     ///< of those whose turns have been added
+    std::uint32_t waiting;  ///< as in WaitingInBlock, or is_chain and the number of a chain
+  };
+  static constexpr std::uint32_t is_chain = 1U << 31;
+
+  void make_room(std::size_t size) {
+    if (rows_.size() >= size + beyond) return;
+    std::size_t const room = 2 * (size + beyond);
+    rows_.resize(room);
+    blocks_.resize(room);
+    slots_.resize(room);
+    tiles_.resize(room);
+    after_.resize(room);
+    several_.resize(room);
+  }
+
+  /// Adds the first ones of the cells of a tile. Nothing but what is written depends on who waits.
+  void add_tile(PackedGrid& grid, Tiling::Tile const& tile, std::uint8_t number, std::size_t of_class,
+                std::span<std::uint32_t const> ids, unsigned turned) {
+    int const first_row = tile.first_row + static_cast<int>(of_class / 3);
+    int const first_column = tile.first_column + static_cast<int>(of_class % 3);
+    if (first_row >= tile.end_row || first_column >= tile.end_column) return;
+    auto const third = [](int cells) { return static_cast<std::size_t>((cells + 2) / 3); };
+    make_room(size_ + third(tile.end_row - first_row) * third(tile.end_column - first_column) + 1);
+    std::uint32_t* const rows = rows_.data();
+    Block** const blocks = blocks_.data();
+    std::uint8_t* const slots = slots_.data();
+    Several* several = several_.data() + several_size_;
+    std::size_t n = size_;
+    for (int row = first_row; row < tile.end_row; row += 3) {
+      Block* block = &grid.block_at(first_column, row);
+      for (int column = first_column; column < tile.end_column; column += 3, block += 3) {
+        unsigned waiting = 0;
+        if (block->next == PackedGrid::none) [[likely]] {
+          if ((block->marks & PackedGrid::changed) != 0) note_order(*block, ids);
+          unsigned const marks = block->marks;
+          waiting = waiting_in_block.waiting[marks ^ turned];
+          block->marks = static_cast<std::uint16_t>((marks & ~WaitingInBlock::all_slots) | turned);
+          unsigned const slot = WaitingInBlock::slot(waiting, 0);
+          rows[n] = block->agent[slot];
+          blocks[n] = block;
+          slots[n] = static_cast<std::uint8_t>(slot);
+          *several = {static_cast<std::uint32_t>(n), waiting};
+        } else {
+          waiting = find_in_chain(grid, *block, ids, turned);
+          if (waiting != 0) {
+            rows[n] = chains_.back()[0];
+            blocks[n] = &grid.block_of(rows[n]);
+            slots[n] = static_cast<std::uint8_t>(grid.slot_of(rows[n]));
+            *several = {static_cast<std::uint32_t>(n), is_chain | static_cast<std::uint32_t>(chains_.size() - 1)};
+          }
+        }
+        static_assert(WaitingInBlock::several == 1U << 15 && WaitingInBlock::any == 1U << 14);
+        several += waiting >> 15;
+        n += waiting >> 14 & 1U;
+      }
+    }
+    std::memset(tiles_.data() + size_, number, n - size_);
+    several_size_ = static_cast<std::size_t>(several - several_.data());
+    size_ = n;
+  }
+
+  /// Notes the order of the Ids of the agents of a block. They are as good as random: no branch depends on them.
+  [[gnu::noinline]] static void note_order(Block& block, std::span<std::uint32_t const> ids) {
+    // Empty slots come last.
+    std::array<std::uint64_t, PackedGrid::slots> id;
+    for (unsigned s = 0; s < PackedGrid::slots; ++s) {
+      std::uint64_t const beyond_all = s < block.count ? 0U : s + 1U;
+      id[s] = ids[block.agent[s]] | beyond_all << 32;
+    }
+    auto const is_less = [&](unsigned a, unsigned b) { return id[a] < id[b] ? 1U : 0U; };
+    unsigned const less_01 = is_less(0, 1);
+    unsigned const less_02 = is_less(0, 2);
+    unsigned const less_03 = is_less(0, 3);
+    unsigned const less_12 = is_less(1, 2);
+    unsigned const less_13 = is_less(1, 3);
+    unsigned const less_23 = is_less(2, 3);
+    // Slot 0 takes the place that is left.
+    auto const at = [](unsigned slot, unsigned place) { return slot << (WaitingInBlock::bits_of_slot * place); };
+    unsigned const order = at(1, 2 + less_01 - less_12 - less_13) | at(2, 1 + less_02 + less_12 - less_23) |
+                           at(3, less_03 + less_13 + less_23);
+    block.marks = static_cast<std::uint16_t>((block.marks & WaitingInBlock::all_slots) |
+                                             waiting_in_block.code[block.count][order]);
+  }
+
+  /// Finds those who wait in a cell of several blocks, in the order of Ids; returns the bits `any` and `several` of WaitingInBlock.
+  [[gnu::noinline]] unsigned find_in_chain(PackedGrid& grid, Block& first, std::span<std::uint32_t const> ids,
+                                           unsigned turned) {
+    std::vector<std::uint32_t> rows;
+    for (Block* block = &first;; block = &grid.next_of(*block)) {
+      unsigned const taken = (1U << block->count) - 1U;
+      for (unsigned left = (block->marks ^ turned) & taken; left != 0; left &= left - 1) {
+        rows.push_back(block->agent[static_cast<std::size_t>(std::countr_zero(left))]);
+      }
+      block->marks = static_cast<std::uint16_t>((block->marks & ~WaitingInBlock::all_slots) | turned);
+      if (block->next == PackedGrid::none) break;
+    }
+    if (rows.empty()) return 0;
+    std::ranges::sort(rows, {}, [&](std::uint32_t row) { return ids[row]; });
+    chains_.push_back(std::move(rows));
+    return WaitingInBlock::any | (chains_.back().size() > 1 ? WaitingInBlock::several : 0U);
+  }
+
+  /// Adds those behind the first ones of their cells, level by level.
+  void add_levels() {
+    std::size_t left = several_size_;
+    for (unsigned level = 1; left > 0; ++level) {
+      make_room(size_ + left);
+      std::uint32_t* const rows = rows_.data();
+      Block** const blocks = blocks_.data();
+      std::uint32_t* const after = after_.data();
+      std::uint8_t* const tiles = tiles_.data();
+      Several* const several = several_.data();
+      std::size_t n = size_;
+      std::size_t kept = 0;
+      for (std::size_t k = 0; k < left; ++k) {
+        std::uint32_t const last = several[k].last;
+        std::uint32_t const waiting = several[k].waiting;
+        bool has_more = WaitingInBlock::count(waiting) > level + 1;
+        blocks[n] = blocks[last];
+        rows[n] = blocks[last]->agent[WaitingInBlock::slot(waiting, level)];
+        if ((waiting & is_chain) != 0) [[unlikely]] {
+          std::vector<std::uint32_t> const& chain = chains_[waiting & ~is_chain];
+          rows[n] = chain[level];
+          has_more = chain.size() > level + 1;
+        }
+        after[n] = last;
+        tiles[n] = tiles[last];
+        several[kept] = {static_cast<std::uint32_t>(n), waiting};
+        kept += has_more ? 1 : 0;
+        ++n;
+      }
+      size_ = n;
+      left = kept;
+    }
+  }
+
+  std::size_t size_ = 0;
+  std::size_t end_of_first_ = 0;  ///< of the first ones of their cells
+  std::size_t several_size_ = 0;
+  std::vector<std::uint32_t> rows_;
+  std::vector<Block*> blocks_;
+  std::vector<std::uint8_t> slots_;
+  std::vector<std::uint8_t> tiles_;
+  std::vector<std::uint32_t> after_;  ///< the one before in its cell; not of the first ones
+  std::vector<Several> several_;
+  std::vector<std::vector<std::uint32_t>> chains_;  ///< who waits in cells of several blocks
+};
+
+}  // namespace gridlock::tiled
