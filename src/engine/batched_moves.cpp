@@ -56,6 +56,8 @@ struct alignas(64) Turning {
   Each<double> y;
   Each<double> displacement_x;  ///< in a sub-step
   Each<double> displacement_y;
+  Each<double> end_x;  ///< where it comes to if it meets nobody
+  Each<double> end_y;
   Each<double> radius;
   Each<double> column;  ///< of its cell
   Each<double> row;
@@ -248,7 +250,7 @@ class BatchedMoves {
     }
   }
 
-  /// Where the disks in a register are bound for, from turn `first` on, and where they come to unless find_partners() says otherwise.
+  /// Where the disks in a register are bound for, from turn `first` on, and where they come to if they meet nobody.
   template <class D>
   HWY_INLINE void aim(D tag, std::size_t first) {
     using Double = hn::Vec<D>;
@@ -301,7 +303,8 @@ class BatchedMoves {
     local_ |= bits_of(tag, local) << first;
     far_from_edge_ |= bits_of(tag, inner) << first;
     inside_ |= bits_of(tag, is_inside(tag, position, {x, y}, radius)) << first;
-    end_at(tag, first, {x, y}, cells);
+    hn::Store(x, tag, &t_.end_x[first]);
+    hn::Store(y, tag, &t_.end_y[first]);
   }
 
   /// Whether disks stay within the walls, or in the box, from one point to the other. Every sub-step adds the same
@@ -435,7 +438,11 @@ class BatchedMoves {
   HWY_INLINE void find_partners(D tag, std::size_t first) {
     constexpr std::size_t count = hn::MaxLanes(D());
     unsigned const with = with_candidates_ >> first & ((1U << count) - 1U);
-    if (with == 0) return;
+    Vectors<D> const cells{hn::Load(tag, &t_.column[first]), hn::Load(tag, &t_.row[first])};
+    if (with == 0) {
+      end_at(tag, first, {hn::Load(tag, &t_.end_x[first]), hn::Load(tag, &t_.end_y[first])}, cells);
+      return;
+    }
     std::uint64_t near[count];
     std::uint32_t rows[count];
     DiskInTurn const* candidates[count];
@@ -472,7 +479,7 @@ class BatchedMoves {
     }
     hn::Store(ending.free_substeps, tag, &t_.free_substeps[first]);
     halted_ |= bits_of(tag, ending.is_met) << first;
-    end_at(tag, first, ending.at, {hn::Load(tag, &t_.column[first]), hn::Load(tag, &t_.row[first])});
+    end_at(tag, first, ending.at, cells);
   }
 
   /// Which turns meet the disks in `rows` rather than their partners: the choice of Partner::consider(), of disks that are first met in
@@ -542,9 +549,7 @@ class BatchedMoves {
     auto const rows = in_cells(tag, to.y, constants_.layout.rows_per_length(), cells.y);
     store_local(tag, &t_.local_x[first], columns, grid_.local_width());
     store_local(tag, &t_.local_y[first], rows, grid_.local_height());
-    Turns const in_register = ((1U << hn::MaxLanes(tag)) - 1U) << first;
-    staying_ = (staying_ & ~in_register) |
-               bits_of(tag, hn::And(is_from_0_to_1(tag, columns), is_from_0_to_1(tag, rows))) << first;
+    staying_ |= bits_of(tag, hn::And(is_from_0_to_1(tag, columns), is_from_0_to_1(tag, rows))) << first;
   }
 
   /// The disk of turn l is now there in its cell; nothing changes for a slot that there is not. Written as a whole: what is written in
