@@ -426,7 +426,7 @@ class BatchedMoves {
 
   /// How turns end that may meet somebody.
   template <class D>
-  struct Ending {
+  struct Outcome {
     Vectors<D> at;
     hn::Vec<D> free_substeps;
     hn::Vec<D> squared;  ///< distance of the one who is met
@@ -462,30 +462,31 @@ class BatchedMoves {
     };
     for (std::size_t k = 0; k < count; ++k) near[k] = t_.near[first + k];
     unsigned more = next_candidates();
-    Ending<D> ending = meet(tag, first, candidates, with);
+    Outcome<D> outcome = meet(tag, first, candidates, with);
     for (std::size_t k = 0; k < count; ++k) t_.partner[first + k] = rows[k];
     while (more != 0) {
       unsigned const again = more;
       more = next_candidates();
-      Ending<D> const other = meet(tag, first, candidates, again);
-      hn::Mask<D> const is_first = comes_first(tag, other, ending, &t_.partner[first], rows);
-      ending = {{hn::IfThenElse(is_first, other.at.x, ending.at.x), hn::IfThenElse(is_first, other.at.y, ending.at.y)},
-                hn::IfThenElse(is_first, other.free_substeps, ending.free_substeps),
-                hn::IfThenElse(is_first, other.squared, ending.squared),
-                hn::Or(other.is_met, ending.is_met)};
+      Outcome<D> const other = meet(tag, first, candidates, again);
+      hn::Mask<D> const is_first = comes_first(tag, other, outcome, &t_.partner[first], rows);
+      outcome = {
+          {hn::IfThenElse(is_first, other.at.x, outcome.at.x), hn::IfThenElse(is_first, other.at.y, outcome.at.y)},
+          hn::IfThenElse(is_first, other.free_substeps, outcome.free_substeps),
+          hn::IfThenElse(is_first, other.squared, outcome.squared),
+          hn::Or(other.is_met, outcome.is_met)};
       for (unsigned left = bits_of(tag, is_first); left != 0; left &= left - 1) {
         t_.partner[first + first_of(left)] = rows[first_of(left)];
       }
     }
-    hn::Store(ending.free_substeps, tag, &t_.free_substeps[first]);
-    halted_ |= bits_of(tag, ending.is_met) << first;
-    end_at(tag, first, ending.at, cells);
+    hn::Store(outcome.free_substeps, tag, &t_.free_substeps[first]);
+    halted_ |= bits_of(tag, outcome.is_met) << first;
+    end_at(tag, first, outcome.at, cells);
   }
 
   /// Which turns meet the disks in `rows` rather than their partners: the choice of Partner::consider(), of disks that are first met in
   /// different sub-steps.
   template <class D>
-  HWY_INLINE hn::Mask<D> comes_first(D tag, Ending<D> const& with_row, Ending<D> const& with_partner,
+  HWY_INLINE hn::Mask<D> comes_first(D tag, Outcome<D> const& with_row, Outcome<D> const& with_partner,
                                      std::uint32_t const* partners, std::uint32_t const* rows) const {
     auto const is_same_substep = hn::Eq(with_row.free_substeps, with_partner.free_substeps);
     auto const is_nearer = hn::And(is_same_substep, hn::Lt(with_row.squared, with_partner.squared));
@@ -502,8 +503,8 @@ class BatchedMoves {
 
   /// How the turns in a register end that have a candidate, if they meet nobody else.
   template <class D>
-  HWY_INLINE Ending<D> meet(D tag, std::size_t first, DiskInTurn const* const* candidates,
-                            unsigned with_candidate) const {
+  HWY_INLINE Outcome<D> meet(D tag, std::size_t first, DiskInTurn const* const* candidates,
+                             unsigned with_candidate) const {
     using Double = hn::Vec<D>;
     Vectors<D> const other = positions_of(tag, candidates);
     Double const contact = hn::Add(hn::Load(tag, &t_.radius[first]), radii_of(tag, candidates));
