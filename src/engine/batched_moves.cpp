@@ -450,12 +450,11 @@ class BatchedMoves {
     auto const next_candidates = [&]() HWY_ATTR {
       unsigned more = 0;
       for (std::size_t k = 0; k < count; ++k) {
-        std::size_t const bit = first_of(near[k] | std::uint64_t{1} << (own_slots + PackedGrid::slots - 1));
+        // Without a candidate slot 0 of its own block is looked at, in which somebody is: empty slots name disks that were
+        // here before, and that may be another thread's now.
+        std::size_t const bit = first_of(near[k] | std::uint64_t{1} << (own_slots + PackedGrid::slots));
         Block const& block = t_.block[first + k][t_.offset[first + k][bit / PackedGrid::slots]];
-        // Without a candidate a disk is asked about itself: empty slots name disks that were here before, and that may be another thread's now.
-        std::uint32_t const self = rows_[first + k];
-        std::uint32_t const is_there = near[k] != 0 ? 1U : 0U;
-        rows[k] = self ^ ((self ^ block.agent[bit % PackedGrid::slots]) & -is_there);
+        rows[k] = block.agent[bit % PackedGrid::slots];
         candidates[k] = &view_.disks[rows[k]];
         near[k] &= near[k] - 1;
         more |= (near[k] != 0 ? 1U : 0U) << k;

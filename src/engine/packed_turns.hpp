@@ -111,8 +111,8 @@ struct TurnConstants {
   double last_y;
 
   static constexpr std::size_t blocks_around = 8;
-  /// Where the blocks of the cells around a cell are, seen from its block; the cell itself is the last one.
-  using BlockOffsets = std::array<std::ptrdiff_t, blocks_around + 1>;
+  /// Where the blocks of the cells around a cell are, seen from its block; the last two are its own.
+  using BlockOffsets = std::array<std::ptrdiff_t, blocks_around + 2>;
   /// Of a cell in this column and row; those at an edge of the box have others than the rest.
   [[nodiscard]] BlockOffsets const& block_offsets_at(int column, int row) const {
     std::size_t const in_columns = (column == 0 ? at_first : 0U) + (column + 1 == layout.columns() ? at_last : 0U);
@@ -151,7 +151,7 @@ struct TurnConstants {
                              next((in_columns & at_last) != 0, column, grid.column_right_of(column), 1)};
     std::array const rows{next((in_rows & at_first) != 0, row, grid.row_below(0), -1), 0,
                           next((in_rows & at_last) != 0, row, grid.row_above(row), 1)};
-    BlockOffsets offsets;
+    BlockOffsets offsets{};
     std::size_t k = 0;
     for (std::size_t r = 0; r < rows.size(); ++r) {
       for (std::size_t c = 0; c < columns.size(); ++c) {
@@ -159,7 +159,6 @@ struct TurnConstants {
         offsets[k++] = rows[r] * grid.blocks_in_row() + columns[c];
       }
     }
-    offsets[k] = 0;
     return offsets;
   }
 };
