@@ -339,6 +339,7 @@ class BatchedMoves {
       }
       std::uint64_t near = 0;
       if constexpr (edge == EdgeOfTurn::is_far) {
+        // The offsets of inner cells, without a look at memory for each.
         Block const* const below = here - blocks_in_row;
         Block const* const above = here + blocks_in_row;
         near = near_around({below - 1, below, below + 1, here - 1, here + 1, above - 1, above, above + 1}, l);

@@ -167,7 +167,7 @@ std::uint32_t PackedGrid::add_block(Block& base) {
   block.row = base.row;
   block.next = base.next;
   base.next = index;
-  further_blocks_in_use_.add(1);
+  std::atomic_ref(further_blocks_in_use_).fetch_add(1, std::memory_order_relaxed);
   return index;
 }
 
@@ -177,7 +177,7 @@ void PackedGrid::drop_second_block(Block& base) {
   base.next = blocks_[index].next;
   blocks_[index].next = first_free_;
   first_free_ = index;
-  further_blocks_in_use_.add(-std::size_t{1});
+  std::atomic_ref(further_blocks_in_use_).fetch_sub(1, std::memory_order_relaxed);
 }
 
 void PackedGrid::move_all(std::span<double const> x, std::span<double const> y) {

@@ -174,14 +174,19 @@ std::vector<std::uint32_t> rows_apart(Hot const& hot, std::size_t most, RandomSt
 }
 
 /// Kernels take groups of a random system one after the other.
-class TakenTogether : public testing::TestWithParam<Target> {};
+class TakenTogether : public testing::TestWithParam<Target> {
+ protected:
+  void SetUp() override {
+    // A processor cannot carry out instructions that it does not have: no machine runs the kernels of all processors.
+    if (!is_available(GetParam())) GTEST_SKIP() << "this processor has no " << to_text(GetParam());
+  }
+};
 
 INSTANTIATE_TEST_SUITE_P(Targets, TakenTogether,
                          testing::Values(Target::sse4, Target::neon, Target::avx2, Target::avx512),
                          [](auto const& target) { return to_text(target.param); });
 
 TEST_P(TakenTogether, AreTheSameAsOneByOne) {
-  if (!is_available(GetParam())) GTEST_SKIP() << "this processor has no " << to_text(GetParam());
   TakeBatch const take_batch = batch_kernel(GetParam());
   ASSERT_NE(take_batch, take_batch_scalar);
   std::uint64_t collisions = 0;
@@ -236,7 +241,6 @@ TEST_P(TakenTogether, AreTheSameAsOneByOne) {
 }
 
 TEST_P(TakenTogether, ChooseTheLowerIdOfTwoDisksAsNear) {
-  if (!is_available(GetParam())) GTEST_SKIP() << "this processor has no " << to_text(GetParam());
   TakeBatch const take_batch = batch_kernel(GetParam());
   // Disks that come exactly between two others, above and below, which they meet in the same sub-step; in every second triple the one above
   // comes first. All numbers are sums of few powers of two.

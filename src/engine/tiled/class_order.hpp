@@ -174,8 +174,9 @@ class ClassOrder {
           waiting = find_in_chain(grid, *block, ids, turned);
           if (waiting != 0) {
             rows[n] = chains_.back()[0];
-            blocks[n] = &grid.block_of(rows[n]);
-            slots[n] = static_cast<std::uint8_t>(grid.slot_of(rows[n]));
+            PackedGrid::Place const place = grid.place_of(rows[n]);
+            blocks[n] = place.block;
+            slots[n] = static_cast<std::uint8_t>(place.slot);
             *several = {static_cast<std::uint32_t>(n), is_chain | static_cast<std::uint32_t>(chains_.size() - 1)};
           }
         }

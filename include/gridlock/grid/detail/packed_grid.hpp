@@ -89,7 +89,9 @@ class PackedGrid {
   /// Blocks behind the first ones of the cells, those included that are no longer in use.
   [[nodiscard]] std::size_t further_blocks() const { return blocks_.size() - blocks_of_cells_; }
   /// Whether a cell has more agents than a block. Other threads may move agents meanwhile: it is right for the cells that they leave alone.
-  [[nodiscard]] bool has_further_blocks() const { return further_blocks_in_use_.get() != 0; }
+  [[nodiscard]] bool has_further_blocks() const {
+    return std::atomic_ref(further_blocks_in_use_).load(std::memory_order_relaxed) != 0;
+  }
   [[nodiscard]] bool contains(std::size_t agent) const { return agent < place_.size() && place_[agent] != none; }
   [[nodiscard]] int cell_of(std::size_t agent) const {
     Block const& block = block_of(agent);
@@ -230,6 +232,7 @@ class PackedGrid {
   [[nodiscard]] Block const& block_of(std::size_t agent) const { return blocks_[place_[agent] / slots]; }
   [[nodiscard]] Block& block_of(std::size_t agent) { return blocks_[place_[agent] / slots]; }
   [[nodiscard]] std::uint32_t slot_of(std::size_t agent) const { return place_[agent] % slots; }
+  /// Where an agent is: its block and its slot in it.
   struct Place {
     Block* block;
     std::uint32_t slot;
@@ -392,22 +395,6 @@ class PackedGrid {
   std::uint32_t add_block(Block& base);
   void drop_second_block(Block& base);
 
-  /// A number that one thread may read while another writes it.
-  class SharedNumber {
-   public:
-    SharedNumber() = default;
-    SharedNumber(SharedNumber const& other) noexcept : value_(other.get()) {}
-    SharedNumber& operator=(SharedNumber const& other) noexcept {
-      value_.store(other.get(), std::memory_order_relaxed);
-      return *this;
-    }
-    [[nodiscard]] std::size_t get() const { return value_.load(std::memory_order_relaxed); }
-    void add(std::size_t number) { value_.fetch_add(number, std::memory_order_relaxed); }
-
-   private:
-    std::atomic<std::size_t> value_ = 0;
-  };
-
   CellLayout layout_;
   CellWindow window_;
   std::size_t stride_ = 0;
@@ -421,7 +408,8 @@ class PackedGrid {
   LargeArray<std::uint32_t> place_;  ///< of an agent: block · slots + slot
   std::uint32_t first_free_ = none;  ///< of a list, by `next`, of further blocks not in use
   Lock further_blocks_;              ///< guards the growth of blocks_ and the list
-  SharedNumber further_blocks_in_use_;
+  /// Threads read it while others write it.
+  mutable std::size_t further_blocks_in_use_ = 0;
   std::size_t size_ = 0;
 };
 
