@@ -43,6 +43,16 @@ class atomic_ref {
  public:
   explicit atomic_ref(Value& value) : value_(&value) {}
   Value load(memory_order = memory_order_seq_cst) const { return *value_; }
+  Value fetch_add(Value number, memory_order = memory_order_seq_cst) const {
+    Value const before = *value_;
+    *value_ += number;
+    return before;
+  }
+  Value fetch_sub(Value number, memory_order = memory_order_seq_cst) const {
+    Value const before = *value_;
+    *value_ -= number;
+    return before;
+  }
   Value fetch_or(Value bits, memory_order = memory_order_seq_cst) const {
     Value const before = *value_;
     *value_ |= bits;
