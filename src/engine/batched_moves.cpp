@@ -71,8 +71,7 @@ struct alignas(64) Turning {
   Each<std::uint64_t> near;  ///< bit slots · k + s is set where the disk in slot s of block k around may be met
   Each<DiskInTurn*> disk;
   Each<Block*> block;
-  Each<std::ptrdiff_t const*> offset;  ///< of the blocks around
-  Each<std::uint32_t> partner;         ///< the row of the one whom it meets, if it meets anybody
+  Each<std::uint32_t> partner;  ///< the row of the one whom it meets, if it meets anybody
 };
 
 /// Bit l is that of turn l.
@@ -189,10 +188,10 @@ class BatchedMoves {
       aim(tag, first);
     });
     Turns const local = all & local_;
-    Turns together = look_around<EdgeOfTurn::is_far>(local & far_from_edge_);
-    if ((local & ~far_from_edge_ & inside_) != 0) {
-      together |= look_around<EdgeOfTurn::may_be_met>(local & ~far_from_edge_ & inside_);
-    }
+    // Between walls all cells have their neighbours at the same distances in memory.
+    bool const is_periodic = view_.box.is_periodic();
+    Turns together = look_around(local & (is_periodic ? far_from_edge_ : inside_));
+    if (is_periodic) together |= without_candidates(local & ~far_from_edge_ & inside_);
     by_registers(count_, [this](auto tag, std::size_t first) HWY_ATTR { find_partners(tag, first); });
     for (Turns left = together; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
@@ -246,7 +245,6 @@ class BatchedMoves {
       t_.disk[l] = &view_.disks[rows_[l]];
       t_.block[l] = blocks_[l];
       t_.near[l] = 0;
-      t_.offset[l] = constants_.block_offsets[0].data();
     }
   }
 
@@ -269,7 +267,6 @@ class BatchedMoves {
     Double const room = hn::Sub(hn::Sub(hn::Set(tag, c.room), contact), hn::Set(tag, c.cutoff.rounding()));
     Double const squared_displacement = hn::Mul(hn::Mul(squared_speed, duration), duration);
     IsTrue const local = hn::And(hn::Gt(room, hn::Zero(tag)), hn::Le(squared_displacement, hn::Mul(room, room)));
-    IsTrue const inner = hn::And(is_inner(tag, cells.x, c.inner_columns), is_inner(tag, cells.y, c.inner_rows));
 
     // find_near()
     Double const squared_cutoff =
@@ -301,7 +298,10 @@ class BatchedMoves {
       y = hn::Add(y, displacement_y);
     }
     local_ |= bits_of(tag, local) << first;
-    far_from_edge_ |= bits_of(tag, inner) << first;
+    if (view_.box.is_periodic()) {
+      far_from_edge_ |=
+          bits_of(tag, hn::And(is_inner(tag, cells.x, c.inner_columns), is_inner(tag, cells.y, c.inner_rows))) << first;
+    }
     inside_ |= bits_of(tag, is_inside(tag, position, {x, y}, radius)) << first;
     hn::Store(x, tag, &t_.end_x[first]);
     hn::Store(y, tag, &t_.end_y[first]);
@@ -322,44 +322,42 @@ class BatchedMoves {
     return hn::And(in_x, in_y);
   }
 
-  /// Whom these turns, which come to no edge, may meet. Returns those whose cells around fit one block each and that meet
-  /// nobody across an edge.
-  template <EdgeOfTurn edge>
+  /// Whom these turns may meet. Returns those whose cells around fit one block each.
   HWY_INLINE Turns look_around(Turns turns) {
-    std::ptrdiff_t const* offset = constants_.block_offsets[0].data();
     bool const may_have_further_blocks = grid_.has_further_blocks();
     std::ptrdiff_t const blocks_in_row = grid_.blocks_in_row();
     for (Turns left = turns; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
       Block const* const here = t_.block[l];
-      if constexpr (edge == EdgeOfTurn::may_be_met) offset = block_offsets_of(l);
-      if (may_have_further_blocks && has_further_blocks(*here, offset)) {
+      if (may_have_further_blocks && has_further_blocks(*here, constants_.block_offsets[0].data())) {
         turns &= ~(1U << l);
         continue;
       }
-      std::uint64_t near = 0;
-      if constexpr (edge == EdgeOfTurn::is_far) {
-        // The offsets of inner cells, without a look at memory for each.
-        Block const* const below = here - blocks_in_row;
-        Block const* const above = here + blocks_in_row;
-        near = near_around({below - 1, below, below + 1, here - 1, here + 1, above - 1, above, above + 1}, l);
-      } else {
-        Around around;
-        for (std::size_t k = 0; k < around.size(); ++k) around[k] = &here[offset[k]];
-        near = near_around(around, l);
-      }
-      near |= std::uint64_t{near_in(*here, l) & ~(1U << slots_[l])} << own_slots;
-      if constexpr (edge == EdgeOfTurn::may_be_met) {
-        // Distances are those of the nearest images there.
-        if (constants_.layout.is_periodic() && near != 0) {
-          turns &= ~(1U << l);
-          continue;
-        }
-      }
+      // Not by block_offsets: without a look at memory for each.
+      Block const* const below = here - blocks_in_row;
+      Block const* const above = here + blocks_in_row;
+      std::uint64_t const near =
+          near_around({below - 1, below, below + 1, here - 1, here + 1, above - 1, above, above + 1}, l) |
+          std::uint64_t{near_in(*here, l) & ~(1U << slots_[l])} << own_slots;
       t_.near[l] = near;
       checks_ += count_of(near);
-      if constexpr (edge == EdgeOfTurn::may_be_met) t_.offset[l] = offset;
       with_candidates_ |= static_cast<Turns>(near != 0) << l;
+    }
+    return turns;
+  }
+
+  /// Which of these turns, at the edge of a periodic box, may meet nobody. Distances are those of the nearest images there.
+  Turns without_candidates(Turns turns) const {
+    bool const may_have_further_blocks = grid_.has_further_blocks();
+    for (Turns left = turns; left != 0; left &= left - 1) {
+      std::size_t const l = first_of(left);
+      Block const& here = *t_.block[l];
+      std::ptrdiff_t const* const offset = constants_.block_offsets_at(here.column, here.row).data();
+      Around around;
+      for (std::size_t k = 0; k < around.size(); ++k) around[k] = &(&here)[offset[k]];
+      bool const meets_nobody = !(may_have_further_blocks && has_further_blocks(here, offset)) &&
+                                near_around(around, l) == 0 && (near_in(here, l) & ~(1U << slots_[l])) == 0;
+      if (!meets_nobody) turns &= ~(1U << l);
     }
     return turns;
   }
@@ -421,10 +419,6 @@ class BatchedMoves {
     return next != PackedGrid::none;
   }
 
-  [[nodiscard]] std::ptrdiff_t const* block_offsets_of(std::size_t l) const {
-    return constants_.block_offsets_at(t_.block[l]->column, t_.block[l]->row).data();
-  }
-
   /// How turns end that may meet somebody.
   template <class D>
   struct Outcome {
@@ -447,6 +441,7 @@ class BatchedMoves {
     std::uint64_t near[count];
     std::uint32_t rows[count];
     DiskInTurn const* candidates[count];
+    std::ptrdiff_t const* const offset = constants_.block_offsets[0].data();
     // Whom the next bits name. Returns the turns that have more.
     auto const next_candidates = [&]() HWY_ATTR {
       unsigned more = 0;
@@ -454,7 +449,7 @@ class BatchedMoves {
         // Without a candidate slot 0 of its own block is looked at, in which somebody is: empty slots name disks that were
         // here before, and that may be another thread's now.
         std::size_t const bit = first_of(near[k] | std::uint64_t{1} << (own_slots + PackedGrid::slots));
-        Block const& block = t_.block[first + k][t_.offset[first + k][bit / PackedGrid::slots]];
+        Block const& block = t_.block[first + k][offset[bit / PackedGrid::slots]];
         rows[k] = block.agent[bit % PackedGrid::slots];
         candidates[k] = &view_.disks[rows[k]];
         near[k] &= near[k] - 1;

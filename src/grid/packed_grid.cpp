@@ -32,8 +32,10 @@ PackedGrid::PackedGrid(CellLayout const& layout, CellWindow const& window, std::
   assert(layout.is_periodic() || (window_.first_column >= 0 && window_.end_column <= columns &&
                                   window_.first_row >= 0 && window_.end_row <= rows));
   stride_ = static_cast<std::size_t>(window_.end_column - window_.first_column) + 1;
-  first_ = window_.first_row * static_cast<std::ptrdiff_t>(stride_) + window_.first_column;
-  blocks_of_cells_ = stride_ * (static_cast<std::size_t>(window_.end_row - window_.first_row) + 1);
+  first_of_cells_ = stride_ + 1;
+  first_ = window_.first_row * static_cast<std::ptrdiff_t>(stride_) + window_.first_column -
+           static_cast<std::ptrdiff_t>(first_of_cells_);
+  blocks_of_cells_ = first_of_cells_ + stride_ * (static_cast<std::size_t>(window_.end_row - window_.first_row) + 1);
   if (blocks_of_cells_ > most_blocks) {
     throw Error(
         {.what = "a packed grid of " + std::to_string(columns) + " × " + std::to_string(rows) + " cells cannot be made",
@@ -51,10 +53,11 @@ PackedGrid::PackedGrid(CellLayout const& layout, CellWindow const& window, std::
   locals_per_length_ = 1.0 / longer;
   local_width_ = static_cast<float>(layout.cell_width() / longer);
   local_height_ = static_cast<float>(layout.cell_height() / longer);
-  Block empty{.x = {}, .y = {}, .agent = {}, .next = none, .count = 0, .marks = 0, .column = 0, .row = 0};
+  Block empty{.x = {}, .y = {}, .agent = {}, .next = none, .count = 0, .marks = 0, .column = columns, .row = rows};
   empty.x.fill(nowhere);
   empty.y.fill(nowhere);
   blocks_.reserve(agents == 0 ? blocks_of_cells_ : most_blocks_for(agents));
+  for (std::size_t k = 0; k < first_of_cells_; ++k) blocks_.push_back(empty);
   // A cell has the number that it has in the box; those of empty ones beside the window are of no cell in it.
   auto const in_box = [&](int index, int end, int all) {
     if (index == end) return all;

@@ -386,14 +386,14 @@ class Seeker {
 /// The part of one rank.
 class PartOfInsertion {
  public:
-  PartOfInsertion(Ranks& ranks, Box const& box, double largest_radius, std::uint64_t disks, std::uint64_t seed)
+  PartOfInsertion(Ranks& ranks, Box const& box, double largest_radius, std::uint64_t count, std::uint64_t seed)
       : ranks_(ranks),
         box_(box),
         seed_(seed),
-        count_(disks),
-        slabs_(box, largest_radius, disks, ranks.count()),
-        places_(box_, slabs_, ranks.rank(), largest_radius, disks / ranks.count() + disks / ranks.count() / 8),
-        attempts_left_(most_attempts_for(disks)) {}
+        count_(count),
+        slabs_(box, largest_radius, count, ranks.count()),
+        places_(box_, slabs_, ranks.rank(), largest_radius, count / ranks.count() + count / ranks.count() / 8),
+        attempts_left_(most_attempts_for(count)) {}
 
   /// Deals the disks out to the ranks that draw their points.
   void deal(std::span<double const> radii_of_own_rows, std::uint64_t first_row) {

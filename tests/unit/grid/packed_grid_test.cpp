@@ -47,6 +47,29 @@ TEST(PackedGrid, HoldsEveryPointItIsMadeOfInItsCell) {
   EXPECT_TRUE(grid.is_consistent());
 }
 
+TEST(PackedGrid, HasTheNeighboursOfAllCellsBetweenWallsAtTheSameDistances) {
+  constexpr int columns = 3;
+  constexpr int rows = 2;
+  PackedGrid grid(CellLayout(Box(3.0, 2.0, Edge::wall), columns, rows));
+  for (int cell = 0; cell < columns * rows; ++cell) {
+    grid.insert(static_cast<std::size_t>(cell), {cell % columns + 0.5, cell / columns + 0.5});
+  }
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      for (int const up : {-1, 0, 1}) {
+        for (int const right : {-1, 0, 1}) {
+          PackedGrid::Block const& block = (&grid.block_at(column, row))[up * grid.blocks_in_row() + right];
+          bool const is_cell = column + right >= 0 && column + right < columns && row + up >= 0 && row + up < rows;
+          ASSERT_EQ(block.next, PackedGrid::none);
+          ASSERT_EQ(block.count, is_cell ? 1 : 0) << column << ' ' << row << ' ' << right << ' ' << up;
+          if (is_cell) EXPECT_EQ(block.agent[0], static_cast<unsigned>((row + up) * columns + column + right));
+        }
+      }
+    }
+  }
+  EXPECT_TRUE(grid.is_consistent());
+}
+
 TEST(PackedGrid, HoldsAnyNumberOfAgentsInOneCellAndLosesThemInAnyOrder) {
   for (std::size_t const stride : {1U, 3U, 7U, 19U}) {
     constexpr std::size_t count = 20;

@@ -29,12 +29,12 @@ namespace gridlock {
 ///             └──────────────────────────────────────────────│──────────┘
 ///                            next ─► another block, where a cell holds more than four agents
 ///
-///     the blocks of the cells lie in the order of the cells; ∅ is one empty column and one empty row, the
-///     neighbours a cell at a wall does not have:
+///     the blocks of the cells lie in the order of the cells; ∅ is empty, in place of the neighbours that a cell at a wall does not have:
 ///
 ///     rows    │ ∅ │ ∅ │ ∅ │ ∅ │
 ///          1  │   │   │   │ ∅ │
-///          0  │ 0 │ 1 │ 2 │ ∅ │
+///          0  │ 0 │ 1 │ 2 │ ∅ │      the block before the first one of a row is the last one of the row below
+///           ∅ │ ∅ │ ∅ │ ∅ │ ∅ │
 ///               0   1   2  columns
 ///
 /// Places inside a cell are single precision, in units of the longer side of a cell: 1e-7 of a cell. They only say who
@@ -252,7 +252,8 @@ class PackedGrid {
   [[nodiscard]] Block const& empty_block() const { return block_at(window_.end_column, window_.first_row); }
   [[nodiscard]] Block const& next_of(Block const& block) const { return blocks_[block.next]; }
   [[nodiscard]] Block& next_of(Block& block) { return blocks_[block.next]; }
-  /// How far the blocks of two rows are apart.
+  /// How far the blocks of two rows are apart. Between walls all cells have their neighbours this far and one block away, in a periodic
+  /// box those that are not at an edge.
   [[nodiscard]] std::ptrdiff_t blocks_in_row() const { return static_cast<std::ptrdiff_t>(stride_); }
   /// The column and the row on either side, for block_at(): those of an empty cell beyond a wall, and beyond 0 or the last
   /// one where the window goes on there.
@@ -345,7 +346,7 @@ class PackedGrid {
   [[nodiscard]] std::size_t index_of(int column, int row) const {
     int const c = stored(column, window_.first_column, window_.end_column, layout_.columns());
     int const r = stored(row, window_.first_row, window_.end_row, layout_.rows());
-    return static_cast<std::size_t>(r) * stride_ + static_cast<std::size_t>(c);
+    return first_of_cells_ + static_cast<std::size_t>(r) * stride_ + static_cast<std::size_t>(c);
   }
   [[nodiscard]] std::size_t base_of(int cell) const {
     int const row = cell / layout_.columns();
@@ -398,8 +399,9 @@ class PackedGrid {
   CellLayout layout_;
   CellWindow window_;
   std::size_t stride_ = 0;
-  std::ptrdiff_t first_ = 0;  ///< what block_at() would give the first block
-  std::size_t blocks_of_cells_ = 0;
+  std::ptrdiff_t first_ = 0;         ///< what block_at() would give the first block
+  std::size_t first_of_cells_ = 0;   ///< the block of the first cell, behind empty ones
+  std::size_t blocks_of_cells_ = 0;  ///< and of the empty ones around them
   int left_of_first_ = 0, right_of_last_ = 0, below_first_ = 0, above_last_ = 0;
   double locals_per_length_ = 1.0;
   float local_width_ = 1.0F;
