@@ -7,14 +7,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <utility>
 #include <vector>
 
 #include "grid/lane_bits.hpp"
 #include "gridlock/core/target.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
-#include "gridlock/grid/detail/packed_layout.hpp"
 #include "turn.hpp"
 
 namespace gridlock {

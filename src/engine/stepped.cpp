@@ -11,6 +11,7 @@
 #include "engine/hot_disks.hpp"
 #include "grid/linked_grid.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/grid/detail/packed_layout.hpp"
 #include "gridlock/grid/validate.hpp"
 #include "packed_turns.hpp"
 #include "turn.hpp"

@@ -13,6 +13,7 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/engine/engine.hpp"
+#include "gridlock/grid/detail/packed_layout.hpp"
 #include "gridlock/lattice/start.hpp"
 #include "reference/random_scene.hpp"
 
