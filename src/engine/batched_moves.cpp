@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/packed_turns.hpp"
+#include "engine/waiting_in_block.hpp"
 
 // Written once with Google Highway, and compiled once for every target below: this file includes itself. Only headers of Highway are
 // used; target() chooses which of the kernels is called. Registers of SVE have no size and fit in no struct.
@@ -203,6 +204,8 @@ class BatchedMoves {
     for (Turns left = together & ~staying_; left != 0; left &= left - 1) {
       std::size_t const l = first_of(left);
       grid_.move(rows_[l], t_.position[l]);
+      note_order(*t_.block[l]);
+      note_order(*grid_.place_of(rows_[l]).block);
     }
     // In the order of the turns, on which sums of floating point numbers depend.
     for (Turns left = halted_ | (local & ~together); left != 0; left &= left - 1) {
@@ -210,7 +213,7 @@ class BatchedMoves {
       if (halted_ >> l & 1U) {
         collide(l, result_of(l).counters);
       } else {
-        turns_.take(turns_.prepare(rows_[l], *t_.block[l], slots_[l]), result_of(l).counters);
+        take_alone(l);
       }
     }
     for (Turns left = all & ~local; left != 0; left &= left - 1) {
@@ -333,17 +336,20 @@ class BatchedMoves {
         turns &= ~(1U << l);
         continue;
       }
-      // Not by block_offsets: without a look at memory for each.
-      Block const* const below = here - blocks_in_row;
-      Block const* const above = here + blocks_in_row;
-      std::uint64_t const near =
-          near_around({below - 1, below, below + 1, here - 1, here + 1, above - 1, above, above + 1}, l) |
-          std::uint64_t{near_in(*here, l) & ~(1U << slots_[l])} << own_slots;
+      std::uint64_t const near = near_of(l, here, blocks_in_row);
       t_.near[l] = near;
       checks_ += count_of(near);
       with_candidates_ |= static_cast<Turns>(near != 0) << l;
     }
     return turns;
+  }
+
+  /// Whom turn l may meet, in a cell that has its neighbours where inner ones do: not by block_offsets, without a look at memory for each.
+  HWY_INLINE std::uint64_t near_of(std::size_t l, Block const* here, std::ptrdiff_t blocks_in_row) const {
+    Block const* const below = here - blocks_in_row;
+    Block const* const above = here + blocks_in_row;
+    return near_around({below - 1, below, below + 1, here - 1, here + 1, above - 1, above, above + 1}, l) |
+           std::uint64_t{near_in(*here, l) & ~(1U << slots_[l])} << own_slots;
   }
 
   /// Which of these turns, at the edge of a periodic box, may meet nobody. Distances are those of the nearest images there.
@@ -564,6 +570,31 @@ class BatchedMoves {
       auto const place = hn::OddEvenBlocks(hn::Set(tag, y), hn::Set(tag, x));
       hn::Store(hn::IfThenElse(is_slot, place, hn::Load(tag, to)), tag, to);
     }
+  }
+
+  /// At an edge, or beside a cell with more disks than a block.
+  void take_alone(std::size_t l) {
+    Block const& here = *t_.block[l];
+    if (view_.box.is_periodic() ||
+        (grid_.has_further_blocks() && has_further_blocks(here, constants_.block_offsets[0].data()))) {
+      turns_.take(turns_.prepare(rows_[l], here, slots_[l]), result_of(l).counters);
+      return;
+    }
+    std::uint64_t const near = near_of(l, &here, grid_.blocks_in_row());
+    constexpr unsigned half = own_slots / 2;
+    std::uint64_t const first = near & ((std::uint64_t{1} << half) - 1);
+    std::uint64_t const last = near >> half & ((std::uint64_t{1} << half) - 1);
+    turns_.take({.near = first | (near >> own_slots) << half | last << (half + PackedGrid::slots),
+                 .disk = rows_[l],
+                 .is_far_from_edge = false,
+                 .needs_more_blocks = false},
+                result_of(l).counters);
+  }
+
+  /// Where a disk has come or gone: whoever asks for the order later need not find out first whether it is known.
+  void note_order(Block& block) const {
+    if (block.next != PackedGrid::none) return;
+    note_order_of_ids(block, [this](std::uint32_t row) { return view_.disks[row].id_index; });
   }
 
   [[nodiscard]] TurnResult& result_of(std::size_t l) const { return *results_[places_[l]]; }

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "gridlock/grid/detail/packed_grid.hpp"
+
+namespace gridlock {
+
+/// What the marks of a block say to tiled::ClassOrder, and what is looked up with them: a compiler would make branches of the questions, and
+/// the answers are as good as random.
+///
+///     bits of marks    0 … 3                      4 … 10                       15
+///                      whose turn it is, by the   how many agents there are,   `changed`: the code is to be
+///                      mark of the step           and the order of their Ids   found anew
+struct WaitingInBlock {
+  static constexpr unsigned slots = PackedGrid::slots;
+  static constexpr unsigned all_slots = (1U << slots) - 1U;
+  static constexpr unsigned orders = 24;  ///< of four slots
+  static constexpr unsigned bits_of_slot = 2;
+  static constexpr unsigned mask_of_slot = (1U << bits_of_slot) - 1U;
+  static constexpr unsigned first_bit_of_count = slots * bits_of_slot;
+  static constexpr unsigned more_than_two = 1U << 13;
+  static constexpr unsigned any = 1U << 14;
+  static constexpr unsigned several = 1U << 15;
+
+  /// The code in the marks, of a number of agents and of the slots in the order of Ids, two bits each.
+  std::array<std::array<std::uint16_t, 1U << first_bit_of_count>, slots + 1> code{};
+  /// Of marks in which bit s says that the agent in slot s waits: the slots of those who wait in the order of Ids, two bits each, their
+  /// number, and whether it is above 0, 1 and 2.
+  std::array<std::uint16_t, ((slots + 1) * orders) << slots> waiting{};
+
+  constexpr WaitingInBlock() {
+    std::array<unsigned, slots> order{0, 1, 2, 3};
+    for (unsigned k = 0; k < orders; ++k, std::next_permutation(order.begin(), order.end())) {
+      unsigned sequence = 0;
+      for (unsigned n = 0; n < slots; ++n) sequence |= order[n] << (bits_of_slot * n);
+      for (unsigned count = 0; count <= slots; ++count) {
+        unsigned const first = (count * orders + k) << slots;
+        code[count][sequence] = static_cast<std::uint16_t>(first);
+        for (unsigned set = 0; set <= all_slots; ++set) waiting[first + set] = waiting_of(order, count, set);
+      }
+    }
+  }
+
+  static constexpr unsigned slot(unsigned waiting, unsigned n) { return waiting >> (bits_of_slot * n) & mask_of_slot; }
+  static constexpr unsigned count(unsigned waiting) { return waiting >> first_bit_of_count & 0xfU; }
+
+ private:
+  static constexpr std::uint16_t waiting_of(std::array<unsigned, slots> const& order, unsigned count, unsigned set) {
+    unsigned found = 0;
+    unsigned size = 0;
+    for (unsigned const slot : order) {
+      if (slot < count && (set >> slot & 1U) != 0) found |= slot << (bits_of_slot * size++);
+    }
+    return static_cast<std::uint16_t>(found | size << first_bit_of_count | (size > 2 ? more_than_two : 0U) |
+                                      (size > 0 ? any : 0U) | (size > 1 ? several : 0U));
+  }
+};
+inline constexpr WaitingInBlock waiting_in_block;
+
+/// Notes in the marks of a block, the only one of its cell, the order of the Ids of its agents, or of numbers in the same order. They are
+/// as good as random: no branch depends on them.
+template <class IdOf>
+[[gnu::noinline]] void note_order_of_ids(PackedGrid::Block& block, IdOf id_of) {
+  // Empty slots come last.
+  std::array<std::uint64_t, PackedGrid::slots> id;
+  for (unsigned s = 0; s < PackedGrid::slots; ++s) {
+    bool const is_taken = s < block.count;
+    // The agents that empty slots name may be far away in memory.
+    id[s] = std::uint64_t{id_of(block.agent[is_taken ? s : 0])} | (is_taken ? 0U : s + 1ULL) << 32;
+  }
+  auto const is_less = [&](unsigned a, unsigned b) { return id[a] < id[b] ? 1U : 0U; };
+  unsigned const less_01 = is_less(0, 1);
+  unsigned const less_02 = is_less(0, 2);
+  unsigned const less_03 = is_less(0, 3);
+  unsigned const less_12 = is_less(1, 2);
+  unsigned const less_13 = is_less(1, 3);
+  unsigned const less_23 = is_less(2, 3);
+  // Slot 0 takes the place that is left.
+  auto const at = [](unsigned slot, unsigned place) { return slot << (WaitingInBlock::bits_of_slot * place); };
+  unsigned const order = at(1, 2 + less_01 - less_12 - less_13) | at(2, 1 + less_02 + less_12 - less_23) |
+                         at(3, less_03 + less_13 + less_23);
+  block.marks =
+      static_cast<std::uint16_t>((block.marks & WaitingInBlock::all_slots) | waiting_in_block.code[block.count][order]);
+}
+
+}  // namespace gridlock
