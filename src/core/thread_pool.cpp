@@ -89,8 +89,9 @@ class ThreadPool::Crew {
     std::uint64_t seen = 0;
     while (true) {
       wait_while(calls_, seen);
-      if (is_dismissed_) return;
+      // Before the question: a dismissal after it is one more call, which is not seen yet.
       seen = calls_;
+      if (is_dismissed_) return;
       ++inside_;
       if (is_open_) take_parts(self);
       if (--inside_ == 0) inside_.notify_one();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -38,6 +39,19 @@ TEST(ThreadPool, KeepsShortRoundsOfUnequalPartsApart) {
       }
       ASSERT_EQ(sums, expected) << round;
     }
+  }
+}
+
+/// Threads that come late to a round may see its end and the end of the pool at once.
+TEST(ThreadPool, EndsWhileThreadsAreStillOnTheirWay) {
+  for (int n = 0; n < 20'000; ++n) {
+    std::array<int, 2> times{};
+    {
+      ThreadPool thread_pool(3);
+      for (int round = 0; round <= n % 4; ++round)
+        thread_pool.for_each(times.size(), [&](std::size_t part) { ++times[part]; });
+    }
+    ASSERT_EQ(times, (std::array{n % 4 + 1, n % 4 + 1}));
   }
 }
 
