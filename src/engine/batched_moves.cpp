@@ -360,7 +360,7 @@ class BatchedMoves {
       Block const& here = *t_.block[l];
       std::ptrdiff_t const* const offset = constants_.block_offsets_at(here.column, here.row).data();
       Around around;
-      for (std::size_t k = 0; k < around.size(); ++k) around[k] = &(&here)[offset[k]];
+      for (std::size_t k = 0; k < around.size(); ++k) around[k] = &here + offset[k];
       bool const meets_nobody = !(may_have_further_blocks && has_further_blocks(here, offset)) &&
                                 near_around(around, l) == 0 && (near_in(here, l) & ~(1U << slots_[l])) == 0;
       if (!meets_nobody) turns &= ~(1U << l);
@@ -581,10 +581,12 @@ class BatchedMoves {
       return;
     }
     std::uint64_t const near = near_of(l, &here, grid_.blocks_in_row());
+    // There the own cell comes between the four before it and the four behind it.
     constexpr unsigned half = own_slots / 2;
-    std::uint64_t const first = near & ((std::uint64_t{1} << half) - 1);
-    std::uint64_t const last = near >> half & ((std::uint64_t{1} << half) - 1);
-    turns_.take({.near = first | (near >> own_slots) << half | last << (half + PackedGrid::slots),
+    constexpr std::uint64_t lower_half = (std::uint64_t{1} << half) - 1;
+    std::uint64_t const before = near & lower_half;
+    std::uint64_t const behind = near >> half & lower_half;
+    turns_.take({.near = before | near >> own_slots << half | behind << (half + PackedGrid::slots),
                  .disk = rows_[l],
                  .is_far_from_edge = false,
                  .needs_more_blocks = false},
