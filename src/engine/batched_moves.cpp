@@ -580,13 +580,7 @@ class BatchedMoves {
       turns_.take(turns_.prepare(rows_[l], here, slots_[l]), result_of(l).counters);
       return;
     }
-    std::uint64_t const near = near_of(l, &here, grid_.blocks_in_row());
-    // There the own cell comes between the four before it and the four behind it.
-    constexpr unsigned half = own_slots / 2;
-    constexpr std::uint64_t lower_half = (std::uint64_t{1} << half) - 1;
-    std::uint64_t const before = near & lower_half;
-    std::uint64_t const behind = near >> half & lower_half;
-    turns_.take({.near = before | near >> own_slots << half | behind << (half + PackedGrid::slots),
+    turns_.take({.near = near_of(l, &here, grid_.blocks_in_row()),
                  .disk = rows_[l],
                  .is_far_from_edge = false,
                  .needs_more_blocks = false},

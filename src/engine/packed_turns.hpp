@@ -182,7 +182,8 @@ class PackedTurns {
 
   /// A turn about to be taken: everything is known but what comes of it.
   struct Prepared {
-    std::uint64_t near;  ///< bit slots·k + s is set where the disk in slot s of cell k around may be met
+    std::uint64_t
+        near;  ///< bit slots·k + s is set where the disk in slot s of cell k around may be met, the last one its own
     std::uint32_t disk;
     bool is_far_from_edge;
     bool needs_more_blocks;  ///< a cell around has more disks than a block
@@ -247,10 +248,10 @@ class PackedTurns {
 
  private:
   using Block = PackedGrid::Block;
-  /// The 3×3 block of cells around a disk, row by row from below left; the fifth is its own.
+  /// The cells around that of a disk, row by row from below left, then its own.
   using Around = std::array<Block const*, 9>;
   static constexpr std::size_t slots = PackedGrid::slots;
-  static constexpr std::size_t own = 4;
+  static constexpr std::size_t own = TurnConstants::blocks_around;
 
   [[nodiscard]] Around around_of(Block const& home) const {
     Block const* const below = &grid_.block_at(home.column, grid_.row_below(home.row));
@@ -259,8 +260,8 @@ class PackedTurns {
     int const left = grid_.column_left_of(home.column) - home.column;
     constexpr int middle = 0;
     int const right = grid_.column_right_of(home.column) - home.column;
-    return {below + left, below + middle, below + right,  here + left,  here + middle,
-            here + right, above + left,   above + middle, above + right};
+    return {below + left, below + middle, below + right, here + left,  here + right,
+            above + left, above + middle, above + right, here + middle};
   }
 
   static bool has_further_blocks(Around const& around) {
@@ -287,9 +288,9 @@ class PackedTurns {
     std::uint64_t const first =
         bits_of(is_near(0, left, below), is_near(1, p.x, below), is_near(2, right, below), is_near(3, left, p.y));
     std::uint64_t const last =
-        bits_of(is_near(5, right, p.y), is_near(6, left, above), is_near(7, p.x, above), is_near(8, right, above));
+        bits_of(is_near(4, right, p.y), is_near(5, left, above), is_near(6, p.x, above), is_near(7, right, above));
     std::uint64_t const own_cell = bits_of(is_near(own, p.x, p.y)) & ~(1U << slot);
-    return first | own_cell << (slots * own) | last << (slots * (own + 1));
+    return first | last << (slots * 4) | own_cell << (slots * own);
   }
 
   template <EdgeOfTurn edge>
