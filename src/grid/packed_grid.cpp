@@ -32,10 +32,10 @@ PackedGrid::PackedGrid(CellLayout const& layout, CellWindow const& window, std::
   assert(layout.is_periodic() || (window_.first_column >= 0 && window_.end_column <= columns &&
                                   window_.first_row >= 0 && window_.end_row <= rows));
   stride_ = static_cast<std::size_t>(window_.end_column - window_.first_column) + 1;
-  first_of_cells_ = stride_ + 1;
+  std::size_t const first_of_cells = stride_ + 1;
   first_ = window_.first_row * static_cast<std::ptrdiff_t>(stride_) + window_.first_column -
-           static_cast<std::ptrdiff_t>(first_of_cells_);
-  blocks_of_cells_ = first_of_cells_ + stride_ * (static_cast<std::size_t>(window_.end_row - window_.first_row) + 1);
+           static_cast<std::ptrdiff_t>(first_of_cells);
+  blocks_of_cells_ = first_of_cells + stride_ * (static_cast<std::size_t>(window_.end_row - window_.first_row) + 1);
   if (blocks_of_cells_ > most_blocks) {
     throw Error(
         {.what = "a packed grid of " + std::to_string(columns) + " × " + std::to_string(rows) + " cells cannot be made",
@@ -57,7 +57,7 @@ PackedGrid::PackedGrid(CellLayout const& layout, CellWindow const& window, std::
   empty.x.fill(nowhere);
   empty.y.fill(nowhere);
   blocks_.reserve(agents == 0 ? blocks_of_cells_ : most_blocks_for(agents));
-  for (std::size_t k = 0; k < first_of_cells_; ++k) blocks_.push_back(empty);
+  for (std::size_t k = 0; k < first_of_cells; ++k) blocks_.push_back(empty);
   // A cell has the number that it has in the box; those of empty ones beside the window are of no cell in it.
   auto const in_box = [&](int index, int end, int all) {
     if (index == end) return all;

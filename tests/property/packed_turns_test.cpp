@@ -178,7 +178,7 @@ std::vector<std::uint32_t> rows_apart(Hot const& hot, std::size_t most, RandomSt
 class TakenTogether : public testing::TestWithParam<Target> {
  protected:
   void SetUp() override {
-    // A processor cannot carry out instructions that it does not have: no machine runs the kernels of all processors.
+    // No machine has the instructions of all processors: those that this one lacks are tested on others.
     if (!is_available(GetParam())) GTEST_SKIP() << "this processor has no " << to_text(GetParam());
   }
 };

@@ -62,7 +62,9 @@ TEST(PackedGrid, HasTheNeighboursOfAllCellsBetweenWallsAtTheSameDistances) {
           bool const is_cell = column + right >= 0 && column + right < columns && row + up >= 0 && row + up < rows;
           ASSERT_EQ(block.next, PackedGrid::none);
           ASSERT_EQ(block.count, is_cell ? 1 : 0) << column << ' ' << row << ' ' << right << ' ' << up;
-          if (is_cell) EXPECT_EQ(block.agent[0], static_cast<unsigned>((row + up) * columns + column + right));
+          if (is_cell) {
+            EXPECT_EQ(block.agent[0], static_cast<unsigned>((row + up) * columns + column + right));
+          }
         }
       }
     }

@@ -346,7 +346,7 @@ class PackedGrid {
   [[nodiscard]] std::size_t index_of(int column, int row) const {
     int const c = stored(column, window_.first_column, window_.end_column, layout_.columns());
     int const r = stored(row, window_.first_row, window_.end_row, layout_.rows());
-    return first_of_cells_ + static_cast<std::size_t>(r) * stride_ + static_cast<std::size_t>(c);
+    return static_cast<std::size_t>(r + 1) * stride_ + static_cast<std::size_t>(c + 1);
   }
   [[nodiscard]] std::size_t base_of(int cell) const {
     int const row = cell / layout_.columns();
@@ -400,7 +400,6 @@ class PackedGrid {
   CellWindow window_;
   std::size_t stride_ = 0;
   std::ptrdiff_t first_ = 0;         ///< what block_at() would give the first block
-  std::size_t first_of_cells_ = 0;   ///< the block of the first cell, behind empty ones
   std::size_t blocks_of_cells_ = 0;  ///< and of the empty ones around them
   int left_of_first_ = 0, right_of_last_ = 0, below_first_ = 0, above_last_ = 0;
   double locals_per_length_ = 1.0;
