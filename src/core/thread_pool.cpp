@@ -1,16 +1,20 @@
 #include "gridlock/core/detail/thread_pool.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <exception>
 #include <limits>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "core/resources.hpp"
+#include "gridlock/core/error.hpp"
 
 namespace gridlock {
 
@@ -51,14 +55,21 @@ void pause() {
 class ThreadPool::Crew {
  public:
   explicit Crew(std::size_t members) : ranges_(members + 1), stays_awake_(members < cores_at_first()) {
-    for (std::size_t k = 0; k < members; ++k) members_.emplace_back([this, k] { wait_for_work(k + 1); });
+    members_.reserve(members);
+    try {
+      for (std::size_t k = 0; k < members; ++k) members_.emplace_back([this, k] { wait_for_work(k + 1); });
+    } catch (std::system_error const& error) {
+      dismiss();
+      throw Error({.what = fmt::format("{} threads cannot be started: after {} the system says \"{}\"", members + 1,
+                                       members_.size() + 1, error.code().message()),
+                   .hint = "ask for fewer (engine.threads, -j), or have the limits on processes and memory raised",
+                   .key = "engine.threads"});
+    } catch (...) {
+      dismiss();
+      throw;
+    }
   }
-  ~Crew() {
-    is_dismissed_ = true;
-    ++calls_;
-    calls_.notify_all();
-    for (std::thread& member : members_) member.join();
-  }
+  ~Crew() { dismiss(); }
   Crew(Crew const&) = delete;
   Crew& operator=(Crew const&) = delete;
 
@@ -84,6 +95,13 @@ class ThreadPool::Crew {
     std::atomic<std::size_t> next = 0;
     std::size_t end = 0;
   };
+
+  void dismiss() {
+    is_dismissed_ = true;
+    ++calls_;
+    calls_.notify_all();
+    for (std::thread& member : members_) member.join();
+  }
 
   void wait_for_work(std::size_t self) {
     std::uint64_t seen = 0;
@@ -152,11 +170,19 @@ ThreadPool::ThreadPool(std::uint64_t threads) : size_(number_of(threads)) {
 ThreadPool::~ThreadPool() = default;
 
 void ThreadPool::for_each(std::size_t parts, std::function<void(std::size_t)> const& carry_out) {
-  if (!crew_ || parts < 2) {
-    for (std::size_t part = 0; part < parts; ++part) carry_out(part);
+  if (crew_ && parts > 1) {
+    crew_->carry_out_all(parts, carry_out);
     return;
   }
-  crew_->carry_out_all(parts, carry_out);
+  std::exception_ptr failure;
+  for (std::size_t part = 0; part < parts; ++part) {
+    try {
+      carry_out(part);
+    } catch (...) {
+      if (!failure) failure = std::current_exception();
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace gridlock

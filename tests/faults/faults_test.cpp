@@ -350,6 +350,23 @@ TEST(LackOfMemory, OfOneRunOfASweepIsItsFailureAndTheOthersGoOn) {
   EXPECT_TRUE(fs::exists(workplace / "out/runs/count=400/summary.json"));
 }
 
+TEST(LackOfThreads, IsAnErrorThatNamesTheSetting) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer needs more address space than the limit";
+#endif
+  Workplace const workplace;
+  write(workplace / "run.toml",
+        "run.steps = 20\ndisks.count = 100\ndisks.packing_fraction = 0.3\nengine.kind = \"tiled\"\n");
+  // A thread has a stack of 8 MB.
+  Outcome const outcome =
+      limited("ulimit -s 8192 -v 3000000", {"run", "run.toml", "-o", "run", "-q", "--set", "engine.threads=1000"},
+              workplace.path());
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_NE(outcome.err.find("error: 1000 threads cannot be started: after "), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("--> --set   engine.threads=1000\n"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(fs::exists(workplace / "run/summary.json"));
+}
+
 TEST(FullDisk, LeavesARunThatResumesToTheSameBitsOnceThereIsRoom) {
   Workplace const workplace;
   WholeRun const whole({"without_frames", "run.steps = 6000", false}, workplace.path());

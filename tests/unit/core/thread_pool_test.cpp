@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <string>
@@ -55,19 +56,24 @@ TEST(ThreadPool, EndsWhileThreadsAreStillOnTheirWay) {
   }
 }
 
-TEST(ThreadPool, ThrowsOnWhatTheLowestFailingPartThrewAndGoesOnWorking) {
-  ThreadPool thread_pool(3);
-  try {
-    thread_pool.for_each(50, [](std::size_t part) {
-      if (part >= 20) throw std::runtime_error(std::to_string(part));
-    });
-    FAIL() << "nothing was thrown";
-  } catch (std::runtime_error const& error) {
-    EXPECT_EQ(std::string(error.what()), "20");
+TEST(ThreadPool, ThrowsOnWhatTheLowestFailingPartThrewWhenAllAreDoneAndGoesOnWorking) {
+  for (std::uint64_t const threads : {1, 3}) {
+    ThreadPool thread_pool(threads);
+    std::array<int, 50> times{};
+    try {
+      thread_pool.for_each(times.size(), [&](std::size_t part) {
+        ++times[part];
+        if (part >= 20) throw std::runtime_error(std::to_string(part));
+      });
+      FAIL() << "nothing was thrown";
+    } catch (std::runtime_error const& error) {
+      EXPECT_EQ(std::string(error.what()), "20");
+    }
+    EXPECT_EQ(std::ranges::count(times, 1), 50);
+    int done = 0;
+    thread_pool.for_each(1, [&](std::size_t) { ++done; });
+    EXPECT_EQ(done, 1);
   }
-  int done = 0;
-  thread_pool.for_each(1, [&](std::size_t) { ++done; });
-  EXPECT_EQ(done, 1);
 }
 
 }  // namespace
