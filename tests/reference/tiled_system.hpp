@@ -35,7 +35,7 @@ inline TiledSystem any_tiled_system(std::uint64_t seed) {
              .height = 0.5 + 2.0 * random.uniform(),
              .count = random.below(3) == 0 ? 1 + random.below(30) : 300 + random.below(900),
              .packing_fraction = random.below(3) == 0 ? 0.05 : 0.1 + 0.6 * random.uniform(),
-             .smallest_ratio = random.below(2) == 0 ? 1.0 : 0.2 + 0.8 * random.uniform(),
+             .smallest_ratio = random.below(2) == 0 ? 1.0 : 0.05 + 0.95 * random.uniform(),
              .heaviest_mass = random.below(2) == 0 ? 1.0 : 20.0,
              .seed = seed};
   s.engine = {.kind = "tiled",

@@ -173,10 +173,12 @@ class ClassOrder {
       for (std::size_t k = 0; k < left; ++k) {
         std::uint32_t const last = several[k].last;
         std::uint32_t const waiting = several[k].waiting;
-        bool has_more = WaitingInBlock::count(waiting) > level + 1;
+        bool has_more = false;
         blocks[n] = blocks[last];
-        rows[n] = blocks[last]->agent[WaitingInBlock::slot(waiting, level)];
-        if ((waiting & is_chain) != 0) [[unlikely]] {
+        if ((waiting & is_chain) == 0) [[likely]] {
+          rows[n] = blocks[last]->agent[WaitingInBlock::slot(waiting, level)];
+          has_more = WaitingInBlock::count(waiting) > level + 1;
+        } else {
           std::vector<std::uint32_t> const& chain = chains_[waiting & ~is_chain];
           rows[n] = chain[level];
           has_more = chain.size() > level + 1;
