@@ -137,7 +137,8 @@ void describe(VelocitySettings& settings, SettingVisitor& visitor) {
        .unit = "length / time",
        .documentation = "v_max; \"maxwell\" has the temperature the uniform start relaxes to, kT = v_max²/4 for "
                         "mass 1.",
-       .least = 0.0},
+       .least = 0.0,
+       .most = most_magnitude},
       settings.max);
   visit_enum(
       visitor,

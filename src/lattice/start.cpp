@@ -377,6 +377,11 @@ void draw_velocities(State& state, VelocitySettings const& settings, ShareOfRows
                  .hint = "give disks.file with a velocity column, or draw them: \"uniform\" or \"maxwell\"",
                  .key = "velocities.kind"});
   }
+  if (settings.max > 0.0 && settings.max < least_magnitude) {
+    throw Error({.what = fmt::format("velocities.max is {}, too small to compute with", settings.max),
+                 .hint = magnitude_hint,
+                 .key = "velocities.max"});
+  }
   auto const vx = state.agents.column<VelocityX>();
   auto const vy = state.agents.column<VelocityY>();
   for (std::size_t i = 0; i < state.agents.size(); ++i) {

@@ -107,7 +107,7 @@ double expected_attempts(Box const& box, DisksSettings const& settings, std::uin
 /// maxwell: each component normal with variance kT/m, kT = v_max²/4 in units of mass 1.
 /// Removing the drift subtracts Σ m v / Σ m from every velocity; automatic does so for two disks or more in a periodic
 /// box, where nothing else would ever stop it.
-/// Errors: kind = file throws Error, since there is no file here.
+/// Errors: Error for kind = file, since there is no file here, and for a largest speed below 10⁻⁶⁰ that is not 0.
 void draw_velocities(State& state, VelocitySettings const& settings);
 
 /// The same for the rows of a share; all processes call it.
