@@ -111,7 +111,8 @@ struct TurnConstants {
   static constexpr std::size_t blocks_around = 8;
   /// Where the blocks of the cells around a cell are, seen from its block; the last two are its own.
   using BlockOffsets = std::array<std::ptrdiff_t, blocks_around + 2>;
-  /// Of a cell in this column and row; those at an edge of the box have others than the rest.
+  /// Of a cell in this column and row of a periodic box, in which those at an edge have others than the rest. Between walls the first
+  /// ones are those of all cells: PackedGrid has empty blocks where no cell is.
   [[nodiscard]] BlockOffsets const& block_offsets_at(int column, int row) const {
     std::size_t const in_columns = (column == 0 ? at_first : 0U) + (column + 1 == layout.columns() ? at_last : 0U);
     std::size_t const in_rows = (row == 0 ? at_first : 0U) + (row + 1 == layout.rows() ? at_last : 0U);

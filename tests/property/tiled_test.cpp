@@ -46,10 +46,10 @@ TEST(Tiled, VisitsInAnOrderThatIsAFunctionOfTheStateAlone) {
   }
 }
 
-TEST(Tiled, KeepsTheOrderOfTurnsOfSlowDisksOnlyWhileItIsRight) {
+TEST(Tiled, KeepsTheOrderOfIdsInACellOnlyWhileItIsRight) {
   for (std::uint64_t seed = 300; seed < 340; ++seed) {
     TiledSystem s = any_tiled_system(seed);
-    // A few disks change cells in a step, so that some tiles have the order of the step before and some have not.
+    // A few disks change cells in a step, so that most cells have an order that was noted steps before.
     s.engine.time_step *= seed % 2 == 0 ? 0.01 : 0.1;
     State whole = s.start();
     State cut = whole;

@@ -45,7 +45,7 @@ namespace gridlock {
 /// whole box.
 ///
 /// Insert, erase and move cost O(1) whatever the size of the cell. Memory: 64 bytes for each cell and each further four
-/// agents, 4 bytes for each agent.
+/// agents, and for each cell of a column and two rows more, which are empty; 4 bytes for each agent.
 /// Contract: an agent is inserted once before it is moved or erased (asserted), and moved whenever its place changes.
 class PackedGrid {
  public:
