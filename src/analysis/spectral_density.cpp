@@ -18,7 +18,7 @@ namespace gridlock {
 namespace {
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
-constexpr std::size_t most_bins = 10'000'000;
+constexpr std::size_t most_bins_of_spectrum = 10'000'000;
 constexpr double most_vectors = 1e8;
 
 /// Disks in the order of their radii, so that those of one radius share a form factor.
@@ -132,8 +132,8 @@ void require_spectrum(Box const& box, PointsInMemory const& points, std::span<do
   }
   if (!(largest > 0.0) || !std::isfinite(largest))
     refuse(fmt::format("the largest wave number is {}", largest), "use a number above 0");
-  if (bins == 0 || bins > most_bins)
-    refuse(fmt::format("the spectral density has {} bins", bins), fmt::format("use 1 to {}", most_bins));
+  if (bins == 0 || bins > most_bins_of_spectrum)
+    refuse(fmt::format("the spectral density has {} bins", bins), fmt::format("use 1 to {}", most_bins_of_spectrum));
   // Half of the circle.
   double const vectors = 0.5 * std::numbers::pi * largest * largest * box.area() / (two_pi * two_pi);
   if (vectors > most_vectors) {

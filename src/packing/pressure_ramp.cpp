@@ -19,7 +19,7 @@ constexpr double least_share_of_goal = 0.3;
 /// From a pressure that is too high a ramp up comes back in steps down to this share of it.
 constexpr double share_of_step_back = 0.32;
 /// Of a step down. Disks that no thousandth of it leaves pressing have nothing to lean on at lower pressures. They rearrange at once.
-constexpr std::uint64_t most_halvings = 12;
+constexpr std::uint64_t most_halvings_of_ramp = 12;
 /// Minima between two levels; usually there are five. A pressure that nothing tells from none is approached for ever.
 constexpr std::uint64_t most_minima_between_levels = 300;
 /// Minima near the pressure asked for before it is given up; usually there are one to three.
@@ -29,7 +29,7 @@ constexpr std::uint64_t most_minima_near_end = 20;
 constexpr double pairs_of_a_disk = 1.5;
 
 /// Of a disk, in smallest diameters, by the response to growth.
-constexpr double longest_step = 0.1;
+constexpr double longest_step_of_ramp = 0.1;
 
 /// du/dφ where nothing better is known: that of random packings of two sizes.
 constexpr double usual_slope_harmonic = 0.27;
@@ -127,7 +127,7 @@ bool PressureRamp::move_with_growth(Packing& packing, double growth) {
   if (!response_) return false;
   double square = 0.0;
   for (Vector const step : *response_) square = std::max(square, squared_length(step));
-  double const longest = longest_step * smallest_diameter(packing);
+  double const longest = longest_step_of_ramp * smallest_diameter(packing);
   if (!(growth * growth * square <= longest * longest)) return false;
   for (std::size_t i = 0; i < packing.size(); ++i) {
     packing.x[i] += growth * (*response_)[i].x;
@@ -150,7 +150,7 @@ void PressureRamp::take_minimum() {
   }
   bool const is_too_low = tried_ < packing_fraction_ && pressure < least_share_of_goal * goal_;
   if (settings_.packing_fraction || !is_too_low) return accept(found, pressure);
-  if (++halvings_ > most_halvings) return end(RampStatus::unjammed);
+  if (++halvings_ > most_halvings_of_ramp) return end(RampStatus::unjammed);
   try_packing_fraction(packing_fraction_ + 0.5 * (tried_ - packing_fraction_));
 }
 

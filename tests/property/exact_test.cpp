@@ -164,7 +164,7 @@ TEST_P(ExactProperty, KeepsEnergyAndNeverOverlaps) {
 }
 
 TEST_P(ExactProperty, PredictsTheSameBitsWithEveryKernelFromCellsAndFromLists) {
-  for (exact::Lists const lists : {exact::Lists::never, exact::Lists::always}) {
+  for (exact::Lists const lists : {exact::Lists::not_at_all, exact::Lists::always}) {
     State const state = start(2);
     exact::Dynamics dynamics(state, {.lists = lists});
     Counters counters;
@@ -188,10 +188,10 @@ TEST_P(ExactProperty, HasTheSameBitsWithAnyCellsAndWithLists) {
       EXPECT_EQ(counters.pair_collisions, 100 * disks());
       return std::pair(hash(state), counters.pair_virial);
     };
-    auto const expected = end({.lists = exact::Lists::never});
+    auto const expected = end({.lists = exact::Lists::not_at_all});
     EXPECT_EQ(end({.lists = exact::Lists::always}), expected);
     for (double const size_of_cells : {1.3, 2.0, 100.0}) {
-      EXPECT_EQ(end({.size_of_cells = size_of_cells, .lists = exact::Lists::never}), expected) << size_of_cells;
+      EXPECT_EQ(end({.size_of_cells = size_of_cells, .lists = exact::Lists::not_at_all}), expected) << size_of_cells;
       EXPECT_EQ(end({.size_of_cells = size_of_cells, .lists = exact::Lists::always}), expected) << size_of_cells;
     }
   }
@@ -286,24 +286,24 @@ INSTANTIATE_TEST_SUITE_P(Mixtures, ExactUnequal,
 
 TEST_P(ExactUnequal, HasTheSameBitsWithAnyCellsAndWithLists) {
   State const begin = start();
-  auto const expected = end_of_run(begin, {.lists = exact::Lists::never});
+  auto const expected = end_of_run(begin, {.lists = exact::Lists::not_at_all});
   for (double const size_of_cells : {1.0, 1.7, 100.0}) {
     EXPECT_EQ(end_of_run(begin, {.size_of_cells = size_of_cells, .lists = exact::Lists::always}), expected);
-    EXPECT_EQ(end_of_run(begin, {.size_of_cells = size_of_cells, .lists = exact::Lists::never}), expected);
+    EXPECT_EQ(end_of_run(begin, {.size_of_cells = size_of_cells, .lists = exact::Lists::not_at_all}), expected);
   }
   EXPECT_EQ(end_of_run(begin, {}), expected);
 }
 
 TEST_P(ExactUnequal, GrowsToTheSameBitsWithCellsAndWithLists) {
   State const begin = start();
-  auto const expected = end_of_growth(begin, {.rate = 0.05, .lists = exact::Lists::never});
+  auto const expected = end_of_growth(begin, {.rate = 0.05, .lists = exact::Lists::not_at_all});
   EXPECT_EQ(end_of_growth(begin, {.rate = 0.05, .lists = exact::Lists::always}), expected);
   EXPECT_EQ(end_of_growth(begin, {.rate = 0.05}), expected);
 }
 
 TEST_P(ExactUnequal, PredictsTheSameBitsWithEveryKernel) {
   State const state = start();
-  for (exact::Lists const lists : {exact::Lists::never, exact::Lists::always}) {
+  for (exact::Lists const lists : {exact::Lists::not_at_all, exact::Lists::always}) {
     for (double const rate : {0.0, 0.02}) {
       exact::Dynamics dynamics(state, {.rate = rate, .lists = lists});
       Counters counters;
@@ -326,7 +326,7 @@ TEST_P(ExactUnequal, PredictsTheSameBitsWithEveryKernel) {
 }
 
 TEST_P(ExactUnequal, GoesOnFromACheckpointWithTheSameBitsAndEvents) {
-  for (exact::Lists const lists : {exact::Lists::never, exact::Lists::always}) {
+  for (exact::Lists const lists : {exact::Lists::not_at_all, exact::Lists::always}) {
     State state = start();
     std::uint64_t const half = 3 * state.agents.size();
     exact::Dynamics dynamics(state, {.lists = lists});

@@ -155,7 +155,7 @@ TEST_P(GrowthProperty, HasTheSameBitsWithAnyCellsAndWithLists) {
     exact::Dynamics fine_dynamics(begin, growth());
     write(fine_dynamics, grow(fine_dynamics, last_scale(begin), 100 * disks(), fine_counters), fine);
     for (double const size_of_cells : {1.0, 1.3, 2.0, 100.0}) {
-      for (exact::Lists const lists : {exact::Lists::always, exact::Lists::never}) {
+      for (exact::Lists const lists : {exact::Lists::always, exact::Lists::not_at_all}) {
         State other = begin;
         Counters other_counters;
         exact::Dynamics other_dynamics(begin, growth(size_of_cells, lists));

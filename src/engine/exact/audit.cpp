@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "engine/exact/dynamics.hpp"
 #include "gridlock/core/error.hpp"
@@ -13,7 +12,6 @@ namespace {
 
 /// How far two disks may overlap, in diameters, before it is more than rounding.
 constexpr double tolerance = 1e-12;
-constexpr double never = std::numeric_limits<double>::infinity();
 /// All pairs are looked at up to this many disks.
 constexpr std::size_t most_disks_for_all_pairs = 2000;
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <limits>
 
 namespace gridlock::exact {
 
@@ -113,7 +112,6 @@ void Calendar::sort_due(MovingDisk const* disks) {
 
 /// Puts each event at its place, which is how many are earlier. Says no where two have the same time.
 bool Calendar::rank_due() {
-  constexpr double never = std::numeric_limits<double>::infinity();
   std::array<double, most_ranked> times;
   std::array<std::uint64_t, most_ranked> ranks;
   std::size_t const batches = (due_count_ + times_per_batch - 1) / times_per_batch;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "engine/exact/saved_disks.hpp"
@@ -12,8 +11,6 @@
 namespace gridlock::exact {
 
 namespace {
-
-constexpr double never = std::numeric_limits<double>::infinity();
 
 /// Epochs between two sorts of the disks in memory: a disk stays near its cell for many collisions.
 constexpr std::uint64_t epochs_per_sort = 8;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -11,8 +10,6 @@
 namespace gridlock::exact {
 
 namespace {
-
-constexpr double never = std::numeric_limits<double>::infinity();
 
 /// Disks of no more than so many bytes stay in the first cache, with what belongs to them, by themselves.
 constexpr std::size_t largest_in_first_cache = std::size_t{3} << 16;

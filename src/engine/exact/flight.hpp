@@ -23,7 +23,7 @@ namespace gridlock::exact {
 enum class Lists {
   where_they_pay,  ///< in dense systems and in mixtures
   always,
-  never,
+  not_at_all,
 };
 
 /// What of events to come is asked for, so that it is in the first cache when they are due.

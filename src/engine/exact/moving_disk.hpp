@@ -12,6 +12,9 @@ using Index = std::uint32_t;
 inline constexpr Index vertical_border = std::numeric_limits<Index>::max() - 1;
 inline constexpr Index horizontal_border = std::numeric_limits<Index>::max();
 
+/// The time of what does not happen.
+inline constexpr double never = std::numeric_limits<double>::infinity();
+
 /// An empty slot of a cell.
 inline constexpr Index no_disk = std::numeric_limits<Index>::max();
 

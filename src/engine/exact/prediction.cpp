@@ -1,14 +1,10 @@
 #include "engine/exact/prediction.hpp"
 
-#include <limits>
-
 #include "engine/exact/earliest_contact.hpp"
 
 namespace gridlock::exact {
 
 namespace {
-
-constexpr double never = std::numeric_limits<double>::infinity();
 
 Prediction predict_one_by_one(PredictionInput const& s, Index i, double now, Index apart) {
   EarliestContact earliest(s, i, now, apart,

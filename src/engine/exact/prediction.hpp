@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <limits>
 #include <optional>
 #include <span>
 
@@ -133,7 +132,6 @@ inline Prediction predict_border(PredictionInput const& s, Index i, double now) 
   double const r = s.is_periodic ? 0.0 : s.radius_of(i);
   x_edge = std::min(std::max(x_edge, r), s.width - r);
   y_edge = std::min(std::max(y_edge, r), s.height - r);
-  constexpr double never = std::numeric_limits<double>::infinity();
   double const x_time = disk.velocity_x != 0.0 ? (x_edge - disk.x) / disk.velocity_x : never;
   double const y_time = disk.velocity_y != 0.0 ? (y_edge - disk.y) / disk.velocity_y : never;
   // Without a branch, for either is as likely.

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "engine/exact/candidates.hpp"
 #include "engine/exact/earliest_contact.hpp"
@@ -12,8 +11,6 @@
 namespace gridlock::exact {
 
 namespace {
-
-constexpr double never = std::numeric_limits<double>::infinity();
 
 /// The columns of a batch of candidates.
 struct Columns {

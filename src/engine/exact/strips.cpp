@@ -9,8 +9,6 @@ namespace gridlock::exact {
 
 namespace {
 
-constexpr double never = std::numeric_limits<double>::infinity();
-
 /// In a window each disk is hit about so often: in a longer one wrong copies come further, in shorter ones copies are renewed more often.
 constexpr double window_hits = 3.0;
 /// How deep wrong copies come: some diameters at once, and so many for each hit of a disk. Measured are 4 + 1.2 per hit at φ = .70 and .85,
