@@ -134,8 +134,8 @@ GRIDLOCK_AVX512 inline Prediction predict_border_packed(PredictionInput const& s
   }
   edge = _mm_min_pd(_mm_max_pd(edge, _mm_set1_pd(r)), _mm_set_pd(s.height - r, s.width - r));
   __mmask8 const moves = _mm_cmp_pd_mask(velocity, zero, _CMP_NEQ_OQ);
-  __m128d const nevers = _mm_set1_pd(std::numeric_limits<double>::infinity());
-  __m128d const time = _mm_mask_div_pd(nevers, moves, _mm_sub_pd(edge, position), velocity);
+  __m128d const infinite = _mm_set1_pd(std::numeric_limits<double>::infinity());
+  __m128d const time = _mm_mask_div_pd(infinite, moves, _mm_sub_pd(edge, position), velocity);
   __m128d const y_time = _mm_unpackhi_pd(time, time);
   // Either is as likely: intrinsics, because a compiler may well make a branch of std::min().
   auto const is_horizontal = static_cast<Index>(_mm_cmp_sd_mask(y_time, time, _CMP_LT_OQ));
@@ -167,7 +167,7 @@ template <bool grows>
   bool const needs_images = s.needs_images(i);
   double const radius = s.radius_of(i);
   __m512d const zero = _mm512_setzero_pd();
-  __m512d const nevers = _mm512_set1_pd(std::numeric_limits<double>::infinity());
+  __m512d const infinite = _mm512_set1_pd(std::numeric_limits<double>::infinity());
   __m512d const time_now = _mm512_set1_pd(now);
   __m512d sum = _mm512_set1_pd(radius + radius);
   for (std::size_t k = 0; k < candidates.count; k += lanes) {
@@ -211,7 +211,7 @@ template <bool grows>
     __mmask8 hits = _mm512_cmp_pd_mask(b, zero, _CMP_LT_OQ);
     hits = _mm512_mask_cmp_pd_mask(hits, discriminant, zero, _CMP_GE_OQ);
     hits = _mm512_mask_cmp_pd_mask(hits, time, other.event_time, _CMP_LT_OQ);
-    double const earliest = _mm512_reduce_min_pd(_mm512_mask_mov_pd(nevers, hits, time));
+    double const earliest = _mm512_reduce_min_pd(_mm512_mask_mov_pd(infinite, hits, time));
     __mmask8 const firsts = _mm512_mask_cmp_pd_mask(hits, time, _mm512_set1_pd(earliest), _CMP_EQ_OQ);
     best = earlier_of(best, earliest, firsts, eight, s.disks);
     if constexpr (grows) {

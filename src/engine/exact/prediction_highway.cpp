@@ -138,7 +138,7 @@ template <bool grows>
 HWY_INLINE Vec times_of(PredictionInput const& s, Self const& self, Index const* names, bool& has_slow_ones) {
   Numbers const tag;
   Vec const zero = hn::Zero(tag);
-  Vec const nevers = hn::Set(tag, std::numeric_limits<double>::infinity());
+  Vec const infinite = hn::Set(tag, std::numeric_limits<double>::infinity());
   Vec const time_now = hn::Set(tag, self.now);
   Columns const other = columns_of(s.disks, names);
   Vec const begin = hn::Max(hn::Set(tag, self.disk.last_hit), other.last_hit);
@@ -175,7 +175,7 @@ HWY_INLINE Vec times_of(PredictionInput const& s, Self const& self, Index const*
   Vec const due = hn::Add(begin, hn::Div(c, hn::Sub(hn::Sqrt(discriminant), b)));
   Vec const time = hn::IfThenElse(hn::Gt(due, time_now), due, time_now);
   auto const meets = hn::And(hn::And(hn::Lt(b, zero), hn::Ge(discriminant, zero)), hn::Lt(time, other.event_time));
-  return hn::IfThenElse(meets, time, nevers);
+  return hn::IfThenElse(meets, time, infinite);
 }
 
 /// The first of `best` and the contacts with the candidates.
