@@ -1,13 +1,12 @@
 #include "gridlock/core/detail/thread_pool.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <exception>
 #include <limits>
 #include <mutex>
+#include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -60,8 +59,8 @@ class ThreadPool::Crew {
       for (std::size_t k = 0; k < members; ++k) members_.emplace_back([this, k] { wait_for_work(k + 1); });
     } catch (std::system_error const& error) {
       dismiss();
-      throw Error({.what = fmt::format("{} threads cannot be started: after {} the system says \"{}\"", members + 1,
-                                       members_.size() + 1, error.code().message()),
+      throw Error({.what = std::to_string(members + 1) + " threads cannot be started: after " +
+                           std::to_string(members_.size() + 1) + " the system says \"" + error.code().message() + "\"",
                    .hint = "ask for fewer (engine.threads, -j), or have the limits on processes and memory raised",
                    .key = "engine.threads"});
     } catch (...) {
