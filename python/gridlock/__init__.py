@@ -1,4 +1,4 @@
-"""Gridlock: many agents that feel only their neighbours.
+"""Gridlock: many agents that interact only with nearby neighbours.
 
 Hard disks and agent models at the speed of C++, with the same bits as the command line; and the neighbour search for any points.
 

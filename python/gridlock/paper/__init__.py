@@ -1,4 +1,4 @@
-"""The paper's Figures 4 to 7 made afresh, and its claims beside what was measured.
+"""The paper's Figures 4 to 7 made again, and its claims beside what was measured.
 
 J.-X. Shen, *Agent based simulations and optimization with uniform grid applied to colloidal jamming transitions*. :func:`make` is
 what ``gridlock paper`` calls.

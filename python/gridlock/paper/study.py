@@ -39,7 +39,7 @@ STUDY = Study(
     ),
     texts=Texts(
         name="the study of the paper",
-        title="The paper's figures, made afresh",
+        title="The paper's figures, made again",
         summary="Agent based simulations and optimization with uniform grid applied to colloidal jamming transitions (J.-X. Shen).",
         claimant="the paper says",
     ),
@@ -60,7 +60,7 @@ def make(
     overwrite: bool = False,
     progress: Progress = False,
 ) -> Paper:
-    """Makes Figures 4 to 7 of the paper afresh and sets its claims beside what was measured.
+    """Makes Figures 4 to 7 of the paper again and sets its claims beside what was measured.
 
     :param directory: where each figure is written as data (``figure_*.csv``), SVG and PNG; ``runs.csv`` with every simulation,
         its settings and state hash; and ``report.html``, which holds all pictures, claims and verdicts and needs no other file.
