@@ -13,10 +13,3 @@ pkg_check_modules(LIBDEFLATE REQUIRED IMPORTED_TARGET libdeflate) # their chunks
 pkg_check_modules(ZLIB REQUIRED IMPORTED_TARGET zlib)        # start files that gzip packed, read piece by piece
 find_path(HIGHWAY_INCLUDE_DIR hwy/highway.h REQUIRED)        # kernels for the instructions of every processor, headers only
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED) # counter-based random numbers, headers only
-if(NOT GRIDLOCK_VIEW STREQUAL "OFF" AND NOT CMAKE_CROSSCOMPILING)
-  set(httplib_is_required "")
-  if(NOT GRIDLOCK_VIEW STREQUAL "AUTO")
-    set(httplib_is_required REQUIRED)
-  endif()
-  pkg_check_modules(HTTPLIB ${httplib_is_required} QUIET IMPORTED_TARGET cpp-httplib) # gridlock view
-endif()
