@@ -88,6 +88,25 @@ take_block(text tutorial commands)
 take_block(text tutorial printed_by_run)
 
 run_step(${CMAKE_COMMAND} --install ${BUILD_DIRECTORY} --prefix ${WORK_DIRECTORY}/prefix)
+# The Python package is for pip.
+file(GLOB_RECURSE python_files ${WORK_DIRECTORY}/prefix/*.py ${WORK_DIRECTORY}/prefix/*.pyi ${WORK_DIRECTORY}/prefix/_core*)
+if(python_files)
+  message(FATAL_ERROR "an installation has Python files: ${python_files}")
+endif()
+# The presets of programs, and so ./dev demo, build this target alone; what it does not build cannot be installed after them.
+if(GENERATOR STREQUAL "Ninja")
+  execute_process(COMMAND ninja -C ${BUILD_DIRECTORY} -t targets all OUTPUT_VARIABLE outputs COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND ninja -C ${BUILD_DIRECTORY} -t inputs gridlock_program OUTPUT_VARIABLE inputs COMMAND_ERROR_IS_FATAL ANY)
+  file(STRINGS ${BUILD_DIRECTORY}/install_manifest.txt installed)
+  foreach(file ${installed})
+    cmake_path(GET file FILENAME name)
+    string(FIND "${outputs}" "/${name}: " is_built)
+    string(FIND "${inputs}" "/${name}\n" is_built_by_target)
+    if(NOT is_built EQUAL -1 AND is_built_by_target EQUAL -1)
+      message(FATAL_ERROR "${name} is installed, but the target gridlock_program does not build it")
+    endif()
+  endforeach()
+endif()
 run_step(${CMAKE_COMMAND} -G ${GENERATOR} -S ${WORK_DIRECTORY}/consumer -B ${WORK_DIRECTORY}/build
          -DCMAKE_PREFIX_PATH=${WORK_DIRECTORY}/prefix -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=Release
          -DCMAKE_EXE_LINKER_FLAGS=${LINKER_FLAGS})
