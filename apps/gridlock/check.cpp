@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <new>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -54,9 +57,52 @@ gridlock::Setup set_up_soon(gridlock::SettingsFile const& settings) {
   return gridlock::set_up(settings, {.on_slow_start = [](double) { return false; }, .threads = 1});
 }
 
+/// The problems of the runs of a sweep. Of runs that differ in the seed alone only the first says what is wrong with it.
+class SweepProblems {
+ public:
+  explicit SweepProblems(gridlock::SweepPlan const& plan) : plan_(plan) {}
+
+  void add(gridlock::SweepRun const& run, std::vector<gridlock::Problem> const& problems) {
+    for (std::size_t k = 0; k < problems.size(); ++k) {
+      auto const [place, is_new] = place_of_.try_emplace({values_but_seed(run), problems[k].key, k}, problems_.size());
+      if (is_new) {
+        problems_.push_back(problems[k]);
+        problems_.back().what = fmt::format("{}: {}", run.name, problems[k].what);
+        other_seeds_.push_back(0);
+      } else {
+        ++other_seeds_[place->second];
+      }
+    }
+  }
+
+  /// Errors: Error where there are problems.
+  void require_none() {
+    for (std::size_t k = 0; k < problems_.size(); ++k) {
+      std::size_t const others = other_seeds_[k];
+      if (others == 0) continue;
+      problems_[k].what += fmt::format("; {} other {} refused too", others, others == 1 ? "seed is" : "seeds are");
+    }
+    if (!problems_.empty()) throw gridlock::Error(std::move(problems_));
+  }
+
+ private:
+  [[nodiscard]] std::vector<std::string> values_but_seed(gridlock::SweepRun const& run) const {
+    std::vector<std::string> values = run.values;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (plan_.keys[k] == "run.seed") values[k].clear();
+    }
+    return values;
+  }
+
+  gridlock::SweepPlan const& plan_;
+  std::vector<gridlock::Problem> problems_;
+  std::vector<std::size_t> other_seeds_;
+  std::map<std::tuple<std::vector<std::string>, std::string, std::size_t>, std::size_t> place_of_;
+};
+
 /// Sets up every run of a sweep; what is wrong with any of them comes at the end.
 void check_all(gridlock::SweepPlan const& plan) {
-  std::vector<gridlock::Problem> problems;
+  SweepProblems problems(plan);
   std::vector<std::vector<gridlock::Event>> notes;
   for (gridlock::SweepRun const& run : plan.runs) {
     try {
@@ -65,15 +111,12 @@ void check_all(gridlock::SweepPlan const& plan) {
       print_setup(setup);
       notes.push_back(setup.notes);
     } catch (gridlock::Error const& error) {
-      for (gridlock::Problem problem : error.problems()) {
-        problem.what = fmt::format("{}: {}", run.name, problem.what);
-        problems.push_back(std::move(problem));
-      }
+      problems.add(run, error.problems());
     } catch (std::bad_alloc const&) {
-      problems.push_back({.what = fmt::format("{}: not enough memory", run.name)});
+      problems.add(run, {{.what = "not enough memory"}});
     }
   }
-  if (!problems.empty()) throw gridlock::Error(std::move(problems));
+  problems.require_none();
   print_notes(notes);
   fmt::print("{} runs\n", plan.runs.size());
 }

@@ -310,6 +310,24 @@ bool makes_start_asked_for(Setup& setup, SetupOptions const& options) {
   return makes_start(attempts, "disks.start", options, setup.notes);
 }
 
+/// Disks of any sizes grow up to here, from ten disks on; mixtures of two sizes jam from about 0.84 on.
+constexpr double reached_by_growth = 0.84;
+
+/// A start of the settings, whose refusal names the way to densities at which disks find no room.
+State make_start_or_refer_to_growth(Box const& box, DisksSettings const& disks, std::uint64_t seed) {
+  try {
+    return make_start(box, disks, seed);
+  } catch (Error const& error) {
+    std::vector<Problem> problems = error.problems();
+    bool const can_grow = disks.packing_fraction.value_or(0.5) <= reached_by_growth && count_of(disks) >= 10;
+    for (Problem& problem : problems) {
+      if (!can_grow || problem.key != "disks.packing_fraction") continue;
+      problem.hint += ", or a less dense start and a [[protocol]] with stage = \"grow\", which reaches it";
+    }
+    throw Error(std::move(problems));
+  }
+}
+
 /// The start, or a lattice in its place.
 State random_or_lattice_start(Setup& setup, bool is_asked_for) {
   Configuration const& configuration = setup.configuration;
@@ -325,7 +343,7 @@ State random_or_lattice_start(Setup& setup, bool is_asked_for) {
       setup.notes.pop_back();
     }
   }
-  return make_start(box, configuration.disks, seed);
+  return make_start_or_refer_to_growth(box, configuration.disks, seed);
 }
 
 /// Reads the head of the file that is asked for.

@@ -353,6 +353,58 @@ TEST(BadInput, ResultsThatAreThereAlreadyAreNotTouched) {
   EXPECT_NE(text_of(workplace / "out/summary.json"), summary);
 }
 
+std::string const dense_mixture =
+    "box = { edge = \"periodic\", width = 2.0, height = 1.0 }\n"
+    "disks.count = 200\n"
+    "disks.species = [{ fraction = 0.5 }, { fraction = 0.5, size_ratio = 1.4 }]\n"
+    "engine.kind = \"exact\"\n";
+
+TEST(TooDenseStart, IsToldOfTheStageThatReachesItsDensityUnlessNoneDoes) {
+  for (char const* start : {"random", "square", "triangular"}) {
+    for (auto const& [density, names_it] : std::vector<std::pair<char const*, bool>>{{"0.80", true}, {"0.89", false}}) {
+      Workplace const workplace;
+      write(workplace / "a.toml",
+            dense_mixture + "disks.start = \"" + start + "\"\ndisks.packing_fraction = " + density);
+      Outcome const outcome = in(workplace, {"check", "a.toml"});
+      EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
+      EXPECT_EQ(outcome.err.find("a [[protocol]] with stage = \"grow\", which reaches it") != std::string::npos,
+                names_it)
+          << start << " " << density << ": " << outcome.err;
+    }
+  }
+}
+
+TEST(TooDenseStart, IsReachedByTheStageOfItsHint) {
+  Workplace const workplace;
+  write(workplace / "a.toml", dense_mixture +
+                                  "disks.start = \"random\"\ndisks.packing_fraction = 0.4\n"
+                                  "[[protocol]]\nstage = \"grow\"\nuntil_packing_fraction = 0.80\n");
+  Outcome const outcome = in(workplace, {"run", "a.toml", "-o", "out", "--no-pictures"});
+  expect_good(outcome);
+  std::string const summary = text_of(workplace / "out/summary.json");
+  std::string const key = "\"packing_fraction\": ";
+  EXPECT_NEAR(std::stod(summary.substr(summary.find(key) + key.size())), 0.80, 1e-12);
+}
+
+TEST(TooDenseStart, OfASweepIsToldOnceForAllSeeds) {
+  Workplace const workplace;
+  write(workplace / "a.toml", dense_mixture +
+                                  "disks.start = \"random\"\n[sweep]\ndisks.packing_fraction = [0.5, 0.7, 0.8]\n"
+                                  "run.seed = [1, 2, 3]\n");
+  Outcome const outcome = in(workplace, {"check", "a.toml"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  std::string const& said = outcome.err;
+  auto const times = [&](std::string const& words) {
+    std::size_t count = 0;
+    for (std::size_t at = said.find(words); at != std::string::npos; at = said.find(words, at + 1)) ++count;
+    return count;
+  };
+  EXPECT_EQ(times("error: "), 2U) << said;
+  EXPECT_EQ(times("; 2 other seeds are refused too"), 2U) << said;
+  EXPECT_EQ(times("packing_fraction=0.7_seed=1: "), 1U) << said;
+  EXPECT_EQ(times("packing_fraction=0.8_seed=1: "), 1U) << said;
+}
+
 TEST(BadInput, TheUndamagedFilesAreGood) {
   Workplace const workplace;
   write(workplace / "good.toml", from_file + "[run]\nsteps = 10\n");
