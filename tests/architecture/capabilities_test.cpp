@@ -1,0 +1,119 @@
+// What pages say that Gridlock can do is what its records say.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "gridlock/engine/engine.hpp"
+#include "gridlock/simulation/configuration.hpp"
+#include "gridlock/simulation/detail/model_kind.hpp"
+
+namespace {
+
+using namespace gridlock;
+
+std::string page(std::string const& name) {
+  std::ifstream file(std::filesystem::path(GRIDLOCK_SOURCE_DIR) / name);
+  EXPECT_TRUE(file.is_open()) << name;
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// The cells of the row of a table of a page that begins so, without the first.
+std::vector<std::string> cells_of(std::string const& text, std::string const& first_cell) {
+  std::size_t const begin = text.find("\n| " + first_cell);
+  EXPECT_NE(begin, std::string::npos) << "no row: " << first_cell;
+  if (begin == std::string::npos) return {};
+  std::vector<std::string> cells;
+  std::size_t at = text.find(" | ", begin) + 3;
+  std::size_t const end = text.find('\n', begin + 1);
+  while (at < end) {
+    std::size_t const next = text.find(" |", at);
+    cells.push_back(text.substr(at, next - at));
+    at = next + 3;
+  }
+  return cells;
+}
+
+std::string number(bool is_any) { return is_any ? "any number" : "1"; }
+
+/// A row of the table of engines, in the order of the page.
+template <class Cell>
+void expect_row(std::string const& text, std::string const& first_cell, Cell cell) {
+  std::vector<std::string> expected;
+  for (char const* engine : {"stepped", "tiled", "exact"}) expected.push_back(cell(engine_record(engine)));
+  EXPECT_EQ(cells_of(text, first_cell), expected) << first_cell;
+}
+
+TEST(WhichEngine, SaysOfThreadsRanksAndMemoryWhatTheRecordsSay) {
+  std::string const text = page("docs/getting_started/which_engine.md");
+  ASSERT_EQ(engine_records().size(), 3U) << "the table has a column for each engine";
+  expect_row(text, "threads in one run", [](EngineRecord const& record) { return number(record.uses_threads); });
+  expect_row(text, "ranks of MPI in one run", [](EngineRecord const& record) { return number(record.uses_ranks); });
+  expect_row(text, "memory it counts with",
+             [](EngineRecord const& record) { return fmt::format("{}", record.bytes_per_disk); });
+  expect_row(text, "more with checkpoints",
+             [](EngineRecord const& record) { return fmt::format("{}", record.bytes_per_disk_of_checkpoint); });
+  expect_row(text, "more on several threads",
+             [](EngineRecord const& record) { return fmt::format("{}", record.bytes_per_disk_of_threads); });
+  std::vector<std::string> const steps = cells_of(text, "time step");
+  ASSERT_EQ(steps.size(), 3U);
+  EXPECT_EQ(steps[0].starts_with("none"), !engine_record("stepped").has_time_step);
+  EXPECT_EQ(steps[1].starts_with("none"), !engine_record("tiled").has_time_step);
+  EXPECT_EQ(steps[2].starts_with("none"), !engine_record("exact").has_time_step);
+}
+
+TEST(WhichEngine, ListsTheModelsWithTheirThreadsAndRanks) {
+  std::string const text = page("docs/getting_started/which_engine.md");
+  std::string const explanation = page("docs/explanation/models.md");
+  std::string const numbers[] = {"no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine"};
+  std::size_t models = 0;
+  ModelKinds const kinds = shipped_models();
+  for (auto const& kind : kinds.all()) {
+    std::string const name(kind->name());
+    if (name == "disks") continue;
+    ++models;
+    Configuration configuration;
+    configuration.model.kind = name;
+    std::vector<std::string> const cells = cells_of(text, "`" + name + "`");
+    ASSERT_EQ(cells.size(), 3U) << name;
+    EXPECT_EQ(cells[1], number(kind->uses_threads(configuration))) << name;
+    EXPECT_EQ(cells[2], number(!kind->not_shared_by_ranks(configuration))) << name;
+    EXPECT_NE(explanation.find(name), std::string::npos) << name << " is not in docs/explanation/models.md";
+  }
+  EXPECT_NE(explanation.find("Gridlock comes with " + numbers[models] + " models"), std::string::npos) << models;
+}
+
+/// A sentence of a page that holds as long as a record says so.
+struct Statement {
+  char const* page;
+  char const* words;
+  bool is_so;
+};
+
+bool uses_threads(char const* engine) { return engine_record(engine).uses_threads; }
+bool uses_ranks(char const* engine) { return engine_record(engine).uses_ranks; }
+
+TEST(Limits, AreThoseOfTheRecords) {
+  Statement const statements[] = {
+      {"docs/explanation/limits.md", "`stepped` uses one core for a run.", !uses_threads("stepped")},
+      {"docs/explanation/limits.md", "`tiled` uses several, and so does `exact`",
+       uses_threads("tiled") && uses_threads("exact")},
+      {"docs/explanation/limits.md", "A single run can be shared if it uses `tiled`", uses_ranks("tiled")},
+      {"docs/explanation/limits.md", "No other engine can be shared", !uses_ranks("stepped") && !uses_ranks("exact")},
+      {"docs/how_to/cluster.md", "`tiled` uses several cores (`-j N` or `engine.threads`), and so does `exact`",
+       uses_threads("tiled") && uses_threads("exact")},
+      {"docs/how_to/sweeps.md", "runs of `exact`, `tiled` and of models share the cores", uses_threads("exact")},
+  };
+  for (Statement const& statement : statements) {
+    EXPECT_NE(page(statement.page).find(statement.words), std::string::npos)
+        << statement.page << " says no longer: " << statement.words << "\nChange the table of this test with it.";
+    EXPECT_TRUE(statement.is_so) << statement.page << " says what is not so: " << statement.words;
+  }
+}
+
+}  // namespace
