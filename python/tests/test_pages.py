@@ -20,14 +20,25 @@ PAGES = ["README.md", "docs/getting_started/python.md", "docs/getting_started/ow
 def test_programs_of_the_page_run(root, page, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")
-    programs = re.findall(r"```python\n(.*?)```", (root / page).read_text(), re.DOTALL)
-    programs = [program for program in programs if "import gridlock" in program]
+    pattern = r"```python\n(.*?)```(?:\n\nprints\n\n```text\n(.*?)```)?"
+    programs = re.findall(pattern, (root / page).read_text(), re.DOTALL)
+    programs = [(program, shown) for program, shown in programs if "import gridlock" in program]
     assert programs
-    for program in programs:
+    for program, shown in programs:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             exec(compile(program, page, "exec"), {})  # noqa: S102
-        assert capsys.readouterr().out
+        printed = capsys.readouterr().out
+        assert printed
+        assert not shown or printed == shown
+
+
+def test_every_page_that_shows_what_python_prints_is_run(root):
+    pages = [*root.glob("*.md"), *root.glob("docs/**/*.md")]
+    shown = {str(page.relative_to(root)) for page in pages
+             if re.search(r"```python\n((?!```).)*```\n\nprints\n", page.read_text(), re.DOTALL)}
+    assert shown
+    assert shown <= set(PAGES)
 
 
 def test_the_page_of_contacts_runs(root, program, tmp_path, monkeypatch, capfd):
