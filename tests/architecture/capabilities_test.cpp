@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -86,6 +88,58 @@ TEST(WhichEngine, ListsTheModelsWithTheirThreadsAndRanks) {
     EXPECT_NE(explanation.find(name), std::string::npos) << name << " is not in docs/explanation/models.md";
   }
   EXPECT_NE(explanation.find("Gridlock comes with " + numbers[models] + " models"), std::string::npos) << models;
+}
+
+/// The rows of a table of benchmarks/results, each with its cells.
+std::vector<std::vector<std::string>> results(std::string const& name) {
+  std::istringstream lines(page("benchmarks/results/" + name));
+  std::vector<std::vector<std::string>> rows;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("#")) continue;
+    std::istringstream cells(line);
+    rows.emplace_back();
+    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+  }
+  return rows;
+}
+
+TEST(Performance, SaysOfExactWhatItsResultsSay) {
+  std::string const text = page("docs/reference/performance.md");
+  std::size_t rows = 0;
+  std::string row;
+  std::map<std::string, std::string> of_equal_disks;  // ns at packing fraction 0.70 with AVX-512, by number
+  for (auto const& cells : results("exact_against_edmd.csv")) {
+    if (!cells.at(1).starts_with("Gridlock ")) continue;
+    std::string const nanoseconds = fmt::format("{:.0f}", std::stod(cells.at(5)));
+    if (cells[1].ends_with("avx512") && cells[2] == "equal" && cells[4] == "0.70")
+      of_equal_disks[cells[3]] = nanoseconds;
+    row += " " + nanoseconds + " · " + cells.at(7) + " |";
+    if (!cells[1].ends_with("scalar")) continue;
+    EXPECT_NE(text.find(row), std::string::npos) << "no row with" << row;
+    row.clear();
+    ++rows;
+  }
+  EXPECT_EQ(rows, 20U);
+  std::string const summary =
+      fmt::format("{} ns a collision at 10³ disks, {} ns at 10⁵, {} ns at 10⁶ (φ = 0.7)", of_equal_disks.at("1000"),
+                  of_equal_disks.at("100000"), of_equal_disks.at("1000000"));
+  EXPECT_NE(text.find(summary), std::string::npos) << summary;
+}
+
+TEST(Performance, SaysOfTheRuleWhatItsResultsSay) {
+  std::string const text = page("docs/reference/performance.md");
+  std::map<std::string, std::vector<std::string>> rows;  // by packing fraction and number: tiled with each target
+  for (auto const& cells : results("paper_rule_targets.csv")) {
+    if (cells.at(2) == "tiled 1 thread") {
+      rows[cells.at(4) + " " + cells.at(3)].push_back(fmt::format("{:.0f}", std::stod(cells.at(5))));
+    }
+  }
+  EXPECT_GE(rows.size(), 8U);
+  for (auto const& [name, numbers] : rows) {
+    ASSERT_EQ(numbers.size(), 4U) << name;
+    std::string const row = fmt::format("| {} |", fmt::join(numbers, " | "));
+    EXPECT_NE(text.find(row), std::string::npos) << name << ": no row " << row;
+  }
 }
 
 /// A sentence of a page that holds as long as a record says so.
