@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/core/version.hpp"
 #include "gridlock/workspace/run_directory.hpp"
 #include "io/file.hpp"
 

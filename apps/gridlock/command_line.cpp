@@ -21,7 +21,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/target.hpp"
-#include "gridlock/workspace/run_directory.hpp"
+#include "gridlock/core/version.hpp"
 #include "other_program.hpp"
 #include "usage_error.hpp"
 #include "verbs.hpp"

@@ -34,7 +34,7 @@ from .packings import Contacts, SpectralDensity, contacts, spectral_density
 from .simulation import Agents, Clock, Column, Result, Results, Simulation, run
 from .sweeps import SweepDirectory, sweep
 
-__version__: str = _core.version
+__version__: str = _core.version.replace("-dev", ".dev0")  # as Python packages are numbered
 __all__ = [
     "Agents", "Box", "Clock", "Column", "Combined", "Contacts", "Dynamics", "Error", "Frame", "FrameContacts", "Model", "Neighbors",
     "PairCorrelation", "Problem", "Result", "Results", "RunDirectory", "RunFailure", "Setting", "Simulation",

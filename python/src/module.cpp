@@ -6,7 +6,7 @@
 #include "arrays.hpp"
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/error.hpp"
-#include "gridlock/workspace/run_directory.hpp"
+#include "gridlock/core/version.hpp"
 
 namespace gridlock::python {
 

@@ -16,7 +16,7 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::array<std::string_view, 26> kind_texts{"unused_setting",
+constexpr std::array<std::string_view, 27> kind_texts{"unused_setting",
                                                       "misleading_rule",
                                                       "note_of_model",
                                                       "frames_beyond_end",
@@ -26,6 +26,7 @@ constexpr std::array<std::string_view, 26> kind_texts{"unused_setting",
                                                       "begun",
                                                       "began_again",
                                                       "resumed",
+                                                      "version_changed",
                                                       "threads_chosen",
                                                       "lengthened",
                                                       "equilibration_fitted",
@@ -202,6 +203,12 @@ std::string to_text(Event const& event) {
       return "there is no checkpoint: the run begins again from its start";
     case EventKind::resumed:
       return fmt::format("gridlock {} continues from step {} of {}", of.word("version"), event.step, of.word("file"));
+    case EventKind::version_changed:
+      return fmt::format(
+          "what is continued was saved by gridlock {}, and this is gridlock {}: the bits may differ from those of a "
+          "run "
+          "by one of them alone",
+          of.word("former"), of.word("version"));
     case EventKind::threads_chosen:
       return fmt::format("on {}{} thread{}{}",
                          of.count("ranks") > 1 ? fmt::format("{} ranks, ", of.count("ranks")) : "", of.count("threads"),

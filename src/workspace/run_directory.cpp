@@ -17,6 +17,7 @@
 #include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/target.hpp"
+#include "gridlock/core/version.hpp"
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/xyz.hpp"
 #include "io/checkpoint.hpp"
@@ -96,10 +97,10 @@ std::vector<Traffic> traffic_of(Ranks const* ranks) {
   return ranks == nullptr ? std::vector<Traffic>() : ranks->traffic_of_ranks();
 }
 
-std::string summary_json(Configuration const& configuration, std::uint64_t start_hash, RunRecord const& record,
-                         FrameSource const& frame, std::vector<Traffic> const& ranks) {
+std::string summary_json(std::string const& versions, Configuration const& configuration, std::uint64_t start_hash,
+                         RunRecord const& record, FrameSource const& frame, std::vector<Traffic> const& ranks) {
   Json json;
-  json["gridlock"] = version();
+  json["gridlock"] = versions;
   json["status"] = to_text(record.status);
   if (!record.failure.empty()) json["failure"] = record.failure;
   json["start_hash"] = fmt::format("{:016x}", start_hash);
@@ -129,8 +130,9 @@ std::string summary_json(Configuration const& configuration, std::uint64_t start
   return json.dump(2) + '\n';
 }
 
-void write_results(std::filesystem::path const& directory, Configuration const& configuration, std::uint64_t start_hash,
-                   RunRecord const& record, FrameSource const& frame, std::vector<Traffic> const& ranks) {
+void write_results(std::filesystem::path const& directory, std::string const& versions,
+                   Configuration const& configuration, std::uint64_t start_hash, RunRecord const& record,
+                   FrameSource const& frame, std::vector<Traffic> const& ranks) {
   // Last to come and first to go, so that a directory with a summary is a complete one.
   std::error_code ignored;
   std::filesystem::remove(directory / summary_name, ignored);
@@ -144,7 +146,7 @@ void write_results(std::filesystem::path const& directory, Configuration const& 
     record_result(directory / "final.xyz");
     write_xyz(frame, directory / "final.xyz");
   }
-  write_file(directory / summary_name, summary_json(configuration, start_hash, record, frame, ranks));
+  write_file(directory / summary_name, summary_json(versions, configuration, start_hash, record, frame, ranks));
 }
 
 /// When the next checkpoint is due.
@@ -250,6 +252,7 @@ class RunInDirectory {
                 .severity = Severity::info,
                 .step = simulation_.clock().step,
                 .values = {{"version", version()}, {"file", restored->file.filename().string()}}});
+    note_version();
   }
 
   void require_below_length() const {
@@ -303,7 +306,7 @@ class RunInDirectory {
     if (status == RunStatus::interrupted) save();
     RunRecord record = run_.record();
     try {
-      write_results(directory_, setup_.configuration, start_hash_, record, *simulation_.frame_source(),
+      write_results(directory_, versions_, setup_.configuration, start_hash_, record, *simulation_.frame_source(),
                     traffic_of(hooks_.ranks));
     } catch (RunFailure const& failure) {
       // A full disk ends the run first and keeps its results out next: the first reason is the one to tell.
@@ -329,7 +332,21 @@ class RunInDirectory {
   }
 
  private:
+  /// After what was saved is restored: whether this version is the one that saved it.
+  void note_version() {
+    constexpr std::string_view then = ", then ";
+    std::size_t const place = versions_.rfind(then);
+    std::string const former = place == std::string::npos ? versions_ : versions_.substr(place + then.size());
+    if (former == version()) return;
+    versions_ += fmt::format("{}{}", then, version());
+    log_.write({.kind = EventKind::version_changed,
+                .severity = Severity::note,
+                .step = simulation_.clock().step,
+                .values = {{"former", former}, {"version", version()}}});
+  }
+
   void serialize(Archive& archive) {
+    archive.visit("versions", versions_);
     std::string configuration = configuration_;
     archive.visit("configuration", configuration);
     if (archive.is_restoring()) require_same_configuration(configuration);
@@ -401,6 +418,7 @@ class RunInDirectory {
   RunHooks const& hooks_;
   RunLog log_;
   std::string configuration_;
+  std::string versions_ = version();  ///< that have carried the run out, one after the other
   RunPlan plan_;
   Simulation& simulation_;      ///< of the set-up
   DividedSimulation* divided_;  ///< the same, where ranks divide its agents
@@ -501,8 +519,6 @@ RunRecord continue_in(std::filesystem::path const& directory, std::optional<RunL
 }
 
 }  // namespace
-
-char const* version() { return GRIDLOCK_VERSION; }
 
 void open_run_directory(std::filesystem::path const& directory, bool overwrites) {
   constexpr std::array results{summary_name, configuration_name, "sweep.csv", "plan.json", "report.html"};

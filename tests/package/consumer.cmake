@@ -1,6 +1,6 @@
 cmake_minimum_required(VERSION 3.25)
 project(gridlock_consumer LANGUAGES CXX)
-find_package(gridlock 0.1 REQUIRED)
+find_package(gridlock 0.2 REQUIRED)
 file(GLOB programs ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
 foreach(program ${programs})
   get_filename_component(name ${program} NAME_WE)

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/core/version.hpp"
 #include "session.hpp"
 
 namespace gridlock::web {
@@ -184,7 +185,7 @@ int fill_stack(int depth) {
 
 val catalogue() {
   return answer([&] {
-    return text_of({{"version", GRIDLOCK_VERSION},
+    return text_of({{"version", version()},
                     {"settings", describe_settings()},
                     {"models", describe_models()},
                     {"engines", describe_engines()}});

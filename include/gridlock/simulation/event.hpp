@@ -34,6 +34,7 @@ enum class EventKind {
   begun,
   began_again,  ///< from the start, since there is no checkpoint
   resumed,
+  version_changed,  ///< another version saved what is continued
   threads_chosen,
   lengthened,
   equilibration_fitted,  ///< to a new length, so that averages leave out what they have left out so far

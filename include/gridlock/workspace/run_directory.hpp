@@ -20,9 +20,6 @@
 
 namespace gridlock {
 
-/// The library's version, as in summary.json.
-char const* version();
-
 /// Makes sure a run may write into the directory: it is created where it is missing, and results that are there already
 /// are not overwritten unless `overwrites`.
 /// Errors: Error under the key "-o".

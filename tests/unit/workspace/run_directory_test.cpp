@@ -10,7 +10,9 @@
 #include <regex>
 #include <string>
 
+#include "checkpoint_header.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/core/version.hpp"
 #include "gridlock/io/h5md.hpp"
 #include "io/file.hpp"
 
@@ -194,6 +196,49 @@ TEST(RunDirectory, RefusesACheckpointOfAnotherConfiguration) {
   fs::copy(directory / "a" / "checkpoint.gridlock", directory / "b" / "checkpoint.gridlock",
            fs::copy_options::overwrite_existing);
   EXPECT_NE(refusal([&] { resume_in(directory / "b"); }).find("configuration"), std::string::npos);
+}
+
+/// The checkpoint of a run as another version with a name of the same length would have written it.
+void pretend_version(fs::path const& checkpoint, std::string const& other) {
+  std::string content = read_file(checkpoint).substr(32);  // behind the header
+  std::size_t const place = content.find(version());
+  ASSERT_NE(place, std::string::npos) << "a checkpoint names the version that wrote it";
+  write_file(checkpoint, test::with_header(content.replace(place, other.size(), other)));
+}
+
+TEST(RunDirectory, ContinuedByAnotherVersionNamesBothAndSaysSo) {
+  Directory const directory;
+  std::string const other = '9' + std::string(version()).substr(1);
+  run_in(directory / "a", set_up(small()), {.on_progress = stopping_after(1), .on_event = {}, .threads = {}});
+  pretend_version(directory / "a" / "checkpoint.gridlock", other);
+  std::vector<Event> notes;
+  RunHooks const hooks{.on_progress = stopping_after(1),
+                       .on_event =
+                           [&](Event const& event) {
+                             if (event.kind == EventKind::version_changed) notes.push_back(event);
+                           },
+                       .threads = {}};
+  resume_in(directory / "a", hooks);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_EQ(notes.front().severity, Severity::note);
+  EXPECT_NE(to_text(notes.front()).find(other), std::string::npos) << to_text(notes.front());
+  // Once is enough, and the summary has both at the end.
+  while (resume_in(directory / "a", hooks).status == RunStatus::interrupted) {
+  }
+  EXPECT_EQ(notes.size(), 1U);
+  EXPECT_NE(
+      read_file(directory / "a" / "summary.json").find(fmt::format("\"gridlock\": \"{}, then {}\"", other, version())),
+      std::string::npos);
+}
+
+TEST(RunDirectory, OfOneVersionNamesItInItsSummaryAlsoAfterAnInterruption) {
+  Directory const directory;
+  RunHooks const hooks{.on_progress = stopping_after(1), .on_event = {}, .threads = {}};
+  run_in(directory / "a", set_up(small()), hooks);
+  while (resume_in(directory / "a", hooks).status == RunStatus::interrupted) {
+  }
+  EXPECT_NE(read_file(directory / "a" / "summary.json").find(fmt::format("\"gridlock\": \"{}\"", version())),
+            std::string::npos);
 }
 
 TEST(RunDirectory, KeepsALogOverInterruptions) {

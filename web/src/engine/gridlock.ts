@@ -235,7 +235,7 @@ export interface Session {
 }
 
 export interface Gridlock {
-  /** "0.1.0" */
+  /** "0.2.0-dev+0123456789ab", with the commit */
   readonly version: string;
   settings(): readonly SettingDescription[];
   models(): readonly Named[];
