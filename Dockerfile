@@ -3,6 +3,8 @@
 #   docker build -t gridlock .
 #   docker run --rm -v "$PWD:/work" gridlock run scenes/paper.toml -o results/first
 FROM debian:bookworm-slim AS build
+# The version of a program names the commit, which git is asked for.
+RUN apt-get update -qq && apt-get install -y -qq --no-install-recommends git ca-certificates
 COPY . /source
 WORKDIR /source
 RUN ./dev package

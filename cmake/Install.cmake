@@ -24,11 +24,13 @@ if(GRIDLOCK_COMPONENTS STREQUAL "all")
     install(EXPORT gridlock-mpi-command-line-targets NAMESPACE gridlock:: DESTINATION ${config_directory})
   endif()
   gridlock_install_pkgconfig(gridlock)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/licenses DESTINATION ${CMAKE_INSTALL_DOCDIR})
+  # The page serves without a program too: it is opened from a disk.
+  install(DIRECTORY ${GRIDLOCK_PAGE}/ DESTINATION ${CMAKE_INSTALL_DATADIR}/gridlock/web COMPONENT page OPTIONAL)
 endif()
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/gridlock-config.cmake.in gridlock-config.cmake
                               INSTALL_DESTINATION ${config_directory})
 write_basic_package_version_file(gridlock-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/gridlock-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/gridlock-config-version.cmake
         DESTINATION ${config_directory})
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT licences)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/licenses DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT licences)

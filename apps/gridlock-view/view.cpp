@@ -18,6 +18,7 @@
 #include "browser.hpp"
 #include "contents.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/other_program.hpp"
 #include "server.hpp"
 #include "site.hpp"
 
@@ -45,15 +46,15 @@ bool has_page(fs::path const& directory) {
 
 /// The built page: of the installation that this program belongs to, or of the sources that it was built from.
 fs::path find_page(std::string const& asked) {
-  std::string const hint = "in the sources of Gridlock, ./dev build-web makes it";
+  std::string const hint =
+      "the packages and the wheel that ./dev makes have it; in the sources of Gridlock, ./dev build-web makes it alone";
   if (!asked.empty()) {
     if (has_page(asked)) return asked;
     throw Error({.what = fmt::format("there is no index.html in {}", asked), .hint = hint, .key = "--page"});
   }
-  std::error_code error;
-  fs::path const program = fs::read_symlink("/proc/self/exe", error).parent_path();
-  for (fs::path const& place : {program / "../share/gridlock/web", program / "../../../build-web/page"}) {
-    if (!error && has_page(place)) return place;
+  for (fs::path const& place :
+       {cli::installation() / "share/gridlock/web", cli::program_directory() / "../../../build-web/page"}) {
+    if (has_page(place)) return place;
   }
   throw Error({.what = "the page that shows runs is not built", .hint = hint});
 }

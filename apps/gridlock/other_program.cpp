@@ -32,10 +32,7 @@ bool is_program(fs::path const& path) {
 
 /// Where programs are looked for. An empty entry of PATH is the directory that the user is in.
 std::vector<fs::path> directories() {
-  std::vector<fs::path> found;
-  std::error_code error;
-  fs::path const self = fs::read_symlink("/proc/self/exe", error);
-  if (!error) found.push_back(self.parent_path());
+  std::vector<fs::path> found{program_directory(), installation() / "bin"};
   char const* const path = std::getenv("PATH");
   if (path == nullptr) return found;
   std::string_view rest = path;
@@ -49,6 +46,17 @@ std::vector<fs::path> directories() {
 }
 
 }  // namespace
+
+fs::path program_directory() {
+  std::error_code error;
+  fs::path const self = fs::read_symlink("/proc/self/exe", error);
+  return error ? fs::path("/usr/bin") : self.parent_path();
+}
+
+fs::path installation() {
+  fs::path const directory = program_directory();
+  return directory.filename() == "gridlock.scripts" ? directory / "../../../.." : directory / "..";
+}
 
 fs::path find_other_program(std::string const& word) {
   if (!is_word(word)) return {};

@@ -6,7 +6,6 @@ import base64
 import os
 import pathlib
 import shutil
-import sys
 import zlib
 from collections.abc import Mapping
 from typing import Any
@@ -43,12 +42,15 @@ def link(settings: Mapping[str, Any], page: str = FILE, *, colour: str | None = 
 
 
 def find_page() -> str | None:
-    """The address or the file of the page: what the environment variable ``GRIDLOCK_PLAYGROUND`` says, else the installed file, else
-    that of the build tree; None where there is none."""
+    """The address or the file of the page: what the environment variable ``GRIDLOCK_PLAYGROUND`` says, else the file that was installed
+    with the package or with the program, else that of the build tree; None where there is none."""
     if VARIABLE in os.environ:
         return os.environ[VARIABLE] or None
-    places = [pathlib.Path(sys.prefix) / "share" / "gridlock" / "web", pathlib.Path(__file__).parents[2] / "build-web" / "page"]
+    above = pathlib.Path(__file__).resolve().parents
+    prefixes = [above[4] if len(above) > 4 else above[-1]]  # of PREFIX/lib/pythonX.Y/site-packages/gridlock
     program = shutil.which("gridlock")
     if program is not None:
-        places.insert(1, pathlib.Path(program).resolve().parents[1] / "share" / "gridlock" / "web")
+        prefixes.append(pathlib.Path(program).resolve().parents[1])
+    places = [prefix / "share" / "gridlock" / "web" for prefix in prefixes]
+    places += [folder / "build-web" / "page" for folder in above[2:4]]  # of the package in the sources, and in a folder of a build
     return next((os.fspath(place / FILE) for place in places if (place / FILE).is_file()), None)

@@ -514,7 +514,8 @@ TEST_F(View, WithoutAPageSaysHowItIsBuilt) {
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_EQ(
       outcome.err,
-      "error: the page that shows runs is not built\n  hint: in the sources of Gridlock, ./dev build-web makes it\n");
+      "error: the page that shows runs is not built\n  hint: the packages and the wheel that ./dev makes have it; "
+      "in the sources of Gridlock, ./dev build-web makes it alone\n");
   // An installation has it beside the program's directory.
   fs::create_directories(workplace_ / "share/gridlock/web");
   write(workplace_ / "share/gridlock/web/index.html", "installed");
@@ -525,6 +526,21 @@ TEST_F(View, WithoutAPageSaysHowItIsBuilt) {
   Outcome const installed = process.wait();
   EXPECT_EQ(installed.exit_code, 0) << installed.err;
   EXPECT_NE(installed.out.find("ssh -N -L "), std::string::npos) << installed.out;
+}
+
+TEST_F(View, OfAWheelWithItsLibrariesHasThePageBelowItsPrefix) {
+  make_run();
+  fs::path const programs = workplace_ / "env/lib/python3.11/site-packages/gridlock.scripts";
+  fs::create_directories(programs);
+  fs::create_directories(workplace_ / "env/share/gridlock/web");
+  write(workplace_ / "env/share/gridlock/web/index.html", "of the wheel");
+  fs::copy_file(fs::path(GRIDLOCK_PROGRAM).parent_path() / "gridlock-view", programs / "gridlock-view");
+  Process const process((programs / "gridlock-view").string(), {"results", "--no-open"}, workplace_.path());
+  wait_for(workplace_ / ".stdout");
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  process.signal(SIGTERM);
+  Outcome const outcome = process.wait();
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
 }
 
 TEST_F(View, OpensTheBrowserOfADesktop) {

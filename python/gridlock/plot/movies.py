@@ -28,7 +28,7 @@ def program() -> str:
     found = next((path for path in [*beside, "gridlock"] if shutil.which(path)), None)
     if found is None:
         raise Error("the program gridlock is not installed, which makes the movies\n"
-                    "  hint: ./dev package in the sources makes a package of it; or let GRIDLOCK_PROGRAM name it")
+                    "  hint: pip install . in the sources of Gridlock brings it, ./dev package makes a package of it; or let GRIDLOCK_PROGRAM name it")
     return found
 
 
