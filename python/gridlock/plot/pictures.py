@@ -215,7 +215,7 @@ def _sweep_title(means: Any) -> str:
     """How many runs are behind a point."""
     least, most = means["runs"].min(), means["runs"].max()
     if most == 1:
-        return "one run a point"
+        return "each point is one run"
     return f"means over {most} runs" if least == most else f"means over {least} to {most} runs"
 
 
