@@ -198,14 +198,14 @@ TEST_P(Faults, TerminatedAtAnyMomentARunResumesToTheSameBits) { stop_at_random_m
 
 INSTANTIATE_TEST_SUITE_P(
     Engines, Faults,
-    testing::Values(Kind{"stepped", "run.steps = 9000"}, Kind{"linked", "run.steps = 5000\nengine.grid = \"linked\""},
-                    Kind{"tiled", "run.steps = 9000\nengine.kind = \"tiled\"\nengine.threads = 2"},
-                    Kind{"exact", "run.steps = 12000\nengine.kind = \"exact\"\nbox.edge = \"periodic\""},
+    testing::Values(Kind{"stepped", "run.steps = 3000"}, Kind{"linked", "run.steps = 2000\nengine.grid = \"linked\""},
+                    Kind{"tiled", "run.steps = 3000\nengine.kind = \"tiled\"\nengine.threads = 2"},
+                    Kind{"exact", "run.steps = 4000\nengine.kind = \"exact\"\nbox.edge = \"periodic\""},
                     Kind{"exact_within_steps",
                          "run.steps = 60\nengine.kind = \"exact\"\nengine.time_step = 20.0\nbox.edge = \"periodic\"",
                          false},
                     Kind{"births_and_deaths",
-                         "run.steps = 3000\nmodel.kind = \"epidemic\"\nepidemic.count = 500\n"
+                         "run.steps = 1200\nmodel.kind = \"epidemic\"\nepidemic.count = 500\n"
                          "epidemic.turnover_rate = 0.02\nengine.threads = 2"},
                     Kind{"events", "run.steps = 300\nmodel.kind = \"catalyst\"\ncatalyst.hop_rate = 20.0"}),
     [](auto const& instance) { return std::string(instance.param.name); });
@@ -285,8 +285,8 @@ TEST(DamagedCheckpoint, WithNoOtherIsRefused) {
 
 TEST(KilledWhileItIsMadeLonger, ARunEndsWithTheBitsOfALongOne) {
   Workplace const workplace;
-  write(workplace / "run.toml", toml_of({"short", "run.steps = 3000"}));
-  Arguments const longer{"resume", "run", "--steps", "9000", "-q", "--no-pictures"};
+  write(workplace / "run.toml", toml_of({"short", "run.steps = 1200"}));
+  Arguments const longer{"resume", "run", "--steps", "3600", "-q", "--no-pictures"};
   EXPECT_EQ(
       gridlock::test::gridlock({"run", "run.toml", "-o", "short", "-q", "--no-pictures"}, workplace.path()).exit_code,
       0);
@@ -311,7 +311,7 @@ TEST(KilledWhileItIsMadeLonger, ARunEndsWithTheBitsOfALongOne) {
     std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(wait));
     process.signal(SIGKILL);
     process.wait();
-    bool const is_long = text_of(workplace / "run" / "summary.json").find("\"steps\": 9000") != std::string::npos;
+    bool const is_long = text_of(workplace / "run" / "summary.json").find("\"steps\": 3600") != std::string::npos;
     if (!is_long) {
       Outcome const outcome = gridlock::test::gridlock(longer, workplace.path());
       EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -321,7 +321,7 @@ TEST(KilledWhileItIsMadeLonger, ARunEndsWithTheBitsOfALongOne) {
       EXPECT_EQ(text_of(workplace / "run" / name), text_of(workplace / "long" / name)) << name;
     }
     gridlock::H5mdReader const frames(workplace / "run" / "trajectory.h5");
-    EXPECT_EQ(frames.frame_count(), 61U);
+    EXPECT_EQ(frames.frame_count(), 25U);
     for (std::string const& name : contents(workplace / "run")) EXPECT_FALSE(name.ends_with(".part")) << name;
     if (HasFailure()) FAIL() << "attempt " << attempt << " of GRIDLOCK_FAULT_SEED=" << seed();
   }
