@@ -3,6 +3,9 @@
 # by themselves.
 function(gridlock_unity_groups name)
   set(sources_in_group 9)
+  if(GRIDLOCK_UNITY_BUILD STREQUAL "ALL")
+    set(sources_in_group 40)  # where most of the time goes into headers
+  endif()
   set(count 0)
   list(FILTER ARGN EXCLUDE REGEX "(_highway|_avx512|batched_moves)\\.cpp$")
   foreach(source ${ARGN})

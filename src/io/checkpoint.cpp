@@ -20,7 +20,7 @@ namespace gridlock {
 namespace {
 
 namespace fs = std::filesystem;
-using Kind = checkpoint::File::Kind;
+using FileKind = checkpoint::File::Kind;
 
 constexpr char const* newest_name = "checkpoint.gridlock";
 constexpr char const* previous_name = "checkpoint.previous.gridlock";
@@ -125,7 +125,7 @@ std::vector<CheckpointPart> parts_of(checkpoint::File const& file) {
   if (file.version() == checkpoint::whole_version) return {};
   std::vector<CheckpointPart> parts;
   try {
-    checkpoint::File::Place const& list = file.at(parts_member, Kind::list);
+    checkpoint::File::Place const& list = file.at(parts_member, FileKind::list);
     std::vector<std::uint64_t> numbers(file.count<std::uint64_t>(list));
     file.read(list, 0, std::span(numbers));
     for (std::size_t k = 0; k + numbers_per_part <= numbers.size(); k += numbers_per_part) {
@@ -223,11 +223,11 @@ class RestoringArchive final : public NamedArchive {
       : file_(file), parts_(parts), pieces_(pieces_of(file, parts, share)), share_(share) {}
 
   [[nodiscard]] bool is_restoring() const override { return true; }
-  void visit(std::string_view name, bool& value) override { value = file_.at(full(name), Kind::truth).number != 0; }
+  void visit(std::string_view name, bool& value) override { value = file_.at(full(name), FileKind::truth).number != 0; }
   void visit(std::string_view name, double& value) override { value = std::bit_cast<double>(number(name)); }
   void visit(std::string_view name, std::uint64_t& value) override { value = number(name); }
   void visit(std::string_view name, std::string& value) override {
-    value = file_.text(file_.at(full(name), Kind::text));
+    value = file_.text(file_.at(full(name), FileKind::text));
   }
   void visit(std::string_view name, std::vector<double>& values) override { restore(name, values); }
   void visit(std::string_view name, std::vector<std::int32_t>& values) override { restore(name, values); }
@@ -239,18 +239,20 @@ class RestoringArchive final : public NamedArchive {
   void visit_rows(std::string_view name, std::vector<std::uint64_t>& values) override { restore_rows(name, values); }
 
  private:
-  [[nodiscard]] std::uint64_t number(std::string_view name) const { return file_.at(full(name), Kind::number).number; }
+  [[nodiscard]] std::uint64_t number(std::string_view name) const {
+    return file_.at(full(name), FileKind::number).number;
+  }
 
   template <class Number>
   void restore(std::string_view name, std::vector<Number>& values) const {
-    checkpoint::File::Place const& list = file_.at(full(name), Kind::list);
+    checkpoint::File::Place const& list = file_.at(full(name), FileKind::list);
     values.resize(file_.count<Number>(list));
     file_.read(list, 0, std::span(values));
   }
 
   template <class Number>
   void restore_rows(std::string_view name, std::vector<Number>& values) const {
-    checkpoint::File::Place const& list = file_.at(full(name), Kind::list);
+    checkpoint::File::Place const& list = file_.at(full(name), FileKind::list);
     bool const is_in_parts = file_.version() == checkpoint::version_of_parts;
     if (is_in_parts && file_.letter(list) == in_parts(checkpoint::letter_of<Number>())) {
       std::vector<std::uint64_t> const lengths = file_.rest_of<std::uint64_t>(list);
@@ -302,7 +304,7 @@ class RestoringArchive final : public NamedArchive {
   template <class Number>
   [[nodiscard]] std::uint64_t count_in_part(std::size_t part, std::string const& member) const {
     checkpoint::File const& file = parts_.file(part);
-    return file.count<Number>(file.at(member, Kind::list));
+    return file.count<Number>(file.at(member, FileKind::list));
   }
   void require_length(std::size_t part, std::string const& member, std::uint64_t count, std::uint64_t rows) const {
     if (count == rows) return;
@@ -315,7 +317,7 @@ class RestoringArchive final : public NamedArchive {
     checkpoint::File const& file = parts_.file(piece.part);
     std::size_t const had = values.size();
     values.resize(had + piece.count);
-    file.read(file.at(member, Kind::list), piece.first, std::span(values).subspan(had));
+    file.read(file.at(member, FileKind::list), piece.first, std::span(values).subspan(had));
   }
 
   checkpoint::File const& file_;
