@@ -96,7 +96,7 @@ if(GENERATOR STREQUAL "Ninja")
     cmake_path(GET file FILENAME name)
     string(FIND "${outputs}" "/${name}: " is_built)
     string(FIND "${inputs}" "/${name}\n" is_built_by_target)
-    if(NOT is_built EQUAL -1 AND is_built_by_target EQUAL -1)
+    if(NOT is_built EQUAL -1 AND is_built_by_target EQUAL -1 AND NOT name STREQUAL "gridlock")  # its own file is no input of a target
       message(FATAL_ERROR "${name} is installed, but the target gridlock_program does not build it")
     endif()
   endforeach()
