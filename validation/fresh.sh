@@ -39,7 +39,9 @@ take() {
 }
 
 # Variables about proxies, certificates and indices, as this machine has them.
-network_variables() { env | grep -iE '^([a-z]*_proxy|pip_[a-z_]*|npm_config_[a-z_]*|[a-z0-9_]*(_ca_|_cert|_certs|cainfo|_bundle)[a-z0-9_]*)=' || true; }
+network_variables() {
+  env | grep -iE '^([a-z]*_proxy|pip_[a-z_]*|npm_config_[a-z_]*|[a-z0-9_]*(_ca_|_certs?|cainfo|_bundle)[a-z0-9_]*)=' || true
+}
 
 # How this machine reaches the network: mirrors, proxies, certificates and indices, nothing else of it.
 take_network() {
@@ -79,7 +81,11 @@ try() {
   in_root "$1" 2>&1 | tee "$directory/$name.log" || status=$?
   mapfile -t -O "${#parts[@]}" parts < <(sed -nE "s/^$name \(([0-9]+):([0-9]+)\) (.*)/\1 \2 \3/p" "$directory/$name.log" |
     awk -v name="$name" -v end=$((SECONDS - begin)) '
-      { now = $1 * 60 + $2; if (NR > 1) print name ", " text ": " now - then; then = now; $1 = $2 = ""; sub(/^ +/, ""); sub(/,.*|:.*/, ""); text = $0 }
+      {
+        now = $1 * 60 + $2
+        if (NR > 1) print name ", " text ": " now - then
+        then = now; $1 = $2 = ""; sub(/^ +/, ""); sub(/,.*|:.*/, ""); text = $0
+      }
       END { print name ", " text ": " end - then; print name ", the whole: " end }')
   return $status
 }
