@@ -63,6 +63,16 @@ TEST(Movie, ShowsOneOfEverySoManyFrames) {
   }
 }
 
+TEST(Movie, WithoutFfmpegNamesTheCommandThatGetsIt) {
+  Workplace const workplace;
+  run_with_frames(workplace, "3");
+  Outcome const outcome =
+      Process("/usr/bin/env", {"PATH=/nowhere", GRIDLOCK_PROGRAM, "movie", "run", "--width", "101"}, workplace.path())
+          .wait();
+  expect_refusal(outcome, {"ffmpeg", "is not installed", "apt-get install ffmpeg"});
+  EXPECT_FALSE(fs::exists(workplace / "run/trajectory.mp4"));
+}
+
 TEST(Movie, IsMadeInEveryFormatItOffers) {
   if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed: ./dev install";
   Workplace const workplace;
