@@ -1,5 +1,7 @@
 #include "gridlock/core/detail/thread_pool.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -96,6 +98,12 @@ class ThreadPool::Crew {
   };
 
   void dismiss() {
+    if (process_ != getpid()) {
+      // After a fork the threads are those of the parent. To wait for them would be to wait for others of this process, for a system
+      // may give these the same names: they are left alone.
+      static_cast<void>(new std::vector<std::thread>(std::move(members_)));
+      return;
+    }
     is_dismissed_ = true;
     ++calls_;
     calls_.notify_all();
@@ -159,6 +167,7 @@ class ThreadPool::Crew {
   std::mutex failure_mutex_;
   std::size_t failed_part_ = std::numeric_limits<std::size_t>::max();
   std::exception_ptr failure_;
+  pid_t process_ = getpid();
   std::vector<std::thread> members_;
 };
 
