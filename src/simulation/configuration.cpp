@@ -22,12 +22,13 @@ std::string names_of(ModelKinds const& kinds) {
 }
 
 Problem unknown_model(Configuration const& configuration) {
-  return {.what = fmt::format("there is no model \"{}\" in this program", configuration.model.kind),
-          .hint = fmt::format("its models are {}; a model of one's own runs in the program or the Python "
-                              "process that registers it, see "
-                              "docs/getting_started/own_model.md",
-                              names_of(configuration.models)),
-          .key = "model.kind"};
+  return {
+      .what = fmt::format("there is no model \"{}\" in this program", configuration.model.kind),
+      .hint = fmt::format("its models are {}; a model of one's own in C++ runs in the program that registers it, see "
+                          "docs/getting_started/own_model.md, and one in Python after register_model: a run of it is "
+                          "continued by gridlock.open(DIR).resume(), see docs/getting_started/own_model_python.md",
+                          names_of(configuration.models)),
+      .key = "model.kind"};
 }
 
 /// Whether a problem is about a table of that name or something in it.

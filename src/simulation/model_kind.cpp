@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <mutex>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -24,6 +26,16 @@ ModelKinds& all_known() {
   return kinds;
 }
 
+/// Whether a table of the settings has that name: one of every run, of disks or of a sweep. Asks for all known models.
+bool is_name_of_table(std::string_view name) {
+  Configuration configuration;
+  configuration.models.keep_only("disks");
+  std::vector<std::string> keys = setting_keys(describing(configuration));
+  keys.emplace_back("sweep");
+  return std::ranges::any_of(keys,
+                             [&](std::string const& key) { return key.substr(0, key.find_first_of(".[")) == name; });
+}
+
 /// Of all_known(): configurations are made by many threads, and models may come and go meanwhile.
 std::mutex& mutex_of_all_known() {
   static std::mutex mutex;
@@ -38,10 +50,16 @@ ModelKinds known_models() {
 }
 
 void register_model(std::unique_ptr<ModelKind> kind) {
+  bool const is_table = is_name_of_table(kind->name());
   std::scoped_lock const lock(mutex_of_all_known());
   if (all_known().find(kind->name()) != nullptr) {
     throw Error({.what = fmt::format("there is a model {} already", kind->name()),
                  .hint = "give this one another name, and call register_model() for it once",
+                 .key = "model.kind"});
+  }
+  if (is_table) {
+    throw Error({.what = fmt::format("a model is called {}, as a table of the settings is", kind->name()),
+                 .hint = "give it another name",
                  .key = "model.kind"});
   }
   all_known().add(std::move(kind));

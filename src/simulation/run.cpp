@@ -1,5 +1,7 @@
 #include "gridlock/simulation/run.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -131,6 +133,10 @@ bool Run::advance_one_chunk(OnProgress const& on_progress, Callback const& callb
     }
   };
   simulation_.advance(stop);
+  if (!std::isfinite(simulation_.clock().time)) {
+    throw RunFailure(fmt::format("step {}: the time is beyond all numbers, with a time step of {}",
+                                 simulation_.clock().step, simulation_.time_step()));
+  }
   if (failure_of_listener) std::rethrow_exception(failure_of_listener);
   if (is_callback_due()) callback.call(steps_done());
   if (!is_stopped && last_look != steps_done()) is_stopped = !report(on_progress);

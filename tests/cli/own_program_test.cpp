@@ -99,9 +99,11 @@ void expect_sends_to_own_program(fs::path const& directory, std::vector<std::str
   Outcome const outcome = gridlock::test::gridlock(std::move(arguments), directory);
   EXPECT_EQ(outcome.exit_code, 2) << outcome.out << outcome.err;
   EXPECT_NE(outcome.err.find("there is no model \"schelling\" in this program"), std::string::npos) << outcome.err;
-  EXPECT_NE(outcome.err.find("a model of one's own runs in the program or the Python process that registers it"),
-            std::string::npos)
-      << outcome.err;
+  for (char const* hint :
+       {"a model of one's own in C++ runs in the program that registers it", "docs/getting_started/own_model.md",
+        "gridlock.open(DIR).resume()", "docs/getting_started/own_model_python.md"}) {
+    EXPECT_NE(outcome.err.find(hint), std::string::npos) << outcome.err;
+  }
   EXPECT_EQ(outcome.err.find("there is no table"), std::string::npos) << outcome.err;
 }
 
