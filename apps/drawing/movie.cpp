@@ -16,7 +16,6 @@
 #include "drawing/process.hpp"
 #include "gridlock/core/error.hpp"
 #include "io/file.hpp"
-#include "simulation/kind_names.hpp"
 #include "workspace/result_files.hpp"
 
 namespace gridlock {
@@ -159,8 +158,8 @@ class Movie {
         on_progress_(on_progress),
         all_((trajectory.frame_count() + settings.every - 1) / settings.every),
         painter_(trajectory.frame(0).frame, settings.colour) {
-    painter_.name_kinds(
-        kind_names(SettingsFile::from_text(trajectory.settings().configuration, "trajectory"), painter_.colour()));
+    auto const& named = trajectory.settings().value_names;
+    if (auto const names = named.find(painter_.colour()); names != named.end()) painter_.name_kinds(names->second);
   }
 
   RunStatus make() {

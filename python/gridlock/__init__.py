@@ -28,17 +28,19 @@ from .dynamics import Dynamics, diffusion_coefficient, dynamics
 from .errors import Error, Problem, RunFailure
 from .files import Frame, FrameContacts, RunDirectory, Trajectory, read_xyz
 from .files import open as open
-from .models import Model, Setting, Start, World, register_model
+from .models import Model, Setting, register_model
 from .neighbors import Neighbors, neighbors, pairs, pairs_of_disks
 from .packings import Contacts, SpectralDensity, contacts, spectral_density
 from .simulation import Agents, Clock, Column, Result, Results, Simulation, run
 from .sweeps import SweepDirectory, sweep
+from .tables import Table
+from .world import Start, World
 
 __version__: str = _core.version.replace("-dev", ".dev0")  # as Python packages are numbered
 __all__ = [
     "Agents", "Box", "Clock", "Column", "Combined", "Contacts", "Dynamics", "Error", "Frame", "FrameContacts", "Model", "Neighbors",
     "PairCorrelation", "Problem", "Result", "Results", "RunDirectory", "RunFailure", "Setting", "Simulation",
-    "SpectralDensity", "Start", "StructureFactor", "SweepDirectory", "Trajectory", "Voronoi", "World",
+    "SpectralDensity", "Start", "StructureFactor", "SweepDirectory", "Table", "Trajectory", "Voronoi", "World",
     "bond_orientation", "combine", "contacts", "diffusion_coefficient", "dynamics", "explain",
     "mean_squared_displacement", "neighbors", "pair_correlation", "pairs", "pairs_of_disks", "read_xyz", "register_model", "run",
     "separations", "spectral_density", "structure_factor", "sweep", "voronoi",

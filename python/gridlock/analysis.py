@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from . import _core
-from .arrays import as_array, as_count, as_kinds, as_number
+from .arrays import as_array, as_count, as_kinds, as_number, named_in_short
 from .box import Box, BoxLike, as_box
 from .dynamics import as_trajectory
 from .errors import Error
@@ -24,6 +24,9 @@ class PairCorrelation(NamedTuple):
 
     distance: NDArray[np.float64]  #: middle of each bin, shape (bins,)
     g: NDArray[np.float64]  #: shape (bins,), or (kinds, kinds, bins) where kinds were given
+
+    def __repr__(self) -> str:
+        return named_in_short(self)
 
 
 def _periodic(box: BoxLike, what: str) -> tuple[float, float, bool]:
@@ -96,6 +99,9 @@ class Voronoi(NamedTuple):
 
     neighbors: Neighbors  #: whose cells share an edge, counterclockwise
     areas: NDArray[np.float64]  #: shape (N,); together the area of the box
+
+    def __repr__(self) -> str:
+        return named_in_short(self)
 
     @property
     def sides(self) -> NDArray[np.int64]:
@@ -239,6 +245,9 @@ class StructureFactor(NamedTuple):
 
     q: NDArray[np.float64]  #: mean length of the wave vectors of a ring, shape (rings,)
     s: NDArray[np.float64]  #: mean of S over them, shape (rings,), or (kinds, kinds, rings) where kinds were given
+
+    def __repr__(self) -> str:
+        return named_in_short(self)
 
 
 def structure_factor(

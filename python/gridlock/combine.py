@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
-from .arrays import as_array
+from .arrays import as_array, named_in_short
 from .errors import Error
 from .simulation import Result
 
@@ -26,6 +26,9 @@ class Combined(NamedTuple):
     chi_squared: Number  #: Σ (value − mean)² / error²: near ``runs − 1`` where the runs agree within their errors
     runs: int
     unit: str = ""
+
+    def __repr__(self) -> str:
+        return named_in_short(self)
 
 
 def combine(runs: Sequence[Any]) -> Any:

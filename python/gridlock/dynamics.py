@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from . import _core
-from .arrays import as_count, as_kinds, as_number, as_numbers
+from .arrays import as_count, as_kinds, as_number, as_numbers, named_in_short
 from .errors import Error
 from .settings import as_threads
 from .simulation import Result
@@ -31,6 +31,9 @@ class Dynamics(NamedTuple):
     scattering_error: NDArray[np.float64] | None
     overlap: NDArray[np.float64] | None  #: share of agents that moved no further than the overlap length, where it was given
     overlap_error: NDArray[np.float64] | None
+
+    def __repr__(self) -> str:
+        return named_in_short(self)
     origins: NDArray[np.uint64]  #: pairs of frames with this lag, shape (L,)
     independent_origins: NDArray[np.uint64]  #: those of them whose intervals do not overlap, shape (L,)
 

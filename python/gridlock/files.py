@@ -19,7 +19,8 @@ from .arrays import MOST_STEPS, as_count, as_number
 from .box import Box
 from .errors import Error
 from .settings import as_threads
-from .simulation import Clock, Result, Results, structured
+from .simulation import Clock, Result, Results
+from .tables import structured
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -37,6 +38,7 @@ class Frame:
     clock: Clock
     ids: NDArray[np.uint64]  #: shape (N,)
     columns: dict[str, NDArray[Any]]  #: by name, each of shape (N,)
+    value_names: dict[str, list[str]] = dataclasses.field(default_factory=dict)  #: of the numbers 0, 1, 2 … of a column, by its name
 
     def __len__(self) -> int:
         return len(self.ids)
@@ -109,6 +111,10 @@ class Frame:
         box = Box(self.box.width / unit, self.box.height / unit, self.box.periodic)
         return dataclasses.replace(self, box=box, columns=columns)
 
+    def __repr__(self) -> str:
+        step, time = self.clock
+        return f"<gridlock.Frame of {len(self)} agents, step {step}, time {time:.6g}: {', '.join(self.columns)}>"
+
     def to_ase(self, *, unwrapped: bool = True) -> Any:
         """An ``ase.Atoms`` of symbol X, with z = 0 and a cell of height 1; kinds and further columns are in arrays of their names.
 
@@ -133,10 +139,14 @@ class FrameContacts(NamedTuple):
     ids: NDArray[np.uint64]  #: of the two agents of each contact, the smaller Id first; shape (C, 2)
     forces: NDArray[np.float64]  #: in ε per length, shape (C,)
 
+    def __repr__(self) -> str:
+        return f"<gridlock.FrameContacts: {len(self.ids)} contacts at step {self.clock.step}>"
 
-def _frame(values: Any) -> Frame:
+
+def _frame(values: Any, value_names: dict[str, list[str]] | None = None) -> Frame:
     ids, columns, box, step, time = values
-    return Frame(Box(*box), Clock(step, time), ids, columns)
+    names = {name: names for name, names in (value_names or {}).items() if name in columns}
+    return Frame(Box(*box), Clock(step, time), ids, columns, names)
 
 
 def read_xyz(path: str | os.PathLike[str]) -> Frame:
@@ -177,7 +187,7 @@ class Trajectory:
             return part
         if not -len(self) <= operator.index(k) < len(self):
             raise IndexError(f"there is no frame {k} among {len(self)}")
-        return _frame(self._core.frame(self._frames[k]))
+        return _frame(self._core.frame(self._frames[k]), self._core.value_names())
 
     def __iter__(self) -> Iterator[Frame]:
         return (self[k] for k in range(len(self)))
@@ -311,7 +321,7 @@ class RunDirectory:
         return Results({
             name: Result(entry["value"], entry.get("error"), entry.get("unit", ""))
             for name, entry in self.summary.items()
-            if isinstance(entry, dict) and "value" in entry
+            if isinstance(entry, dict) and name != "value_names" and "value" in entry
         })
 
     @property
@@ -331,7 +341,8 @@ class RunDirectory:
     @property
     def final(self) -> Frame:
         """The last state."""
-        return read_xyz(self.path / "final.xyz")
+        names = self.summary.get("value_names", {}) if (self.path / "summary.json").exists() else {}
+        return _frame(_core.read_xyz(str(self.path / "final.xyz")), names)
 
     @property
     def diameter(self) -> float:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _core
-from .arrays import as_array, as_number, as_numbers
+from .arrays import as_array, as_number, as_numbers, named_in_short
 from .box import BoxLike, as_box
 from .errors import Error
 from .settings import as_threads
@@ -24,6 +24,9 @@ class Neighbors(NamedTuple):
 
     indptr: NDArray[np.uint64]  #: shape (N + 1,)
     indices: NDArray[np.uint32]  #: shape (indptr[N],)
+
+    def __repr__(self) -> str:
+        return named_in_short(self)
 
     def of(self, i: int) -> NDArray[np.uint32]:
         """The neighbours of point i."""
@@ -92,7 +95,8 @@ def as_neighbors(found: Any, count: int) -> Neighbors:
     return Neighbors(begin.astype(np.uint64), indices.astype(np.uint32))
 
 
-def _as_cutoff(cutoff: Any) -> float:
+def as_cutoff(cutoff: Any) -> float:
+    """How far a search looks."""
     return as_number(cutoff, "the cutoff", "use a positive length")
 
 
@@ -109,7 +113,7 @@ def pairs(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads: int
     >>> pairs([[0.1, 0.5], [0.9, 0.5], [0.5, 0.5]], 0.3, box=1.0)
     array([[0, 1]], dtype=uint32)
     """
-    return _core.pairs(as_points(points), _as_cutoff(cutoff), as_box(box), as_threads(threads)).T
+    return _core.pairs(as_points(points), as_cutoff(cutoff), as_box(box), as_threads(threads)).T
 
 
 def pairs_of_disks(
@@ -155,4 +159,4 @@ def neighbors(points: ArrayLike, cutoff: float, box: BoxLike = None, *, threads:
     >>> found.of(0)
     array([1], dtype=uint32)
     """
-    return Neighbors(*_core.neighbor_lists(as_points(points), _as_cutoff(cutoff), as_box(box), as_threads(threads)))
+    return Neighbors(*_core.neighbor_lists(as_points(points), as_cutoff(cutoff), as_box(box), as_threads(threads)))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _core
-from .arrays import as_count, as_number, as_numbers
+from .arrays import as_count, as_number, as_numbers, named_in_short
 from .box import Box, BoxLike, as_box
 from .errors import Error
 from .neighbors import as_points
@@ -182,6 +182,9 @@ class SpectralDensity(NamedTuple):
     q: NDArray[np.float64]  #: mean length of the wave vectors of a ring, shape (rings,)
     density: NDArray[np.float64]  #: mean of χ_V over them, in length²; shape (rings,)
     vectors: NDArray[np.uint64]  #: how many there are, one of every two opposite ones; shape (rings,)
+
+    def __repr__(self) -> str:
+        return named_in_short(self)
 
 
 def spectral_density(

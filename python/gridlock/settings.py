@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from . import _core
+from .arrays import as_count, in_short
 from .errors import Error
 
 
@@ -56,9 +58,14 @@ def given(settings: Mapping[str, Any] | str | os.PathLike[str] | None, more: Map
 
 def as_threads(threads: Any) -> int:
     """A number of threads, 0 for all cores."""
-    if isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or threads < 0:
-        raise Error(f"threads={threads!r}\n  hint: use a whole number, 0 for all cores")
-    return int(threads)
+    return as_count(threads, "threads", "use a whole number, 0 for all cores", least=0)
+
+
+def _key_for(value: Any, keys: Sequence[str]) -> str:
+    """The key of a table that a value may be meant for, with the value: one that has such a choice, or else the first one."""
+    chosen = next((key for key in keys if isinstance(value, str) and f'"{value}"' in _core.explain(key)), None)
+    name = (chosen or keys[0]).split(".", 1)[1]
+    return f'"{name}": {json.dumps(value, default=str)}' if chosen else f'"{name}": …'
 
 
 def assignments(settings: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
@@ -83,6 +90,8 @@ def assignments(settings: Mapping[str, Any], prefix: str = "") -> list[tuple[str
             continue
         if isinstance(value, Mapping):
             result += assignments(value, key + ".")
+        elif "." not in key and not isinstance(value, (list, tuple)) and (keys := [known for known in _core.setting_keys() if known.startswith(f"{key}.")]):
+            raise Error(f"{key} is {in_short(value)}, but must be a table\n  hint: write {key}={{{_key_for(value, keys)}}}")
         else:
             result.append((key, to_toml(value, key)))
     return result

@@ -11,9 +11,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _core
+from .arrays import as_column, as_observed
 from .box import Box
 from .errors import Error, RunFailure
+from .progress import ProgressBar
 from .settings import as_threads, given
+from .tables import structured
 
 if TYPE_CHECKING:
     import pandas  # type: ignore[import-untyped]
@@ -96,7 +99,8 @@ class Agents:
         return self._simulation._array(name)
 
     def __setitem__(self, name: str, values: Any) -> None:
-        self[name][...] = values
+        array = self[name]
+        array[...] = as_column(values, name, array.dtype)
 
     def __getattr__(self, name: str) -> NDArray[Any]:
         if name.startswith("_"):
@@ -125,7 +129,7 @@ class Agents:
 
     @positions.setter
     def positions(self, values: Any) -> None:
-        self.positions[...] = values
+        self.positions[...] = as_column(values, "positions", np.float64)
 
     @property
     def velocities(self) -> NDArray[np.float64]:
@@ -134,7 +138,7 @@ class Agents:
 
     @velocities.setter
     def velocities(self, values: Any) -> None:
-        self.velocities[...] = values
+        self.velocities[...] = as_column(values, "velocities", np.float64)
 
     def __repr__(self) -> str:
         return f"{len(self)} agents with {', '.join(self.names)}"
@@ -268,7 +272,7 @@ class Simulation:
         bound = self._bound(function, is_observable=True)
 
         def measure() -> list[float]:
-            return [float(number) for number in np.atleast_1d(np.asarray(bound(), dtype=np.float64))]
+            return as_observed(bound(), f"the observable {names[0]}")
 
         self._core.add_observable(measure, [(column, unit, documentation) for column in names])
 
@@ -420,47 +424,3 @@ def _take_failure() -> BaseException | None:
 def _require_steps(steps: Any) -> None:
     if isinstance(steps, bool) or not isinstance(steps, (int, np.integer)) or not 0 <= steps < 2**63:
         raise Error(f"steps={steps!r}\n  hint: use a whole number of steps")
-
-
-def structured(columns: Mapping[str, Any]) -> NDArray[Any]:
-    """Columns by name as one structured array."""
-    if not columns:
-        return np.empty(0, dtype=[("step", np.uint64), ("time", np.float64)])
-    first = next(iter(columns.values()))
-    table = np.empty(len(first), dtype=[(name, np.asarray(values).dtype) for name, values in columns.items()])
-    for name, values in columns.items():
-        table[name] = values
-    return table
-
-
-class ProgressBar:
-    """What a run tells how far it is: nothing, a function, or a bar of tqdm."""
-
-    def __init__(self, wish: bool | Callable[[int, float], None], steps: int | None) -> None:
-        self._wish = wish
-        self._steps = steps
-        self._bar: Any = None
-
-    def __enter__(self) -> Callable[[int, float], None] | None:
-        if callable(self._wish):
-            return self._wish
-        if not self._wish:
-            return None
-        try:
-            from tqdm.auto import tqdm  # type: ignore[import-untyped]
-        except ImportError:
-            warnings.warn("progress=True needs tqdm: pip install tqdm", stacklevel=3)
-            return None
-        self._bar = tqdm(total=self._steps if self._steps is not None else 1.0, unit="step" if self._steps else "")
-        return self._show
-
-    def _show(self, steps: int, fraction: float) -> None:
-        self._bar.n = steps if self._steps is not None else fraction
-        self._bar.refresh()
-
-    def __exit__(self, kind: Any, value: Any, trace: Any) -> None:
-        if self._bar is not None:
-            if kind is None:
-                self._bar.n = self._bar.total
-                self._bar.refresh()
-            self._bar.close()

@@ -13,8 +13,9 @@ from . import _core
 from .errors import Error, RunFailure
 from .files import RunDirectory
 from .models import Model, register_model, registered_models
+from .progress import ProgressBar
 from .settings import as_threads, assignments, given
-from .simulation import ProgressBar, structured
+from .tables import structured
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -50,7 +50,8 @@ import numpy as np
 from .errors import Error
 
 if TYPE_CHECKING:
-    from .models import Model, World
+    from .models import Model
+    from .world import World
 
 parameters = ("row", "neighbors", "separations", "now", "next", "settings", "random", "events")
 reserved_columns = ("dx", "dy", "dies")

@@ -64,6 +64,15 @@ class ColumnLender {
     return std::visit([&](auto values) { return array_of(values.data(), {values.size()}, {1}); },
                       find(named, name).values);
   }
+  /// One column that cannot be written.
+  nb::object column_to_read(std::vector<NamedColumn> const& named, std::string const& name) {
+    return std::visit(
+        [&](auto values) {
+          using Value = typename decltype(values)::element_type;
+          return array_of(static_cast<Value const*>(values.data()), {values.size()}, {1});
+        },
+        find(named, name).values);
+  }
   /// Two columns of one type as the columns of an array: the second lies some way behind the first. See has_vectors_side_by_side().
   nb::object columns(std::vector<NamedColumn> const& named, std::string const& first, std::string const& second) {
     NamedColumn const& a = find(named, first);

@@ -1,3 +1,4 @@
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -28,7 +30,6 @@
 #include "io/file.hpp"
 #include "listener.hpp"
 #include "settings.hpp"
-#include "simulation/kind_names.hpp"
 #include "workspace/result_files.hpp"
 
 namespace gridlock::python {
@@ -171,11 +172,6 @@ FrameValuesOfPython read_xyz_frame(std::string const& path) {
   return values_of(std::move(*frame));
 }
 
-/// What the model of a run calls the numbers 0, 1, 2 … of a column; none where they have no names.
-std::vector<std::string> kind_names_of(std::string const& settings_file, std::string const& column) {
-  return kind_names(SettingsFile::from_path(settings_file), column);
-}
-
 /// A trajectory that is open.
 class PythonTrajectory {
  public:
@@ -200,6 +196,9 @@ class PythonTrajectory {
       frame.emplace(reader_.frame(k));
     }
     return values_of(std::move(frame->frame));
+  }
+  [[nodiscard]] std::map<std::string, std::vector<std::string>> value_names() const {
+    return reader_.settings().value_names;
   }
   /// Step, time, ids of shape (contacts, 2) and forces of the contacts, where the file has them.
   [[nodiscard]] auto contacts() const {
@@ -253,7 +252,6 @@ void bind_files(nb::module_& module) {
   module.def(
       "read_csv", [](std::string const& path) { return columns_of(read_csv(path)); }, nb::arg("path"));
   module.def("read_xyz", &read_xyz_frame, nb::arg("path"));
-  module.def("kind_names", &kind_names_of, nb::arg("settings_file"), nb::arg("column"));
   module.def(
       "record_result", [](std::string const& path) { record_result(path); }, nb::arg("path"));
   nb::class_<PythonTrajectory>(module, "Trajectory")
@@ -262,6 +260,7 @@ void bind_files(nb::module_& module) {
       .def("steps", &PythonTrajectory::steps)
       .def("times", &PythonTrajectory::times)
       .def("frame", &PythonTrajectory::frame, nb::arg("k"))
+      .def("value_names", &PythonTrajectory::value_names)
       .def("contacts", &PythonTrajectory::contacts);
   nb::class_<PythonDirectory>(module, "Directory")
       .def(nb::init<std::string const&, bool>(), nb::arg("directory"), nb::arg("overwrites"))

@@ -59,7 +59,8 @@ nb::object call_python(std::function<nb::object()> const& call) {
   } catch (nb::python_error& error) {
     nb::object const type = nb::module_::import_("gridlock.errors").attr("Error");
     if (!error.matches(type)) throw;
-    std::string what = nb::cast<std::string>(nb::str(error.value()));
+    nb::object const text = nb::module_::import_("gridlock.models").attr("refusal_text")(error.value());
+    auto what = nb::cast<std::string>(text);
     std::string hint;
     constexpr std::string_view mark = "\n  hint: ";
     if (std::size_t const place = what.find(mark); place != std::string::npos) {
@@ -142,7 +143,7 @@ class PythonModelKind final : public detail::AgentsKind {
   [[nodiscard]] double attempts_at_start(Box const& /*box*/, std::uint64_t /*seed*/) const override { return 0.0; }
   [[nodiscard]] std::unique_ptr<Simulation> make(Box const& box, std::uint64_t seed,
                                                  ModelEngineSettings const& settings, ObserveSettings const& observed,
-                                                 std::vector<std::string>& /*notes*/) const override {
+                                                 std::vector<std::string>& notes) const override {
     World<TableModel> world{.box = box, .agents = AgentTable(definition_->columns), .clock = {}, .seed = seed};
     ModelInstance model{.definition = definition_,
                         .object = {},
@@ -159,6 +160,9 @@ class PythonModelKind final : public detail::AgentsKind {
       model.object = SharedObject(object);
       require_inside(world);
     });
+    if (world.agents.size() == 0) {
+      notes.push_back("the start of the model " + definition_->name + " has no agents; start.add() adds them");
+    }
     return std::make_unique<PythonModelSimulation>(model, std::move(world), observed);
   }
 

@@ -33,6 +33,13 @@ std::span<std::int32_t> images(AgentTable& agents, std::string_view name) {
   return {};
 }
 
+/// Errors: Error where the count goes beyond its type.
+void count_crossing(std::int32_t& image, int crossed, std::string_view name) {
+  if (!__builtin_add_overflow(image, crossed, &image)) return;
+  throw Error({.what = "an agent crosses more edges than the column " + std::string(name) + " can count",
+               .hint = "it holds whole numbers from -2147483648 to 2147483647; begin with 0"});
+}
+
 /// What an array of Python holds, as a column of that type.
 template <class Values>
 Values values_of(nb::handle array) {
@@ -66,6 +73,7 @@ std::size_t ModelWorld::size() const {
 
 nb::object ModelWorld::column(std::string const& name) {
   require_open();
+  if (phase_ == Phase::observation) return lender_.column_to_read(world_.agents.columns(), name);
   return lender_.column(world_.agents.columns(), name);
 }
 nb::object ModelWorld::positions() {
@@ -157,8 +165,8 @@ nb::object ModelWorld::move(nb::ndarray<double const, nb::shape<-1, 2>, nb::devi
     Motion const moved = motion(world_.box, {agents.x()[row], agents.y()[row]}, displacement);
     agents.x()[row] = moved.end.x;
     agents.y()[row] = moved.end.y;
-    if (!images_x.empty()) images_x[row] += moved.crossed_x;
-    if (!images_y.empty()) images_y[row] += moved.crossed_y;
+    if (!images_x.empty()) count_crossing(images_x[row], moved.crossed_x, ImageX::name);
+    if (!images_y.empty()) count_crossing(images_y[row], moved.crossed_y, ImageY::name);
     bounces[2 * row] = static_cast<std::uint8_t>(moved.bounce.x);
     bounces[2 * row + 1] = static_cast<std::uint8_t>(moved.bounce.y);
   }

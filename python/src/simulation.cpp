@@ -221,6 +221,10 @@ class PythonSimulation {
   }
   [[nodiscard]] bool has_end() const { return has_end_; }
   [[nodiscard]] std::string model() const { return setup_.configuration.model.kind; }
+  /// What the numbers 0, 1, 2 … of a column are called; empty where they have no names.
+  [[nodiscard]] std::vector<std::string> value_names(std::string const& column) const {
+    return setup_.configuration.kind().value_names(column);
+  }
   [[nodiscard]] std::string configuration() const { return resolved_configuration(setup_); }
   [[nodiscard]] std::vector<std::string> notes() const {
     std::vector<std::string> texts;
@@ -347,6 +351,11 @@ class PythonSimulation {
   bool may_have_changed_ = false;  ///< by arrays that have been taken back
 };
 
+std::vector<std::string> keys_of_settings() {
+  Configuration configuration;
+  return setting_keys(describing(configuration));
+}
+
 std::string explain_setting(std::string const& key) {
   Configuration configuration;
   return explain(describing(configuration), key);
@@ -375,6 +384,7 @@ void bind_simulation(nb::module_& module) {
       .def("state_hash", &PythonSimulation::state_hash)
       .def("has_end", &PythonSimulation::has_end)
       .def("model", &PythonSimulation::model)
+      .def("value_names", &PythonSimulation::value_names)
       .def("configuration", &PythonSimulation::configuration)
       .def("notes", &PythonSimulation::notes)
       .def("series", &PythonSimulation::series)
@@ -384,6 +394,7 @@ void bind_simulation(nb::module_& module) {
       .def("counts", &PythonSimulation::counts)
       .def("write_state", &PythonSimulation::write_state);
   module.def("explain", &explain_setting);
+  module.def("setting_keys", &keys_of_settings);
 }
 
 }  // namespace gridlock::python

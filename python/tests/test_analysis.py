@@ -5,11 +5,12 @@ import pytest
 import scipy.spatial
 
 import gridlock
+from conftest import OBLONG
 
 
 def test_pair_correlation_is_that_of_the_run():
     simulation = gridlock.Simulation(
-        disks={"count": 400, "packing_fraction": 0.5}, box={"edge": "periodic"}, engine={"kind": "exact"},
+        disks={"count": 400, "packing_fraction": 0.5}, box=OBLONG, engine={"kind": "exact"},
         observe={"every": 100, "structure_every": 1, "pair_correlation_bins": 50},
     )
     simulation.equilibrate(steps=200)

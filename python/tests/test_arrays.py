@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import gridlock
+from gridlock.arrays import as_count
 
 GOOD = np.random.default_rng(1).random((20, 2))
 WALK = np.random.default_rng(1).random((5, 4, 2))
@@ -135,3 +136,27 @@ def test_any_array_of_numbers_is_read():
         assert np.array_equal(gridlock.pairs(same, np.float32(0.25) + 0.05, np.array(1.0)), expected)
     assert len(gridlock.pairs(np.arange(6, dtype=np.uint8).reshape(3, 2), 3)) == 2
     assert gridlock.pairs([], 0.1).shape == (0, 2) and len(gridlock.voronoi([], 1.0).areas) == 0
+
+
+def test_a_count_may_be_the_least_and_the_largest_one():
+    for least, most in ((1, 2**31 - 1), (0, 5), (7, 7)):
+        assert as_count(least, "k", least=least, most=most) == least
+        assert as_count(most, "k", least=least, most=most) == most
+        for beyond in (least - 1, most + 1):
+            with pytest.raises(gridlock.Error, match=f"k is {beyond}"):
+                as_count(beyond, "k", least=least, most=most)
+    assert as_count(2**31 - 1, "k") == 2**31 - 1
+
+
+@pytest.mark.parametrize("call", [lambda number: gridlock.pairs(GOOD, number, 1.0), lambda number: gridlock.pairs(GOOD, 0.1, (number, 1.0)),
+                                  lambda number: gridlock.pairs(GOOD, 0.1, 1.0, threads=number), lambda number: gridlock.Simulation(threads=number)])
+def test_whole_numbers_beyond_all_others_are_refused_in_the_usual_words(call):
+    for number in (10**400, 10**5000):
+        with pytest.raises(gridlock.Error, match="hint"):
+            call(number)
+
+
+@pytest.mark.parametrize("threads", [2**64, 2**63, -1, True, 1.5, "all"])
+def test_threads_are_a_count(threads):
+    with pytest.raises(gridlock.Error, match="threads is .*\n  hint: use a whole number, 0 for all cores"):
+        gridlock.pairs(GOOD, 0.1, 1.0, threads=threads)

@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 import gridlock
+from conftest import OBLONG
 
 RUN = {
     "disks": {"count": 40, "packing_fraction": 0.3, "species": [
         {"fraction": 0.25, "size_ratio": 1.0}, {"fraction": 0.75, "size_ratio": 1.4, "mass": 2.0}]},
-    "box": {"edge": "periodic"}, "engine": {"kind": "exact"}, "run": {"steps": 4000}, "observe": {"every": 100},
+    "box": OBLONG, "engine": {"kind": "exact"}, "run": {"steps": 4000}, "observe": {"every": 100},
     "trajectory": {"every": 1000, "steps": [10]},
 }
 

@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 import gridlock
+from conftest import OBLONG
 
 RUN = {
     "disks": {"count": 64, "packing_fraction": 0.4, "species": [
         {"fraction": 0.5, "size_ratio": 1.0}, {"fraction": 0.5, "size_ratio": 1.4}]},
-    "box": {"edge": "periodic"}, "engine": {"kind": "exact"}, "run": {"steps": 2000}, "observe": {"every": 100},
+    "box": OBLONG, "engine": {"kind": "exact"}, "run": {"steps": 2000}, "observe": {"every": 100},
     "trajectory": {"every": 500},
 }
 
@@ -286,7 +287,7 @@ def test_runs_that_fail_are_told_and_the_others_finish(tmp_path):
 
 
 def test_a_state_has_the_columns_of_its_file_and_no_others(tmp_path):
-    walkers = gridlock.Simulation({"model.kind": "epidemic", "epidemic.count": 20, "box.edge": "periodic"})
+    walkers = gridlock.Simulation({"model.kind": "epidemic", "epidemic.count": 20, "box": OBLONG})
     walkers.write(tmp_path / "a.xyz")
     read = gridlock.read_xyz(tmp_path / "a.xyz")
     assert list(read.columns) == ["x", "y", "velocity_x", "velocity_y", "health"]

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 import gridlock
+from conftest import OBLONG
 
 MIXTURE = [{"fraction": 0.5}, {"fraction": 0.5, "size_ratio": 1.4}]
-SETTINGS = {"box": {"edge": "periodic"}, "disks": {"count": 64, "packing_fraction": 0.5, "start": "uniform", "species": MIXTURE},
+SETTINGS = {"box": OBLONG, "disks": {"count": 64, "packing_fraction": 0.5, "start": "uniform", "species": MIXTURE},
             "run": {"seed": 3}}
 PROTOCOL = [{"stage": "quench", "packing_fraction": 0.86}, {"stage": "decompress", "until_pressure": 1e-6}]
 

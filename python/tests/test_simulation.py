@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import gridlock
+from conftest import OBLONG
 
 SMALL = {"disks": {"count": 100, "packing_fraction": 0.5}, "observe": {"every": 10}}
 
@@ -259,7 +260,7 @@ def test_the_interpreter_goes_on_while_a_simulation_runs_and_no_other_thread_may
 
 
 def test_nothing_that_a_protocol_changes_is_shown_to_other_threads_meanwhile():
-    simulation = gridlock.Simulation(disks={"count": 2000, "packing_fraction": 0.5, "start": "uniform"}, box={"edge": "periodic"},
+    simulation = gridlock.Simulation(disks={"count": 2000, "packing_fraction": 0.5, "start": "uniform"}, box=OBLONG,
                                      protocol=[{"stage": "quench", "packing_fraction": 0.86}])
     failures = []
 
@@ -470,7 +471,7 @@ SCATTERED = """if True:
                 scatter()
             else:
                 check(world.positions, world.x, world.y)
-    gridlock.Simulation(model=Still, box={"edge": "periodic"}).run(steps=3)
+    gridlock.Simulation(model=Still, box={"width": 1.5, "height": 0.6, "edge": "periodic"}).run(steps=3)
     """])
 def test_vectors_can_be_copied_wherever_their_columns_lie(text):
     # NumPy takes a copy that lies between the two for shared with them, and copies again, without end.
@@ -527,3 +528,15 @@ def test_reading_arrays_leaves_nothing_behind():
     for _ in range(5000):
         simulation.agents.x
     assert len(simulation._arrays) < 2000
+
+
+def test_an_equilibration_counts_from_now_on():
+    simulation = gridlock.Simulation(SMALL, observe={"every": 10})
+    simulation.observe(lambda s: s.clock.step, "step_of_sample")
+    simulation.run(steps=100)
+    simulation.equilibrate(steps=100)
+    simulation.run(steps=200)
+    steps = simulation.series["step_of_sample"]
+    assert steps.tolist() == list(range(0, 401, 10))
+    counted = steps[((0 < steps) & (steps <= 100)) | (steps > 200)]
+    assert simulation.results["step_of_sample"].value == pytest.approx(counted.mean(), rel=1e-12)

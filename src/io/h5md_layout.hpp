@@ -20,6 +20,8 @@ inline constexpr std::size_t most_rows_per_chunk = std::size_t{1} << 17;
 /// Numbers in a chunk of an array with one number for each frame.
 inline constexpr std::size_t frames_per_chunk = 64;
 inline constexpr std::size_t dimensions = 3;
+/// The attribute of a column with what its numbers 0, 1, 2 … are called.
+inline constexpr char const* value_names = "value_names";
 
 /// XXH3 of 64 bits over numbers that come one after the other.
 class Checksum {

@@ -119,6 +119,9 @@ class Beginning {
       create_dataset(file_, path + "/value", native_of(frame_.columns()[element.columns[0]].values),
                      element.is_vector() ? vectors : scalars, {.compression = compression});
       set_unit(file_, path + "/value", element.unit);
+      if (auto const names = settings_.value_names.find(element.name); names != settings_.value_names.end()) {
+        hdf5::set_attribute(hdf5::open_group(file_, path), h5md::value_names, names->second);
+      }
       link_clock(path);
     }
   }

@@ -320,6 +320,8 @@ void set_reference(Handle const& object, std::string const& name, Handle const& 
   require(H5Awrite(attribute.id(), H5T_STD_REF_OBJ, &reference), "write the attribute " + name);
 }
 
+bool has_attribute(Handle const& object, std::string const& name) { return H5Aexists(object.id(), name.c_str()) > 0; }
+
 std::vector<std::string> read_texts(Handle const& object, std::string const& name) {
   Handle const attribute(H5Aopen(object.id(), name.c_str(), H5P_DEFAULT), H5Aclose, "find the attribute " + name);
   Handle const type(H5Aget_type(attribute.id()), H5Tclose, "look at the attribute " + name);
@@ -338,8 +340,7 @@ std::vector<std::string> read_texts(Handle const& object, std::string const& nam
 }
 
 std::string read_text_attribute(Handle const& object, std::string const& name) {
-  if (H5Aexists(object.id(), name.c_str()) <= 0) return "";
-  return read_texts(object, name).front();
+  return has_attribute(object, name) ? read_texts(object, name).front() : "";
 }
 
 Handle open_dataset(Handle const& parent, std::string const& path) {

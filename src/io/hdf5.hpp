@@ -111,6 +111,7 @@ void set_attribute(Handle const& object, std::string const& name, std::vector<st
 void set_attribute(Handle const& object, std::string const& name, std::span<int const> numbers);
 /// An attribute that points to an object of the file.
 void set_reference(Handle const& object, std::string const& name, Handle const& file, std::string const& path);
+bool has_attribute(Handle const& object, std::string const& name);
 std::vector<std::string> read_texts(Handle const& object, std::string const& name);
 /// The text of an attribute, empty where there is none.
 std::string read_text_attribute(Handle const& object, std::string const& name);

@@ -29,6 +29,10 @@ void TrajectoryWriter::open(Simulation const& simulation, FrameSource const& fra
                       .compression = settings_.compression,
                       .contacts = simulation.contacts()};
   for (ColumnInfo const& column : simulation.columns()) header.observables.push_back({column.name, column.unit});
+  for (FrameColumn const& column : frame.columns()) {
+    std::vector<std::string> names = origin_.value_names(column.name);
+    if (!names.empty()) header.value_names.emplace(column.name, std::move(names));
+  }
   writer_ = H5mdWriter::create(origin_.file, header, frame);
 }
 

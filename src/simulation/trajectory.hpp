@@ -2,8 +2,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "gridlock/core/frame_source.hpp"
 #include "gridlock/io/h5md.hpp"
@@ -23,6 +26,8 @@ class TrajectoryWriter final : public Writer {
     std::filesystem::path file;
     std::string configuration;
     std::string version;
+    /// What the model calls the numbers 0, 1, 2 … of a column; empty where they have no names.
+    std::function<std::vector<std::string>(std::string_view column)> value_names;
   };
 
   /// Begins the file at the first frame, or continues one that is there.

@@ -110,6 +110,10 @@ std::string summary_json(std::string const& versions, Configuration const& confi
   for (auto const& [name, choice] : configuration.kind().choices(configuration)) json[name] = choice;
   // "agents" is an average where they come and go.
   json["agents_at_end"] = record.agents;
+  for (FrameColumn const& column : frame.columns()) {
+    auto const names = configuration.kind().value_names(column.name);
+    if (!names.empty()) json["value_names"][column.name] = names;
+  }
   if (auto const packing_fraction = packing_fraction_of(frame)) json["packing_fraction"] = *packing_fraction;
   json["steps"] = record.steps;
   json["step"] = record.clock.step;
@@ -188,7 +192,10 @@ class RunInDirectory {
     TrajectorySettings const& settings = setup_.configuration.trajectory;
     if (!settings.has_frames()) return;
     trajectory_.emplace(settings, simulation_.time_step(),
-                        TrajectoryWriter::Origin{directory_ / trajectory_name, configuration_, version()});
+                        TrajectoryWriter::Origin{directory_ / trajectory_name, configuration_, version(),
+                                                 [this](std::string_view column) {
+                                                   return setup_.configuration.kind().value_names(column);
+                                                 }});
     run_.add(*trajectory_);
   }
 

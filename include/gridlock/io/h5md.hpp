@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -38,6 +39,8 @@ struct H5mdSettings {
   std::string version;           ///< of the program that writes it
   std::string author;            ///< empty: "N/A"
   std::vector<H5mdObservable> observables;
+  /// What the numbers 0, 1, 2 … of a column are called, by the name of the column.
+  std::map<std::string, std::vector<std::string>> value_names = {};
   std::uint64_t compression = 1;  ///< 0: none, 1: fastest … 9: smallest
   /// Of the start, where it is a packing; not read back, see H5mdReader::contacts().
   std::optional<FrameContacts> contacts = {};
@@ -56,7 +59,7 @@ struct H5mdFrame {
 ///     /particles/<agents>/box              dimension 3, boundary, edges; the agents lie at z = 0 in a box of height 1
 ///     /particles/<agents>/position/value   [frame][agent][x y z]; velocity, image and every other pair of columns
 ///                                          "<name>_x", "<name>_y" alike
-///     /particles/<agents>/radius/value     [frame][agent]; mass and every other column alike
+///     /particles/<agents>/radius/value     [frame][agent]; mass and every other column alike; value_names are an attribute
 ///     /particles/<agents>/id/value         agents in the order of the ids; absent ones have the fill value
 ///     …/step, …/time                       one pair of arrays, hard links everywhere
 ///     /observables/<name>/value            [frame]

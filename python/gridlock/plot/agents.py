@@ -32,7 +32,8 @@ def frame_of(agents: Any) -> Frame:
     """The agents of a simulation, of the end of a run directory or a trajectory, or those of a frame."""
     if isinstance(agents, Simulation):
         columns = {name: np.array(agents.agents[name]) for name in agents.agents.names}
-        return Frame(agents.box, agents.clock, np.array(agents.agents.ids), columns)
+        names = {name: agents._core.value_names(name) for name in columns}
+        return Frame(agents.box, agents.clock, np.array(agents.agents.ids), columns, names)
     if isinstance(agents, RunDirectory):
         return agents.final
     if isinstance(agents, Trajectory):
@@ -242,7 +243,7 @@ def snapshot(
         ``"neighbourhood"`` (the grid cell), ``"radius"`` or the name of a column. Left out: one colour for each radius.
     :param label: beside the bar of colours.
     :param limits: the ends of the bar, the lower one first.
-    :param names: of the kinds 0, 1, 2 …, where the colour is a column of them.
+    :param names: of the kinds 0, 1, 2 …, where the colour is a column of them; those of the model where left out.
     :param grid: cells along both axes of a grid that is drawn over the agents, which are coloured by their cells without ``colour``.
 
     Cost: about 2 µs an agent. Above 10,000 agents they are an image also in PDF and SVG files.
@@ -265,7 +266,7 @@ def snapshot(
     if values is not None:
         _colour_by_value(axes, disks, values[rows], label, limits)
     elif isinstance(colour, str):
-        _colour_by_name(axes, disks, frame, rows, colour, label, names, limits)
+        _colour_by_name(axes, disks, frame, rows, colour, label, names or frame.value_names.get(colour, ()), limits)
     elif grid is not None:
         disks.set_facecolor(_rgba(NEIGHBOURHOODS)[neighbourhood_colours(frame, *grid)[rows]])
     else:

@@ -82,13 +82,9 @@ def _has(directory: pathlib.Path, name: str) -> bool:
     return (directory / name).exists()
 
 
-def _kind_names(directory: pathlib.Path, colour: str) -> list[str]:
-    return _core.kind_names(str(directory / "config.resolved.toml"), colour)
-
-
 def _draw_last(artist: _Artist, frame: Frame, colour: str) -> None:
     def draw(axes: Any) -> None:
-        snapshot(frame, colour, names=_kind_names(artist.directory, colour), axes=axes)
+        snapshot(frame, colour, axes=axes)
         axes.set_title(f"step {frame.clock.step}, t = {frame.clock.time:.4g}")
 
     artist.agents("final", frame.box, draw, has_side=colour not in ("neighbourhood", "radius"))

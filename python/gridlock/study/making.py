@@ -14,7 +14,7 @@ from typing import Any, TypeVar, Union
 from .. import _core, playground
 from ..errors import Error
 from ..settings import as_threads
-from ..simulation import ProgressBar
+from ..progress import ProgressBar
 from . import report
 from .chapter import Chapter, Claim, Context
 from .runs import PartialResults, cores

@@ -10,7 +10,6 @@
 
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
-#include "simulation/kind_names.hpp"
 #include "unit/drawing/recording_canvas.hpp"
 
 namespace gridlock {
@@ -133,17 +132,6 @@ TEST(FramePainter, KindsAreListedByTheirNamesAndManyNumbersStandOnABar) {
   agents.add(0.8, 0.5, 40U);
   EXPECT_EQ(texts_of(frame_of(box, {}, 1, agents)),
             (std::vector<std::string>{"title", "0", "10", "20", "30", "40", "health"}));
-}
-
-TEST(KindNames, AreThoseOfTheModel) {
-  auto const names = [](std::string const& settings, char const* column) {
-    return kind_names(SettingsFile::from_text(settings, "test"), column);
-  };
-  EXPECT_EQ(names("model.kind = \"epidemic\"", "health"),
-            (std::vector<std::string>{"susceptible", "infected", "recovered"}));
-  EXPECT_TRUE(names("model.kind = \"epidemic\"", "x").empty());
-  EXPECT_TRUE(names("disks.count = 10", "health").empty());
-  EXPECT_TRUE(names("model.kind = \"no_such_model\"", "health").empty());
 }
 
 TEST(FramePainter, TheUsualColourIsWhatTellsMostOfTheAgents) {

@@ -28,7 +28,8 @@ H5mdSettings settings() {
           .configuration = "[run]\nsteps = 3  # Ångström\n",
           .version = "1.2.3",
           .author = "A. Nobody",
-          .observables = {{"energy", "mass"}, {"order", ""}}};
+          .observables = {{"energy", "mass"}, {"order", ""}},
+          .value_names = {{"kind", {"soldier", "Königin"}}, {"mother", {"none"}}}};
 }
 
 /// A frame of agents of a kind nobody has, every number of it random.
@@ -98,6 +99,7 @@ TEST(H5md, KeepsWhatTheTrajectoryIsOf) {
   TemporaryDirectory const directory;
   H5mdWriter const writer = H5mdWriter::create(directory / "t.h5", settings(), random_frame(0, 3).frame);
   H5mdReader const reader(directory / "t.h5");
+  EXPECT_EQ(reader.settings().value_names, settings().value_names);
   EXPECT_EQ(reader.settings().agents, "ants");
   EXPECT_EQ(reader.settings().configuration, settings().configuration);
   EXPECT_EQ(reader.settings().version, "1.2.3");

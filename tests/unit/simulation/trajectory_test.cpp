@@ -91,6 +91,21 @@ TEST(Trajectory, OfARunHasItsFramesItsHashesAndTheValuesOfItsSamples) {
   EXPECT_NE(reader.frame(3).observables[0], reader.frame(3).observables[0]) << "no sample was taken there";
 }
 
+TEST(Trajectory, HasWhatTheModelCallsTheNumbersOfAColumn) {
+  TemporaryDirectory const directory;
+  Configuration configuration;
+  configuration.model.kind = "epidemic";
+  configuration.run.steps = 2;
+  configuration.trajectory.every = 1;
+  run_in(directory / "all", set_up(configuration));
+  std::vector<std::string> const names{"susceptible", "infected", "recovered"};
+  EXPECT_EQ(H5mdReader(directory / "all/trajectory.h5").settings().value_names.at("health"), names);
+  EXPECT_NE(read_file(directory / "all/summary.json").find("\"recovered\""), std::string::npos);
+  configuration.trajectory.columns = "x y";
+  run_in(directory / "some", set_up(configuration));
+  EXPECT_TRUE(H5mdReader(directory / "some/trajectory.h5").settings().value_names.empty());
+}
+
 void expect_same_frames_after_an_interruption(TrajectorySettings const& trajectory, std::size_t frames) {
   TemporaryDirectory const whole;
   TemporaryDirectory const parts;
