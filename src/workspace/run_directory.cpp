@@ -339,7 +339,7 @@ class RunInDirectory {
   }
 
  private:
-  /// After what was saved is restored: whether this version is the one that saved it.
+  /// Notes where another version saved the state that is continued; the versions are then those of the checkpoint.
   void note_version() {
     constexpr std::string_view then = ", then ";
     std::size_t const place = versions_.rfind(then);

@@ -1,5 +1,5 @@
-# Whatever the build looks for and the page bundles is in the table of licenses/README.md, whatever is in the table is still used,
-# and each file that it names is there.
+# The table of licenses/README.md has each library that the build looks for or the page bundles, and no other; and the files that it
+# names are those that are there.
 cmake_minimum_required(VERSION 3.25)
 if(NOT DEFINED SOURCE_DIRECTORY)
   message(FATAL_ERROR "SOURCE_DIRECTORY is not given")
@@ -55,7 +55,7 @@ foreach(name ${names})
   endif()
 endforeach()
 
-# Of the table: the third column names what the build has, the first one files.
+# In a row, names that end in .txt are files, and all others are what the build calls a library.
 string(REGEX MATCHALL "\n\\| `[^\n]*" rows "${page}")
 set(listed README.md)
 foreach(row ${rows})

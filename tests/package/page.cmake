@@ -1,5 +1,5 @@
-# What is installed besides programs: the page, which stands here for the built one, and the licences. A wheel has the page where the
-# programs in it look for it, below the prefix of their bin.
+# An installation has the page, a small one in place of the built one, and the licences. A wheel has the page where the programs in it
+# look for it, below the prefix of their bin.
 cmake_minimum_required(VERSION 3.25)
 foreach(name SOURCE_DIRECTORY WORK_DIRECTORY GENERATOR COMPILER)
   if(NOT DEFINED ${name})
