@@ -7,8 +7,7 @@ directory=$PWD/build-fresh
 root=$directory/root
 [[ $EUID -eq 0 ]] || { echo "./dev fresh needs root, to make a Debian 12 in build-fresh/root and to change into it: sudo ./dev fresh" >&2; exit 2; }
 if [[ ${1:-} != --inside ]]; then
-  command -v debootstrap >/dev/null || { echo "debootstrap is not installed: apt-get install debootstrap" >&2; exit 2; }
-  exec unshare --mount --propagation private --pid --fork --kill-child "$0" --inside
+  exec unshare --mount --propagation private --pid --fork --kill-child validation/fresh.sh --inside
 fi
 
 # part NAME COMMAND…: runs it and notes its seconds.
