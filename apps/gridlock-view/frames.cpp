@@ -95,6 +95,7 @@ std::string FrameStore::describe(fs::path const& file, std::size_t first) {
   Json json{{"agents", trajectory.settings().agents},
             {"version", trajectory.settings().version},
             {"columns", trajectory.column_names()},
+            {"valueNames", trajectory.settings().value_names},
             {"frames", count},
             {"first", from},
             {"steps", Json::array()},

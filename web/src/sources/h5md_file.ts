@@ -1,7 +1,7 @@
 import type { Dataset, File, Group } from "h5wasm";
 
 import type { Box, Numbers } from "../drawing/frame.ts";
-import { SourceError, type Description, type Quantity, type SourceFrame } from "./source.ts";
+import { SourceError, type Description, type Quantity, type SourceFrame, type ValueNames } from "./source.ts";
 import type { FrameReader } from "./source_worker.ts";
 import { putInside, surround } from "./xyz_file.ts";
 
@@ -53,6 +53,7 @@ export class H5mdFile implements FrameReader {
     this.description = {
       agents,
       columns: this.elements.flatMap(columnNames),
+      valueNames: this.valueNames(),
       steps: steps.slice(0, frames),
       times,
       table: { times, quantities: this.quantities(frames) },
@@ -158,6 +159,13 @@ export class H5mdFile implements FrameReader {
       if ((data.shape ?? [])[each === undefined ? 0 : 1] !== count || rank < 1 || rank > 2) return [];
       return [{ name, data, isFixed: each === undefined, isVector: rank === 2 }];
     });
+  }
+
+  private valueNames(): ValueNames {
+    return Object.fromEntries(this.elements.flatMap(({ name }): [string, string[]][] => {
+      const names = this.group(`${this.path}/${name}`)?.attrs["value_names"]?.value;
+      return Array.isArray(names) ? [[name, names.map(String)]] : [];
+    }));
   }
 
   /** Steps or times of the positions: one for each frame, or the distance between frames. */

@@ -1,6 +1,6 @@
 import { request } from "./bytes.ts";
 import { readFrameBytes } from "./frame_bytes.ts";
-import { SourceError, type Description, type FrameSource, type Quantity, type SourceFrame } from "./source.ts";
+import { SourceError, type Description, type FrameSource, type Quantity, type SourceFrame, type ValueNames } from "./source.ts";
 import { readSeries } from "./table.ts";
 
 /** A run as the server tells of it. */
@@ -14,6 +14,7 @@ export interface RunInfo {
 interface TrajectoryPart {
   readonly agents: string;
   readonly columns: readonly string[];
+  readonly valueNames: ValueNames;
   readonly frames: number;
   readonly first: number;
   readonly steps: readonly number[];
@@ -31,6 +32,7 @@ export class ServedRun implements FrameSource {
   private quantities: { name: string; unit: string; values: number[] }[] = [];
   private agents = "agents";
   private columns: readonly string[] = [];
+  private valueNames: ValueNames = {};
   private series: Description["table"] | undefined;
   private notes: readonly string[] = [];
 
@@ -55,7 +57,8 @@ export class ServedRun implements FrameSource {
 
   get description(): Description {
     const table = this.series ?? { times: this.times, quantities: this.quantities };
-    return { agents: this.agents, columns: this.columns, steps: this.steps, times: this.times, table, notes: this.notes };
+    const { agents, columns, valueNames, steps, times, notes } = this;
+    return { agents, columns, valueNames, steps, times, table, notes };
   }
 
   async refresh(): Promise<boolean> {
@@ -85,6 +88,7 @@ export class ServedRun implements FrameSource {
     }
     this.agents = part.agents;
     this.columns = part.columns;
+    this.valueNames = part.valueNames;
     this.steps = this.steps.concat(part.steps);
     this.times = this.times.concat(part.times);
     part.observables.forEach(({ values }, at) => {

@@ -16,11 +16,16 @@ export interface QuantityTable {
   readonly quantities: readonly Quantity[];
 }
 
+/** By the name of a column. */
+export type ValueNames = Readonly<Record<string, readonly string[]>>;
+
 /** What a source holds, without the agents themselves. */
 export interface Description {
   /** What the agents are called: "disks". */
   readonly agents: string;
   readonly columns: readonly string[];
+  /** What the numbers 0, 1, 2 … of a column are called, where the file says. */
+  readonly valueNames?: ValueNames;
   /** Of each frame; NaN where the file does not say. */
   readonly steps: readonly number[];
   readonly times: readonly number[];

@@ -3,7 +3,7 @@
 import { MOST_KINDS, rangeOf, type Colouring } from "../drawing/colouring.ts";
 import { numberAt, type Frame, type Numbers } from "../drawing/frame.ts";
 import { words } from "../page/dom.ts";
-import type { SourceFrame } from "../sources/source.ts";
+import type { SourceFrame, ValueNames } from "../sources/source.ts";
 import { localBondOrientationOrders } from "./bond_orientation.ts";
 
 export const PLAIN = "plain";
@@ -106,8 +106,9 @@ export function gridOf({ box, columns, ids }: SourceFrame): { columns: number; r
   return { columns: cells(box.width), rows: cells(box.height) };
 }
 
-/** How a frame is coloured; `first` is the first frame of the source, where that is needed. */
-export function colouringOf(frame: SourceFrame, chosen: string, range: ValueRange, first: SourceFrame | undefined): Colouring {
+/** How a frame is coloured; `first` is the first frame of the source, where that is needed; `names` are those of kinds. */
+export function colouringOf(frame: SourceFrame, chosen: string, range: ValueRange, first: SourceFrame | undefined,
+  names: ValueNames = {}): Colouring {
   const { columns, ids } = frame;
   const label = words(chosen);
   const shown = (values: Numbers): Colouring => ({ by: "values", label, values, ...range.cover(chosen, values) });
@@ -126,7 +127,7 @@ export function colouringOf(frame: SourceFrame, chosen: string, range: ValueRang
     return shown(Float32Array.from(ids, (_, row) => Math.hypot(numberAt(x, row), numberAt(y, row))));
   }
   if (own === undefined) return { by: "plain" };
-  return isOfKinds(own) ? { by: "kinds", label, values: own } : shown(own);
+  return isOfKinds(own) ? { by: "kinds", label, values: own, names: names[chosen] ?? [] } : shown(own);
 }
 
 /** Whole numbers that few colours tell apart. */

@@ -218,8 +218,8 @@ export class Viewer {
   }
 
   private draw(frame: SourceFrame, first: SourceFrame | undefined): void {
-    const { agents } = (this.source as FrameSource).description;
-    this.drawing.show(toDrawn(frame), colouringOf(frame, this.chosenColour, this.range, first));
+    const { agents, valueNames } = (this.source as FrameSource).description;
+    this.drawing.show(toDrawn(frame), colouringOf(frame, this.chosenColour, this.range, first, valueNames));
     this.drawing.describe(`${frame.ids.length} ${agents} at step ${frame.step}, coloured by ${words(this.chosenColour)}. ` +
       "Arrow keys move the picture, plus and minus zoom, 0 shows all, Enter selects the agent in the middle.");
     this.film.show(frame, agents);

@@ -36,6 +36,8 @@ test("Colours are those that the columns allow, and a bar covers all that was sh
   const slower = { ...columns, velocity_x: new Float64Array([1, 0]), velocity_y: new Float64Array([0, 0]) };
   expect(colouringOf(frame([0, 1], slower), "speed", range, undefined)).toMatchObject({ least: 0, most: 5 });
   expect(colouringOf(frame([0, 1], columns), "species", range, undefined)).toMatchObject({ by: "kinds" });
+  expect(colouringOf(frame([0, 1], columns), "species", range, undefined, { species: ["ant", "bee"] })).toMatchObject({ names: ["ant", "bee"] });
+  expect(colouringOf(frame([0, 1], columns), "species", range, undefined, { kind: ["ant"] })).toMatchObject({ names: [] });
   expect(colouringOf(frame([0, 1], columns), "nonsense", range, undefined)).toEqual({ by: "plain" });
 });
 

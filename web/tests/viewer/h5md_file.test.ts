@@ -55,6 +55,7 @@ describe("A trajectory of Gridlock", () => {
       counts.set(step, (counts.get(step) ?? 0) + 1);
     }
     const file = opened(place.of("town/trajectory.h5"));
+    expect(file.description.valueNames).toEqual({ health: ["susceptible", "infected", "recovered"] });
     expect(new Set(counts.values()).size).toBeGreaterThan(1);
     for (const [index, step] of file.description.steps.entries()) {
       const frame = await file.frame(index);
