@@ -40,7 +40,7 @@ void row(char const* what, std::size_t disks, std::uint64_t seed, std::uint64_t 
 
 void measure(std::size_t disks, double packing_fraction, std::uint64_t seed, double pressure, std::uint64_t threads) {
   MinimizerSettings const settings{.threads = threads};
-  Packing const start_packing = reference::random_packing(disks, packing_fraction, seed);
+  Packing const start_packing = reference::random_packing(disks, packing_fraction, seed, Edge::periodic, 1.0);
   Time::time_point const start = Time::now();
   Minimizer quench(settings, start_packing);
   quench.advance();

@@ -145,10 +145,11 @@ void print_notes(PackingAnalysis const& analysis) {
     note("no disks overlap; contacts of hard disks are those within a gap, such as --tolerance 1e-6");
   } else if (!network.is_converged(analysis.questions.largest_residual)) {
     note(
-        fmt::format("not a minimum: a net force is {:.3g} of the mean contact force, above {:.3g}; moduli are of no "
-                    "meaning and left out",
-                    network.residual_force, analysis.questions.largest_residual));
-  } else if (analysis.softest_mode && analysis.softest_mode->eigenvalue < least_eigenvalue_of_a_minimum) {
+        fmt::format("not a minimum: the root mean square of the net forces is {:.3g} of the mean contact force and the "
+                    "largest {:.3g}, with a bound of {:.3g}; moduli are of no meaning and left out",
+                    network.rms_residual_force, network.residual_force, analysis.questions.largest_residual));
+  } else if (analysis.softest_mode &&
+             analysis.softest_mode->eigenvalue < min_eigenvalue_of_a_minimum(network.pressure)) {
     note("a saddle and not jammed: the forces balance, but the energy falls along the softest mode");
   } else if (network.backbone_disks > 0 && !analysis.moduli) {
     note("the backbone has loose parts, so that it has no moduli");

@@ -58,8 +58,11 @@ class Contacts:
     pressure: float  #: p = P D²/ε with P = Σ f r / (2 A)
     stress: NDArray[np.float64]  #: σ_ab = −Σ f r n_a n_b D² / (ε A), shape (2, 2)
     residual_force: float  #: the largest net force on a disk over the mean contact force
-    is_converged: bool  #: the residual is below the bound, or as small as the rounding of positions allows
-    is_jammed: bool  #: converged, with pressure, and no fewer contacts than a rigid backbone needs
+    rms_residual_force: float  #: the root mean square of the net forces over the mean contact force
+    is_converged: bool  #: the root mean square is below the bound, or as small as the rounding of positions allows
+    #: converged, with pressure, no fewer contacts than a rigid backbone needs, and no way down; None where that is not known: of hard disks,
+    #: and without the stiffness
+    is_jammed: bool | None
 
     bulk_modulus: float  #: K; not a number where ``is_converged`` is false, and where no strain has a cost
     shear_modulus: float  #: ⟨G⟩ over all directions: (G_xy + G_xx−yy)/2, between walls G_xx−yy
@@ -110,8 +113,10 @@ def contacts(
     :param tolerance: pairs with a gap r/σ − 1 below it are contacts too. Hard disks, which do not overlap, have contacts only so; they
         get a backbone, but no forces and moduli.
     :param largest_gap: of ``gaps``, from 0 to 1.
-    :param residual: the largest share of the mean contact force that may be left on a disk of a minimum.
-    :param stiffness: False leaves out the elastic constants and the softest mode, which take most of the time.
+    :param residual: the largest share of the mean contact force that the root mean square of the net forces of a minimum may have; a
+        single net force may have 100 times it.
+    :param stiffness: False leaves out the elastic constants and the softest mode, which take most of the time. Then nobody knows whether
+        forces that balance do so at a saddle: ``is_jammed`` is None in place of True.
     :raises Error: without a box, for points outside walls, radii that are not positive, overlaps δ above ½, which no packing has, and
         periodic boxes in which a disk could touch two images of another.
 

@@ -93,9 +93,11 @@ void add_network(NamedValues& result, ContactNetwork network, double largest_res
   result["pressure"] = network.pressure;
   result["stress"] = nb::make_tuple(network.stress.xx, network.stress.yy, network.stress.xy);
   result["residual_force"] = network.residual_force;
+  result["rms_residual_force"] = network.rms_residual_force;
   result["smallest_diameter"] = network.smallest_diameter;
   result["is_converged"] = network.is_converged(largest_residual);
-  result["is_jammed"] = network.is_jammed(largest_residual, mode ? std::optional(mode->eigenvalue) : std::nullopt);
+  auto const jammed = network.is_jammed(largest_residual, mode ? std::optional(mode->eigenvalue) : std::nullopt);
+  result["is_jammed"] = jammed ? nb::cast(*jammed) : nb::none();
   result["forces"] = owned_array(std::move(network.forces));
   result["coordination"] = owned_array(std::move(network.coordination));
 }

@@ -254,7 +254,7 @@ class PythonSimulation {
   std::vector<std::tuple<std::string, double, std::optional<double>, std::string>> results() {
     Use const use(*this);
     std::vector<std::tuple<std::string, double, std::optional<double>, std::string>> results;
-    for (NamedEstimate const& result : simulation().results()) {
+    for (NamedEstimate const& result : run_ ? run_->results() : simulation().results()) {
       results.emplace_back(result.name, result.estimate.value, result.estimate.error, result.unit);
     }
     return results;

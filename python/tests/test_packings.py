@@ -79,8 +79,9 @@ def test_hard_disks_have_contacts_within_the_tolerance():
     points, radii, box = known("marginal")
     hard = gridlock.contacts(points, radii * (1 - 1e-6), box)
     assert len(hard.pairs) == 0 and hard.is_rattler.all() and hard.rattler_share == 1.0
-    assert np.isnan(hard.contact_number) and np.isnan(hard.bulk_modulus) and not hard.is_jammed
+    assert np.isnan(hard.contact_number) and np.isnan(hard.bulk_modulus) and hard.is_jammed is False
     near = gridlock.contacts(points, radii * (1 - 1e-6), box, tolerance=2e-6)
+    assert near.is_jammed is None
     assert (near.backbone_disks, near.backbone_contacts, near.excess_contacts) == (60, 119, 0)
     assert (near.forces == 0).all() and np.isnan(near.softest_mode) and len(near.relative_forces) == 0
 
@@ -93,6 +94,27 @@ def test_what_is_no_minimum_has_no_moduli():
     assert np.isnan(found.elastic_constants).all() and np.isnan(found.softest_displacements).all()
     assert gridlock.contacts(shaken, radii, box, residual=100.0).bulk_modulus > 0
     assert np.isnan(gridlock.contacts(points, radii, box, stiffness=False).bulk_modulus)
+
+
+@pytest.mark.parametrize("overlap", [1e-2, 1e-6, 1e-8])
+def test_a_saddle_is_not_jammed_whatever_else_is_asked_for(overlap):
+    columns, rows = 8, 6
+    points = np.column_stack([axis.ravel() for axis in np.meshgrid(np.arange(columns) + 0.5, np.arange(rows) + 0.5)])
+    radius = 0.5 * (1 + overlap)
+    assert gridlock.contacts(points, radius, (columns, rows)).is_jammed is False
+    assert gridlock.contacts(points, radius, (columns, rows), stiffness=False).is_jammed is None
+    assert gridlock.contacts(points, 0.49, (columns, rows), stiffness=False).is_jammed is False
+    points, radii, box = known("mid")
+    assert gridlock.contacts(points, radii, box).is_jammed is True
+
+
+def test_a_minimum_by_the_root_mean_square_is_one():
+    points, radii, box = known("over")
+    shaken = points + 1e-9 * np.random.default_rng(1).normal(size=points.shape)
+    found = gridlock.contacts(shaken, radii, box)
+    assert not found.is_converged and found.residual_force > 1.3 * found.rms_residual_force > 0
+    between = np.sqrt(found.residual_force * found.rms_residual_force)
+    assert gridlock.contacts(shaken, radii, box, residual=between).bulk_modulus > 0
 
 
 @pytest.mark.parametrize("kind", [list, np.float32, np.int32, np.longdouble])

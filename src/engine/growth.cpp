@@ -259,11 +259,14 @@ void Growth::finish_at_density(State& state) {
 
 void Growth::require_gaps_of_some_digits(State const& state) const {
   if (!reduced_pressure_ || !(*reduced_pressure_ > largest_pressure(state))) return;
-  throw RunFailure(
-      fmt::format("time {}: at packing fraction {:.9g} the reduced pressure is {:.3g}, and the gaps between the "
-                  "disks are the last digits of their coordinates\n  hint: end the growth by a pressure, or "
-                  "grow more slowly for a higher packing fraction",
-                  state.clock.time, packing_fraction_of(state), *reduced_pressure_));
+  throw RunFailure(fmt::format(
+      "time {}: the disks have jammed at packing fraction {:.9g}{}: the reduced pressure is {:.3g}, and the "
+      "gaps between the disks are the last digits of their coordinates\n  hint: end the growth by a "
+      "pressure, or grow more slowly for a higher packing fraction",
+      state.clock.time, packing_fraction_of(state),
+      settings_.packing_fraction ? fmt::format(" and cannot grow to {:.6g}", *settings_.packing_fraction)
+                                 : std::string(),
+      *reduced_pressure_));
 }
 
 void Growth::finish(State& state) {

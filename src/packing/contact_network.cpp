@@ -19,6 +19,7 @@ namespace {
 constexpr std::uint32_t fewest_contacts = 3;
 constexpr double largest_overlap = 0.5;
 constexpr double largest_rounding_residual = 1e-3;
+constexpr double max_over_rms = 100.0;
 
 void require_share(double value, std::string_view name) {
   if (value >= 0.0 && value <= 1.0) return;
@@ -102,10 +103,13 @@ void add_up_forces(ContactNetwork& network, Box const& box) {
   if (overlaps == 0) return;
   network.mean_force = sum / static_cast<double>(overlaps);
   double largest = 0.0;
+  double squares = 0.0;
   for (Vector const net : forces_of(network.contacts, network.potential, network.size())) {
     largest = std::max(largest, std::sqrt(squared_length(net)));
+    squares += squared_length(net);
   }
   network.residual_force = largest / network.mean_force;
+  network.rms_residual_force = std::sqrt(squares / static_cast<double>(network.size())) / network.mean_force;
   // A few last bits of a coordinate over the mean overlap: twice what Minimizer takes for converged, for files round once more.
   double const rounding = 0x1p-49 * std::max(box.width(), box.height());
   double const mean_overlap = network.smallest_diameter * sum_of_overlaps / static_cast<double>(overlaps);
@@ -142,12 +146,16 @@ std::vector<Contact> ContactNetwork::backbone() const {
 }
 
 bool ContactNetwork::is_converged(double largest_residual) const {
-  return residual_force <= std::max(largest_residual, rounding_residual);
+  double const bound = std::max(largest_residual, rounding_residual);
+  return rms_residual_force <= bound && residual_force <= max_over_rms * bound;
 }
 
-bool ContactNetwork::is_jammed(double largest_residual, std::optional<double> softest_mode) const {
-  if (tolerance > 0.0 || !(softest_mode.value_or(0.0) >= least_eigenvalue_of_a_minimum)) return false;
-  return pressure > 0.0 && backbone_disks > 0 && excess_contacts() >= 0 && is_converged(largest_residual);
+std::optional<bool> ContactNetwork::is_jammed(double largest_residual, std::optional<double> softest_mode) const {
+  if (tolerance > 0.0) return std::nullopt;
+  bool const is_held = pressure > 0.0 && backbone_disks > 0 && excess_contacts() >= 0 && is_converged(largest_residual);
+  if (!is_held) return false;
+  if (!softest_mode) return std::nullopt;
+  return *softest_mode >= min_eigenvalue_of_a_minimum(pressure);
 }
 
 ContactNetwork find_contact_network(Packing const& packing, Potential potential, double tolerance) {

@@ -40,6 +40,9 @@ constexpr double first_quasi_newton_scale = 0.2;  // D²/ε
 constexpr double least_decrease = 1e-4;           // of what the slope promises
 
 constexpr double displacement_from_saddle = 1e-4;  // D
+constexpr double curvature_of_saddle = -1e-7;      // ε/D²
+/// Where forces do not balance better than this, the curvature says nothing: it is that of a way, and not of a minimum or a saddle.
+constexpr double max_residual_of_saddle = 1e-3;
 
 constexpr std::uint64_t iterations_per_look = 8;
 
@@ -133,8 +136,8 @@ class Minimizer::Search {
 
   /// Whether the forces balance at a saddle: some displacement lowers the energy by more than the pressure of a marginal packing does.
   bool is_at_saddle(Packing const& packing) {
-    if (settings_.newton_residual == 0.0) return false;
-    return !factorize(analyzed_hessian(packing), -least_eigenvalue_of_a_minimum);
+    if (settings_.newton_residual == 0.0 || look(packing).residual() > max_residual_of_saddle) return false;
+    return !factorize(analyzed_hessian(packing), -curvature_of_saddle);
   }
 
   /// Displaces every disk a little, each in a direction of its own, and leaves the next search to FIRE for longer.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "gridlock/core/error.hpp"
@@ -54,6 +55,20 @@ double linear_pressure(double pressure, Potential potential) {
   return potential == Potential::harmonic ? pressure : nth_root(pressure * pressure, 3);
 }
 
+/// One member of every level. A file can hold anything: there are as many levels as the columns have numbers, and no more.
+template <class Value>
+void serialize_column(Archive& archive, std::string_view name, std::uint64_t count, std::vector<PressureLevel>& levels,
+                      Value PressureLevel::*member) {
+  std::vector<Value> values;
+  if (!archive.is_restoring()) {
+    for (PressureLevel const& level : levels) values.push_back(level.*member);
+  }
+  archive.visit(fmt::format("level_{}", name), values);
+  archive.require(values.size() == count, "the levels of a ramp of pressure differ in number");
+  levels.resize(count);
+  for (std::size_t k = 0; k < count; ++k) levels[k].*member = values[k];
+}
+
 PressureRampSettings const& checked(PressureRampSettings const& settings) {
   if (!(settings.pressure > 0.0 && settings.pressure < 1.0)) {
     throw Error({.what = fmt::format("a pressure of {} cannot be reached", settings.pressure),
@@ -82,6 +97,18 @@ PressureRampSettings const& checked(PressureRampSettings const& settings) {
 
 }  // namespace
 
+void require_countable_levels(double from, double to, double step, std::string const& key) {
+  double const distance = std::abs(to - from);
+  if (distance <= step * PressureRampSettings::max_levels) return;
+  throw Error(
+      {.what = fmt::format("steps of {} from packing fraction {:.6g} to {:.6g} are {:.3g} levels, each of which "
+                           "is kept",
+                           step, from, to, distance / step),
+       .hint = fmt::format("use a step of {:.2g} or more, for at most {} levels",
+                           1.05 * distance / PressureRampSettings::max_levels, PressureRampSettings::max_levels),
+       .key = key});
+}
+
 char const* to_text(RampStatus status) {
   switch (status) {
     case RampStatus::running:
@@ -99,7 +126,11 @@ char const* to_text(RampStatus status) {
 }
 
 PressureRamp::PressureRamp(PressureRampSettings const& settings, Packing packing)
-    : settings_(checked(settings)), good_(std::move(packing)), minimizer_(settings.minimizer, good_) {}
+    : settings_(checked(settings)), good_(std::move(packing)), minimizer_(settings.minimizer, good_) {
+  if (!settings_.packing_fraction) return;
+  require_countable_levels(gridlock::packing_fraction(good_), *settings_.packing_fraction, settings_.step,
+                           "protocol.step");
+}
 
 bool PressureRamp::advance(std::function<bool()> const& should_continue) {
   while (status_ == RampStatus::running) {
@@ -312,28 +343,22 @@ PressureLevel level_of(Packing const& packing, ContactNetwork const& network) {
 }
 
 void serialize(Archive& archive, std::vector<PressureLevel>& levels) {
+  // Columns, since there may be a million levels, and a name for each would take more room than the numbers.
   std::uint64_t count = levels.size();
   archive.visit("levels", count);
-  archive.require(count <= 100'000, "a ramp of pressure has too many levels");
-  levels.resize(count);
-  for (std::size_t k = 0; k < count; ++k) {
-    PressureLevel& level = levels[k];
-    serialize_inside(archive, fmt::format("level_{}", k), [&] {
-      archive.visit("packing_fraction", level.packing_fraction);
-      archive.visit("pressure", level.pressure);
-      archive.visit("energy", level.energy);
-      archive.visit("residual", level.residual);
-      archive.visit("iterations", level.iterations);
-      archive.visit("backbone_disks", level.backbone_disks);
-      archive.visit("backbone_contacts", level.backbone_contacts);
-      archive.visit("contact_number", level.contact_number);
-      archive.visit("excess_contacts", level.excess_contacts);
-      archive.visit("bulk_modulus", level.bulk_modulus);
-      archive.visit("shear_modulus", level.shear_modulus);
-      archive.visit("least_shear_modulus", level.least_shear_modulus);
-      archive.visit("jamming_packing_fraction", level.jamming_packing_fraction);
-    });
-  }
+  serialize_column(archive, "packing_fraction", count, levels, &PressureLevel::packing_fraction);
+  serialize_column(archive, "pressure", count, levels, &PressureLevel::pressure);
+  serialize_column(archive, "energy", count, levels, &PressureLevel::energy);
+  serialize_column(archive, "residual", count, levels, &PressureLevel::residual);
+  serialize_column(archive, "iterations", count, levels, &PressureLevel::iterations);
+  serialize_column(archive, "backbone_disks", count, levels, &PressureLevel::backbone_disks);
+  serialize_column(archive, "backbone_contacts", count, levels, &PressureLevel::backbone_contacts);
+  serialize_column(archive, "contact_number", count, levels, &PressureLevel::contact_number);
+  serialize_column(archive, "excess_contacts", count, levels, &PressureLevel::excess_contacts);
+  serialize_column(archive, "bulk_modulus", count, levels, &PressureLevel::bulk_modulus);
+  serialize_column(archive, "shear_modulus", count, levels, &PressureLevel::shear_modulus);
+  serialize_column(archive, "least_shear_modulus", count, levels, &PressureLevel::least_shear_modulus);
+  serialize_column(archive, "jamming_packing_fraction", count, levels, &PressureLevel::jamming_packing_fraction);
 }
 
 }  // namespace gridlock

@@ -47,6 +47,7 @@ void serialize_result(Archive& archive, StageResult& result) {
   serialize_optional(archive, "softest_mode", result.softest_mode);
   serialize_optional(archive, "is_converged", result.is_converged);
   serialize_optional(archive, "packing_fraction_without_minimum", result.packing_fraction_without_minimum);
+  serialize_optional(archive, "mean_overlap", result.mean_overlap);
   serialize_optional(archive, "is_jammed", result.is_jammed);
   archive.visit("disks", result.disks);
   archive.visit("work", result.work);
@@ -83,6 +84,7 @@ std::string setting_of_stage(std::string const& key, std::size_t number) {
       {"swap.swap_fraction", "swap_fraction"},
       {"protocol.until_pressure", "until_pressure"},
       {"protocol.until_packing_fraction", "until_packing_fraction"},
+      {"protocol.step", "step"},
       {"stage.until_time", "until_time"},
       {"stage.collisions_per_disk", "collisions_per_disk"}};
   for (auto const& [name, setting] : settings) {
@@ -101,6 +103,16 @@ Error located(Error const& error, std::size_t number, StageKind kind) {
   return Error(std::move(problems));
 }
 
+/// A decompression of disks that do not press has nothing to do. Later stages have to take what those before leave.
+void require_pressing(StageKind kind, State const& start) {
+  if (kind != StageKind::decompress || !find_contacts(packing_of(start)).empty()) return;
+  throw Error({.what = fmt::format("stage 1 of the protocol, \"decompress\", has nothing to decompress: at packing "
+                                   "fraction {:.6g} no two disks press on each other",
+                                   packing_fraction_of(start)),
+               .hint = "begin with a stage \"quench\" or \"compress\" that ends above jamming, such as at 0.9",
+               .key = "protocol[0].stage"});
+}
+
 /// A ramp that begins where it is to end has one minimum, and nothing to extrapolate: the stage before knows where these disks jam.
 void take_over_jamming_packing_fraction(StageResult const& before, StageResult& result) {
   bool const is_same = result.levels.size() == 1 && result.packing_fraction == before.packing_fraction;
@@ -115,6 +127,7 @@ Protocol::Protocol(ProtocolSettings settings, State const& start) : settings_(st
   require_valid(settings_.stages, packing_fraction_of(start));
   // To refuse what cannot begin; the stage itself begins with the disks as they are then.
   if (settings_.stages.empty()) return;
+  require_pressing(settings_.stages.front().kind, start);
   try {
     static_cast<void>(make_stage(settings_, 0, start));
   } catch (Error const& error) {

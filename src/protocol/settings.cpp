@@ -122,6 +122,18 @@ void check_direction(StageSettings const& stage, double before, std::string cons
        .key = fmt::format("{}.until_packing_fraction", place)});
 }
 
+/// A ramp whose levels are more than anybody can keep.
+void check_levels(StageSettings const& stage, double before, std::string const& place, std::vector<Problem>& problems) {
+  bool const is_ramp = stage.kind == StageKind::compress || stage.kind == StageKind::decompress;
+  if (!is_ramp || !stage.until_packing_fraction) return;
+  try {
+    require_countable_levels(before, *stage.until_packing_fraction, stage.step.value_or(PressureRampSettings{}.step),
+                             fmt::format("{}.step", place));
+  } catch (Error const& error) {
+    problems.push_back(error.problems().front());
+  }
+}
+
 void check_settings(StageSettings const& stage, std::string const& place, std::vector<Problem>& problems) {
   std::string_view const name = name_of(stage.kind);
   StageRules const rules = rules_of(stage.kind);
@@ -262,6 +274,7 @@ void require_valid(std::vector<StageSettings> const& stages, std::optional<doubl
     std::string const place = fmt::format("protocol[{}]", k);
     check_settings(stages[k], place, problems);
     if (packing_fraction) check_direction(stages[k], *packing_fraction, place, problems);
+    if (packing_fraction) check_levels(stages[k], *packing_fraction, place, problems);
     packing_fraction = packing_fraction_after(stages[k], packing_fraction);
     if (k > 0 && leaves_overlaps(stages[k - 1].kind) && is_hard(stages[k].kind)) {
       problems.push_back({.what = fmt::format("a stage \"{}\" of hard disks cannot begin where \"{}\" leaves overlaps",

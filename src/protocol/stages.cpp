@@ -39,6 +39,9 @@ void add_end(ContactNetwork const& network, SoftSettings const& soft, StageResul
   std::optional<VibrationMode> const mode = find_softest_mode(network);
   if (mode) result.softest_mode = mode->eigenvalue;
   result.is_jammed = network.is_jammed(soft.residual, result.softest_mode);
+  double overlaps = 0.0;
+  for (Contact const& contact : network.contacts) overlaps += contact.overlap();
+  if (!network.contacts.empty()) result.mean_overlap = overlaps / static_cast<double>(network.contacts.size());
 }
 
 class QuenchStage final : public Stage {

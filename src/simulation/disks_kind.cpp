@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -182,6 +183,24 @@ std::optional<Event> fast_on_ranks(Ranks const& ranks, EngineSettings const& eng
   return Event{.kind = EventKind::fast_on_ranks,
                .key = "engine.speed",
                .values = {{"ratio", disks.largest_speed / speed}, {"speed", speed}}};
+}
+
+/// Stages that two settings may end.
+std::vector<Event> notes_on_ends(std::vector<StageSettings> const& stages) {
+  std::vector<Event> notes;
+  for (std::size_t k = 0; k < stages.size(); ++k) {
+    StageSettings const& stage = stages[k];
+    char const* ends = nullptr;
+    if (stage.until_packing_fraction && stage.until_pressure) ends = "until_packing_fraction and until_pressure";
+    if (stage.until_time && stage.collisions_per_disk) ends = "until_time and collisions_per_disk";
+    if (ends == nullptr) continue;
+    notes.push_back({.kind = EventKind::stage_with_two_ends,
+                     .key = fmt::format("protocol[{}]", k),
+                     .values = {{"stage", static_cast<std::uint64_t>(k + 1)},
+                                {"name", std::string(name_of(stage.kind))},
+                                {"ends", std::string(ends)}}});
+  }
+  return notes;
 }
 
 bool has_length(RunSettings const& run) { return run.steps.value_or(0) > 0 || run.time || run.collisions_per_disk; }
@@ -484,6 +503,7 @@ void DisksKind::build(Setup& setup, SetupOptions const& options) const {
   settings.threads = options.threads.value_or(settings.threads);
   EngineRecord const& record = engine_record(settings.kind);
   if (!configuration.protocol.empty()) {
+    std::ranges::move(notes_on_ends(configuration.protocol), std::back_inserter(setup.notes));
     setup.simulation = prepared_simulation(configuration, settings, std::move(state));
     return;
   }

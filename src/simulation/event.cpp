@@ -9,20 +9,20 @@
 #include <set>
 
 #include "gridlock/core/detail/time_step_rule.hpp"
-#include "gridlock/packing/contact_network.hpp"
 #include "gridlock/packing/minimizer.hpp"
 
 namespace gridlock {
 
 namespace {
 
-constexpr std::array<std::string_view, 27> kind_texts{"unused_setting",
+constexpr std::array<std::string_view, 33> kind_texts{"unused_setting",
                                                       "misleading_rule",
                                                       "note_of_model",
                                                       "frames_beyond_end",
                                                       "nothing_moves",
                                                       "fast_on_ranks",
                                                       "start_not_tried",
+                                                      "stage_with_two_ends",
                                                       "begun",
                                                       "began_again",
                                                       "resumed",
@@ -40,6 +40,11 @@ constexpr std::array<std::string_view, 27> kind_texts{"unused_setting",
                                                       "jamming_not_known",
                                                       "packing_not_jammed",
                                                       "packing_unstable",
+                                                      "packing_gives_way",
+                                                      "packing_too_dense",
+                                                      "error_not_known",
+                                                      "disks_in_cages",
+                                                      "time_stands_still",
                                                       "audited",
                                                       "traffic_counted",
                                                       "ended"};
@@ -91,6 +96,9 @@ std::string text_of_setup(Event const& event) {
           "some disks are {:.3g} times as fast as engine.speed = {:.6g}: on ranks such disks wait for one another, and "
           "a run of many can take hundreds of times as long; a larger engine.speed makes shorter steps",
           of.number("ratio"), of.number("speed"));
+    case EventKind::stage_with_two_ends:
+      return fmt::format("stage {} of the protocol, \"{}\", has two ends, {}: the one that it reaches first ends it",
+                         of.count("stage"), of.word("name"), of.word("ends"));
     default:
       return fmt::format(
           "the random start was not tried, since that takes about {:.0f} s; gridlock run will tell "
@@ -126,7 +134,7 @@ std::string reason_of(Event const& event) {
                              of.count("backbone_disks"), of.count("missing_contacts"),
                              of.count("missing_contacts") == 1 ? "" : "s");
   }
-  if (of.number("softest_mode") < least_eigenvalue_of_a_minimum)
+  if (find(event, "softest_mode") != nullptr)
     return fmt::format("the energy falls along its softest mode, of eigenvalue {:.3g}", of.number("softest_mode"));
   return fmt::format("a net force is {:.3g} of the mean contact force", of.number("residual"));
 }
@@ -162,12 +170,51 @@ std::string text_of_stage(Event const& event) {
                          find(event, "jamming_packing_fraction") == nullptr
                              ? ""
                              : "; jamming_packing_fraction is only where its pressure vanishes");
+    case EventKind::packing_gives_way:
+      return fmt::format(
+          "the packing of {}, is at an instability: its bulk modulus is {:.3g}; the moduli are left out of the "
+          "results, "
+          "and so of means over runs",
+          stage, of.number("bulk_modulus"));
+    case EventKind::packing_too_dense:
+      return fmt::format(
+          "the packing of {}, is far above jamming: the disks cover {:.4g} of the box, and overlap by {:.2g} of their "
+          "distance at contact on the average; nothing there is like hard disks",
+          stage, of.number("packing_fraction"), of.number("mean_overlap"));
     default:
       return fmt::format(
           "the packing of {}, is unstable against shear: its least shear modulus is {:.3g}, since the box keeps its "
           "shape",
           stage, of.number("least_shear_modulus"));
   }
+}
+
+/// Of a run of hard disks, and of averages.
+std::string text_of_run(Event const& event) {
+  Values const of{event};
+  switch (event.kind) {
+    case EventKind::disks_in_cages:
+      return fmt::format(
+          "the disks have not left their cages: after {:.3g} collisions each, their mean squared displacement is "
+          "{:.2g} "
+          "of a squared diameter; a crystal stays so, but a fluid is no equilibrium yet: run it longer",
+          of.number("collisions_per_disk"), of.number("squared_diameters"));
+    case EventKind::time_stands_still:
+      return fmt::format(
+          "time hardly moves: in {} collisions {:.3g} of time has passed, and from one to the next a disk flies {:.2g} "
+          "of "
+          "its diameter; disks are wedged or jammed",
+          of.count("collisions"), of.number("time"), of.number("flight"));
+    default:
+      break;
+  }
+  std::string const why =
+      find(event, "differs_by") != nullptr
+          ? fmt::format("the samples that averages leave out differ from those that they keep by {:.2g} errors",
+                        of.number("differs_by"))
+          : fmt::format("what changes slowest was seen about {:.0f} times in the samples, and it takes 10",
+                        std::max(of.number("times_seen"), 1.0));
+  return fmt::format("no error is given for {}: {}; make the run longer, or take several seeds", of.word("names"), why);
 }
 
 std::string text_of_end(Event const& event) {
@@ -235,7 +282,13 @@ std::string to_text(Event const& event) {
     case EventKind::jamming_not_known:
     case EventKind::packing_not_jammed:
     case EventKind::packing_unstable:
+    case EventKind::packing_gives_way:
+    case EventKind::packing_too_dense:
       return text_of_stage(event);
+    case EventKind::error_not_known:
+    case EventKind::disks_in_cages:
+    case EventKind::time_stands_still:
+      return text_of_run(event);
     case EventKind::audited:
       return text_of_audits(of);
     case EventKind::ended:

@@ -87,7 +87,7 @@ void put_inside(Packing& packing) {
 
 }  // namespace
 
-bool is_jammed(PackingAnalysis const& analysis) {
+std::optional<bool> is_jammed(PackingAnalysis const& analysis) {
   std::optional<double> mode;
   if (analysis.softest_mode) mode = analysis.softest_mode->eigenvalue;
   return analysis.network.is_jammed(analysis.questions.largest_residual, mode);
@@ -178,10 +178,11 @@ Json summary_of(PackingAnalysis const& analysis) {
   json["stress_yy"] = network.stress.yy;
   json["stress_xy"] = network.stress.xy;
   json["residual_force"] = network.residual_force;
+  json["rms_residual_force"] = network.rms_residual_force;
   add_elasticity(json, analysis);
   json["is_converged"] = network.is_converged(largest_residual);
-  // Of hard disks nothing is known.
-  json["is_jammed"] = network.tolerance > 0.0 ? Json(nullptr) : Json(is_jammed(analysis));
+  std::optional<bool> const jammed = is_jammed(analysis);
+  json["is_jammed"] = jammed ? Json(*jammed) : Json(nullptr);
   json["is_shear_stable"] = analysis.moduli ? Json(analysis.moduli->is_shear_stable()) : Json(nullptr);
   return json;
 }

@@ -39,7 +39,7 @@ PackingAnalysis find_contacts_of(State const& state, PackingQuestions const& que
 PackingAnalysis analyse_packing(State const& state, PackingQuestions const& questions);
 
 /// What ContactNetwork::is_jammed() says with the softest mode.
-bool is_jammed(PackingAnalysis const& analysis);
+std::optional<bool> is_jammed(PackingAnalysis const& analysis);
 
 /// The contacts: i and j as Ids (at a wall twice the same), the wall (0 none, 1 left, 2 right, 3 bottom, 4 top), distance, overlap,
 /// normal, force, the image of j that i touches, and whether both are of the backbone.

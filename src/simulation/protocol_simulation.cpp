@@ -73,10 +73,20 @@ std::vector<ResultEntry> swap_entries() {
            [](StageResult const& stage) { return number(stage.swap->is_equilibrated); }}};
 }
 
+/// Whether the packing is unstable against compression; not where it has no modulus.
+bool gives_way(PressureLevel const& level) { return level.bulk_modulus <= 0.0; }
+
 /// Of the last stage of soft disks.
 std::vector<ResultEntry> soft_entries() {
   auto const end = [](auto member) {
     return [member](StageResult const& stage) { return std::invoke(member, stage.levels.back()); };
+  };
+  // At an instability moduli have any value: they would enter means over runs in place of those of solids.
+  auto const modulus = [](auto member) {
+    return [member](StageResult const& stage) {
+      PressureLevel const& level = stage.levels.back();
+      return gives_way(level) ? std::nullopt : std::optional(std::invoke(member, level));
+    };
   };
   auto const share = [](double part, double disks) { return disks > 0.0 ? part / disks : 0.0; };
   return {
@@ -94,9 +104,10 @@ std::vector<ResultEntry> soft_entries() {
        }},
       {{"excess_contacts", "", "Contacts of the backbone beyond those that a marginal packing has."},
        end(&PressureLevel::excess_contacts)},
-      {{"bulk_modulus", "", "K in ε/D²."}, end(&PressureLevel::bulk_modulus)},
-      {{"shear_modulus", "", "⟨G⟩, the mean over all directions, in ε/D²."}, end(&PressureLevel::shear_modulus)},
-      {{"least_shear_modulus", "", "G of the softest direction, in ε/D²."}, end(&PressureLevel::least_shear_modulus)},
+      {{"bulk_modulus", "", "K in ε/D²."}, modulus(&PressureLevel::bulk_modulus)},
+      {{"shear_modulus", "", "⟨G⟩, the mean over all directions, in ε/D²."}, modulus(&PressureLevel::shear_modulus)},
+      {{"least_shear_modulus", "", "G of the softest direction, in ε/D²."},
+       modulus(&PressureLevel::least_shear_modulus)},
       {{"softest_mode", "", "The smallest eigenvalue of the Hessian of the backbone, in ε/D²."},
        &StageResult::softest_mode},
       {{"residual_force", "", "The largest net force over the mean contact force."}, end(&PressureLevel::residual)},
@@ -105,7 +116,12 @@ std::vector<ResultEntry> soft_entries() {
       {{"is_jammed", "", "1 where forces balance, with pressure and enough contacts and no way down, else 0."},
        [](StageResult const& stage) { return number(stage.is_jammed.value_or(false)); }},
       {{"is_shear_stable", "", "1 where every shear costs energy, else 0."},
-       [](StageResult const& stage) { return number(stage.levels.back().least_shear_modulus > 0.0); }}};
+       [](StageResult const& stage) { return number(stage.levels.back().least_shear_modulus > 0.0); }},
+      {{"is_compression_stable", "", "1 where a smaller box costs energy, else 0; its moduli are left out then."},
+       [](StageResult const& stage) -> std::optional<double> {
+         PressureLevel const& level = stage.levels.back();
+         return std::isnan(level.bulk_modulus) ? std::nullopt : std::optional(number(!gives_way(level)));
+       }}};
 }
 
 void add_results(std::vector<ResultEntry> const& entries, StageResult const& stage,
@@ -280,7 +296,7 @@ std::optional<Event> note_on_unjammed(StageResult const& stage, std::size_t numb
   if (level.backbone_disks == 0 || level.excess_contacts < 0.0) {
     note.values.emplace_back("backbone_disks", level.backbone_disks);
     note.values.emplace_back("missing_contacts", static_cast<std::uint64_t>(-std::min(level.excess_contacts, 0.0)));
-  } else if (stage.softest_mode) {
+  } else if (stage.softest_mode && *stage.softest_mode < min_eigenvalue_of_a_minimum(level.pressure)) {
     note.values.emplace_back("softest_mode", *stage.softest_mode);
   }
   note.values.emplace_back("residual", level.residual);
@@ -289,10 +305,23 @@ std::optional<Event> note_on_unjammed(StageResult const& stage, std::size_t numb
   return note;
 }
 
-/// A shear that costs nothing. In a periodic packing with one state of self-stress there is always one.
+/// Disks that cover more than the box: hard ones never do.
+std::optional<Event> note_on_density(StageResult const& stage, std::size_t number) {
+  if (!(stage.packing_fraction > 1.0) || !stage.mean_overlap) return std::nullopt;
+  Event note = note_on(EventKind::packing_too_dense, stage, number);
+  note.values.emplace_back("mean_overlap", *stage.mean_overlap);
+  return note;
+}
+
+/// A compression, or a shear, that costs nothing. In a periodic packing with one state of self-stress there is always one.
 std::optional<Event> note_on_shear(StageResult const& stage, std::size_t number, bool is_periodic) {
   PressureLevel const& level = stage.levels.back();
   // No number where no disks press.
+  if (gives_way(level)) {
+    Event note = note_on(EventKind::packing_gives_way, stage, number);
+    note.values.emplace_back("bulk_modulus", level.bulk_modulus);
+    return note;
+  }
   if (!(level.least_shear_modulus <= 0.0) || (is_periodic && level.excess_contacts <= 0.0)) return std::nullopt;
   Event note = note_on(EventKind::packing_unstable, stage, number);
   note.values.emplace_back("least_shear_modulus", level.least_shear_modulus);
@@ -315,6 +344,7 @@ std::vector<Event> notes_on(std::vector<StageResult> const& stages, bool is_peri
   }
   if (!last_soft) return notes;
   if (auto note = note_on_unjammed(stages[*last_soft], *last_soft)) notes.push_back(*std::move(note));
+  if (auto note = note_on_density(stages[*last_soft], *last_soft)) notes.push_back(*std::move(note));
   if (auto note = note_on_shear(stages[*last_soft], *last_soft, is_periodic)) notes.push_back(*std::move(note));
   return notes;
 }

@@ -14,6 +14,7 @@
 #include "core/saturating.hpp"
 #include "gridlock/core/error.hpp"
 #include "simulation/countable_time.hpp"
+#include "simulation/notes_on_run.hpp"
 
 namespace gridlock {
 
@@ -283,7 +284,20 @@ void Run::serialize_series(Archive& archive) {
   series_ = std::move(series);
 }
 
+std::vector<NamedEstimate> Run::results(std::vector<Event>* notes) const {
+  std::vector<NamedEstimate> results = simulation_.results();
+  auto const& steps = std::get<std::vector<std::uint64_t>>(series_.column(0));
+  auto const first_kept = std::ranges::upper_bound(steps, first_.step + last_left_out_.steps);
+  std::vector<Event> found = withhold_errors(series_, static_cast<std::size_t>(first_kept - steps.begin()), results);
+  if (notes != nullptr) std::ranges::move(found, std::back_inserter(*notes));
+  return results;
+}
+
 RunRecord Run::record() const {
+  std::vector<Event> notes = simulation_.notes();
+  std::vector<NamedEstimate> results = this->results(&notes);
+  std::ranges::move(notes_on_motion(simulation_, simulation_.clock().time - first_.time, results),
+                    std::back_inserter(notes));
   return {.status = status_,
           .failure = failure_,
           .clock = simulation_.clock(),
@@ -296,8 +310,9 @@ RunRecord Run::record() const {
           .counts = simulation_.counts(),
           .series = series_,
           .series_columns = columns_,
-          .results = simulation_.results(),
-          .distributions = simulation_.distributions()};
+          .results = std::move(results),
+          .distributions = simulation_.distributions(),
+          .notes = std::move(notes)};
 }
 
 }  // namespace gridlock

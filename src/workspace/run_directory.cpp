@@ -131,6 +131,7 @@ std::string summary_json(std::string const& versions, Configuration const& confi
     entry["error"] = estimate.error ? Json(*estimate.error) : Json();
     if (!unit.empty()) entry["unit"] = unit;
   }
+  for (Event const& note : record.notes) json["notes"].push_back(to_text(note));
   return json.dump(2) + '\n';
 }
 
@@ -325,7 +326,7 @@ class RunInDirectory {
                                                 : remove_checkpoints(directory_);
     }
     remove_leftovers(directory_);
-    for (Event const& note : simulation_.notes()) log_.write(note);
+    for (Event const& note : record.notes) log_.write(note);
     if (auto const audits = audit_event(simulation_)) log_.write(*audits);
     log_traffic();
     log_.write({.kind = EventKind::ended,
@@ -414,6 +415,9 @@ class RunInDirectory {
       log_.write({.kind = EventKind::checkpoint_written, .severity = Severity::info, .step = clock.step});
     } catch (RunFailure const& failure) {
       warn(failure.what());
+    } catch (Error const& error) {
+      // A run that cannot be saved is still a run: its results are written at its end.
+      warn(error.problems().front().what);
     } catch (std::bad_alloc const&) {
       warn("not enough memory");
     }

@@ -109,8 +109,10 @@ TEST(Protocol, SaysWhereAStageFallsShort) {
     EXPECT_NE(outcome.err.find("note: " + note), std::string::npos) << outcome.err;
     EXPECT_NE(text_of(workplace / "out/run.log").find(note), std::string::npos);
   };
-  expect_note("[[protocol]]\nstage = \"decompress\"\nuntil_pressure = 1e-4\n",
-              "stage 1 of the protocol, \"decompress\", ends with disks that do not press on each other");
+  expect_note(
+      "[[protocol]]\nstage = \"quench\"\npacking_fraction = 0.6\n"
+      "[[protocol]]\nstage = \"decompress\"\nuntil_pressure = 1e-4\n",
+      "stage 2 of the protocol, \"decompress\", ends with disks that do not press on each other");
   expect_note(
       "[[protocol]]\nstage = \"quench\"\npacking_fraction = 1.0\n"
       "[[protocol]]\nstage = \"compress\"\nuntil_pressure = 1e-4\n",
@@ -168,6 +170,9 @@ TEST(Protocol, IsRefusedWithTheStageAndTheSettingThatIsWrong) {
        "packing_fraction = 1e-300"},
       {"stage = \"run\"\ncollisions_per_disk = 1e300", "no stage reaches 1e+300 collisions per disk",
        "collisions_per_disk = 1e300"},
+      {"stage = \"decompress\"\nuntil_pressure = 1e-4", "no two disks press on each other", "stage = \"decompress\""},
+      {"stage = \"compress\"\nuntil_packing_fraction = 0.9\nstep = 1e-7", "are 4e+06 levels, each of which is kept",
+       "step = 1e-7"},
       {"stage = \"run\"\nuntil_time = 1e300", "no clock counts up to time 1e+300", "until_time = 1e300"},
   };
   Workplace const workplace;
@@ -210,7 +215,30 @@ TEST(Protocol, GrowthToADensityThatIsOutOfReachEndsWithTheReason) {
           workplace.path());
   EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
   EXPECT_NE(outcome.err.find("error: stage 1 of the protocol, \"grow\", failed: "), std::string::npos) << outcome.err;
-  EXPECT_NE(outcome.err.find("packing fraction 0.8"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("the disks have jammed at packing fraction 0.8"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find(" and cannot grow to 0.95: "), std::string::npos) << outcome.err;
+}
+
+TEST(Protocol, SaysWhichOfTwoEndsEndsAStage) {
+  Workplace const workplace;
+  Outcome const outcome = run(fluid_with("[[protocol]]\nstage = \"grow\"\nrate = 0.05\nuntil_packing_fraction = 0.55\n"
+                                         "until_pressure = 100\n"),
+                              workplace.path());
+  expect_good(outcome);
+  EXPECT_NE(outcome.err.find("note: stage 1 of the protocol, \"grow\", has two ends, until_packing_fraction and "
+                             "until_pressure: the one that it reaches first ends it"),
+            std::string::npos)
+      << outcome.err;
+}
+
+TEST(Protocol, SaysThatAPackingIsFarAboveJamming) {
+  Workplace const workplace;
+  Outcome const outcome =
+      run(fluid_with("[[protocol]]\nstage = \"quench\"\npacking_fraction = 1.5\n"), workplace.path());
+  expect_good(outcome);
+  EXPECT_NE(outcome.err.find("\"quench\", is far above jamming: the disks cover 1.5 of the box"), std::string::npos)
+      << outcome.err;
+  EXPECT_NE(summary_of(workplace / "out")["notes"].dump().find("far above jamming"), std::string::npos);
 }
 
 TEST(Protocol, IsSetAndSweptStageByStage) {

@@ -37,7 +37,7 @@ double standard_error(std::vector<double> const& values) {
 Jammed quenched_and_decompressed(std::size_t disks, std::uint64_t starts) {
   Jammed jammed;
   for (std::uint64_t seed = 1; seed <= starts; ++seed) {
-    Minimizer quench({}, reference::random_packing(disks, 0.86, seed));
+    Minimizer quench({}, reference::random_packing(disks, 0.86, seed, Edge::periodic, 1.0));
     quench.advance();
     PressureRamp ramp({}, quench.packing());
     ramp.advance();
@@ -72,7 +72,7 @@ double exponent_of_pressure(PressureRamp const& ramp) {
 std::vector<double> exponents(Potential potential, double pressure, std::uint64_t starts) {
   std::vector<double> exponents;
   for (std::uint64_t seed = 1; seed <= starts; ++seed) {
-    Minimizer quench({.potential = potential}, reference::random_packing(64, 0.86, seed));
+    Minimizer quench({.potential = potential}, reference::random_packing(64, 0.86, seed, Edge::periodic, 1.0));
     quench.advance();
     PressureRamp ramp({.minimizer = {.potential = potential}, .pressure = pressure}, quench.packing());
     ramp.advance();

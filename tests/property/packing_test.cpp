@@ -133,7 +133,7 @@ std::vector<bool> rattlers_of(std::vector<Contact> const& contacts, std::size_t 
 }
 
 RC_GTEST_PROP(ContactNetwork, HasTheRattlersOfTheDefinition, ()) {
-  Box const box(1.0, 1.0, *rc::gen::element(Edge::wall, Edge::periodic));
+  Box const box(1.0, *rc::gen::element(0.8, 1.3), *rc::gen::element(Edge::wall, Edge::periodic));
   Packing const packing = reference::minimum_near(
       reference::random_packing(30, 0.86, box, *rc::gen::arbitrary<std::uint64_t>()), Potential::harmonic);
   double const tolerance = *rc::gen::element(0.0, 1e-3, 0.05);
@@ -153,10 +153,10 @@ RC_GTEST_PROP(ContactNetwork, OfAMinimumBalancesAndIsNotUnstable, ()) {
   Potential const potential = any_potential();
   Edge const edge = *rc::gen::element(Edge::wall, Edge::periodic);
   Packing const packing = reference::minimum_near(
-      reference::random_packing(20, 1.0, Box(1.0, 1.0, edge), *rc::gen::arbitrary<std::uint64_t>()), potential);
+      reference::random_packing(20, 1.0, Box(1.0, 1.2, edge), *rc::gen::arbitrary<std::uint64_t>()), potential);
   ContactNetwork const network = find_contact_network(packing, potential);
   RC_ASSERT(network.is_converged(1e-7));
-  RC_ASSERT(network.is_jammed(1e-7));
+  RC_ASSERT(network.is_jammed(1e-7, find_softest_mode(network).value().eigenvalue) == true);
   double const unit = smallest_diameter(packing) * smallest_diameter(packing);
   RC_ASSERT(std::abs(network.pressure - unit * pressure_of(network.contacts, potential, packing.box)) <=
             1e-12 * network.pressure);

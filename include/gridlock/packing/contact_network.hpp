@@ -27,12 +27,13 @@ struct StressTensor {
   double xy = 0.0;
 };
 
-/// A minimum has no net force above this share of the mean contact force.
+/// A minimum has no root mean square of the net forces above this share of the mean contact force.
 inline constexpr double usual_largest_residual = 1e-8;
 /// What is softer than this energy of a disk, in ε, does not overlap; where Minimizer ends its search.
 inline constexpr double least_energy_of_a_disk = 1e-16;
-/// A minimum has no mode with an eigenvalue below this, in ε/D²; rounding and the pressure of marginal packings explain what is above.
-inline constexpr double least_eigenvalue_of_a_minimum = -1e-7;
+/// A minimum at that pressure has no mode with an eigenvalue below this, in ε/D². The way down from a saddle curves by some multiple of the
+/// pressure, −4p for a square lattice; what is above this bound may be rounding.
+constexpr double min_eigenvalue_of_a_minimum(double pressure) { return -(0.1 * pressure + 1e-14); }
 
 /// The contacts of a packing.
 ///
@@ -56,8 +57,9 @@ struct ContactNetwork {
   double energy = 0.0;    ///< of all contacts
   double pressure = 0.0;  ///< p = P D²/ε, P = Σ f r / (2 A)
   StressTensor stress;
-  double mean_force = 0.0;      ///< over the contacts that overlap
-  double residual_force = 0.0;  ///< the largest net force on a disk over the mean force; 0 without forces
+  double mean_force = 0.0;          ///< over the contacts that overlap
+  double residual_force = 0.0;      ///< the largest net force on a disk over the mean force; 0 without forces
+  double rms_residual_force = 0.0;  ///< the same of the root mean square over all disks
   double rounding_residual =
       0.0;  ///< what the rounding of positions alone makes of it: 2⁻⁴⁹ L/(D δ̄), L the longer side, δ̄ the mean overlap; at most 10⁻³
   double smallest_diameter = 0.0;  ///< D
@@ -72,14 +74,14 @@ struct ContactNetwork {
   /// The contacts of the backbone.
   [[nodiscard]] std::vector<Contact> backbone() const;
 
-  /// Whether all forces balance as far as rounding allows: a minimum of the energy, or a saddle.
+  /// Whether all forces balance as far as rounding allows: a minimum of the energy, or a saddle. So it is where the root mean square of the
+  /// net forces, which is what most programs bound, is at most this share of the mean contact force, and no net force is above 100 times it.
   [[nodiscard]] bool is_converged(double largest_residual = usual_largest_residual) const;
   /// Pressure above 0 and forces that balance, on a backbone that has as many contacts as it needs, and no way down.
   ///
-  /// The softest mode is the eigenvalue of find_softest_mode(): below least_eigenvalue_of_a_minimum the packing is a saddle. Without it
-  /// the contacts alone decide. With a tolerance above 0 contacts need carry no force, so that nothing follows from their number: false.
-  [[nodiscard]] bool is_jammed(double largest_residual = usual_largest_residual,
-                               std::optional<double> softest_mode = {}) const;
+  /// The softest mode is the eigenvalue of find_softest_mode(): below min_eigenvalue_of_a_minimum() the packing is a saddle. Nothing
+  /// where it is not given and all else holds: then nobody knows. Nothing with a tolerance above 0 either, for such contacts need carry no force.
+  [[nodiscard]] std::optional<bool> is_jammed(double largest_residual, std::optional<double> softest_mode) const;
 };
 
 /// The contacts of a packing, its backbone, and what they add up to.

@@ -51,7 +51,7 @@ char const* to_text(MinimumStatus status);
 /// No step of either moves a disk by more than 0.1 D.
 ///
 /// Where the forces balance at a saddle, with a curvature below −1e-7 ε/D², all disks are displaced by 1e-4 D and the search goes downhill
-/// from there; not where `newton_residual` is 0.
+/// from there; not where `newton_residual` is 0, and not where a net force above 10⁻³ of the mean contact force is as good as was asked for.
 /// Overlaps near the rounding of the positions set a limit to the residual: it counts as reached at
 /// 2⁻⁵⁰ L/(D δ̄), L the longer side of the box, δ̄ the mean overlap.
 /// Same bits for any number of threads, interrupted or not: each disk adds up its forces in the order of their numbers.

@@ -20,6 +20,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "gridlock/core/archive.hpp"
@@ -37,6 +38,7 @@ struct PressureRampSettings {
   static constexpr std::uint64_t most_levels_per_decade = 20;  ///< nearer ones count as one
   static constexpr double least_step = 1e-7;
   static constexpr double most_step = 0.1;
+  static constexpr double max_levels = 1e6;  ///< between two packing fractions
 
   MinimizerSettings minimizer = {};
   double pressure = 1e-8;                       ///< P D²/ε to reach
@@ -65,6 +67,9 @@ struct PressureLevel {
 };
 
 void serialize(Archive& archive, std::vector<PressureLevel>& levels);
+
+/// Throws Error, of that key, for a ramp that would have more than max_levels.
+void require_countable_levels(double from, double to, double step, std::string const& key);
 
 /// A minimum with all that the network of its contacts says; without iterations and jamming packing fraction.
 /// Contract: `network` is that of the packing.

@@ -60,6 +60,8 @@ struct StageResult {
   std::optional<bool> is_converged = {};
   /// Soft disks: where a minimization gave up.
   std::optional<double> packing_fraction_without_minimum = {};
+  /// Soft disks: the mean of δ over the contacts at the end.
+  std::optional<double> mean_overlap = {};
   /// Soft disks: what ContactNetwork::is_jammed() says of the packing at the end.
   std::optional<bool> is_jammed = {};
   double disks = 0.0;

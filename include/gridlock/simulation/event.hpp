@@ -23,13 +23,14 @@ enum class Severity { info, note, warning };
 /// What an event is about.
 enum class EventKind {
   // A set-up that can be run all the same.
-  unused_setting,     ///< a setting was given on which nothing of the run depends
-  misleading_rule,    ///< the engine has a time step where that is known to mislead
-  note_of_model,      ///< what a model says of its start, in its own words
-  frames_beyond_end,  ///< frames are asked for that lie beyond the end of the run
-  nothing_moves,      ///< no disk has a velocity
-  fast_on_ranks,      ///< several ranks share disks so fast that those of one rank wait for those of others
-  start_not_tried,    ///< the start takes long and was left out
+  unused_setting,       ///< a setting was given on which nothing of the run depends
+  misleading_rule,      ///< the engine has a time step where that is known to mislead
+  note_of_model,        ///< what a model says of its start, in its own words
+  frames_beyond_end,    ///< frames are asked for that lie beyond the end of the run
+  nothing_moves,        ///< no disk has a velocity
+  fast_on_ranks,        ///< several ranks share disks so fast that those of one rank wait for those of others
+  start_not_tried,      ///< the start takes long and was left out
+  stage_with_two_ends,  ///< the first one that it reaches ends it
   // A run in a directory.
   begun,
   began_again,  ///< from the start, since there is no checkpoint
@@ -48,6 +49,11 @@ enum class EventKind {
   jamming_not_known,       ///< hard disks grew to a high pressure, which is no sign of jamming
   packing_not_jammed,      ///< soft disks press where the stage ends, and are not jammed
   packing_unstable,        ///< the packing gives way to a shear
+  packing_gives_way,       ///< the packing gives way to compression, so that its moduli are no averages of a solid
+  packing_too_dense,       ///< far above jamming
+  error_not_known,         ///< of averages: the series contradicts it, and it is left out
+  disks_in_cages,          ///< hard disks have collided many times and moved less than a diameter
+  time_stands_still,       ///< hard disks collide and hardly fly
   audited,
   traffic_counted,  ///< what one of several ranks has sent, and how long it has waited
   ended,

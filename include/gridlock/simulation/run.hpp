@@ -112,6 +112,8 @@ struct RunRecord {
   std::vector<ColumnInfo> series_columns;
   std::vector<NamedEstimate> results;
   std::vector<Distribution> distributions;
+  std::vector<Event>
+      notes;  ///< what there is to say of the preparation, the errors of the results and how the agents moved
 
   [[nodiscard]] double agent_steps_per_second() const {
     return seconds > 0.0 ? static_cast<double>(steps) * static_cast<double>(agents) / seconds : 0.0;
@@ -158,6 +160,9 @@ class Run {
   double fit_equilibration();
 
   [[nodiscard]] RunRecord record() const;
+
+  /// What the simulation has measured. Errors of averages that the series contradicts are left out; notes say so, where they are given.
+  [[nodiscard]] std::vector<NamedEstimate> results(std::vector<Event>* notes = nullptr) const;
 
   /// Serializes everything the rest of the run depends on, the simulation with it.
   void serialize(Archive& archive);

@@ -46,6 +46,25 @@ TEST(SpectralDensity, OfALatticeVanishesButAtItsWaves) {
   EXPECT_NEAR(total, 2.0 * expected, 1e-9);
 }
 
+TEST(SpectralDensity, HasAllWavesOfWideAndOfTallBoxes) {
+  std::vector<double> const x{0.3, 0.6}, y{1.7, 0.2}, radius{0.2, 0.1};
+  PointsInMemory const points{.x = x.data(), .y = y.data(), .count = 2};
+  for (Box const& box : {Box(5.0, 2.0, Edge::periodic), Box(2.0, 5.0, Edge::periodic)}) {
+    double const largest = 14.3;
+    std::uint64_t expected = 0;
+    for (int m = -40; m <= 40; ++m) {
+      for (int n = -40; n <= 40; ++n) {
+        double const length = 2.0 * std::numbers::pi * std::hypot(m / box.width(), n / box.height());
+        if (length > 0.0 && length <= largest) ++expected;
+      }
+    }
+    SpectralDensity const found = find_spectral_density(box, points, radius, largest, 7);
+    std::uint64_t sum = 0;
+    for (std::uint64_t const vectors : found.vectors) sum += vectors;
+    EXPECT_EQ(2 * sum, expected) << "one of every two opposite vectors";
+  }
+}
+
 TEST(SpectralDensity, OfDisksAtRandomIsThatOfAnIdealGasForAnyThreads) {
   Box const box(1.0, 2.0, Edge::periodic);
   RandomPoints const points(500, 1.0, 2.0);

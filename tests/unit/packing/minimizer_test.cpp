@@ -121,6 +121,18 @@ TEST(Minimizer, GivesUpAfterSoManyIterations) {
   EXPECT_EQ(minimizer.iterations(), 50U);
 }
 
+TEST(Minimizer, EndsAtAnyResidualThatItTakes) {
+  for (double const residual : {0.99, 0.5, 0.3, 0.1, 0.03}) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      Minimizer minimizer({.residual = residual}, random_packing(64, 0.9, seed));
+      ASSERT_TRUE(minimizer.advance());
+      EXPECT_EQ(minimizer.status(), MinimumStatus::converged) << residual;
+      EXPECT_LE(minimizer.residual(), residual);
+      EXPECT_LT(minimizer.iterations(), 2000U);
+    }
+  }
+}
+
 TEST(Minimizer, PushesDisksAtOnePlaceApart) {
   Packing packing{.box = Box(1.0, 1.0, Edge::periodic), .x = {0.5, 0.5}, .y = {0.5, 0.5}, .radius = {0.1, 0.1}};
   Minimizer minimizer({}, packing);
@@ -155,14 +167,14 @@ TEST(SoftDisks, HaveForcesThatAreTheSlopeOfTheirEnergy) {
       Packing packing = random_packing(24, 0.9, 11, edge);
       std::vector<Vector> const forces = forces_of(find_contacts(packing), potential, packing.size());
       for (std::size_t i = 0; i < packing.size(); ++i) {
-        auto const energy_at = [&](double shift) {
+        auto const energy_at = [&](Vector shift) {
           Packing moved = packing;
-          moved.x[i] += shift;
-          if (edge == Edge::wall && (moved.x[i] < 0.0 || moved.x[i] > 1.0)) moved.x[i] -= shift;
+          moved.x[i] += shift.x;
+          moved.y[i] += shift.y;
           return energy_of(find_contacts(moved), potential);
         };
-        double const slope = (energy_at(h) - energy_at(-h)) / (2.0 * h);
-        EXPECT_NEAR(forces[i].x, -slope, 1e-4) << i;
+        EXPECT_NEAR(forces[i].x, (energy_at({-h, 0.0}) - energy_at({h, 0.0})) / (2.0 * h), 1e-4) << i;
+        EXPECT_NEAR(forces[i].y, (energy_at({0.0, -h}) - energy_at({0.0, h})) / (2.0 * h), 1e-4) << i;
       }
     }
   }

@@ -59,7 +59,7 @@ TEST(PressureRamp, ReachesAPressureFromBelow) {
 }
 
 TEST(PressureRamp, ComesBackFromBelowToThePackingThatItLeft) {
-  PressureRamp down({.pressure = 1e-8}, random_packing(64, 0.9, 1));
+  PressureRamp down({.pressure = 1e-8}, random_packing(64, 0.9, 2));
   ASSERT_TRUE(down.advance());
   Packing apart = down.packing();
   for (double& radius : apart.radius) radius *= 1.0 - 1e-5;
@@ -151,6 +151,28 @@ TEST(PressureRamp, TellsWhereAMinimizationGaveUp) {
   PressureRamp ramp({.minimizer = {.iterations = 10}}, random_packing(64, 0.9, 1));
   EXPECT_TRUE(ramp.advance());
   EXPECT_EQ(ramp.status(), RampStatus::unconverged);
+}
+
+TEST(PressureRamp, SavesAsManyLevelsAsItHas) {
+  std::vector<PressureLevel> levels(150'000);
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    levels[k].packing_fraction = 0.8 + 1e-7 * static_cast<double>(k);
+    levels[k].backbone_disks = k;
+  }
+  std::string const saved = to_checkpoint([&](Archive& archive) { serialize(archive, levels); });
+  std::vector<PressureLevel> restored(3);
+  from_checkpoint(saved, "saved", [&](Archive& archive) { serialize(archive, restored); });
+  ASSERT_EQ(restored.size(), levels.size());
+  EXPECT_EQ(restored[149'999].packing_fraction, levels[149'999].packing_fraction);
+  EXPECT_EQ(restored[77'777].backbone_disks, 77'777U);
+  EXPECT_TRUE(std::isnan(restored[5].bulk_modulus)) << "no number stays none";
+}
+
+TEST(PressureRamp, RefusesMoreLevelsThanAnybodyKeeps) {
+  Packing const start = random_packing(16, 0.5, 1);
+  EXPECT_THROW(PressureRamp({.packing_fraction = 0.7, .step = 1e-7}, start), Error);
+  EXPECT_THROW(PressureRamp({.packing_fraction = 0.3, .step = 1e-7}, start), Error);
+  EXPECT_NO_THROW(PressureRamp({.packing_fraction = 0.59, .step = 1e-7}, start));
 }
 
 TEST(PressureRamp, RefusesEndsThatCannotBeReached) {

@@ -22,7 +22,7 @@ namespace {
 State fluid(Edge edge = Edge::periodic) {
   DisksSettings disks{.count = 36, .packing_fraction = 0.4, .start = StartKind::random};
   disks.species = {{.fraction = 0.5, .size_ratio = 1.0}, {.fraction = 0.5, .size_ratio = 1.4}};
-  State state = make_start(Box(1.0, 1.0, edge), disks, 3);
+  State state = make_start(Box(1.1, 0.9, edge), disks, 3);
   draw_velocities(state, {.kind = VelocityKind::maxwell});
   return state;
 }
@@ -109,17 +109,6 @@ TEST(Protocol, HasTheSameBitsForAnyNumberOfThreads) {
   for (std::uint64_t const threads : {2U, 3U, 8U}) EXPECT_EQ(hash_after(all_stages(threads), fluid()), expected);
 }
 
-TEST(Protocol, CountsTheEdgesThatDisksCrossWhileTheyAreQuenched) {
-  State state = fluid();
-  double const before = state.agents.column<X>()[5] + static_cast<double>(state.agents.column<ImageX>()[5]);
-  ProtocolSettings const settings{.stages = {{.kind = StageKind::quench, .packing_fraction = 0.95}}};
-  Protocol protocol(settings, state);
-  protocol.advance(state);
-  double const after = state.agents.column<X>()[5] + static_cast<double>(state.agents.column<ImageX>()[5]);
-  EXPECT_LT(std::abs(after - before), 0.3) << "unwrapped, a disk moves by a few radii";
-  for (double const x : state.agents.column<X>()) EXPECT_TRUE(x >= 0.0 && x < 1.0);
-}
-
 /// The key and the text of every problem that the stages have.
 std::vector<Problem> problems_of(std::vector<StageSettings> const& stages, std::optional<double> start = {}) {
   try {
@@ -128,6 +117,83 @@ std::vector<Problem> problems_of(std::vector<StageSettings> const& stages, std::
     return error.problems();
   }
   return {};
+}
+
+TEST(Protocol, CountsTheEdgesThatDisksCrossWhileTheyAreQuenched) {
+  State state = fluid();
+  auto const unwrapped = [&](std::size_t i) {
+    Disks const& disks = state.agents;
+    return Vector{disks.column<X>()[i] + state.box.width() * static_cast<double>(disks.column<ImageX>()[i]),
+                  disks.column<Y>()[i] + state.box.height() * static_cast<double>(disks.column<ImageY>()[i])};
+  };
+  std::vector<Vector> before;
+  // Images of their own, unequal along x and y, and a start from which many cross an edge.
+  for (std::size_t i = 0; i < state.agents.size(); ++i) {
+    state.agents.column<ImageX>()[i] = 2;
+    state.agents.column<ImageY>()[i] = -3;
+    before.push_back(unwrapped(i));
+  }
+  ProtocolSettings const settings{.stages = {{.kind = StageKind::quench, .packing_fraction = 0.95}}};
+  Protocol protocol(settings, state);
+  protocol.advance(state);
+  int crossed_x = 0;
+  int crossed_y = 0;
+  for (std::size_t i = 0; i < state.agents.size(); ++i) {
+    EXPECT_LT(std::sqrt(squared_length(unwrapped(i) - before[i])), 0.3) << "unwrapped, a disk moves by a few radii";
+    EXPECT_TRUE(state.agents.column<X>()[i] >= 0.0 && state.agents.column<X>()[i] < state.box.width());
+    EXPECT_TRUE(state.agents.column<Y>()[i] >= 0.0 && state.agents.column<Y>()[i] < state.box.height());
+    crossed_x += state.agents.column<ImageX>()[i] == 2 ? 0 : 1;
+    crossed_y += state.agents.column<ImageY>()[i] == -3 ? 0 : 1;
+  }
+  EXPECT_GT(crossed_x, 0);
+  EXPECT_GT(crossed_y, 0);
+}
+
+TEST(Protocol, MeasuresThePressureOfARunOverItsOwnTime) {
+  ProtocolSettings const settings{.stages = {{.kind = StageKind::run, .collisions_per_disk = 100.0},
+                                             {.kind = StageKind::run, .collisions_per_disk = 300.0}}};
+  auto const pressures = [&](double clock) {
+    State state = fluid();
+    state.clock.time = clock;
+    Protocol protocol(settings, state);
+    EXPECT_TRUE(protocol.advance(state));
+    return std::pair(*protocol.results()[0].pressure, *protocol.results()[1].pressure);
+  };
+  // At φ = .4 the reduced pressure is about 2.5, whatever has passed before.
+  auto const [first, second] = pressures(0.0);
+  EXPECT_NEAR(first, second, 0.25 * first);
+  auto const [first_later, second_later] = pressures(64.0);
+  EXPECT_NEAR(first_later, first, 1e-6 * first);
+  EXPECT_NEAR(second_later, second, 0.25 * second);
+}
+
+TEST(Protocol, RefusesToDecompressDisksThatDoNotPress) {
+  State state = fluid();
+  for (StageSettings const& down : {StageSettings{.kind = StageKind::decompress, .until_pressure = 1e-4},
+                                    StageSettings{.kind = StageKind::decompress, .until_packing_fraction = 0.3}}) {
+    try {
+      Protocol const protocol({.stages = {down}}, state);
+      ADD_FAILURE() << "nothing presses";
+    } catch (Error const& error) {
+      EXPECT_EQ(error.problems().front().key, "protocol[0].stage");
+      EXPECT_NE(error.problems().front().what.find("no two disks press on each other"), std::string::npos);
+    }
+    // What a stage before leaves is taken: of many starts some do not jam.
+    EXPECT_NO_THROW(Protocol({.stages = {{.kind = StageKind::quench}, down}}, state));
+  }
+  for (double& radius : state.agents.column<Radius>()) radius *= 1.6;
+  EXPECT_NO_THROW(Protocol({.stages = {{.kind = StageKind::decompress, .until_pressure = 1e-4}}}, state));
+}
+
+TEST(Protocol, RefusesMoreLevelsThanAnybodyKeepsWhereTheyAreKnown) {
+  StageSettings const quench{.kind = StageKind::quench, .packing_fraction = 0.9};
+  StageSettings const down{.kind = StageKind::decompress, .until_packing_fraction = 0.7, .step = 1e-7};
+  std::vector<Problem> const problems = problems_of({quench, down});
+  ASSERT_EQ(problems.size(), 1U);
+  EXPECT_EQ(problems.front().key, "protocol[1].step");
+  EXPECT_NE(problems.front().what.find("2e+06 levels"), std::string::npos) << problems.front().what;
+  EXPECT_EQ(problems_of({down}, 0.9).size(), 1U);
+  EXPECT_TRUE(problems_of({down}, 0.75).empty());
 }
 
 TEST(Protocol, RefusesStagesThatContradictThemselves) {

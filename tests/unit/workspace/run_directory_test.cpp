@@ -7,7 +7,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <regex>
+#include <span>
 #include <string>
 
 #include "checkpoint_header.hpp"
@@ -123,6 +125,37 @@ std::string refusal(std::function<void()> const& action) {
     return error.what();
   }
   return "";
+}
+
+/// An observable of a user that cannot be saved.
+class Unsavable final : public AveragingObservable {
+ public:
+  [[nodiscard]] Requirements requirements(Box const& /*box*/) const override { return {}; }
+  void begin(Snapshot const& /*start*/) override { reset({{"unsavable", "", "Cannot be saved."}}); }
+  void sample(Snapshot const& /*now*/, std::span<double> row, bool /*counts_for_average*/) override { row[0] = 1.0; }
+  void serialize(Archive& archive) override { archive.require(false, "it holds more than a file can"); }
+};
+
+TEST(RunDirectory, WritesTheResultsOfARunThatCannotBeSaved) {
+  for (bool const is_stopped : {false, true}) {
+    Directory const directory;
+    Configuration configuration = small();
+    configuration.checkpoint.every_steps = 10;
+    gridlock::Setup setup = set_up(configuration);
+    setup.simulation->observe(std::make_unique<Unsavable>());
+    std::size_t warnings = 0;
+    RunHooks hooks{.on_event = [&](Event const& event) {
+      if (event.kind != EventKind::checkpoint_failed) return;
+      ++warnings;
+      EXPECT_NE(to_text(event).find("it holds more than a file can"), std::string::npos) << to_text(event);
+    }};
+    if (is_stopped) hooks.on_progress = stopping_after(3);
+    RunRecord const record = run_in(directory / "a", std::move(setup), hooks);
+    EXPECT_EQ(record.status, is_stopped ? RunStatus::interrupted : RunStatus::finished);
+    EXPECT_GT(warnings, 0U);
+    for (char const* name : {"series.csv", "summary.json", "final.xyz"})
+      EXPECT_TRUE(fs::exists(directory / "a" / name)) << name;
+  }
 }
 
 TEST(RunDirectory, OfAFinishedRunIsNotResumed) {
