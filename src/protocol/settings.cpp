@@ -193,13 +193,13 @@ void describe(StageSettings& settings, SettingVisitor& visitor) {
   visitor.visit({.key = "packing_fraction",
                  .documentation = "quench: the packing fraction to which all radii are scaled first.",
                  .least = least_packing_fraction,
-                 .most = most_packing_fraction,
+                 .most = max_packing_fraction_of_stages,
                  .default_note = "as it is"},
                 settings.packing_fraction);
   visitor.visit({.key = "until_packing_fraction",
                  .documentation = "grow, compress, decompress: where the stage ends.",
                  .least = least_packing_fraction,
-                 .most = most_packing_fraction,
+                 .most = max_packing_fraction_of_stages,
                  .default_note = "no end by packing fraction"},
                 settings.until_packing_fraction);
   visitor.visit(
