@@ -239,7 +239,7 @@ class PythonSimulation {
     Use const use(*this);
     NamedValues columns;
     if (!run_) return columns;
-    Table const table = run_->record().series;
+    Table const& table = run_->series();
     for (std::string const& name : table.names()) columns[name.c_str()] = array_of_cells(table.column(name));
     return columns;
   }

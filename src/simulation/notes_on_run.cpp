@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "gridlock/core/disks.hpp"
+#include "gridlock/core/frame_source.hpp"
 #include "observe/doubt.hpp"
 
 namespace gridlock {
@@ -53,24 +54,30 @@ std::uint64_t count_of(Simulation const& simulation, std::string_view name) {
   return 0;
 }
 
-/// What hard disks are like on the average; those of one process.
+/// What disks are like on the average.
 struct MeanDisk {
   double diameter = 0.0;
   double speed = 0.0;
 };
 
-std::optional<MeanDisk> mean_disk_of(AgentsView const& agents) {
-  if (agents.size() == 0 || !agents.has<Radius>() || !agents.has<VelocityX>() || !agents.has<VelocityY>()) return {};
+/// Nothing for agents without radii and velocities. In pieces: several processes may have the disks.
+std::optional<MeanDisk> mean_disk_of(FrameSource const& frame) {
+  auto const radius = frame.find(Radius::name);
+  auto const x = frame.find(VelocityX::name);
+  auto const y = frame.find(VelocityY::name);
+  if (frame.size() == 0 || !radius || !x || !y) return std::nullopt;
   MeanDisk mean;
   double squares = 0.0;
-  auto const radius = agents.column<Radius>();
-  auto const x = agents.column<VelocityX>();
-  auto const y = agents.column<VelocityY>();
-  for (std::size_t i = 0; i < agents.size(); ++i) {
-    mean.diameter += 2.0 * radius[i];
-    squares += x[i] * x[i] + y[i] * y[i];
-  }
-  auto const count = static_cast<double>(agents.size());
+  constexpr std::size_t rows_in_memory = 100'000;
+  for_each_piece(frame.size(), rows_in_memory, [&](std::size_t first, std::size_t count) {
+    auto const values = [&](std::size_t column) {
+      return std::get<std::vector<double>>(frame.values(column, first, count));
+    };
+    for (double const r : values(*radius)) mean.diameter += 2.0 * r;
+    for (double const v : values(*x)) squares += v * v;
+    for (double const v : values(*y)) squares += v * v;
+  });
+  auto const count = static_cast<double>(frame.size());
   mean.diameter /= count;
   mean.speed = std::sqrt(squares / count);
   return mean;
@@ -113,16 +120,15 @@ std::vector<Event> withhold_errors(Table const& series, std::size_t left_out, st
 
 std::vector<Event> notes_on_motion(Simulation const& simulation, double time, std::span<NamedEstimate const> results) {
   std::vector<Event> notes;
-  // One of several processes has only some of the agents.
-  if (simulation.view().size() != simulation.agents()) return notes;
-  std::optional<MeanDisk> const disk = mean_disk_of(simulation.view());
   std::uint64_t const pairs = simulation.pair_collisions();
   auto const disks = static_cast<double>(simulation.agents());
-  if (!disk || disks == 0.0 || !(time > 0.0)) return notes;
+  if (pairs == 0 || disks == 0.0 || !(time > 0.0)) return notes;
   double const hits = 2.0 * static_cast<double>(pairs) + static_cast<double>(count_of(simulation, "wall_hits"));
   // Fewer collisions tell nothing.
   constexpr double min_hits_per_disk = 20.0;
   if (!(hits >= min_hits_per_disk * disks)) return notes;
+  std::optional<MeanDisk> const disk = mean_disk_of(*simulation.frame_source());
+  if (!disk) return notes;
   double const flight = disk->speed * time * disks / hits / disk->diameter;
   constexpr double min_flight = 1e-6;
   if (flight < min_flight) {
