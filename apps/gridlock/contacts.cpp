@@ -217,7 +217,7 @@ void add_contacts(CLI::App& app, ExitCode& exit_code) {
   verb->add_option("--largest-gap", options->questions.largest_gap, "List gaps up to this share of the distance")
       ->check(share);
   verb->add_option("--residual", options->questions.largest_residual,
-                   "Largest net force of a minimum over the mean contact force")
+                   "Root mean square net force of a minimum over the mean force")
       ->check(positive);
   verb->add_option("--radius", options->radius, "Of all disks, for a file without radii")->check(positive);
   verb->add_option("--packing-fraction", options->packing_fraction, "Of equal disks, for a file without radii")
