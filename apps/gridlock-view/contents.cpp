@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
+#include "io/file_format.hpp"
 
 namespace gridlock::view {
 
@@ -51,8 +52,15 @@ bool holds_run(fs::path const& directory) {
                              [&](char const* name) { return is_there(directory / name); });
 }
 
-bool is_trajectory(fs::path const& file) { return file.extension() == ".h5" || file.extension() == ".h5md"; }
-bool is_xyz(fs::path const& file) { return file.extension() == ".xyz" || file.extension() == ".extxyz"; }
+/// By its first bytes: other programs have other names for it.
+bool is_trajectory(fs::path const& file) {
+  auto const format = recognize_format(file);
+  return format && format->id == "hdf5";
+}
+bool is_xyz(fs::path const& file) {
+  fs::path const extension = file.extension();
+  return extension == ".xyz" || extension == ".extxyz" || extension == ".exyz";
+}
 
 Kind kind_of(fs::path const& path) {
   std::error_code error;
@@ -69,6 +77,9 @@ Kind kind_of(fs::path const& path) {
     throw Error({.what = fmt::format("{} holds neither a run nor a sweep", path.string()),
                  .hint = "a run has config.resolved.toml from its start; a sweep has runs/"});
   }
+  auto const format = recognize_format(path);
+  if (format && format->id != "hdf5")
+    throw wrong_format(*format, path.string(), "a trajectory in H5MD or extended XYZ");
   if (fs::is_regular_file(status) && (is_trajectory(path) || is_xyz(path))) return Kind::file;
   throw Error({.what = fmt::format("{} cannot be shown", path.string()),
                .hint = "name the directory of a run or sweep, or an .h5 or .xyz file"});

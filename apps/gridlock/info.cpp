@@ -12,6 +12,7 @@
 #include "gridlock/io/xyz.hpp"
 #include "gridlock/workspace/run_directory.hpp"
 #include "io/file.hpp"
+#include "io/file_format.hpp"
 #include "verbs.hpp"
 #include "workspace/summary.hpp"
 
@@ -24,6 +25,13 @@ namespace fs = std::filesystem;
 bool is_there(fs::path const& path) {
   std::error_code ignored;
   return fs::exists(path, ignored);
+}
+
+/// As extended XYZ is called, packed by gzip or not.
+bool is_named_as_xyz(fs::path path) {
+  if (path.extension() == ".gz") path.replace_extension();
+  std::string const extension = path.extension().string();
+  return extension == ".xyz" || extension == ".extxyz" || extension == ".exyz";
 }
 
 void print_run(fs::path const& file) {
@@ -85,11 +93,17 @@ void print_trajectory(fs::path const& path) {
                box.height(), first.frame.size(), last.frame.size());
     fmt::print("  steps {} to {}, time {} to {}\n", first.frame.clock.step, last.frame.clock.step,
                first.frame.clock.time, last.frame.clock.time);
-    fmt::print("  columns: {}\n  last state_hash {:016x}\n", fmt::join(columns, ", "), last.state_hash);
+    fmt::print("  columns: {}\n", fmt::join(columns, ", "));
+    // Other programs give their states no hash.
+    if (settings.creator == gridlock::H5mdSettings{}.creator)
+      fmt::print("  last state_hash {:016x}\n", last.state_hash);
   }
   std::vector<std::string> observables;
   for (gridlock::H5mdObservable const& observable : settings.observables) observables.push_back(observable.name);
-  fmt::print("  observables: {}\n  written by gridlock {}\n", fmt::join(observables, ", "), settings.version);
+  fmt::print("  observables: {}\n", fmt::join(observables, ", "));
+  if (!settings.left_out.empty()) fmt::print("  not read: {}\n", fmt::join(settings.left_out, ", "));
+  fmt::print("  written by {} {}\n", settings.creator.empty() ? "an unnamed program" : settings.creator,
+             settings.version);
 }
 
 /// A run in progress, or one that was stopped, has a log, and no summary yet.
@@ -109,18 +123,21 @@ ExitCode info(fs::path const& path) {
     print_sweep(path);
   } else if (is_there(path / "run.log")) {
     print_unfinished_run(path);
-  } else if (path.extension() == ".h5") {
+  } else if (auto const format = recognize_format(path)) {
+    if (format->id != "hdf5") throw wrong_format(*format, path.string(), "a run, sweep, table, state or trajectory");
     print_trajectory(path);
   } else if (path.filename() == "summary.json") {
     print_run(path);
   } else if (path.extension() == ".csv") {
     print_table(path);
-  } else if (path.extension() == ".xyz") {
+  } else if (is_named_as_xyz(path)) {
     print_frame(path);
   } else {
-    throw gridlock::Error({.what = is_there(path) ? fmt::format("{} is not a file that Gridlock wrote", path.string())
-                                                  : fmt::format("there is no {}", path.string()),
-                           .hint = "name the directory of a run or sweep, an .xyz, .csv or .h5 file"});
+    throw gridlock::Error(
+        {.what = is_there(path) ? fmt::format("{} is not a file that Gridlock wrote", path.string())
+                                : fmt::format("there is no {}", path.string()),
+         .hint = "name the directory of a run or sweep, a table (.csv), a state (.xyz, .extxyz, .exyz) or a "
+                 "trajectory (.h5, .h5md)"});
   }
   return ExitCode::good;
 }
@@ -131,7 +148,9 @@ void add_info(CLI::App& app, ExitCode& exit_code) {
   CLI::App* const verb =
       app.add_subcommand("info", "Describe a result: a run, a sweep, a table, a state, a trajectory");
   auto const path = std::make_shared<std::string>();
-  verb->add_option("PATH", *path, "Directory of a run or sweep, .xyz, .csv or .h5 file")->required();
+  verb->add_option("PATH", *path,
+                   "Directory of a run or sweep, or a file: table (.csv), state (.xyz) or trajectory (.h5, .h5md)")
+      ->required();
   verb->callback([path, &exit_code] { exit_code = info(*path); });
 }
 

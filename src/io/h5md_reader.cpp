@@ -1,13 +1,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <new>
-#include <stdexcept>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/h5md.hpp"
+#include "io/file_format.hpp"
 #include "io/h5md_layout.hpp"
+#include "io/h5md_source.hpp"
 #include "io/hdf5.hpp"
 
 namespace gridlock {
@@ -16,57 +18,31 @@ namespace {
 
 using hdf5::Handle;
 
-/// Deflate makes nothing smaller than this share of itself, so that a damaged size does not ask for all the memory.
-constexpr std::uint64_t most_deflation = 1032;
-
-[[noreturn]] void refuse(std::filesystem::path const& path, std::string const& reason) {
-  throw Error({.what = fmt::format("cannot read {}: {}", path.string(), reason),
-               .hint = "is it a trajectory of gridlock, and whole?",
-               .file = path.string()});
-}
-
-template <class Work>
-auto guarded(std::filesystem::path const& path, Work const& work) {
-  std::string reason;
-  try {
-    return work();
-  } catch (hdf5::Failure const& failure) {
-    reason = hdf5::shortness_of(path);
-    if (reason.empty()) reason = failure.what();
-  } catch (std::bad_alloc const&) {
-    reason = "a frame of it does not fit into the memory";
-  } catch (std::length_error const&) {
-    reason = "a frame of it does not fit into the memory";
-  }
-  refuse(path, reason);
-}
-
-}  // namespace
-
-class H5mdReader::Trajectory {
+/// A trajectory that H5mdWriter has written.
+class OwnTrajectory final : public h5md::Source {
  public:
-  explicit Trajectory(std::filesystem::path path) : path_(std::move(path)) {
-    guarded(path_, [&] {
+  explicit OwnTrajectory(std::filesystem::path path) : path_(std::move(path)) {
+    h5md::guarded(path_, [&] {
       bytes_ = hdf5::size_of_file(path_);
       open();
     });
   }
 
-  [[nodiscard]] H5mdSettings const& settings() const { return settings_; }
-  [[nodiscard]] std::vector<Clock> const& clocks() const { return clocks_; }
-  [[nodiscard]] std::vector<std::string> column_names() const;
+  [[nodiscard]] H5mdSettings const& settings() const override { return settings_; }
+  [[nodiscard]] std::vector<Clock> const& clocks() const override { return clocks_; }
+  [[nodiscard]] std::vector<std::string> column_names() const override;
 
-  [[nodiscard]] H5mdFrame frame(std::size_t k) const {
-    return guarded(path_, [&] { return read_frame(k); });
+  [[nodiscard]] H5mdFrame frame(std::size_t k) const override {
+    return h5md::guarded(path_, [&] { return read_frame(k); });
   }
-  [[nodiscard]] std::vector<double> observable(std::size_t k) const {
-    return guarded(path_, [&] {
+  [[nodiscard]] std::vector<double> observable(std::size_t k) const override {
+    return h5md::guarded(path_, [&] {
       return hdf5::read<double>(dataset("/observables/" + settings_.observables[k].name + "/value", 1),
                                 {{0}, {clocks_.size()}});
     });
   }
-  [[nodiscard]] std::optional<FrameContacts> contacts() const {
-    return guarded(path_, [&] { return read_contacts(); });
+  [[nodiscard]] std::optional<FrameContacts> contacts() const override {
+    return h5md::guarded(path_, [&] { return read_contacts(); });
   }
 
  private:
@@ -98,7 +74,7 @@ class H5mdReader::Trajectory {
   std::vector<Clock> clocks_;
 };
 
-void H5mdReader::Trajectory::open() {
+void OwnTrajectory::open() {
   file_ = hdf5::open_file(path_, hdf5::Access::read);
   std::vector<std::string> const groups = hdf5::names_in(hdf5::open_group(file_, "/particles"));
   if (groups.empty()) throw hdf5::Failure("there are no /particles");
@@ -120,7 +96,7 @@ void H5mdReader::Trajectory::open() {
   find_elements();
 }
 
-void H5mdReader::Trajectory::find_elements() {
+void OwnTrajectory::find_elements() {
   for (std::string& name : hdf5::names_in(hdf5::open_group(file_, group_))) {
     if (name == "box" || name == "id") continue;
     std::size_t const rank = hdf5::extent_of(hdf5::open_dataset(file_, group_ + "/" + name + "/value")).size();
@@ -133,7 +109,7 @@ void H5mdReader::Trajectory::find_elements() {
   }
 }
 
-std::vector<std::string> H5mdReader::Trajectory::column_names() const {
+std::vector<std::string> OwnTrajectory::column_names() const {
   std::vector<std::string> names;
   for (Element const& element : elements_) {
     for (std::string& name : h5md::column_names(element.name, element.is_vector)) names.push_back(std::move(name));
@@ -141,7 +117,7 @@ std::vector<std::string> H5mdReader::Trajectory::column_names() const {
   return names;
 }
 
-void H5mdReader::Trajectory::read_clocks() {
+void OwnTrajectory::read_clocks() {
   Handle const steps = dataset(group_ + "/id/step", 1);
   hsize_t const count = hdf5::extent_of(steps)[0];
   if (count / h5md::frames_per_chunk > bytes_) throw hdf5::Failure("the number of frames is damaged");
@@ -150,18 +126,18 @@ void H5mdReader::Trajectory::read_clocks() {
   for (std::size_t k = 0; k < count; ++k) clocks_.push_back({step[k], time[k]});
 }
 
-Handle H5mdReader::Trajectory::dataset(std::string const& path, std::size_t dimensions) const {
+Handle OwnTrajectory::dataset(std::string const& path, std::size_t dimensions) const {
   Handle result = hdf5::open_dataset(file_, path);
   if (hdf5::extent_of(result).size() != dimensions) throw hdf5::Failure(path + " is not stored as it should be");
   return result;
 }
 
 template <class Number>
-Number H5mdReader::Trajectory::read_one(std::string const& path, std::size_t k) const {
+Number OwnTrajectory::read_one(std::string const& path, std::size_t k) const {
   return hdf5::read<Number>(dataset(path, 1), {{k}, {1}})[0];
 }
 
-Box H5mdReader::Trajectory::read_box(std::size_t k) const {
+Box OwnTrajectory::read_box(std::size_t k) const {
   constexpr hsize_t d = h5md::dimensions;
   auto const edges = hdf5::read<double>(dataset(group_ + "/box/edges/value", 3), {{k, 0, 0}, {1, d, d}});
   try {
@@ -171,16 +147,16 @@ Box H5mdReader::Trajectory::read_box(std::size_t k) const {
   }
 }
 
-std::vector<Id> H5mdReader::Trajectory::read_ids(std::size_t k) const {
+std::vector<Id> OwnTrajectory::read_ids(std::size_t k) const {
   Handle const values = dataset(group_ + "/id/value", 2);
   hsize_t const most = hdf5::extent_of(values)[1];
-  if (most / most_deflation > bytes_) throw hdf5::Failure("the number of agents is damaged");
+  if (most / h5md::max_deflation > bytes_) throw hdf5::Failure("the number of agents is damaged");
   auto ids = hdf5::read<std::uint64_t>(values, {{k, 0}, {1, most}});
   ids.erase(std::ranges::find(ids, h5md::absent_id), ids.end());
   return ids;
 }
 
-void H5mdReader::Trajectory::read_columns(Element const& element, std::size_t k, Frame& frame) const {
+void OwnTrajectory::read_columns(Element const& element, std::size_t k, Frame& frame) const {
   Handle const values = dataset(group_ + "/" + element.name + "/value", element.is_vector ? 3 : 2);
   hsize_t component = 0;
   for (std::string& name : h5md::column_names(element.name, element.is_vector)) {
@@ -202,14 +178,14 @@ void H5mdReader::Trajectory::read_columns(Element const& element, std::size_t k,
   }
 }
 
-std::optional<FrameContacts> H5mdReader::Trajectory::read_contacts() const {
+std::optional<FrameContacts> OwnTrajectory::read_contacts() const {
   if (!hdf5::has(file_, "/connectivity")) return std::nullopt;
   std::string const path = "/connectivity/contacts/";
   Handle const ids = dataset(path + "value", 3);
   std::vector<hsize_t> const extent = hdf5::extent_of(ids);
   hsize_t const count = extent[1];
   if (extent[0] != 1 || extent[2] != 2) throw hdf5::Failure(path + "value is not stored as it should be");
-  if (count / most_deflation > bytes_) throw hdf5::Failure("the number of contacts is damaged");
+  if (count / h5md::max_deflation > bytes_) throw hdf5::Failure("the number of contacts is damaged");
   FrameContacts contacts{.clock = {read_one<std::uint64_t>(path + "step", 0), read_one<double>(path + "time", 0)},
                          .ids = {},
                          .forces = {}};
@@ -223,7 +199,7 @@ std::optional<FrameContacts> H5mdReader::Trajectory::read_contacts() const {
   return contacts;
 }
 
-H5mdFrame H5mdReader::Trajectory::read_frame(std::size_t k) const {
+H5mdFrame OwnTrajectory::read_frame(std::size_t k) const {
   H5mdFrame result;
   Frame& frame = result.frame;
   frame.box = read_box(k);
@@ -242,17 +218,48 @@ H5mdFrame H5mdReader::Trajectory::read_frame(std::size_t k) const {
   return result;
 }
 
-H5mdReader::H5mdReader(std::filesystem::path path) : trajectory_(std::make_unique<Trajectory>(std::move(path))) {}
+/// Whether Gridlock has written it. Either of two signs will do, so that no damage of one byte makes another program of it,
+/// whose frames have no checksums.
+bool is_own(std::filesystem::path const& path) {
+  return h5md::guarded(path, [&] {
+    hdf5::size_of_file(path);
+    Handle const file = hdf5::open_file(path, hdf5::Access::read);
+    auto const creator = hdf5::find_group(file, "/h5md/creator");
+    return (creator && hdf5::read_text_attribute(*creator, "name") == "gridlock") ||
+           hdf5::find_dataset(file, "/parameters/frames/checksum").has_value();
+  });
+}
+
+std::unique_ptr<h5md::Source> source_of(std::filesystem::path const& path) {
+  auto const format = recognize_format(path);
+  if (format && format->id != "hdf5") throw wrong_format(*format, path.string(), "a trajectory in H5MD");
+  if (is_own(path)) return std::make_unique<OwnTrajectory>(path);
+  return h5md::open_other(path);
+}
+
+}  // namespace
+
+namespace h5md {
+
+void refuse(std::filesystem::path const& path, std::string const& reason) {
+  throw Error({.what = fmt::format("cannot read {}: {}", path.string(), reason),
+               .hint = "is it a trajectory in H5MD, and whole?",
+               .file = path.string()});
+}
+
+}  // namespace h5md
+
+H5mdReader::H5mdReader(std::filesystem::path path) : source_(source_of(path)) {}
 H5mdReader::~H5mdReader() = default;
 H5mdReader::H5mdReader(H5mdReader&&) noexcept = default;
 H5mdReader& H5mdReader::operator=(H5mdReader&&) noexcept = default;
 
-std::size_t H5mdReader::frame_count() const { return trajectory_->clocks().size(); }
-H5mdSettings const& H5mdReader::settings() const { return trajectory_->settings(); }
-std::span<Clock const> H5mdReader::clocks() const { return trajectory_->clocks(); }
-std::vector<std::string> H5mdReader::column_names() const { return trajectory_->column_names(); }
-std::vector<double> H5mdReader::observable(std::size_t k) const { return trajectory_->observable(k); }
-H5mdFrame H5mdReader::frame(std::size_t k) const { return trajectory_->frame(k); }
-std::optional<FrameContacts> H5mdReader::contacts() const { return trajectory_->contacts(); }
+std::size_t H5mdReader::frame_count() const { return source_->clocks().size(); }
+H5mdSettings const& H5mdReader::settings() const { return source_->settings(); }
+std::span<Clock const> H5mdReader::clocks() const { return source_->clocks(); }
+std::vector<std::string> H5mdReader::column_names() const { return source_->column_names(); }
+std::vector<double> H5mdReader::observable(std::size_t k) const { return source_->observable(k); }
+H5mdFrame H5mdReader::frame(std::size_t k) const { return source_->frame(k); }
+std::optional<FrameContacts> H5mdReader::contacts() const { return source_->contacts(); }
 
 }  // namespace gridlock

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <functional>
 #include <numeric>
@@ -93,7 +94,10 @@ void require_own_numbers(Handle const& dataset, std::string const& path) {
     std::size_t no_parameters = 0;
     H5Z_filter_t const filter =
         H5Pget_filter2(list.id(), static_cast<unsigned>(k), &flags, &no_parameters, nullptr, 0, nullptr, nullptr);
-    if (filter == H5Z_FILTER_SHUFFLE || filter == H5Z_FILTER_DEFLATE) continue;
+    // Those that are part of HDF5 itself, and load nothing.
+    constexpr std::array own{H5Z_FILTER_SHUFFLE, H5Z_FILTER_DEFLATE, H5Z_FILTER_FLETCHER32, H5Z_FILTER_NBIT,
+                             H5Z_FILTER_SCALEOFFSET};
+    if (std::ranges::find(own, filter) != own.end()) continue;
     throw Failure(fmt::format("{} is packed by a filter of HDF5 (number {}) that gridlock does not use", path, filter));
   }
 }
@@ -234,10 +238,14 @@ Handle open_group(Handle const& parent, std::string const& path) {
 std::vector<std::string> names_in(Handle const& group) {
   H5G_info_t info{};
   require(H5Gget_info(group.id(), &info), "look into a group");
+  Handle const list(H5Gget_create_plist(group.id()), H5Pclose, "look into a group");
+  unsigned order = 0;
+  require(H5Pget_link_creation_order(list.id(), &order), "look into a group");
+  H5_index_t const index = (order & H5P_CRT_ORDER_TRACKED) != 0U ? H5_INDEX_CRT_ORDER : H5_INDEX_NAME;
   std::vector<std::string> names;
   for (hsize_t k = 0; k < info.nlinks; ++k) {
     auto const name_into = [&](char* text, std::size_t size) {
-      return require(H5Lget_name_by_idx(group.id(), ".", H5_INDEX_CRT_ORDER, H5_ITER_INC, k, text, size, H5P_DEFAULT),
+      return require(H5Lget_name_by_idx(group.id(), ".", index, H5_ITER_INC, k, text, size, H5P_DEFAULT),
                      "read the names in a group");
     };
     std::string name(static_cast<std::size_t>(name_into(nullptr, 0)), '\0');
@@ -245,6 +253,38 @@ std::vector<std::string> names_in(Handle const& group) {
     names.push_back(std::move(name));
   }
   return names;
+}
+
+namespace {
+
+/// Whether there is something at an absolute path. HDF5 asks for one name at a time.
+bool is_there(Handle const& file, std::string const& path) {
+  for (std::size_t end = path.find('/', 1);; end = path.find('/', end + 1)) {
+    std::string const part = path.substr(0, end);
+    if (H5Lexists(file.id(), part.c_str(), H5P_DEFAULT) <= 0) return false;
+    if (end == std::string::npos) return true;
+    // What lies behind a link to another file must not be looked for.
+    if (!find_group(file, part)) return false;
+  }
+}
+
+H5I_type_t kind_at(Handle const& file, std::string const& path) {
+  if (!is_there(file, path)) return H5I_BADID;
+  Handle const object = opened_in_file(H5P_LINK_ACCESS, path, H5Oclose,
+                                       [&](hid_t access) { return H5Oopen(file.id(), path.c_str(), access); });
+  return H5Iget_type(object.id());
+}
+
+}  // namespace
+
+std::optional<Handle> find_group(Handle const& file, std::string const& path) {
+  if (kind_at(file, path) != H5I_GROUP) return std::nullopt;
+  return open_group(file, path);
+}
+
+std::optional<Handle> find_dataset(Handle const& file, std::string const& path) {
+  if (kind_at(file, path) != H5I_DATASET) return std::nullopt;
+  return open_dataset(file, path);
 }
 
 bool has(Handle const& parent, std::string const& path) {
@@ -322,10 +362,41 @@ void set_reference(Handle const& object, std::string const& name, Handle const& 
 
 bool has_attribute(Handle const& object, std::string const& name) { return H5Aexists(object.id(), name.c_str()) > 0; }
 
+namespace {
+
+/// As h5py writes texts: HDF5 keeps them apart, and makes the memory for them.
+std::vector<std::string> read_texts_of_any_length(Handle const& attribute, Handle const& type, Handle const& space,
+                                                  std::string const& name) {
+  hssize_t const count = H5Sget_simple_extent_npoints(space.id());
+  if (count < 1 || count > 64) throw Failure("the attribute " + name + " has another size than it should");
+  std::vector<char*> pointers(static_cast<std::size_t>(count), nullptr);
+  require(H5Aread(attribute.id(), type.id(), pointers.data()), "read the attribute " + name);
+  std::vector<std::string> texts;
+  for (char const* pointer : pointers) texts.emplace_back(pointer == nullptr ? "" : pointer);
+  H5Dvlen_reclaim(type.id(), space.id(), H5P_DEFAULT, pointers.data());
+  return texts;
+}
+
+}  // namespace
+
+std::vector<double> read_numbers(Handle const& object, std::string const& name) {
+  if (H5Aexists(object.id(), name.c_str()) <= 0) return {};
+  Handle const attribute(H5Aopen(object.id(), name.c_str(), H5P_DEFAULT), H5Aclose, "find the attribute " + name);
+  Handle const type(H5Aget_type(attribute.id()), H5Tclose, "look at the attribute " + name);
+  Handle const space(H5Aget_space(attribute.id()), H5Sclose, "look at the attribute " + name);
+  H5T_class_t const kind = H5Tget_class(type.id());
+  hssize_t const count = H5Sget_simple_extent_npoints(space.id());
+  if ((kind != H5T_FLOAT && kind != H5T_INTEGER) || count < 1 || count > 64) return {};
+  std::vector<double> numbers(static_cast<std::size_t>(count));
+  require(H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, numbers.data()), "read the attribute " + name);
+  return numbers;
+}
+
 std::vector<std::string> read_texts(Handle const& object, std::string const& name) {
   Handle const attribute(H5Aopen(object.id(), name.c_str(), H5P_DEFAULT), H5Aclose, "find the attribute " + name);
   Handle const type(H5Aget_type(attribute.id()), H5Tclose, "look at the attribute " + name);
   Handle const space(H5Aget_space(attribute.id()), H5Sclose, "look at the attribute " + name);
+  if (H5Tis_variable_str(type.id()) > 0) return read_texts_of_any_length(attribute, type, space, name);
   std::size_t const length = text_length(type, "the attribute " + name);
   hssize_t const count = H5Sget_simple_extent_npoints(space.id());
   if (count < 1 || count > 64) throw Failure("the attribute " + name + " has another size than it should");
@@ -364,9 +435,34 @@ bool holds(Handle const& dataset) {
   return H5Tequal(type.id(), native<Number>()) > 0;
 }
 
+NumberKind kind_of_numbers(Handle const& dataset) {
+  Handle const type(H5Dget_type(dataset.id()), H5Tclose, "look at a dataset");
+  H5T_class_t const kind = H5Tget_class(type.id());
+  if (kind == H5T_FLOAT) return NumberKind::real;
+  if (kind != H5T_INTEGER && kind != H5T_ENUM) return NumberKind::other;
+  Handle const number(kind == H5T_ENUM ? H5Tget_super(type.id()) : H5Tcopy(type.id()), H5Tclose, "look at a dataset");
+  return H5Tget_sign(number.id()) == H5T_SGN_NONE ? NumberKind::positive_whole : NumberKind::whole;
+}
+
+std::size_t width_of_numbers(Handle const& dataset) {
+  Handle const type(H5Dget_type(dataset.id()), H5Tclose, "look at a dataset");
+  return H5Tget_size(type.id());
+}
+
 template <class Number>
 std::vector<Number> read(Handle const& dataset, Part const& part) {
   if (!holds<Number>(dataset)) throw Failure("a dataset holds numbers of another type than it should");
+  return read_as<Number>(dataset, part);
+}
+
+template <class Number>
+std::vector<Number> read_as(Handle const& dataset, Part const& part) {
+  if (part.start.empty()) {
+    if (!extent_of(dataset).empty()) throw Failure("a dataset is no single number, as it should be");
+    Number number{};
+    require(H5Dread(dataset.id(), native<Number>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, &number), "read a number");
+    return {number};
+  }
   Handle const file_part = selection(dataset, part);
   Handle const memory = memory_of(part);
   std::vector<Number> numbers(size_of(part));
@@ -391,6 +487,11 @@ template std::vector<double> read(Handle const&, Part const&);
 template std::vector<std::int32_t> read(Handle const&, Part const&);
 template std::vector<std::uint32_t> read(Handle const&, Part const&);
 template std::vector<std::uint64_t> read(Handle const&, Part const&);
+template std::vector<double> read_as(Handle const&, Part const&);
+template std::vector<std::int32_t> read_as(Handle const&, Part const&);
+template std::vector<std::int64_t> read_as(Handle const&, Part const&);
+template std::vector<std::uint32_t> read_as(Handle const&, Part const&);
+template std::vector<std::uint64_t> read_as(Handle const&, Part const&);
 template void write(Handle const&, Part const&, std::span<double const>);
 template void write(Handle const&, Part const&, std::span<std::uint64_t const>);
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -72,6 +73,7 @@ hid_t native() {
   if constexpr (std::is_same_v<Number, std::int32_t>) return H5T_NATIVE_INT32;
   if constexpr (std::is_same_v<Number, std::uint32_t>) return H5T_NATIVE_UINT32;
   if constexpr (std::is_same_v<Number, std::uint64_t>) return H5T_NATIVE_UINT64;
+  if constexpr (std::is_same_v<Number, std::int64_t>) return H5T_NATIVE_INT64;
 }
 
 /// How a file is opened.
@@ -97,8 +99,11 @@ void flush(Handle const& file);
 Handle create_group(Handle const& parent, std::string const& path);
 /// Refuses a link to another file.
 Handle open_group(Handle const& parent, std::string const& path);
-/// The names in a group, in the order they were created.
+/// The names in a group, in the order they were created, or that of the alphabet where the file does not know it.
 std::vector<std::string> names_in(Handle const& group);
+/// The group or dataset at a path; nothing where there is none, or something of another kind. Refuses links to other files.
+std::optional<Handle> find_group(Handle const& file, std::string const& path);
+std::optional<Handle> find_dataset(Handle const& file, std::string const& path);
 bool has(Handle const& parent, std::string const& path);
 /// A second name for the same thing.
 void link(Handle const& file, std::string const& from, std::string const& to);
@@ -113,6 +118,8 @@ void set_attribute(Handle const& object, std::string const& name, std::span<int 
 void set_reference(Handle const& object, std::string const& name, Handle const& file, std::string const& path);
 bool has_attribute(Handle const& object, std::string const& name);
 std::vector<std::string> read_texts(Handle const& object, std::string const& name);
+/// The numbers of an attribute, whatever their type; none where there is none, or no numbers.
+std::vector<double> read_numbers(Handle const& object, std::string const& name);
 /// The text of an attribute, empty where there is none.
 std::string read_text_attribute(Handle const& object, std::string const& name);
 
@@ -129,6 +136,16 @@ struct Part {
 /// Reads numbers of exactly the type stored.
 template <class Number>
 std::vector<Number> read(Handle const& dataset, Part const& part);
+
+/// The kinds of numbers that a dataset may hold.
+enum class NumberKind { real, whole, positive_whole, other };
+/// Names of numbers are numbers too.
+NumberKind kind_of_numbers(Handle const& dataset);
+/// Bytes of each number.
+std::size_t width_of_numbers(Handle const& dataset);
+/// Reads numbers of any type as those asked for: HDF5 takes the nearest where one does not fit. An empty part is a single number.
+template <class Number>
+std::vector<Number> read_as(Handle const& dataset, Part const& part);
 
 /// Writes numbers into a part of a dataset that is there already.
 template <class Number>

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "io/file.hpp"
+#include "io/file_format.hpp"
 #include "io/settings_reader.hpp"
 #include "io/text.hpp"
 #include "io/toml_tree.hpp"
@@ -135,6 +136,7 @@ SettingsFile& SettingsFile::operator=(SettingsFile other) noexcept {
 }
 
 SettingsFile SettingsFile::from_path(std::filesystem::path const& path) {
+  if (auto const format = recognize_format(path)) throw wrong_format(*format, path.string(), "a settings file (TOML)");
   SettingsFile file = from_text(read_file(path, largest_settings_file), path.string());
   if (path.has_parent_path()) file.content_->directory = path.parent_path();
   return file;

@@ -10,6 +10,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "io/file.hpp"
+#include "io/file_format.hpp"
 #include "io/text.hpp"
 
 namespace gridlock {
@@ -267,6 +268,9 @@ void write_csv(Table const& table, std::filesystem::path const& path) { write_fi
 
 Table parse_csv(std::string_view text, std::string const& name) { return CsvReader(text, name).read(); }
 
-Table read_csv(std::filesystem::path const& path) { return parse_csv(read_file(path), path.string()); }
+Table read_csv(std::filesystem::path const& path) {
+  if (auto const format = recognize_format(path)) throw wrong_format(*format, path.string(), "a table (CSV)");
+  return parse_csv(read_file(path), path.string());
+}
 
 }  // namespace gridlock

@@ -9,6 +9,8 @@
 
 #include "gridlock/core/error.hpp"
 #include "io/file.hpp"
+#include "io/file_format.hpp"
+#include "io/h5md_text.hpp"
 
 namespace gridlock {
 
@@ -34,7 +36,7 @@ void TextReader::open_file() {
   auto const file = std::make_shared<FileReader>(path_);
   can_begin_again_ = file->is_regular();
   // What a file is, its first bytes say.
-  std::string first(2, '\0');
+  std::string first(bytes_of_format, '\0');
   std::size_t filled = 0;
   while (filled < first.size()) {
     std::size_t const got = file->read(std::span(first).subspan(filled));
@@ -42,6 +44,15 @@ void TextReader::open_file() {
     filled += got;
   }
   first.resize(filled);
+  if (auto const format = recognize_format(std::string_view(first))) {
+    // HDF5 jumps to and fro in a file.
+    if (format->id != "hdf5" || !file->is_regular()) throw wrong_format(*format, name_, "extended XYZ");
+    packed_.reset();
+    bytes_ = text_of_trajectory(path_);
+    constexpr std::uint64_t usually_deflated = 4;
+    likely_size_ = usually_deflated * file->size();
+    return;
+  }
   bytes_ = [file, first](std::span<char> into) mutable {
     if (first.empty()) return file->read(into);
     std::size_t const count = first.copy(into.data(), into.size());

@@ -12,10 +12,11 @@
 
 namespace gridlock {
 
-/// A text that is read piece by piece: of a file as it is, of one that gzip packed, or one that is in memory.
+/// A text that is read piece by piece: of a file as it is, of one that gzip packed, of a trajectory in H5MD as extended XYZ, or
+/// one that is in memory.
 class TextReader {
  public:
-  /// Errors: Error where the file cannot be read.
+  /// Errors: Error where the file cannot be read, and where its first bytes are those of a format that is no text of agents.
   explicit TextReader(std::filesystem::path path);
   /// The text must outlive it. `name` names it in errors.
   TextReader(std::string_view text, std::string name);

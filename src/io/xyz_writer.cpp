@@ -213,6 +213,13 @@ void append_xyz(FrameSource const& frame, AtomicFile& file) {
   }
 }
 
+std::string xyz_text(FrameSource const& frame) {
+  Rows const rows(frame);
+  std::string text = rows.header();
+  for (std::size_t first = 0; first < rows.size(); first += rows_per_block) text += rows.text(rows.block(first));
+  return text;
+}
+
 void write_xyz(FrameSource const& frame, std::filesystem::path const& path) {
   AtomicFile file(path);
   append_xyz(frame, file);

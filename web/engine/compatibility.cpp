@@ -5,6 +5,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "io/gzip.hpp"
+#include "io/h5md_text.hpp"
 
 namespace std {  // NOLINT(cert-dcl58-cpp): see the header
 
@@ -37,5 +38,12 @@ GzipReader::GzipReader(GzipReader&&) noexcept = default;
 GzipReader& GzipReader::operator=(GzipReader&&) noexcept = default;
 
 std::optional<std::size_t> GzipReader::read(std::span<char> /*into*/) { return std::nullopt; }
+
+// Trajectories in H5MD are read by h5wasm.
+
+ReadBytes text_of_trajectory(std::filesystem::path const& path) {
+  throw Error({.what = path.string() + " is a trajectory in H5MD, and extended XYZ is read here",
+               .hint = "gridlock export FILE --to xyz makes extended XYZ of it"});
+}
 
 }  // namespace gridlock

@@ -44,6 +44,8 @@ struct H5mdSettings {
   std::uint64_t compression = 1;  ///< 0: none, 1: fastest … 9: smallest
   /// Of the start, where it is a packing; not read back, see H5mdReader::contacts().
   std::optional<FrameContacts> contacts = {};
+  std::string creator = "gridlock";        ///< the program that has written it; empty where it does not say
+  std::vector<std::string> left_out = {};  ///< quantities of another program's file that are not read
 };
 
 /// The agents at one time of a trajectory.
@@ -112,10 +114,17 @@ class H5mdWriter {
   std::unique_ptr<Trajectory> trajectory_;
 };
 
-/// Reads the trajectories that H5mdWriter writes, also while another process writes them and after a kill.
+namespace h5md {
+class Source;
+}  // namespace h5md
+
+/// Reads trajectories in H5MD: those that H5mdWriter writes, also while another process writes them and after a kill, and
+/// those of other programs.
 ///
-/// Errors: Error naming the file for anything missing, damaged or of another shape; a checksum over every frame finds
-/// what the checks of HDF5 do not see.
+/// A checksum over every frame of H5mdWriter finds damage that the checks of HDF5 do not see. Of other programs it reads the
+/// first group of particles that has positions, in the plane or of one z, in a rectangular box that is periodic in both
+/// directions or in none; what docs/reference/trajectories.md says of them holds here. They have no state hash.
+/// Errors: Error naming the file for anything missing, damaged or of another shape.
 class H5mdReader {
  public:
   explicit H5mdReader(std::filesystem::path path);
@@ -139,8 +148,7 @@ class H5mdReader {
   [[nodiscard]] std::optional<FrameContacts> contacts() const;
 
  private:
-  class Trajectory;
-  std::unique_ptr<Trajectory> trajectory_;
+  std::unique_ptr<h5md::Source> source_;
 };
 
 /// What a trajectory is turned into.

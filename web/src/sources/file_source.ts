@@ -1,3 +1,5 @@
+import { BlobBytes, ServedBytes } from "./bytes.ts";
+import { BYTES_OF_FORMAT, recognizeFormat } from "./file_format.ts";
 import { SourceError, type Description, type FrameSource, type SourceFrame } from "./source.ts";
 import type { Answer, Question, WorkerFile } from "./source_worker.ts";
 import SourceWorker from "./source_worker.ts?worker&inline";
@@ -6,8 +8,18 @@ import SourceWorker from "./source_worker.ts?worker&inline";
 export function kindOfFile(name: string): "h5md" | "xyz" | undefined {
   const ending = name.toLowerCase().replace(/^.*\./, "");
   if (ending === "h5" || ending === "h5md" || ending === "hdf5") return "h5md";
-  if (ending === "xyz" || ending === "extxyz") return "xyz";
+  if (ending === "xyz" || ending === "extxyz" || ending === "exyz") return "xyz";
   return undefined;
+}
+
+/** By the first bytes, and by the name where they have no mark. Throws SourceError for a file that is not shown. */
+export function kindOfBytes(name: string, head: Uint8Array): "h5md" | "xyz" {
+  const format = recognizeFormat(head);
+  if (format?.kind === "h5md") return "h5md";
+  const is = format === undefined ? "no file that can be shown here" : format.name;
+  const kind = format === undefined ? kindOfFile(name) : undefined;
+  if (kind === undefined) throw new SourceError(`${name} is ${is}.`, "Files in H5MD (.h5, .h5md) and extended XYZ (.xyz, .extxyz, .exyz) can be shown.");
+  return kind;
 }
 
 /** A file in H5MD or extended XYZ, read in a worker: the page stays quick whatever the file's size. */
@@ -30,11 +42,9 @@ export class FileSource implements FrameSource {
 
   /** Rejects with SourceError for a file of another format, or a damaged one. */
   static async open(file: WorkerFile): Promise<FileSource> {
-    const kind = kindOfFile(file.name);
-    if (kind === undefined) {
-      throw new SourceError(`${file.name} is no file that can be shown here.`, "Files in H5MD (.h5) and extended XYZ (.xyz, .extxyz) can.");
-    }
     if (file.size === 0) throw new SourceError(`${file.name} is empty.`);
+    const bytes = file.blob === undefined ? await ServedBytes.open(file.name, file.address as string) : new BlobBytes(file.name, file.blob);
+    const kind = kindOfBytes(file.name, await bytes.read(0, BYTES_OF_FORMAT));
     const worker = new SourceWorker();
     const source = new FileSource(file.name, worker);
     try {

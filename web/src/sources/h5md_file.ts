@@ -57,7 +57,7 @@ export class H5mdFile implements FrameReader {
       steps: steps.slice(0, frames),
       times,
       table: { times, quantities: this.quantities(frames) },
-      notes: [],
+      notes: this.notes(),
     };
   }
 
@@ -108,10 +108,10 @@ export class H5mdFile implements FrameReader {
     if (sides === undefined) return surround(x, y);
     const [width, height] = sides;
     if (!(width > 0) || !(height > 0)) this.refuse(`the box of frame ${index} is ${width} × ${height}`);
-    const periodic = this.isPeriodic();
-    putInside(x, 0, width, periodic);
-    putInside(y, 0, height, periodic);
-    return { width, height, periodic };
+    const [alongX, alongY] = this.periodicity();
+    putInside(x, 0, width, alongX);
+    putInside(y, 0, height, alongY);
+    return { width, height, periodic: alongX && alongY };
   }
 
   /** Edges are lengths or a matrix of vectors, fixed or of each frame; without them nothing is known of the box. */
@@ -134,9 +134,16 @@ export class H5mdFile implements FrameReader {
     return dimensions === 1 ? [edges[0] as number, edges[1] as number] : [edges[0] as number, edges[dimensions + 1] as number];
   }
 
-  private isPeriodic(): boolean {
+  private periodicity(): [boolean, boolean] {
     const boundary = this.group(`${this.path}/box`)?.attrs["boundary"]?.value;
-    return Array.isArray(boundary) && String(boundary[0]).startsWith("periodic");
+    const isPeriodic = (at: number): boolean => Array.isArray(boundary) && String(boundary[at] ?? boundary[0]).startsWith("periodic");
+    return [isPeriodic(0), isPeriodic(1)];
+  }
+
+  private notes(): string[] {
+    const [alongX, alongY] = this.periodicity();
+    if (alongX === alongY) return [];
+    return [`The box is periodic in ${alongX ? "x" : "y"} alone. It is shown between walls: distances and neighbours do not reach through its edges.`];
   }
 
   private agentsGroup(): string {
@@ -172,7 +179,7 @@ export class H5mdFile implements FrameReader {
   private clock(name: "step" | "time"): number[] {
     const data = this.dataset(`${this.path}/position/${name}`);
     const frames = (this.position.shape as number[])[0] as number;
-    if (data === undefined) return Array.from({ length: frames }, (_, index) => index);
+    if (data === undefined) return name === "time" ? this.clock("step") : Array.from({ length: frames }, (_, index) => index);
     const value = data.value;
     if (ArrayBuffer.isView(value) && (data.shape ?? []).length === 1) return Array.from(value as unknown as ArrayLike<number | bigint>, Number);
     const every = Number(value as number | bigint);

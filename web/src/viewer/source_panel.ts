@@ -27,7 +27,7 @@ export class SourcePanel {
   constructor(chooseRun: (id: string) => void, openFiles: (files: readonly File[]) => void, goBack: () => void) {
     this.runs.addEventListener("change", () => chooseRun(this.runs.value));
     this.filter.addEventListener("input", () => this.showRuns(this.runs.value));
-    const file = element("input", { type: "file", accept: ".h5,.h5md,.hdf5,.xyz,.extxyz", hidden: true });
+    const file = element("input", { type: "file", accept: ".h5,.h5md,.hdf5,.xyz,.extxyz,.exyz", hidden: true });
     file.addEventListener("change", () => {
       openFiles([...(file.files ?? [])]);
       file.value = "";

@@ -144,6 +144,25 @@ describe("A trajectory of another program", () => {
     }
   });
 
+  test("in a box that is periodic in one direction is folded in that one alone, with a note", async () => {
+    for (const [boundary, expected] of [[["periodic", "none", "none"], [1.75, 3.5]], [["none", "periodic", "none"], [-0.25, 0.5]]] as const) {
+      const path = place.of(`${boundary[0]}_in_x.h5`);
+      write(path, (file) => {
+        const box = file.get("particles/all/box") as never as { create_attribute(name: string, data: unknown): void };
+        box.create_attribute("boundary", boundary);
+        file.create_dataset({ name: "particles/all/box/edges", data: new Float64Array([2, 3, 1]) });
+        file.create_dataset({ name: "particles/all/position/value", data: new Float64Array([-0.25, 3.5, 0]), shape: [1, 1, 3] });
+        file.create_dataset({ name: "particles/all/position/step", data: new Int32Array([70]), shape: [1] });
+      });
+      const file = opened(path);
+      expect(file.description.notes.join()).toContain(`periodic in ${boundary[0] === "periodic" ? "x" : "y"} alone`);
+      expect(file.description.times).toEqual([70]); // without times the steps are the clock
+      const { box, columns } = await file.frame(0);
+      expect(box).toEqual({ width: 2, height: 3, periodic: false });
+      expect([...(columns["x"] as Float64Array), ...(columns["y"] as Float64Array)]).toEqual(expected);
+    }
+  });
+
   test("in a sheared box is refused", async () => {
     write(place.of("sheared.h5"), (file) => {
       file.create_dataset({ name: "particles/all/position/value", ...positions });

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <new>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "gridlock/io/h5md.hpp"
+#include "io/hdf5.hpp"
+
+namespace gridlock::h5md {
+
+/// Frames in H5MD, whoever has written them: what H5mdReader reads from.
+class Source {
+ public:
+  Source() = default;
+  virtual ~Source() = default;
+  Source(Source const&) = delete;
+  Source& operator=(Source const&) = delete;
+
+  [[nodiscard]] virtual H5mdSettings const& settings() const = 0;
+  [[nodiscard]] virtual std::vector<Clock> const& clocks() const = 0;
+  [[nodiscard]] virtual std::vector<std::string> column_names() const = 0;
+  [[nodiscard]] virtual H5mdFrame frame(std::size_t k) const = 0;
+  [[nodiscard]] virtual std::vector<double> observable(std::size_t k) const = 0;
+  [[nodiscard]] virtual std::optional<FrameContacts> contacts() const = 0;
+};
+
+/// A trajectory of another program. Errors: Error naming the file.
+std::unique_ptr<Source> open_other(std::filesystem::path const& path);
+
+/// Deflate makes nothing smaller than this share of itself, so that a damaged size does not ask for all the memory.
+inline constexpr std::uint64_t max_deflation = 1032;
+
+[[noreturn]] void refuse(std::filesystem::path const& path, std::string const& reason);
+
+/// Does work on a file, and turns what HDF5 complains of into an Error that names the file.
+template <class Work>
+auto guarded(std::filesystem::path const& path, Work const& work) {
+  std::string reason;
+  try {
+    return work();
+  } catch (hdf5::Failure const& failure) {
+    reason = hdf5::shortness_of(path);
+    if (reason.empty()) reason = failure.what();
+  } catch (std::bad_alloc const&) {
+    reason = "a frame of it does not fit into the memory";
+  } catch (std::length_error const&) {
+    reason = "a frame of it does not fit into the memory";
+  }
+  refuse(path, reason);
+}
+
+}  // namespace gridlock::h5md
