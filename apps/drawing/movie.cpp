@@ -210,7 +210,11 @@ RunStatus make_movie(H5mdReader const& trajectory, MovieSettings const& settings
   assert(settings.every > 0);
   require_place(settings.file);
   format_of(settings);
-  require_no_other_result(settings.file, maker);
+  protect_files({.results = {settings.file},
+                 .inputs = {},
+                 .maker = maker,
+                 .hint = "name another file with -o, or add --overwrite",
+                 .overwrites = settings.overwrites});
   if (trajectory.frame_count() == 0) throw Error(Problem{.what = "the trajectory has no frames"});
   return Movie(trajectory, settings, on_progress).make();
 }

@@ -21,6 +21,7 @@ struct MovieSettings {
   std::uint32_t width = 720;  ///< pixels
   std::uint64_t rate = 25;    ///< frames a second
   std::size_t every = 1;      ///< every how many frames of the trajectory one is shown; not 0 (asserted)
+  bool overwrites = false;    ///< whether a file that make_movie() has not made may be replaced
 };
 
 struct MovieProgress {

@@ -17,13 +17,14 @@ namespace {
 struct CollectOptions {
   std::vector<std::string> directories;
   std::string output;
+  bool overwrites = false;
 };
 
 ExitCode collect(CollectOptions const& options) {
   std::vector<std::filesystem::path> const directories(options.directories.begin(), options.directories.end());
   std::filesystem::path const into =
       options.output.empty() ? directories.front() : std::filesystem::path(options.output);
-  gridlock::SweepResult const result = gridlock::collect_sweep(directories, into);
+  gridlock::SweepResult const result = gridlock::collect_sweep(directories, into, options.overwrites);
   draw_pictures(into);
   for (std::string const& note : result.notes) fmt::print(stderr, "note: {}\n", note);
   for (std::string const& message : result.messages) fmt::print(stderr, "error: {}\n", message);
@@ -41,6 +42,7 @@ void add_collect(CLI::App& app, ExitCode& exit_code) {
   verb->add_option("DIR", options->directories, "Directories of the shards, or the one they share")->required();
   verb->add_option("-o,--output", options->output, "Directory for the whole sweep; left out: the first DIR")
       ->type_name("DIR");
+  verb->add_flag("--overwrite", options->overwrites, "Replace files that Gridlock has not written");
   verb->callback([options, &exit_code] { exit_code = collect(*options); });
 }
 

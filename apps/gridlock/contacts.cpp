@@ -19,12 +19,12 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/table.hpp"
 #include "gridlock/io/xyz.hpp"
-#include "gridlock/workspace/run_directory.hpp"
 #include "io/file.hpp"
 #include "pictures.hpp"
 #include "simulation/packing_analysis.hpp"
 #include "verbs.hpp"
 #include "workspace/result_files.hpp"
+#include "workspace/run_files.hpp"
 #include "workspace/summary.hpp"
 
 namespace gridlock::cli {
@@ -52,10 +52,13 @@ Error problem_of(fs::path const& file, std::string_view what, std::string const&
 /// Gives all disks one radius where the file has none.
 void set_radii(State& state, double radius) { std::ranges::fill(state.agents.column<Radius>(), radius); }
 
-State read_packing(Options const& options) {
+fs::path packing_file(Options const& options) {
   std::error_code ignored;
-  fs::path const file =
-      fs::is_directory(options.path, ignored) ? fs::path(options.path) / "final.xyz" : fs::path(options.path);
+  return fs::is_directory(options.path, ignored) ? fs::path(options.path) / "final.xyz" : fs::path(options.path);
+}
+
+State read_packing(Options const& options) {
+  fs::path const file = packing_file(options);
   XyzFrame frame = read_xyz(file);
   std::size_t const disks = frame.state.agents.size();
   if (disks == 0) throw problem_of(file, "has no disks", "name a file with a packing");
@@ -106,9 +109,18 @@ Table spectrum_of(Packing const& packing) {
   return table;
 }
 
-void write_results(fs::path const& directory, bool overwrites, State const& state, PackingAnalysis const& analysis,
+/// Every file that write_results() may write; a packing has these names to itself, also in a box without a spectrum.
+std::vector<fs::path> files_in(fs::path const& directory) {
+  std::vector<fs::path> files;
+  for (char const* name :
+       {"contacts.csv", "gaps.csv", "forces.csv", "spectral_density.csv", "packing.xyz", summary_name}) {
+    files.push_back(directory / name);
+  }
+  return files;
+}
+
+void write_results(fs::path const& directory, State const& state, PackingAnalysis const& analysis,
                    Json const& summary) {
-  open_run_directory(directory, overwrites);
   remove_results(directory);
   auto const write = [&](char const* name, Table const& table) {
     record_result(directory / name);
@@ -176,15 +188,18 @@ ExitCode contacts(Options const& options) {
   Json summary = summary_of(analysis);
   summary["local_bond_orientation_order"] = local_order(analysis.packing);
   summary["state_hash"] = fmt::format("{:016x}", hash(state));
-  if (!options.output.directory.empty())
-    write_results(options.output.directory, options.output.overwrites, state, analysis, summary);
+  OutputOptions const& output = options.output;
+  if (!output.directory.empty()) {
+    open_result_directory(output.directory, files_in(output.directory), {packing_file(options)}, output.overwrites);
+    write_results(output.directory, state, analysis, summary);
+  }
   if (options.prints_json) {
     fmt::print("{}\n", summary.dump(2));
   } else {
     print_summary(state, options.path, summary);
   }
   print_notes(analysis);
-  if (!options.output.directory.empty() && !options.leaves_out_pictures) draw_pictures(options.output.directory);
+  if (!output.directory.empty() && !options.leaves_out_pictures) draw_pictures(output.directory);
   return ExitCode::good;
 }
 

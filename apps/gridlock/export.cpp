@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <vector>
 
 #include "gridlock/io/h5md.hpp"
 #include "io/file.hpp"
@@ -36,15 +37,17 @@ void add_export(CLI::App& app, ExitCode& exit_code) {
     std::string format;
     std::string output;
     std::size_t every = 1;
+    bool overwrites = false;
   };
   CLI::App* const verb = app.add_subcommand("export", "Turn a trajectory into extended XYZ, VTK or CSV");
   auto const options = std::make_shared<Options>();
-  verb->add_option("PATH", options->path, "Directory of a run, or a trajectory (.h5)")->required();
+  verb->add_option("PATH", options->path, "Directory of a run, or a trajectory in H5MD (.h5, .h5md)")->required();
   verb->add_option("--to", options->format, "xyz (OVITO, ASE), vtk (ParaView) or csv")
       ->required()
       ->check(one_of({"xyz", "vtk", "csv"}));
   verb->add_option("-o,--output", options->output, "File to write; left out: beside the trajectory")->type_name("FILE");
   verb->add_option("--every", options->every, "Export every N-th frame")->check(whole_number(1));
+  verb->add_flag("--overwrite", options->overwrites, "Replace a file that gridlock export has not made");
   verb->callback([options, &exit_code] {
     static std::map<std::string, std::pair<gridlock::ExportFormat, char const*>> const formats{
         {"xyz", {gridlock::ExportFormat::xyz, ".xyz"}},
@@ -55,11 +58,16 @@ void add_export(CLI::App& app, ExitCode& exit_code) {
     fs::path const file =
         options->output.empty() ? fs::path(source).replace_extension(extension) : fs::path(options->output);
     require_other_file(file, source);
-    gridlock::require_no_other_result(file, "export");
     gridlock::H5mdReader const trajectory(source);
-    gridlock::remove_leftovers(fs::absolute(file).parent_path());
     gridlock::ExportSettings const settings{.format = format, .file = file, .every = options->every};
-    gridlock::record_further_results(gridlock::exported_files(trajectory, settings), "export");
+    std::vector<fs::path> const exported = gridlock::exported_files(trajectory, settings);
+    gridlock::protect_files({.results = exported,
+                             .inputs = {source},
+                             .maker = "export",
+                             .hint = "name another file with -o, or add --overwrite",
+                             .overwrites = options->overwrites});
+    gridlock::remove_leftovers(fs::absolute(file).parent_path());
+    gridlock::record_further_results(exported, "export");
     auto const files = gridlock::export_trajectory(trajectory, settings);
     fmt::print("{}\n", files.front().string());
     exit_code = ExitCode::good;

@@ -51,7 +51,7 @@ ExitCode make_movie(MovieOptions const& options) {
 void add_movie(CLI::App& app, ExitCode& exit_code) {
   CLI::App* const verb = app.add_subcommand("movie", "Turn a trajectory into a movie (.mp4, .gif, .webm, .mov, .mkv)");
   auto const options = std::make_shared<MovieOptions>();
-  verb->add_option("PATH", options->path, "Directory of a run, or a trajectory (.h5)")->required();
+  verb->add_option("PATH", options->path, "Directory of a run, or a trajectory in H5MD (.h5, .h5md)")->required();
   verb->add_option("-o,--output", options->output, "File to write; left out: an MP4 beside the trajectory")
       ->type_name("FILE");
   verb->add_option("--colour,--color", options->movie.colour,
@@ -59,6 +59,7 @@ void add_movie(CLI::App& app, ExitCode& exit_code) {
   verb->add_option("--width", options->movie.width, "Pixels");
   verb->add_option("--rate", options->movie.rate, "Frames a second")->check(whole_number(1, 240));
   verb->add_option("--every", options->movie.every, "Show every N-th frame")->check(whole_number(1));
+  verb->add_flag("--overwrite", options->movie.overwrites, "Replace a file that gridlock movie has not made");
   verb->add_flag("-q,--quiet", options->is_quiet, "Print errors only");
   verb->callback([options, &exit_code] { exit_code = make_movie(*options); });
 }

@@ -40,7 +40,7 @@ ExitCode run(RunOptions& options, Ranks* ranks) {
                  .ranks = ranks});
   auto const directory =
       options.output.directory_for(std::filesystem::path(options.configuration.file).stem().string());
-  gridlock::open_run_directory(directory, options.output.overwrites);
+  gridlock::open_run_directory(directory, setup, options.output.overwrites, options.configuration.file);
   gridlock::RunHooks hooks = options.run_output.hooks();
   hooks.ranks = ranks;
   return options.run_output.finish(gridlock::run_in(directory, std::move(setup), hooks), directory);

@@ -84,7 +84,8 @@ ExitCode sweep(SweepOptions const& options) {
                                          }
                                          return !StopSignals::is_stop_asked();
                                        },
-                                   .crew = options.crew});
+                                   .crew = options.crew,
+                                   .settings_file = options.configuration.file});
   }
   // The leader has the results and says what came out.
   if (options.crew != nullptr && !options.crew->leads()) return ExitCode::good;

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from . import _core
 from .errors import Error
 
 if TYPE_CHECKING:
@@ -112,13 +113,20 @@ def to_mdanalysis(frames: Sequence[Frame], *, unwrapped: bool = True) -> Any:
     return universe
 
 
-def to_gsd(frames: Iterable[Frame], path: str | os.PathLike[str]) -> None:
+def protect(path: str | os.PathLike[str], maker: str, overwrite: bool) -> None:
+    """Refuses to replace a file that ``maker`` has not listed as its own in the directory of a run, unless ``overwrite``; results
+    of a run in any case."""
+    _core.protect_files([os.fspath(path)], maker, "name another file, or say overwrite=True", overwrite)
+
+
+def to_gsd(frames: Iterable[Frame], path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
     """Writes frames as a GSD file of two dimensions, as HOOMD-blue, OVITO and freud read it, in single precision.
 
     The origin is the middle of the box. Images, velocities, masses, diameters and kinds (types A, B, C …) are in it where the
     frames have them; the log has ``time``. A GSD box is always periodic, so that walls are lost.
     """
     gsd = library("gsd.hoomd", "gsd")
+    protect(path, "gridlock.Trajectory.to_gsd", overwrite)
     with gsd.open(os.fspath(path), "w") as file:
         for frame in frames:
             file.append(_gsd_frame(gsd, frame))

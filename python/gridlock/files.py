@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, SupportsIndex, overload
 
 import numpy as np
 
-from . import _core, converters
+from . import _core, converters, formats
 from .arrays import MOST_STEPS, as_count, as_number
 from .box import Box
 from .errors import Error
@@ -127,9 +127,9 @@ class Frame:
         """An ``MDAnalysis.Universe`` of this frame; see :meth:`Trajectory.to_mdanalysis`."""
         return converters.to_mdanalysis([self], unwrapped=unwrapped)
 
-    def to_gsd(self, path: str | os.PathLike[str]) -> None:
+    def to_gsd(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
         """Writes a GSD file of this frame; see :meth:`Trajectory.to_gsd`."""
-        converters.to_gsd([self], path)
+        converters.to_gsd([self], path, overwrite=overwrite)
 
 
 class FrameContacts(NamedTuple):
@@ -158,17 +158,21 @@ def read_xyz(path: str | os.PathLike[str]) -> Frame:
 
 
 class Trajectory:
-    """The frames of a file in H5MD, read one at a time; of a run that still writes those up to its last checkpoint.
+    """The frames of a file, read one at a time; of a run that still writes those up to its last checkpoint.
+
+    It reads H5MD, of Gridlock and of other programs, dumps of LAMMPS in text, and GSD where the package gsd is installed: in the plane,
+    in rectangular boxes, with the columns that the file has.
 
     ``len(trajectory)``, ``trajectory[3]``, ``trajectory[-1]``, ``for frame in trajectory``; ``steps`` and ``times`` of all.
     ``trajectory[10:]`` and ``trajectory.since(1000)`` are trajectories too: with fewer frames, of the same file.
 
-    :raises Error: for damage, with the place.
+    :raises Error: for damage, with the place, and for what does not fit: agents in space, sheared boxes, boxes that are periodic in one
+        direction alone.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = pathlib.Path(path)
-        self._core = _core.Trajectory(os.fspath(path))
+        self._core: Any = formats.frames_of(os.fspath(path))
         self._frames = range(self._core.size())
 
     def __len__(self) -> int:
@@ -274,15 +278,15 @@ class Trajectory:
         """A list of ``ase.Atoms``; see :meth:`Frame.to_ase`."""
         return [frame.to_ase(unwrapped=unwrapped) for frame in self]
 
-    def to_gsd(self, path: str | os.PathLike[str]) -> None:
+    def to_gsd(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
         """Writes a GSD file of two dimensions: positions about the middle of the box, images, velocities, masses, diameters.
 
-        :raises Error: where gsd is not installed.
+        :raises Error: where gsd is not installed, and where the file is there already, unless ``overwrite``.
 
         Single precision. A GSD box is always periodic: walls are lost. ``gsd.hoomd.read_log`` finds the times.
         """
         self.expect_frames()
-        converters.to_gsd(self, path)
+        converters.to_gsd(self, path, overwrite=overwrite)
 
     def __repr__(self) -> str:
         return f"<gridlock.Trajectory {self.path}: {len(self)} frames>"
@@ -360,16 +364,18 @@ class RunDirectory:
 
 
 def open(path: str | os.PathLike[str]) -> RunDirectory | Any:
-    """A run directory, a sweep directory or a trajectory, by what the path holds.
+    """A run directory, a sweep directory, a trajectory or a state, by what the path holds; of a file its first bytes tell, not its name.
 
-    :returns: :class:`RunDirectory`, :class:`SweepDirectory` or :class:`Trajectory`.
-    :raises Error: for a path that holds none of them.
+    :returns: :class:`RunDirectory`, :class:`SweepDirectory`, :class:`Trajectory` for H5MD, GSD and dumps of LAMMPS, or :class:`Frame`
+        for extended XYZ.
+    :raises Error: for a path that holds none of them, with the name of the format where it is known.
     """
     from .sweeps import SweepDirectory
 
     path = pathlib.Path(path)
     if path.is_file():
-        return Trajectory(path) if path.suffix == ".h5" else read_xyz(path)
+        is_trajectory = formats.format_of(os.fspath(path)) in ("hdf5", "gsd", "lammps_dump")
+        return Trajectory(path) if is_trajectory else read_xyz(path)
     if (path / "plan.json").exists():
         return SweepDirectory(path)
     if (path / "config.resolved.toml").exists():

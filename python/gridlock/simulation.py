@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from . import _core
+from . import _core, converters
 from .arrays import as_column, as_observed
 from .box import Box
 from .errors import Error, RunFailure
@@ -335,8 +335,12 @@ class Simulation:
         """What happened since the start: moves, collisions, events of the model."""
         return self._core.counts()
 
-    def write(self, path: str | os.PathLike[str]) -> None:
-        """Writes the agents as extended XYZ."""
+    def write(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
+        """Writes the agents as extended XYZ.
+
+        :raises Error: where the file is there already, unless ``overwrite``.
+        """
+        converters.protect(path, "gridlock.Simulation.write", overwrite)
         self._core.write_state(os.fspath(path))
 
     def _bound(self, function: Callable[[Simulation], Any], *, is_observable: bool = False) -> Callable[[], Any]:

@@ -28,9 +28,11 @@
 #include "gridlock/workspace/run_directory.hpp"
 #include "gridlock/workspace/sweep.hpp"
 #include "io/file.hpp"
+#include "io/file_format.hpp"
 #include "listener.hpp"
 #include "settings.hpp"
 #include "workspace/result_files.hpp"
+#include "workspace/run_files.hpp"
 
 namespace gridlock::python {
 
@@ -57,7 +59,7 @@ std::string run_directory(std::optional<std::string> const& file, Assignments co
   {
     nb::gil_scoped_release const released;
     Setup setup = set_up(settings_of(file, assignments), {.threads = threads});
-    open_run_directory(directory, overwrites);
+    open_run_directory(directory, setup, overwrites, file.value_or(""));
     record = run_in(directory, std::move(setup), hooks_for(listener, threads));
   }
   return status_of(record, listener);
@@ -108,6 +110,7 @@ SweepValues sweep_directory(std::optional<std::string> const& file, Assignments 
     nb::gil_scoped_release const released;
     SweepSettings settings{
         .directory = directory, .overwrites = overwrites, .shard = {}, .threads = threads, .on_progress = {}};
+    if (file) settings.settings_file = *file;
     if (shard) settings.shard = Shard{.number = shard->first, .count = shard->second};
     settings.on_progress = [&](SweepProgress const& progress) {
       return listener(progress.finished, progress.fraction);
@@ -219,11 +222,31 @@ class PythonTrajectory {
   H5mdReader reader_;
 };
 
+/// The word for a format and its name, by its first bytes; nothing for a file without a mark.
+std::optional<std::pair<std::string, std::string>> format_of(std::string const& path) {
+  auto const format = recognize_format(std::filesystem::path(path));
+  if (!format) return std::nullopt;
+  return std::pair(std::string(format->id), std::string(format->name));
+}
+
+/// Refuses what protect_files() refuses, and lists the files of a maker where its directory has a list.
+void protect_paths(std::vector<std::string> const& paths, std::string const& maker, std::string const& hint,
+                   bool overwrites) {
+  protect_files(
+      {.results = {paths.begin(), paths.end()}, .inputs = {}, .maker = maker, .hint = hint, .overwrites = overwrites});
+  if (maker.empty()) return;
+  for (std::string const& path : paths) record_further_result(path, maker);
+}
+
 /// A directory that is kept from all other processes, and lists what is written into it as results of Gridlock.
 class PythonDirectory {
  public:
-  PythonDirectory(std::string const& directory, bool overwrites) : directory_(directory) {
-    open_run_directory(directory_, overwrites);
+  /// The names of all files that are going to be written.
+  PythonDirectory(std::string const& directory, std::vector<std::string> const& names, bool overwrites)
+      : directory_(directory) {
+    std::vector<std::filesystem::path> files;
+    for (std::string const& name : names) files.push_back(directory_ / name);
+    open_result_directory(directory_, std::move(files), {}, overwrites);
     lock_.emplace(directory_);
   }
   void write(std::string const& name, nb::bytes const& content) const {
@@ -254,6 +277,9 @@ void bind_files(nb::module_& module) {
   module.def("read_xyz", &read_xyz_frame, nb::arg("path"));
   module.def(
       "record_result", [](std::string const& path) { record_result(path); }, nb::arg("path"));
+  module.def("recognize_format", &format_of, nb::arg("path"));
+  module.def("protect_files", &protect_paths, nb::arg("paths"), nb::arg("maker"), nb::arg("hint"),
+             nb::arg("overwrites"));
   nb::class_<PythonTrajectory>(module, "Trajectory")
       .def(nb::init<std::string const&>(), nb::arg("path"))
       .def("size", &PythonTrajectory::size)
@@ -263,7 +289,8 @@ void bind_files(nb::module_& module) {
       .def("value_names", &PythonTrajectory::value_names)
       .def("contacts", &PythonTrajectory::contacts);
   nb::class_<PythonDirectory>(module, "Directory")
-      .def(nb::init<std::string const&, bool>(), nb::arg("directory"), nb::arg("overwrites"))
+      .def(nb::init<std::string const&, std::vector<std::string> const&, bool>(), nb::arg("directory"),
+           nb::arg("names"), nb::arg("overwrites"))
       .def("write", &PythonDirectory::write, nb::arg("name"), nb::arg("content"))
       .def("release", &PythonDirectory::release);
 }

@@ -15,6 +15,8 @@
 #include "io/file.hpp"
 #include "simulation/settings_difference.hpp"
 #include "workspace/result_files.hpp"
+#include "workspace/run_files.hpp"
+#include "workspace/summary.hpp"
 #include "workspace/sweep_plan.hpp"
 #include "workspace/sweep_tables.hpp"
 
@@ -129,37 +131,68 @@ void copy_whole(fs::path const& from, fs::path const& to) {
   file.commit();
 }
 
+/// The files of a run, without its summary. Hidden files are locks, and leftovers of a killed process.
+std::vector<std::string> names_of_files(RecordedRun const& run) {
+  std::vector<std::string> names;
+  for (auto const& entry : fs::directory_iterator(run.directory)) {
+    std::error_code ignored;
+    std::string const name = entry.path().filename().string();
+    if (entry.is_regular_file(ignored) && !name.starts_with('.') && name != summary_name) names.push_back(name);
+  }
+  return names;
+}
+
 /// Copies the files of a run, the summary last and gone first: a directory with a summary is a complete one.
 void copy_run(RecordedRun const& run, fs::path const& into, fs::path const& target) {
-  constexpr char const* summary_name = "summary.json";
   require_inside(into, target);
   make_output_directory(target);
-  std::error_code ignored;
-  fs::remove(target / summary_name, ignored);
-  remove_checkpoints(target);
-  for (auto const& entry : fs::directory_iterator(run.directory)) {
-    std::string const name = entry.path().filename().string();
-    // Hidden files are locks, and what a killed process has left.
-    bool const is_of_run = entry.is_regular_file(ignored) && !name.starts_with('.') && name != summary_name;
-    if (!is_of_run) continue;
+  remove_results(target);
+  for (std::string const& name : names_of_files(run)) {
     record_result(target / name);
-    copy_whole(entry.path(), target / name);
+    copy_whole(run.directory / name, target / name);
   }
   record_result(target / summary_name);
   copy_whole(run.directory / summary_name, target / summary_name);
 }
 
+/// Refuses to replace files that Gridlock has not written, before the first is copied. A sweep that is itself collected, but
+/// was copied here without its hidden lists, is taken for what it says.
+void protect_target(std::vector<fs::path> const& directories, fs::path const& into, bool overwrites,
+                    SweepPlan const& plan, std::vector<std::optional<RecordedRun>> const& best) {
+  bool const is_collected = std::ranges::any_of(directories, [&](fs::path const& directory) {
+    std::error_code ignored;
+    return fs::equivalent(directory, into, ignored);
+  });
+  auto const protect = [&](fs::path const& directory, std::vector<fs::path> const& results) {
+    if (is_collected) adopt_results(directory, results);
+    protect_files(
+        {.results = results, .inputs = {}, .maker = "", .hint = hint_of_directories, .overwrites = overwrites});
+  };
+  protect(into, {into / sweep_plan_name, into / "sweep.csv", into / "means.csv"});
+  for (std::size_t run = 0; run < plan.runs.size(); ++run) {
+    fs::path const target = directory_of(into, plan.runs[run]);
+    std::error_code ignored;
+    if (!best[run] || fs::equivalent(best[run]->directory, target, ignored)) continue;
+    Configuration any_stages;
+    any_stages.protocol.emplace_back();
+    std::vector<fs::path> results = run_files(target, any_stages);
+    for (std::string const& name : names_of_files(*best[run])) results.push_back(target / name);
+    protect(target, results);
+  }
+}
+
 }  // namespace
 
-SweepResult collect_sweep(std::vector<fs::path> const& directories, fs::path const& into) {
+SweepResult collect_sweep(std::vector<fs::path> const& directories, fs::path const& into, bool overwrites) {
   SweepPlan const plan = merged_plan(directories);
   std::vector<std::optional<RecordedRun>> best(plan.runs.size());
   for (std::size_t run = 0; run < plan.runs.size(); ++run) {
     std::vector<RecordedRun> const recorded = recorded_runs(directories, plan.runs[run]);
     if (RecordedRun const* const found = best_of(recorded)) best[run] = *found;
   }
+  if (fs::exists(into)) require_no_links_out(into);
+  protect_target(directories, into, overwrites, plan, best);
   make_output_directory(into);
-  require_no_links_out(into);
   DirectoryLock const lock(into, Sharing::alone);
   std::vector<SweepOutcome> outcomes(plan.runs.size());
   for (std::size_t run = 0; run < plan.runs.size(); ++run) {

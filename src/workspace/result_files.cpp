@@ -1,9 +1,12 @@
 #include "workspace/result_files.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
+#include <map>
 #include <set>
 #include <span>
 #include <string>
@@ -112,27 +115,20 @@ void remove_runs(fs::path const& directory) {
   fs::remove(directory, ignored);
 }
 
-}  // namespace
-
-void record_result(fs::path const& file) { add_to_list(file, ""); }
-
-void record_further_result(fs::path const& file, std::string const& maker) {
+/// Whether a file would be lost if one of that name were written. Devices and pipes take what is written into them.
+bool is_in_the_way(fs::path const& file) {
   std::error_code ignored;
-  if (fs::exists(file.parent_path() / list_name, ignored)) add_to_list(file, maker);
+  using enum fs::file_type;
+  fs::file_type const type = fs::symlink_status(file, ignored).type();
+  if (type != symlink) return type == regular || type == directory;
+  fs::file_type const target = fs::status(file, ignored).type();
+  return target == regular || target == directory || target == not_found;
 }
 
-void record_further_results(std::vector<fs::path> const& files, std::string const& maker) {
-  std::error_code ignored;
-  if (!fs::exists(files.front().parent_path() / list_name, ignored)) return;
-  add_to_list(files.front(), maker);
-  std::span<fs::path const> const others = std::span(files).subspan(1);
-  if (others.empty()) return;
-  fs::path const directory = others.front().parent_path();
-  add_to_list(directory, maker);
-  fs::create_directories(directory, ignored);
-  add_to_list(others, maker);
-}
+/// As a user calls it: a command of the program, or a function of the Python package.
+std::string called(std::string const& maker) { return maker.starts_with("gridlock.") ? maker : "gridlock " + maker; }
 
+/// Refuses a file that is a listed result, by its name or by a link, unless the same command has made it.
 void require_no_other_result(fs::path const& file, std::string const& maker) {
   for (fs::path const& place : {file, followed(file)}) {
     std::vector<Entry> entries = listed(place.parent_path());
@@ -143,13 +139,127 @@ void require_no_other_result(fs::path const& file, std::string const& maker) {
       bool const is_same =
           entry.name == place.filename() || fs::equivalent(place.parent_path() / entry.name, place, ignored);
       if (!is_same || entry.maker == maker) continue;
-      throw Error({.what = fmt::format("{} is a result that gridlock {} must not replace",
-                                       (place.parent_path() / entry.name).string(), maker),
+      throw Error({.what = fmt::format("{} is a result that {} must not replace",
+                                       (place.parent_path() / entry.name).string(), called(maker)),
                    .hint = "name another file",
                    .key = "-o",
                    .file = file.string()});
     }
   }
+}
+
+/// Whether the list of its directory says so.
+bool is_made_by(std::string const& maker, fs::path const& file) {
+  std::string const name = file.filename().string();
+  return std::ranges::any_of(listed(file.parent_path()),
+                             [&](Entry const& entry) { return entry.name == name && entry.maker == maker; });
+}
+
+[[noreturn]] void refuse_input(fs::path const& input, char const* fate) {
+  throw Error({.what = fmt::format("{} is what this command reads, and would be {}", input.string(), fate),
+               .hint = "write into another place with -o",
+               .key = "-o",
+               .file = input.string()});
+}
+
+void require_no_input(fs::path const& file, std::vector<fs::path> const& inputs) {
+  for (fs::path const& input : inputs) {
+    std::error_code ignored;
+    if (!input.empty() && fs::equivalent(file, input, ignored)) refuse_input(input, "replaced");
+  }
+}
+
+Error foreign_files(std::vector<fs::path> const& files, std::string const& hint) {
+  constexpr std::size_t max_named = 5;
+  std::vector<std::string> names;
+  for (fs::path const& file : files) names.push_back(file.string());
+  std::string const further = names.size() > max_named ? fmt::format(" and {} more", names.size() - max_named) : "";
+  names.resize(std::min(names.size(), max_named));
+  return Error(
+      {.what = fmt::format("{}{} would be replaced, which Gridlock has not written", fmt::join(names, ", "), further),
+       .hint = hint,
+       .key = "-o",
+       .file = files.front().string()});
+}
+
+}  // namespace
+
+bool is_listed(fs::path const& file) { return has(listed(file.parent_path()), file.filename().c_str()); }
+
+bool has_list(fs::path const& directory) {
+  std::error_code ignored;
+  return fs::exists(directory / list_name, ignored);
+}
+
+void adopt_results(fs::path const& directory, std::vector<fs::path> const& files) {
+  if (has_list(directory)) return;
+  std::vector<fs::path> found;
+  std::ranges::copy_if(files, std::back_inserter(found), is_in_the_way);
+  add_to_list(found, "");
+}
+
+void protect_files(PlannedFiles const& planned) {
+  std::map<fs::path, std::set<std::string>> known;  // one list has the names of thousands of frames
+  std::vector<fs::path> foreign;
+  for (fs::path const& file : planned.results) {
+    if (!planned.maker.empty()) require_no_other_result(file, planned.maker);
+    if (!is_in_the_way(file)) continue;
+    require_no_input(file, planned.inputs);
+    std::error_code ignored;
+    if (fs::is_directory(file, ignored)) {
+      throw Error({.what = fmt::format("{} is a directory, and a file of that name is to be written", file.string()),
+                   .hint = planned.hint,
+                   .key = "-o",
+                   .file = file.string()});
+    }
+    if (!planned.maker.empty() && is_made_by(planned.maker, followed(file))) continue;
+    auto const [place, is_new] = known.try_emplace(file.parent_path());
+    if (is_new) {
+      for (Entry const& entry : listed(file.parent_path())) place->second.insert(entry.name);
+    }
+    // Named once, though it may be planned twice.
+    if (place->second.insert(file.filename().string()).second) foreign.push_back(file);
+  }
+  if (foreign.empty()) return;
+  if (!planned.overwrites) throw foreign_files(foreign, planned.hint);
+  for (fs::path const& file : foreign) {
+    planned.maker.empty() ? add_to_list(file, "") : record_further_result(file, planned.maker);
+  }
+}
+
+void protect_inputs(fs::path const& directory, std::span<fs::path const> inputs) {
+  std::error_code ignored;
+  fs::path const base = fs::weakly_canonical(directory, ignored);
+  for (fs::path const& input : inputs) {
+    if (input.empty()) continue;
+    fs::path const real = fs::weakly_canonical(input, ignored);
+    fs::path const inside = real.lexically_relative(base);
+    auto const parts = std::distance(inside.begin(), inside.end());
+    // remove_results() goes into the runs of a sweep, and no deeper.
+    bool const is_within_reach = parts == 1 || (parts == 3 && *inside.begin() == "runs");
+    if (is_within_reach && is_listed(real)) refuse_input(input, "removed with the other results there");
+  }
+}
+
+void record_result(fs::path const& file) {
+  if (is_in_the_way(file) && !is_listed(file)) throw foreign_files({file}, "move it away");
+  add_to_list(file, "");
+}
+
+void record_further_result(fs::path const& file, std::string const& maker) {
+  if (has_list(file.parent_path())) add_to_list(file, maker);
+}
+
+void record_further_results(std::vector<fs::path> const& files, std::string const& maker) {
+  if (!has_list(files.front().parent_path())) return;
+  add_to_list(files.front(), maker);
+  std::span<fs::path const> const others = std::span(files).subspan(1);
+  if (others.empty()) return;
+  fs::path const directory = others.front().parent_path();
+  add_to_list(directory, maker);
+  std::error_code ignored;
+  fs::create_directories(directory, ignored);
+  add_to_list(others, maker);
 }
 
 void remove_results(fs::path const& directory) {

@@ -27,6 +27,7 @@
 #include "simulation/settings_difference.hpp"
 #include "simulation/trajectory.hpp"
 #include "workspace/result_files.hpp"
+#include "workspace/run_files.hpp"
 #include "workspace/run_log.hpp"
 #include "workspace/summary.hpp"
 
@@ -202,13 +203,6 @@ class RunInDirectory {
 
   void begin() {
     remove_results(directory_);
-    // Of versions that kept no list of their results.
-    std::error_code ignored;
-    std::filesystem::remove(directory_ / summary_name, ignored);
-    remove_checkpoints(directory_);
-    for (char const* name : {trajectory_name, begun_trajectory_name}) {
-      std::filesystem::remove(directory_ / name, ignored);
-    }
     for (char const* name : {"run.log", configuration_name, "start.xyz", "checkpoint.gridlock",
                              "checkpoint.previous.gridlock", trajectory_name, begun_trajectory_name}) {
       record_result(directory_ / name);
@@ -320,6 +314,9 @@ class RunInDirectory {
       // A full disk ends the run first and keeps its results out next: the first reason is the one to tell.
       if (record.failure.empty()) throw;
       throw RunFailure(fmt::format("{}; then {}", record.failure, failure.what()));
+    } catch (Error const& error) {
+      // A file has come into the way while the run went on. It is no mistake of the input, and the checkpoint stays.
+      throw RunFailure(error.problems().front().what);
     }
     if (status == RunStatus::finished) {
       setup_.configuration.checkpoint.keep_last ? remove_previous_checkpoint(directory_)
@@ -518,6 +515,11 @@ RunRecord continue_in(std::filesystem::path const& directory, std::optional<RunL
   Setup setup = set_up(file, {.threads = hooks.threads, .ranks = hooks.ranks});
   Configuration configuration = setup.configuration;
   bool const starts_from_file = !setup.start_file.empty();
+  std::vector<std::filesystem::path> files = run_files(directory, configuration);
+  adopt_results(directory, files);
+  // Restoring looks at checkpoints itself, and says what else there is to continue from.
+  std::erase_if(files, [](std::filesystem::path const& result) { return result.extension() == ".gridlock"; });
+  protect_files({.results = files, .inputs = {}, .maker = "", .hint = "move what is in the way, and resume again"});
   RunInDirectory run(directory, std::move(setup), resolved(configuration, starts_from_file), hooks);
   run.restore([&] {
     if (length) run.require_below_length();
@@ -531,28 +533,15 @@ RunRecord continue_in(std::filesystem::path const& directory, std::optional<RunL
 
 }  // namespace
 
-void open_run_directory(std::filesystem::path const& directory, bool overwrites) {
-  constexpr std::array results{summary_name, configuration_name, "sweep.csv", "plan.json", "report.html"};
-  std::error_code ignored;
-  bool const is_used = std::ranges::any_of(
-      results, [&](char const* name) { return std::filesystem::exists(directory / name, ignored); });
-  if (is_used && !overwrites) {
-    bool const is_unfinished = !std::filesystem::exists(directory / summary_name, ignored) &&
-                               std::filesystem::exists(directory / configuration_name, ignored);
-    throw Error({.what = fmt::format("{} holds {} already", directory.string(), is_unfinished ? "a run" : "results"),
-                 .hint = is_unfinished
-                             ? "continue it with gridlock resume, name another directory with -o, or add --overwrite"
-                             : "name another directory with -o, or add --overwrite",
-                 .key = "-o"});
-  }
-  make_output_directory(directory);
-}
-
 std::string resolved_configuration(Setup const& setup) {
   return resolved(setup.configuration, !setup.start_file.empty());
 }
 
 RunRecord run_in(std::filesystem::path const& directory, Setup setup, RunHooks const& hooks) {
+  protect_files({.results = run_files(directory, setup.configuration),
+                 .inputs = {setup.start_file},
+                 .maker = "",
+                 .hint = hint_of_directories});
   make_output_directory(directory);
   DirectoryLock const lock(directory);
   std::string configuration = resolved_configuration(setup);

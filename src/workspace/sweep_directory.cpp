@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "io/file.hpp"
 #include "simulation/settings_difference.hpp"
 #include "workspace/result_files.hpp"
+#include "workspace/run_files.hpp"
 #include "workspace/sweep_plan.hpp"
 
 namespace gridlock {
@@ -82,15 +84,65 @@ void SweepDirectory::require_same_base() const {
 
 bool SweepDirectory::is_of_sweep() const {
   std::error_code ignored;
-  return std::filesystem::exists(settings_.directory / sweep_plan_name, ignored);
+  std::filesystem::path const plan = settings_.directory / sweep_plan_name;
+  if (!std::filesystem::exists(plan, ignored)) return false;
+  if (has_list(settings_.directory)) return is_listed(plan);
+  try {
+    read_plan(settings_.directory);
+  } catch (Error const&) {
+    // It is written again where there are runs of it, and a file of the user that has this name where there are none.
+    return std::ranges::any_of(
+        plan_.runs, [&](SweepRun const& run) { return has_list(gridlock::directory_of(settings_.directory, run)); });
+  }
+  return true;
 }
 
 void SweepDirectory::open() const {
+  std::vector<std::filesystem::path> tables;
+  for (char const* name : {sweep_plan_name, "sweep.csv", "means.csv"}) tables.push_back(settings_.directory / name);
+  std::vector<std::filesystem::path> const inputs = this->inputs();
   if (is_of_sweep()) {
-    make_output_directory(settings_.directory);
+    adopt_results(settings_.directory, tables);
+    protect_files({.results = tables,
+                   .inputs = inputs,
+                   .maker = "",
+                   .hint = hint_of_directories,
+                   .overwrites = settings_.overwrites});
+    if (settings_.overwrites) protect_inputs(settings_.directory, inputs);
   } else {
-    open_run_directory(settings_.directory, settings_.overwrites);
+    open_result_directory(settings_.directory, tables, inputs, settings_.overwrites);
   }
+  protect_runs(inputs);
+  make_output_directory(settings_.directory);
+}
+
+void SweepDirectory::protect_runs(std::vector<std::filesystem::path> const& inputs) const {
+  for (std::size_t run = 0; run < plan_.runs.size(); ++run) {
+    // One without a list that is continued is resume_in()'s to look at.
+    if (!is_ours(run) || (is_there(run) && !has_list(directory_of(run)))) continue;
+    Configuration any_stages;
+    any_stages.protocol.emplace_back();
+    protect_files({.results = run_files(directory_of(run), any_stages),
+                   .inputs = inputs,
+                   .maker = "",
+                   .hint = hint_of_directories,
+                   .overwrites = settings_.overwrites});
+  }
+}
+
+/// The settings file, and the files that the runs start from.
+std::vector<std::filesystem::path> SweepDirectory::inputs() const {
+  std::set<std::filesystem::path> files{settings_.settings_file};
+  for (SweepRun const& run : plan_.runs) {
+    try {
+      Configuration configuration;
+      run.settings.read_into(describing(configuration));
+      if (!configuration.disks.file.empty()) files.insert(run.settings.directory() / configuration.disks.file);
+    } catch (Error const&) {
+      continue;  // a run that is set up tells its user
+    }
+  }
+  return {files.begin(), files.end()};
 }
 
 void SweepDirectory::forget_old_results() const {

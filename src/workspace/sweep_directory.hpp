@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/workspace/run_directory.hpp"
@@ -29,13 +30,16 @@ class SweepDirectory {
   /// Throws Error for a sweep in the directory that has other settings in common: its runs and these belong in different
   /// tables.
   void require_same_base() const;
-  /// Makes the directory where it is missing. Errors: Error where it has results that are not of a sweep.
+  /// Makes the directory where it is missing. Errors: Error where it has results that are not of a sweep, and where files of
+  /// the user have the names of tables or of files of the runs.
   void open() const;
   /// Removes what is to be made anew, where that is asked for.
   void forget_old_results() const;
 
  private:
   [[nodiscard]] bool is_of_sweep() const;
+  void protect_runs(std::vector<std::filesystem::path> const& inputs) const;
+  [[nodiscard]] std::vector<std::filesystem::path> inputs() const;
   [[nodiscard]] std::string difference_from_recorded(std::size_t run, Setup const& setup) const;
 
   SweepPlan const& plan_;

@@ -213,7 +213,7 @@ TEST(Collect, WritesThroughNoLinkThatLeadsOutOfItsOutput) {
     std::string target;
     bool is_refused;
   };
-  // The last one is a file of the run itself: it is replaced by the file that is collected.
+  // The last one has the name of a file of the run: told to, collect replaces the link, and not what it leads to.
   for (Link const& link : {Link{"sweep.csv", "mine", true}, Link{"mean_displacement.svg", "mine", true},
                            Link{"means.csv", "not yet there", true}, Link{run, "home", true},
                            Link{"runs", "home", true}, Link{run + "/final.xyz", "mine", false}}) {
@@ -224,7 +224,8 @@ TEST(Collect, WritesThroughNoLinkThatLeadsOutOfItsOutput) {
     if (link.is_refused) {
       expect_refused(outcome, "leads");
     } else {
-      expect_good(outcome);
+      expect_refused(outcome, "would be replaced");
+      expect_good(in(workplace.path(), {"collect", "good", "-o", out.filename().string(), "--overwrite"}));
       EXPECT_EQ(text_of(out / link.name), text_of(workplace / "good" / link.name));
     }
     EXPECT_EQ(text_of(workplace / "mine"), "mine") << link.name;

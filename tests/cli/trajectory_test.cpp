@@ -160,7 +160,7 @@ TEST(Trajectories, AreExportedOverTheirFormerExportsAndOverNoOtherResult) {
     EXPECT_NE(outcome.err.find("is a result that gridlock export must not replace"), std::string::npos) << outcome.err;
     EXPECT_EQ(text_of(workplace / result), before);
   }
-  for (std::string const place : {"run/again.csv", "run/again.csv", "elsewhere.csv", "elsewhere.csv"}) {
+  for (std::string const place : {"run/again.csv", "run/again.csv", "elsewhere.csv"}) {
     Outcome const outcome = gridlock_in(workplace, {"export", "run", "--to", "csv", "-o", place});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   }

@@ -20,10 +20,14 @@
 
 namespace gridlock {
 
-/// Makes sure a run may write into the directory: it is created where it is missing, and results that are there already
-/// are not overwritten unless `overwrites`.
+/// Makes sure a run may write into the directory, which is created where it is missing.
+///
+/// Without `overwrites` nothing is replaced: neither results that are there already nor files of the user under the names
+/// that the run needs. With it both are, and no other file. The start file and the settings file are what the run is made
+/// from and stay in any case.
 /// Errors: Error under the key "-o".
-void open_run_directory(std::filesystem::path const& directory, bool overwrites);
+void open_run_directory(std::filesystem::path const& directory, Setup const& setup, bool overwrites,
+                        std::filesystem::path const& settings_file = {});
 
 /// Whether a directory is kept from all other processes, or shared with those that share it too.
 enum class Sharing { alone, with_others };
@@ -74,7 +78,8 @@ struct RunHooks {
 /// A run that is interrupted saves itself; one that fails leaves the last checkpoint before. A checkpoint that cannot be
 /// written is noted, and the run continues. Every file is written whole or not at all; summary.json comes last. Results
 /// that Gridlock has written there before are removed first.
-/// Errors: Error where another process works in the directory; RunFailure where results cannot be written.
+/// Errors: Error where another process works in the directory, and where a file that Gridlock has not written has a name that
+/// the run needs; RunFailure where results cannot be written.
 RunRecord run_in(std::filesystem::path const& directory, Setup setup, RunHooks const& hooks = {});
 
 /// Continues a run that was interrupted, killed or failed: from its newest checkpoint that is whole, or from the start

@@ -69,7 +69,8 @@ struct SweepSettings {
   unsigned threads = 0;        ///< runs at a time; 0: one for each core that the process may use
   /// Called from any thread, one call at a time; returning false stops every run after its present chunk.
   std::function<bool(SweepProgress const&)> on_progress;
-  SweepCrew* crew = nullptr;  ///< others that take part; left out: this process alone
+  SweepCrew* crew = nullptr;                 ///< others that take part; left out: this process alone
+  std::filesystem::path settings_file = {};  ///< the plan was made from; never replaced
 };
 
 /// What a sweep leaves behind, besides one run directory in runs/ for each run.
@@ -96,7 +97,9 @@ SweepResult run_sweep(SweepPlan const& plan, SweepSettings const& settings);
 
 /// Makes one sweep of the directories its shards were run in, or of the one they shared: copies the runs into `into`
 /// where they are not there, the one that came farthest of each, and writes plan.json, sweep.csv and means.csv.
-/// Errors: Error for a directory without a sweep, for sweeps of different settings, and where the directory is in use.
-SweepResult collect_sweep(std::vector<std::filesystem::path> const& directories, std::filesystem::path const& into);
+/// Errors: Error for a directory without a sweep, for sweeps of different settings, where the directory is in use, and where
+/// a file that Gridlock has not written is in the way and `overwrites` does not say that it may be replaced.
+SweepResult collect_sweep(std::vector<std::filesystem::path> const& directories, std::filesystem::path const& into,
+                          bool overwrites = false);
 
 }  // namespace gridlock

@@ -16,6 +16,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--colour", "--color", default="", metavar="NAME",
                         help="of the agents at the end: psi6, speed, direction, neighbourhood, radius, or a column")
     parser.add_argument("--pdf", action="store_true", help="write PDF files too, for papers")
+    parser.add_argument("--overwrite", action="store_true", help="replace files that Gridlock has not written")
     parser.add_argument("--if-any", action="store_true", help="do nothing where there is nothing to draw, as of a sweep over one value")
     return parser
 
@@ -23,7 +24,7 @@ def _parser() -> argparse.ArgumentParser:
 def _plot(options: argparse.Namespace) -> int:
     from ..plot import pictures
 
-    made = pictures(options.directory, options.colour, pdf=options.pdf)
+    made = pictures(options.directory, options.colour, pdf=options.pdf, overwrite=options.overwrite)
     for file in made.files:
         print(file)
     for note in made.notes:

@@ -41,6 +41,8 @@ STUDY = Study(
     seconds_of_work=1.0,
     context=Context,
     write_runs=_write_runs,
+    tables=("runs", *(f"figure_{number}" for number in range(1, 8))),
+    pictures=tuple(f"figure_{number}" for number in range(1, 8)),
 )
 
 

@@ -47,6 +47,10 @@ STUDY = Study(
     seconds_of_work=2e-7,
     context=Context,
     write_runs=_write_runs,
+    tables=("runs", "figure_4", "figure_5", "figure_6", "figure_7", "figure_7_plateau", "figure_7_theory", "open_choices", "turn_order",
+            "turn_order_comparisons"),
+    pictures=("figure_4_start", "figure_4_after", "figure_5", "figure_5_checks", "figure_6", "figure_6_logarithmic", "figure_7",
+              "open_choices", "turn_order"),
 )
 
 

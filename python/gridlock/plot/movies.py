@@ -40,6 +40,7 @@ def movie(
     width: int = 720,
     rate: int = 25,
     every: int = 1,
+    overwrite: bool = False,
 ) -> pathlib.Path:
     """A movie of the frames that a run has kept, as ``gridlock movie`` makes it; needs that program and ffmpeg.
 
@@ -49,12 +50,14 @@ def movie(
     :param width: pixels.
     :param rate: frames a second.
     :param every: shows every so many frames of the trajectory.
+    :param overwrite: whether to replace a file that this function and ``gridlock movie`` have not made.
     :raises Error: for what cannot be drawn, with the texts of the command line, and without the program.
     :raises RunFailure: where ffmpeg fails.
     """
     source = run.path if isinstance(run, (RunDirectory, Trajectory)) else run
     words = [program(), "movie", os.fspath(source), "-o", os.fspath(file), "--quiet"]
     words += [f"--width={width}", f"--rate={rate}", f"--every={every}"]
+    words += ["--overwrite"] if overwrite else []
     words += [] if colour is None else [f"--colour={colour}"]
     ended = subprocess.run(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     if ended.returncode != 0:

@@ -41,8 +41,9 @@ class Pictures(NamedTuple):
 class _Artist:
     """Draws what can be drawn; a failure becomes a note."""
 
-    def __init__(self, directory: pathlib.Path, pdf: bool) -> None:
+    def __init__(self, directory: pathlib.Path, pdf: bool, overwrite: bool) -> None:
         self.directory = directory
+        self._overwrite = overwrite
         self._extensions = (".svg", ".png", ".pdf") if pdf else (".svg", ".png")
         self.made = Pictures([], [])
 
@@ -50,6 +51,8 @@ class _Artist:
         """``draw`` is given the axes of a figure of that size in inches."""
         files = [self.directory / (name + extension) for extension in self._extensions]
         try:
+            hint = f"move it away, or draw with gridlock plot {self.directory} --overwrite"
+            _core.protect_files([str(file) for file in files], "", hint, self._overwrite)
             for file in files:
                 _core.record_result(str(file))
                 file.unlink(missing_ok=True)  # one of older data
@@ -269,19 +272,21 @@ def _chart_spectrum(axes: Any, directory: pathlib.Path, found: Contacts) -> None
     axes.set(xscale="log", yscale="log", xlabel="wave number q D", ylabel="spectral density χ(q) / D²")
 
 
-def pictures(directory: str | os.PathLike[str], colour: str = "", *, pdf: bool = False) -> Pictures:
+def pictures(directory: str | os.PathLike[str], colour: str = "", *, pdf: bool = False, overwrite: bool = False) -> Pictures:
     """Draws the pictures of a finished run, sweep or packing into its directory, as ``gridlock plot`` does: SVG and PNG, with ``pdf`` PDF too.
 
     A run: start, final (coloured by displacement), displacement, speed_distribution, pair_correlation. A run of a model: final,
     and every column of its series. A sweep: results against the swept number with the most values, one line for each combination of the
     others. A packing, as ``gridlock contacts -o`` writes it: packing, forces, spectral_density.
 
+    A picture whose name a file of the user has is left out, with a note, unless ``overwrite``.
+
     :param colour: of the disks of a packing, as for :func:`packing`; of the agents at the end, as for :func:`snapshot`, or ``"displacement"``.
     :returns: the files, and a note on each picture that could not be drawn.
     :raises Error: for a directory that holds neither, and for a colour that the agents do not have, before anything is drawn.
     """
     path = pathlib.Path(directory)
-    artist = _Artist(path, pdf)
+    artist = _Artist(path, pdf, overwrite)
     with style():
         if _has(path, "config.resolved.toml") and _has(path, "final.xyz"):
             _draw_run(artist, RunDirectory(path), colour)

@@ -15,7 +15,7 @@ from .. import _core, playground
 from ..errors import Error
 from ..settings import as_threads
 from ..progress import ProgressBar
-from . import report
+from . import report, style
 from .chapter import Chapter, Claim, Context
 from .runs import PartialResults, cores
 
@@ -51,10 +51,19 @@ class Study:
     seconds_of_work: float  #: of one unit of Run.work on one core
     context: type[Context[Any, Any, Any]]
     write_runs: Callable[[Any], None]  #: every run, its settings and what came out
+    #: The names of all that it writes, without their endings.
+    tables: tuple[str, ...]
+    pictures: tuple[str, ...]
 
     @property
     def figures(self) -> list[int]:
         return [part.figure for part in self.parts if part.figure is not None]
+
+    @property
+    def files(self) -> list[str]:
+        """The names of all files that a study may write."""
+        drawn = [f"{name}.{format}" for name in self.pictures for format in style.FORMATS]
+        return [*drawn, *(f"{name}.csv" for name in self.tables), playground.FILE, REPORT]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -131,7 +140,7 @@ def carry_out(
     _require_packages(study)
     jobs = min(as_threads(threads or 0) or cores(), cores())
     path = pathlib.Path(directory)
-    kept = _core.Directory(os.fspath(path), overwrite)
+    kept = _core.Directory(os.fspath(path), study.files, overwrite)
     partial_results = PartialResults(path / PARTIAL_RESULTS)
     try:
         if overwrite:

@@ -22,6 +22,8 @@ WIDTH = 6.4
 #: Longer dashes than those of matplotlib, which show where curves are short.
 DASHED = (0, (5, 2.5))
 
+#: The endings of the files of a picture.
+FORMATS = ("svg", "png")
 #: The style of all charts in letters for a page; text stays text in SVG, so that a report can be searched.
 _SETTINGS: dict[str, Any] = {
     **STYLE,
@@ -40,7 +42,7 @@ def rendered(draw: Callable[[], Figure]) -> dict[str, bytes]:
     with context({**default, **_SETTINGS}):
         figure = draw()
         pictures = {}
-        for format in ("svg", "png"):
+        for format in FORMATS:
             content = io.BytesIO()
             if format == "svg":
                 figure.savefig(content, format=format, metadata={"Date": None})

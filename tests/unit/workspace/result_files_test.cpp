@@ -2,13 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/workspace/run_directory.hpp"
 #include "io/file.hpp"
 #include "unit/io/temporary_directory.hpp"
+#include "workspace/run_files.hpp"
 
 namespace gridlock {
 namespace {
@@ -17,13 +21,80 @@ namespace fs = std::filesystem;
 
 TEST(ResultFiles, OnlyThoseRecordedAreRemoved) {
   TemporaryDirectory const directory;
-  for (char const* name : {"a.csv", "b.csv", "mine.csv"}) write_file(directory / name, "1");
   for (char const* name : {"a.csv", "b.csv", "b.csv", "never written.svg"}) record_result(directory / name);
+  for (char const* name : {"a.csv", "b.csv", "mine.csv"}) write_file(directory / name, "1");
   remove_results(directory.path());
   EXPECT_FALSE(fs::exists(directory / "a.csv"));
   EXPECT_FALSE(fs::exists(directory / "b.csv"));
   EXPECT_FALSE(fs::exists(directory / ".gridlock.files"));
   EXPECT_EQ(read_file(directory / "mine.csv"), "1");
+}
+
+TEST(ResultFiles, OfTheUserAreListedBeforeTheyAreReplacedAndOnlyWhereTheUserSaysSo) {
+  TemporaryDirectory const directory;
+  write_file(directory / "mine.csv", "1");
+  fs::create_symlink("nowhere", directory / "link.csv");
+  fs::create_directory(directory / "folder.csv");
+  auto const plan = [&](char const* name, bool overwrites) {
+    return PlannedFiles{
+        .results = {directory / name}, .inputs = {}, .maker = "", .hint = "move it", .overwrites = overwrites};
+  };
+  for (char const* name : {"mine.csv", "link.csv", "folder.csv"}) {
+    EXPECT_THROW(protect_files(plan(name, false)), Error) << name;
+    EXPECT_THROW(record_result(directory / name), Error) << name;
+  }
+  EXPECT_FALSE(has_list(directory.path()));
+  EXPECT_THROW(protect_files(plan("folder.csv", true)), Error);
+  protect_files(plan("mine.csv", true));
+  EXPECT_TRUE(is_listed(directory / "mine.csv"));
+  EXPECT_EQ(read_file(directory / "mine.csv"), "1") << "it is for the command to replace it";
+}
+
+TEST(ResultFiles, AreNeverTheInputsOfTheCommandThatWritesThem) {
+  TemporaryDirectory const directory;
+  record_result(directory / "final.xyz");
+  write_file(directory / "final.xyz", "1");
+  fs::create_symlink("final.xyz", directory / "link.xyz");
+  for (char const* input : {"final.xyz", "link.xyz"}) {
+    for (bool const overwrites : {false, true}) {
+      EXPECT_THROW(protect_files({.results = {directory / "final.xyz"},
+                                  .inputs = {directory / "." / input},
+                                  .maker = "",
+                                  .hint = "",
+                                  .overwrites = overwrites}),
+                   Error)
+          << input;
+    }
+    EXPECT_THROW(protect_inputs(directory.path(), std::vector<fs::path>{directory / input}), Error) << input;
+  }
+  write_file(directory / "mine.xyz", "1");
+  EXPECT_NO_THROW(protect_inputs(directory.path(), std::vector<fs::path>{directory / "mine.xyz", ""}));
+  fs::create_directories(directory / "runs/a");
+  record_result(directory / "runs/a/final.xyz");
+  EXPECT_THROW(protect_inputs(directory.path(), std::vector<fs::path>{directory / "runs/a/final.xyz"}), Error);
+}
+
+TEST(ResultFiles, OfEveryKindOfRunAreKnownBeforeItBegins) {
+  for (char const* text :
+       {"disks = { count = 12, packing_fraction = 0.3 }\ntrajectory.every = 10\nobserve.structure_every = 1",
+        "model.kind = \"epidemic\"\nepidemic.count = 30\ntrajectory.every = 20",
+        "disks = { count = 12 }\nbox.edge = \"periodic\"\nprotocol = [{ stage = \"quench\", packing_fraction = 0.9 }, "
+        "{ stage = \"decompress\", until_pressure = 1e-4 }, "
+        "{ stage = \"separate\" }]",
+        "disks = { count = 12, packing_fraction = 0.3, start = \"random\" }\nprotocol = [{ stage = \"swap\", sweeps = "
+        "20, "
+        "swap_fraction = 0.0 }]"}) {
+    TemporaryDirectory const directory;
+    gridlock::Setup setup =
+        set_up(SettingsFile::from_text(std::string(text) + "\nrun.steps = 40\nobserve.every = 5\n", "run.toml"));
+    std::vector<fs::path> const known = run_files(directory.path(), setup.configuration);
+    run_in(directory.path(), std::move(setup));
+    for (auto const& entry : fs::directory_iterator(directory.path())) {
+      std::string const name = entry.path().filename().string();
+      if (name.starts_with('.')) continue;
+      EXPECT_NE(std::ranges::find(known, entry.path()), known.end()) << name << " of " << text;
+    }
+  }
 }
 
 TEST(ResultFiles, PartsOfACheckpointGoWithIt) {
@@ -35,7 +106,9 @@ TEST(ResultFiles, PartsOfACheckpointGoWithIt) {
   record_result(directory / "series.csv");
   remove_results(directory.path());
   EXPECT_TRUE(fs::exists(directory / (part + ".gridlock"))) << "no checkpoint of this list";
+  fs::remove(directory / "checkpoint.gridlock");
   record_result(directory / "checkpoint.gridlock");
+  write_file(directory / "checkpoint.gridlock", "1");
   remove_results(directory.path());
   EXPECT_FALSE(fs::exists(directory / (part + ".gridlock")));
   EXPECT_TRUE(fs::exists(directory / (part + ".mine")));
@@ -59,7 +132,7 @@ TEST(ResultFiles, MadeOnDemandAreReplacedByTheVerbThatMadeThemAlone) {
   TemporaryDirectory const directory;
   auto const is_refused = [&](std::string const& name, std::string const& maker) {
     try {
-      require_no_other_result(directory / name, maker);
+      protect_files({.results = {directory / name}, .inputs = {}, .maker = maker, .hint = ""});
     } catch (Error const& error) {
       EXPECT_EQ(error.problems()[0].key, "-o");
       return true;
@@ -76,7 +149,9 @@ TEST(ResultFiles, MadeOnDemandAreReplacedByTheVerbThatMadeThemAlone) {
   fs::create_symlink(directory / "series.csv", directory / "link.csv");
   fs::create_hard_link(directory / "series.csv", directory / "hard.csv");
   EXPECT_FALSE(is_refused("a.csv", "export"));
-  EXPECT_FALSE(is_refused("mine.csv", "export"));
+  EXPECT_FALSE(is_refused("new.csv", "export"));
+  write_file(directory / "mine.csv", "1");
+  EXPECT_TRUE(is_refused("mine.csv", "export"));
   EXPECT_TRUE(is_refused("a.csv", "movie"));
   for (char const* name : {"series.csv", "link.csv", "hard.csv"}) EXPECT_TRUE(is_refused(name, "export")) << name;
   for (char const* name : {".gridlock.files", ".lock"}) EXPECT_TRUE(is_refused(name, "export")) << name;
@@ -88,13 +163,12 @@ TEST(ResultFiles, MadeOnDemandAreReplacedByTheVerbThatMadeThemAlone) {
 
 TEST(ResultFiles, OfASweepAreThoseOfItsRunsToo) {
   TemporaryDirectory const directory;
-  for (char const* run : {"runs/a", "runs/b", "runs/of_the_user"}) {
+  record_result(directory / "plan.json");
+  for (std::string const run : {"runs/a", "runs/b", "runs/of_the_user"}) {
     fs::create_directories(directory / run);
+    if (!run.ends_with("user")) record_result(directory / run / "series.csv");
     write_file(directory / run / "series.csv", "1");
   }
-  record_result(directory / "plan.json");
-  record_result(directory / "runs/a/series.csv");
-  record_result(directory / "runs/b/series.csv");
   write_file(directory / "runs/b/notes.txt", "mine");
   remove_results(directory.path());
   EXPECT_FALSE(fs::exists(directory / "runs/a"));

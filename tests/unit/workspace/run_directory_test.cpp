@@ -192,7 +192,7 @@ TEST(RunDirectory, ACheckpointByStepsComesThatManyStepsAfterTheOneBefore) {
   EXPECT_EQ(steps, (std::vector<std::string>{"20", "40", "60", "73"})) << log;
 }
 
-TEST(RunDirectory, BegunOverOneWithoutAListOfItsFilesHoldsNoFramesOfTheOldRun) {
+TEST(RunDirectory, BegunOverOneWithoutAListOfItsFilesIsRefusedOrHoldsNoFramesOfTheOldRun) {
   Directory const directory;
   Configuration configuration = small();
   configuration.trajectory.every = 10;
@@ -200,6 +200,9 @@ TEST(RunDirectory, BegunOverOneWithoutAListOfItsFilesHoldsNoFramesOfTheOldRun) {
   // As versions left it that kept no such list.
   fs::remove(directory / "a" / ".gridlock.files");
   configuration.run.seed = 2;
+  EXPECT_NE(refusal([&] { run_in(directory / "a", set_up(configuration)); }).find("which Gridlock has not written"),
+            std::string::npos);
+  open_run_directory(directory / "a", set_up(configuration), true);
   RunRecord const record = run_in(directory / "a", set_up(configuration));
   EXPECT_EQ(record.status, RunStatus::finished) << record.failure;
   H5mdReader const trajectory(directory / "a" / "trajectory.h5");
