@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 using namespace std::string_view_literals;
 
 constexpr std::string_view to_python =
-    "in Python, gridlock.open() reads it; Simulation.write() and Frame.to_ase() turn it into extended XYZ";
+    "in Python, gridlock.open() reads it, and to_ase() hands its frames to ASE, which writes extended XYZ";
 constexpr std::string_view to_xyz = "turn it into extended XYZ: OVITO, ASE and MDAnalysis read it";
 constexpr std::string_view to_other = "name a file that holds agents";
 
