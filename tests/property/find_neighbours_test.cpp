@@ -70,7 +70,7 @@ RC_GTEST_PROP(CellOrder, IsThatOfTheCellsAndInACellThatOfTheIdsHoweverManyShareO
   auto const count = *rc::gen::inRange<std::size_t>(0, 400);
   auto const side = *rc::gen::inRange<std::uint64_t>(1, 7);  // one cell for all, or many
   RandomStream random(*rc::gen::arbitrary<std::uint64_t>(), 0, 0, Purpose::start_position);
-  Box const box(1.0, 1.0, Edge::wall);
+  Box const box(1.25, 0.8, Edge::wall);
   CellLayout const layout(box, side, side);
   CellLayout const finer(box, 97, 113);  // words of 64 cells begin and end within rows
   std::vector<double> x(count);

@@ -49,7 +49,7 @@ void expect_same_bits(Model const& model, Box const& box) {
 }
 
 TEST(ModelThreads, BirthsAndDeathsAndTheirNamesAreTheSameOnAnyNumberOfThreads) {
-  expect_same_bits(restless(), Box(1.0, 1.0, Edge::wall));
+  expect_same_bits(restless(), Box(1.25, 0.8, Edge::wall));
   expect_same_bits(restless(), Box(1.3, 0.7, Edge::periodic));
 }
 
@@ -146,7 +146,7 @@ TEST(ModelSequence, EventsDoNotDependOnChunksThoughTheGridLastsFromStepToStep) {
 
 TEST(ModelSequence, LaterAgentsSeeWhatEarlierOnesHaveDone) {
   // A coin goes round: 0 hands its only one to its only neighbour, which hands it back in the same step.
-  Box const box(1.0, 1.0, Edge::wall);
+  Box const box(1.25, 0.8, Edge::wall);
   World<Market<Schedule::sequential>> world{.box = box, .seed = 1};
   world.agents.add(0.50, 0.5, 0.0, 1U);
   world.agents.add(0.52, 0.5, 0.0, 0U);
@@ -247,7 +247,7 @@ TEST(ModelPopulation, OneGrowsToAMillion) {
 }
 
 TEST(ModelPopulation, EveryoneMayDieAndOneMayBecomeMany) {
-  Box const box(1.0, 1.0, Edge::periodic);
+  Box const box(1.25, 0.8, Edge::periodic);
   World<Tribe> world{.box = box, .seed = 1};
   world.agents.add(0.5, 0.5);
   ModelEngine<Tribe> growing({}, box, {.threads = 2});

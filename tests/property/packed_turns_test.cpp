@@ -90,7 +90,7 @@ TEST(PackedTurns, GiveTheBitsOfTheListsForFiveHundredRandomSystems) {
 
 TEST(PackedTurns, GiveTheBitsOfTheListsAtThePapersSize) {
   for (double const packing_fraction : {0.1, 0.4, 0.7, 0.785, 0.84}) {
-    State linked = make_start(Box(1.0, 1.0, Edge::wall),
+    State linked = make_start(Box(1.25, 0.8, Edge::wall),
                               {.count = 841, .packing_fraction = packing_fraction, .start = StartKind::triangular}, 3);
     draw_velocities(linked, {});
     State packed = linked;

@@ -99,7 +99,7 @@ TEST(SwapMonteCarlo, HasTheBitsOfTheRuleWhereManySmallDisksShareACell) {
                             .start = StartKind::random,
                             .species = {{.fraction = 0.95, .size_ratio = 0.2}, {.fraction = 0.05}}};
   for (Edge const edge : {Edge::wall, Edge::periodic}) {
-    expect_bits_of_the_rule(make_start(Box(1.0, 1.0, edge), disks, 7), 0.1, 0.5, 20);
+    expect_bits_of_the_rule(make_start(Box(1.25, 0.8, edge), disks, 7), 0.1, 0.5, 20);
   }
 }
 

@@ -77,7 +77,7 @@ TEST(Tiled, KeepsEveryPromiseOfTheRule) {
 TEST(Tiled, TakesTheTurnsOfSteppedWhereNoneMeetsAnother) {
   // Without collisions the order does not matter: the same positions as disk after disk.
   for (Edge const edge : {Edge::wall, Edge::periodic}) {
-    State tiled = make_start(Box(1.0, 1.0, edge), {.count = 400, .packing_fraction = 0.02}, 5);
+    State tiled = make_start(Box(1.25, 0.8, edge), {.count = 400, .packing_fraction = 0.02}, 5);
     draw_velocities(tiled, {});
     State stepped = tiled;
     Counters counters;
