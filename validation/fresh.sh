@@ -7,7 +7,11 @@ directory=$PWD/build-fresh
 root=$directory/root
 [[ $EUID -eq 0 ]] || { echo "./dev fresh needs root, to make a Debian 12 in build-fresh/root and to change into it: sudo ./dev fresh" >&2; exit 2; }
 if [[ ${1:-} != --inside ]]; then
-  exec unshare --mount --propagation private --pid --fork --kill-child validation/fresh.sh --inside
+  unshare --mount --propagation private --pid --fork --kill-child validation/fresh.sh --inside &
+  trap 'kill -KILL $! 2>/dev/null || true' EXIT  # with it ends whatever it has started
+  trap 'exit 1' INT TERM
+  wait $!
+  exit
 fi
 
 # part NAME COMMAND…: runs it and notes its seconds.
