@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/io/xyz.hpp"
 #include "io/file_format.hpp"
 
 namespace gridlock::view {
@@ -57,10 +58,8 @@ bool is_trajectory(fs::path const& file) {
   auto const format = recognize_format(file);
   return format && format->id == "hdf5";
 }
-bool is_xyz(fs::path const& file) {
-  fs::path const extension = file.extension();
-  return extension == ".xyz" || extension == ".extxyz" || extension == ".exyz";
-}
+/// A page reads no packed files.
+bool is_xyz(fs::path const& file) { return file.extension() != ".gz" && has_xyz_ending(file); }
 
 Kind kind_of(fs::path const& path) {
   std::error_code error;

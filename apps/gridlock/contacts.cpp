@@ -1,9 +1,11 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -36,6 +38,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string path;
+  std::optional<std::int64_t> frame;
   std::string potential = "harmonic";
   PackingQuestions questions;
   std::optional<double> radius;
@@ -59,7 +62,7 @@ fs::path packing_file(Options const& options) {
 
 State read_packing(Options const& options) {
   fs::path const file = packing_file(options);
-  XyzFrame frame = read_xyz(file);
+  XyzFrame frame = read_xyz(file, options.frame, "--frame");
   std::size_t const disks = frame.state.agents.size();
   if (disks == 0) throw problem_of(file, "has no disks", "name a file with a packing");
   bool const gives_radii = options.radius || options.packing_fraction;
@@ -74,6 +77,11 @@ State read_packing(Options const& options) {
   if (options.packing_fraction) {
     double const area = *options.packing_fraction * frame.state.box.area() / static_cast<double>(disks);
     set_radii(frame.state, std::sqrt(area / std::numbers::pi));
+  }
+  // Velocities and clocks are of no use here, and their absence is not worth a word.
+  if (!frame.unused_columns.empty()) {
+    fmt::print(stderr, "note: columns of {} that are not used: {}\n", file.string(),
+               fmt::join(frame.unused_columns, ", "));
   }
   return std::move(frame.state);
 }
@@ -224,6 +232,7 @@ void add_contacts(CLI::App& app, ExitCode& exit_code) {
   CLI::Validator const positive =
       number_that("above 0", [](double value) { return value > 0.0 && std::isfinite(value); });
   verb->add_option("FILE", options->path, "Extended XYZ with radii, or the directory of a run")->required();
+  verb->add_option("--frame", options->frame, "Of a file with several: from 0, or from -1 for the last");
   verb->add_option("--potential", options->potential, "What overlaps cost: harmonic δ²/2, hertzian 2 δ^(5/2)/5")
       ->check(one_of({"harmonic", "hertzian"}));
   verb->add_option("--tolerance", options->questions.tolerance,

@@ -2,7 +2,9 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,13 +27,6 @@ namespace fs = std::filesystem;
 bool is_there(fs::path const& path) {
   std::error_code ignored;
   return fs::exists(path, ignored);
-}
-
-/// As extended XYZ is called, packed by gzip or not.
-bool is_named_as_xyz(fs::path path) {
-  if (path.extension() == ".gz") path.replace_extension();
-  std::string const extension = path.extension().string();
-  return extension == ".xyz" || extension == ".extxyz" || extension == ".exyz";
 }
 
 void print_run(fs::path const& file) {
@@ -68,14 +63,25 @@ void print_sweep(fs::path const& directory) {
   print_table(directory / "means.csv");
 }
 
-void print_frame(fs::path const& path) {
-  gridlock::XyzFrame const frame = gridlock::read_xyz(path);
+/// The only frame of a file of extended XYZ, the one that is asked for, or the last.
+void print_frame(fs::path const& path, std::optional<std::int64_t> chosen) {
+  std::uint64_t const frames = gridlock::count_xyz_frames(path);
+  gridlock::XyzFrame const frame = gridlock::read_xyz(path, frames > 1 ? chosen.value_or(-1) : chosen, "--frame");
   gridlock::State const& state = frame.state;
-  fmt::print(
-      "{} disks in {}\n  {} box {} × {}, packing fraction {:.8g}\n  step {}, time {}, seed {}\n  {} velocities\n",
-      state.agents.size(), path.string(), state.box.is_periodic() ? "periodic" : "walled", state.box.width(),
-      state.box.height(), gridlock::covered_area(state.agents) / state.box.area(), state.clock.step, state.clock.time,
-      state.seed, frame.has_velocities ? "with" : "without");
+  fmt::print("{} disks in {}\n", state.agents.size(), path.string());
+  if (frames > 1) {
+    std::int64_t const shown = chosen.value_or(-1);
+    fmt::print("  {} frames; this is frame {}\n", frames,
+               shown < 0 ? static_cast<std::int64_t>(frames) + shown : shown);
+  }
+  fmt::print("  {} box {} × {}, packing fraction {:.8g}\n  step {}, time {}, seed {}\n  {} velocities\n",
+             state.box.is_periodic() ? "periodic" : "walled", state.box.width(), state.box.height(),
+             gridlock::covered_area(state.agents) / state.box.area(), state.clock.step, state.clock.time, state.seed,
+             frame.has_velocities ? "with" : "without");
+  if (!frame.unused_columns.empty()) fmt::print("  columns not used: {}\n", fmt::join(frame.unused_columns, ", "));
+  if (!frame.unused_entries.empty()) {
+    fmt::print("  of another kind than here, and not used: {}\n", fmt::join(frame.unused_entries, ", "));
+  }
   fmt::print("  state_hash {:016x}\n", gridlock::hash(state));
 }
 
@@ -116,7 +122,7 @@ void print_unfinished_run(fs::path const& directory) {
   fmt::print("continue with: {} resume {}, unless a process is working on it\n", program_name(), directory.string());
 }
 
-ExitCode info(fs::path const& path) {
+ExitCode info(fs::path const& path, std::optional<std::int64_t> frame) {
   if (is_there(path / "summary.json")) {
     print_run(path / "summary.json");
   } else if (is_there(path / "sweep.csv")) {
@@ -130,8 +136,8 @@ ExitCode info(fs::path const& path) {
     print_run(path);
   } else if (path.extension() == ".csv") {
     print_table(path);
-  } else if (is_named_as_xyz(path)) {
-    print_frame(path);
+  } else if (gridlock::has_xyz_ending(path)) {
+    print_frame(path, frame);
   } else {
     throw gridlock::Error(
         {.what = is_there(path) ? fmt::format("{} is not a file that Gridlock wrote", path.string())
@@ -151,7 +157,9 @@ void add_info(CLI::App& app, ExitCode& exit_code) {
   verb->add_option("PATH", *path,
                    "Directory of a run or sweep, or a file: table (.csv), state (.xyz) or trajectory (.h5, .h5md)")
       ->required();
-  verb->callback([path, &exit_code] { exit_code = info(*path); });
+  auto const frame = std::make_shared<std::optional<std::int64_t>>();
+  verb->add_option("--frame", *frame, "Of an .xyz file with several: from 0, or from -1 for the last");
+  verb->callback([path, frame, &exit_code] { exit_code = info(*path, *frame); });
 }
 
 }  // namespace gridlock::cli

@@ -149,12 +149,13 @@ def _frame(values: Any, value_names: dict[str, list[str]] | None = None) -> Fram
     return Frame(Box(*box), Clock(step, time), ids, columns, names)
 
 
-def read_xyz(path: str | os.PathLike[str]) -> Frame:
-    """A state in extended XYZ, packed by gzip or not.
+def read_xyz(path: str | os.PathLike[str], *, frame: int | None = None) -> Frame:
+    """A state in extended XYZ, packed by gzip or not. Of a periodic box positions come inside, and images count that.
 
-    :raises Error: with line and column for anything damaged.
+    :param frame: of a file with several, from 0, or from -1 for the last.
+    :raises Error: with line and column for anything damaged, and for a file of several frames where none is chosen.
     """
-    return _frame(_core.read_xyz(os.fspath(path)))
+    return _frame(_core.read_xyz(os.fspath(path), frame))
 
 
 class Trajectory:

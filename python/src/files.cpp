@@ -166,11 +166,11 @@ Frame frame_of(XyzFrame file) {
   return frame;
 }
 
-FrameValuesOfPython read_xyz_frame(std::string const& path) {
+FrameValuesOfPython read_xyz_frame(std::string const& path, std::optional<std::int64_t> number) {
   std::optional<Frame> frame;
   {
     nb::gil_scoped_release const released;
-    frame.emplace(frame_of(read_xyz(path)));
+    frame.emplace(frame_of(read_xyz(path, number)));
   }
   return values_of(std::move(*frame));
 }
@@ -274,7 +274,7 @@ void bind_files(nb::module_& module) {
   module.def("collect_directory", &collect_directory, nb::arg("directory"));
   module.def(
       "read_csv", [](std::string const& path) { return columns_of(read_csv(path)); }, nb::arg("path"));
-  module.def("read_xyz", &read_xyz_frame, nb::arg("path"));
+  module.def("read_xyz", &read_xyz_frame, nb::arg("path"), nb::arg("frame").none());
   module.def(
       "record_result", [](std::string const& path) { record_result(path); }, nb::arg("path"));
   module.def("recognize_format", &format_of, nb::arg("path"));

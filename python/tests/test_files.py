@@ -126,6 +126,20 @@ def test_agents_that_no_column_tells_apart_have_no_kinds(tmp_path):
     assert walkers.to_ase().arrays["kind"].tolist() == [0] * 20
 
 
+def test_a_frame_of_an_xyz_file_is_chosen_by_its_number(tmp_path):
+    frame = '1\nLattice="2 0 0 0 1 0 0 0 1" Properties=pos:R:2:masses:R:1:momenta:R:3 pbc=[T, T, F] step={}\n-0.5 0.25 2 3 1 0\n'
+    (tmp_path / "two.xyz").write_text(frame.format(10) + frame.format(20))
+    assert [gridlock.read_xyz(tmp_path / "two.xyz", frame=k).clock.step for k in (0, 1, -1, -2)] == [10, 20, 20, 10]
+    read = gridlock.read_xyz(tmp_path / "two.xyz", frame=0)
+    assert (read.box.width, read.box.height, read.box.periodic) == (2, 1, True)
+    assert read.positions.tolist() == [[1.5, 0.25]] and read.unwrapped.tolist() == [[-0.5, 0.25]]
+    assert read.columns["velocity_x"].tolist() == [1.5] and read.columns["velocity_y"].tolist() == [0.5]
+    with pytest.raises(gridlock.Error, match="it holds 2 frames\n(.*\n)*  hint: choose one: frame from 0 to 1"):
+        gridlock.read_xyz(tmp_path / "two.xyz")
+    with pytest.raises(gridlock.Error, match="the file has 2 frames, and no frame 2"):
+        gridlock.read_xyz(tmp_path / "two.xyz", frame=2)
+
+
 def test_lengths_are_in_diameters_on_request(made, tmp_path):
     frame = made.trajectory[2]
     reduced = frame.in_diameters()

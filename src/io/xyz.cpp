@@ -29,13 +29,13 @@ void sort_by_id(Rows& rows, Reader& reader) {
 }
 
 /// The columns that disks do not have.
-std::vector<FrameColumn> others_of(Rows const& rows, Header const& header) {
+std::vector<FrameColumn> others_of(Rows const& rows, Columns const& columns) {
   std::vector<FrameColumn> others;
-  for (auto const& [column, name] : header.others) {
+  for (auto const& [column, name] : columns.others) {
     std::vector<double> values;
     values.reserve(rows.disks.size());
     for (Row const& row : rows.disks) {
-      values.push_back(rows.others[row.number * header.others.size() + others.size()]);
+      values.push_back(rows.others[row.number * columns.others.size() + others.size()]);
     }
     others.push_back({name, std::move(values)});
   }
@@ -46,17 +46,21 @@ std::vector<FrameColumn> others_of(Rows const& rows, Header const& header) {
 
 XyzFrame read_all(Reader& reader) {
   Header const& header = reader.header();
+  Columns const& columns = reader.columns();
   Rows rows;
   rows.disks.reserve(reader.likely_count());
   constexpr std::size_t piece = std::size_t{1} << 16;
   while (reader.read(piece, rows)) {
   }
   sort_by_id(rows, reader);
-  XyzFrame frame{.state = {.box = header.box, .agents = {}, .clock = header.clock, .seed = header.seed},
-                 .has_velocities = header.has(Role::velocity_x),
-                 .has_radii = header.has(Role::radius),
-                 .has_masses = header.has(Role::mass),
-                 .has_images = header.has(Role::image_x)};
+  XyzFrame frame{
+      .state = {.box = reader.box(), .agents = {}, .clock = clock_of(header), .seed = header.seed.value_or(0)},
+      .has_velocities = columns.has_velocities(),
+      .has_radii = columns.has_radii(),
+      .has_masses = columns.has(Role::mass),
+      .has_images = columns.has(Role::image_x) || reader.folded() > 0,
+      .unused_columns = columns.unused(),
+      .unused_entries = header.unused_entries};
   Disks& disks = frame.state.agents;
   disks.reserve(rows.disks.size());
   for (Row const& row : rows.disks) {
@@ -65,7 +69,7 @@ XyzFrame read_all(Reader& reader) {
     assert(is_new);
     static_cast<void>(is_new);
   }
-  frame.others = others_of(rows, header);
+  frame.others = others_of(rows, columns);
   return frame;
 }
 
@@ -76,9 +80,20 @@ XyzFrame parse_xyz(std::string_view text, std::string const& name) {
   return xyz::read_all(reader);
 }
 
-XyzFrame read_xyz(std::filesystem::path const& path) {
-  xyz::Reader reader{TextReader(path)};
+XyzFrame read_xyz(std::filesystem::path const& path, std::optional<std::int64_t> frame, std::string const& setting) {
+  xyz::Reader reader(TextReader(path), {.frame = frame, .setting = setting});
   return xyz::read_all(reader);
+}
+
+bool has_xyz_ending(std::filesystem::path const& path) {
+  std::filesystem::path const name = path.extension() == ".gz" ? path.stem() : path.filename();
+  std::filesystem::path const ending = name.extension();
+  return ending == ".xyz" || ending == ".extxyz" || ending == ".exyz";
+}
+
+std::uint64_t count_xyz_frames(std::filesystem::path const& path) {
+  xyz::Lines lines{TextReader(path)};
+  return xyz::count_frames(lines);
 }
 
 }  // namespace gridlock

@@ -4,264 +4,186 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <utility>
 
+#include "gridlock/core/error.hpp"
 #include "io/text.hpp"
-#include "io/xyz_names.hpp"
 
 namespace gridlock::xyz {
 
 namespace {
 
-/// A property we read, under the names programs give it.
-struct Property {
-  std::vector<std::string_view> names;
-  std::vector<Role> roles;
-  std::size_t fewest;  ///< columns it may have; at most one for each role
-};
-
-std::vector<Property> const& known_properties() {
-  static std::vector<Property> const properties{
-      {{"pos", "positions"}, {Role::x, Role::y, Role::z}, 2},
-      {{"velo", "vel", "velocity", "velocities"}, {Role::velocity_x, Role::velocity_y, Role::velocity_z}, 2},
-      {{"radius", "radii"}, {Role::radius}, 1},
-      {{"masses", "mass"}, {Role::mass}, 1},
-      {{"id"}, {Role::id}, 1},
-      {{"image", "images"}, {Role::image_x, Role::image_y, Role::image_z}, 2},
-  };
-  return properties;
+[[noreturn]] void refuse_entry(Lines const& lines, Entry const& entry, std::string_view expected) {
+  lines.refuse(fmt::format("{} is {}, but must be {}", entry.key, in_quotes(entry.value), expected), "", entry.column);
 }
 
-/// One key=value pair of the second line.
-struct Attribute {
-  std::string key;
-  std::string value;
-  int column = 0;
-};
-
-std::string take_value(Lines const& lines, std::size_t& at) {
-  std::string_view const line = lines.line();
-  constexpr std::string_view opening = "\"'{[", closing = "\"'}]";
-  std::size_t const kind = at < line.size() ? opening.find(line[at]) : std::string_view::npos;
-  if (kind == std::string_view::npos) {
-    std::size_t const begin = at;
-    while (at < line.size() && !is_blank(line[at])) ++at;
-    return std::string(line.substr(begin, at - begin));
+/// The finite numbers of a vector or matrix; none where it holds anything else.
+std::vector<double> numbers_of(std::string_view value) {
+  std::vector<double> numbers;
+  for (std::string const& element : elements_of(value).value_or(std::vector<std::string>())) {
+    auto const number = real_number(element);
+    if (!number || !std::isfinite(*number)) return {};
+    numbers.push_back(*number);
   }
-  std::size_t const end = line.find(closing[kind], at + 1);
-  if (end == std::string_view::npos) {
-    lines.refuse(fmt::format("the {} in the second line does not end", line[at]), "is the line cut off?",
-                 static_cast<int>(at) + 1);
-  }
-  std::string value(line.substr(at + 1, end - at - 1));
-  at = end + 1;
-  return value;
+  return numbers;
 }
 
-/// The key=value pairs of the second line; a value may stand in quotes, brackets or braces.
-std::vector<Attribute> attributes_of(Lines const& lines) {
-  std::string_view const line = lines.line();
-  std::vector<Attribute> found;
-  for (std::size_t at = 0; at < line.size();) {
-    if (is_blank(line[at])) {
-      ++at;
-      continue;
-    }
-    Attribute attribute{.key = "", .value = "T", .column = static_cast<int>(at) + 1};
-    while (at < line.size() && !is_blank(line[at]) && line[at] != '=') attribute.key += line[at++];
-    if (at < line.size() && line[at] == '=') {
-      ++at;
-      attribute.value = take_value(lines, at);
-    }
-    found.push_back(std::move(attribute));
-  }
-  return found;
+/// Whole numbers may be written as 100.0 or 1e3.
+std::optional<std::uint64_t> whole_number(std::string_view word) {
+  if (auto const number = parse_number<std::uint64_t>(word)) return number;
+  auto const real = real_number(word);
+  constexpr double end_of_exact = 9007199254740992.0;
+  if (!real || !(*real >= 0.0 && *real <= end_of_exact) || *real != std::floor(*real)) return std::nullopt;
+  return static_cast<std::uint64_t>(*real);
 }
 
-[[noreturn]] void refuse_attribute(Lines const& lines, Attribute const& attribute, std::string_view expected) {
-  lines.refuse(fmt::format("{} is {}, but must be {}", attribute.key, in_quotes(attribute.value), expected), "",
-               attribute.column);
+Sides read_sides(Lines const& lines, Entry const& entry) {
+  std::size_t const count = elements_of(entry.value).value_or(std::vector<std::string>()).size();
+  if (count != 9 && count != 3) refuse_entry(lines, entry, "nine numbers");
+  std::vector<double> lattice = numbers_of(entry.value);
+  if (lattice.size() == 3) lattice = {lattice[0], 0, 0, 0, lattice[1], 0, 0, 0, lattice[2]};
+  if (lattice.size() != 9) refuse_entry(lines, entry, "nine finite numbers");
+  Sides sides{.width = lattice[0], .height = lattice[4]};
+  if (!(sides.width > 0.0 && sides.height > 0.0)) {
+    lines.refuse(fmt::format("the box of {} × {} has no area", sides.width, sides.height), "both sides must be above 0",
+                 entry.column);
+  }
+  // Programs that turn a box leave rounding errors where zeros were.
+  auto const is_rounding = [](double value, double side) { return std::abs(value) <= 1e-12 * side; };
+  double const longest = std::max(sides.width, sides.height);
+  if (!is_rounding(lattice[1], longest) || !is_rounding(lattice[3], longest)) {
+    lines.refuse(fmt::format("the Lattice {} is not orthogonal", in_quotes(entry.value)),
+                 "the box must be a rectangle with sides along x and y: width 0 0 0 height 0 0 0 1", entry.column);
+  }
+  for (std::size_t const i : {2, 5, 6, 7}) {
+    if (!is_rounding(lattice[i], std::max(longest, std::abs(lattice[8])))) sides.leans = true;
+  }
+  return sides;
 }
 
-std::uint64_t whole_number(Lines const& lines, Attribute const& attribute) {
-  auto const number = parse_number<std::uint64_t>(attribute.value);
-  if (!number) refuse_attribute(lines, attribute, "a whole number, 0 or above");
-  return *number;
+std::array<bool, 2> read_periodic(Lines const& lines, Entry const& entry) {
+  std::vector<bool> periodic;
+  auto const words = elements_of(entry.value).value_or(std::vector<std::string>());
+  for (std::string const& word : words) {
+    if (auto const is_periodic = truth(word)) periodic.push_back(*is_periodic);
+  }
+  if (words.empty() || words.size() > 3 || periodic.size() != words.size()) {
+    refuse_entry(lines, entry, "\"T T F\" or \"F F F\"");
+  }
+  return {periodic[0], periodic.size() > 1 ? periodic[1] : periodic[0]};
 }
 
-/// Reads the attribute Properties, the columns of the file.
-class PropertiesReader {
- public:
-  PropertiesReader(Lines const& lines, Attribute const& attribute, Header& header)
-      : lines_(lines), attribute_(attribute), header_(header) {}
-
-  void read() {
-    std::vector<std::string_view> fields;
-    std::string_view rest = attribute_.value;
-    while (true) {
-      std::size_t const colon = rest.find(':');
-      fields.push_back(rest.substr(0, colon));
-      if (colon == std::string_view::npos) break;
-      rest.remove_prefix(colon + 1);
-    }
-    if (fields.size() % 3 != 0) refuse_attribute(lines_, attribute_, "name:type:columns, repeated");
-    header_.roles.clear();
-    header_.others.clear();
-    for (std::size_t i = 0; i < fields.size(); i += 3) {
-      auto const columns = parse_number<std::uint64_t>(fields[i + 2]);
-      constexpr std::uint64_t most_columns = 1000;
-      if (!columns || *columns == 0 || *columns > most_columns || header_.roles.size() > most_columns) {
-        lines_.refuse(fmt::format("the property {} has {} columns, not a number from 1 to {}", in_quotes(fields[i]),
-                                  in_quotes(fields[i + 2]), most_columns),
-                      "Properties is name:type:columns, repeated", attribute_.column);
-      }
-      bool const is_number = fields[i + 1] == "R" || fields[i + 1] == "I";
-      if (*columns == 1 && is_number) header_.others[header_.roles.size()] = std::string(fields[i]);
-      add_property(fields[i], static_cast<std::size_t>(*columns));
-    }
-    if (!header_.has(Role::x)) {
-      lines_.refuse("the file has no positions: no pos among the Properties", "add pos:R:3 and the columns",
-                    attribute_.column);
-    }
-    std::erase_if(header_.others, [&](auto const& other) { return header_.roles[other.first] != Role::ignored; });
-    for (auto& [column, name] : header_.others) name = xyz::column_name(name);
-  }
-
- private:
-  void add_property(std::string_view name, std::size_t columns) {
-    for (Property const& property : known_properties()) {
-      if (std::ranges::find(property.names, name) == property.names.end()) continue;
-      if (columns < property.fewest || columns > property.roles.size()) {
-        lines_.refuse(fmt::format("the property {} has {} columns, but must have {}", name, columns,
-                                  property.fewest == property.roles.size()
-                                      ? fmt::format("{}", property.fewest)
-                                      : fmt::format("{} or {}", property.fewest, property.roles.size())),
-                      "", attribute_.column);
-      }
-      if (header_.has(property.roles[0])) {
-        lines_.refuse(fmt::format("the file gives every {} twice", name_of(property.roles[0])),
-                      "take one of the columns out", attribute_.column);
-      }
-      for (std::size_t c = 0; c < columns; ++c) header_.roles.push_back(property.roles[c]);
-      return;
-    }
-    header_.roles.insert(header_.roles.end(), columns, Role::ignored);
-  }
-
-  Lines const& lines_;
-  Attribute const& attribute_;
-  Header& header_;
-};
-
-/// Reads the second line, attribute by attribute.
+/// Reads the second line, entry by entry.
 class HeaderReader {
  public:
   explicit HeaderReader(Lines const& lines) : lines_(lines) {}
 
   Header read() {
-    for (Attribute const& attribute : attributes_of(lines_)) read_attribute(attribute);
-    if (!has_lattice_) {
-      lines_.refuse("the second line gives no Lattice", "add Lattice=\"width 0 0 0 height 0 0 0 1\"");
+    header_.entries = entries_of_any();
+    if (auto const* lattice = header_.entry("Lattice")) header_.sides = read_sides(lines_, *lattice);
+    if (auto const* properties = header_.entry("Properties")) header_.columns = read_columns(lines_, *properties);
+    header_.is_periodic.fill(header_.sides.has_value());
+    // In plain XYZ these words may mean anything.
+    if (header_.sides || header_.columns) {
+      if (auto const* pbc = header_.entry("pbc")) header_.is_periodic = read_periodic(lines_, *pbc);
+      if (auto const* origin = header_.entry("Origin")) read_origin(*origin);
     }
-    if (header_.roles.empty()) {
-      lines_.refuse("the second line gives no Properties", "add Properties=species:S:1:pos:R:3:radius:R:1");
-    }
-    header_.box = Box(width_, height_, edge_);
+    read_clock();
     return std::move(header_);
   }
 
  private:
-  void read_attribute(Attribute const& attribute) {
-    std::string_view const value = attribute.value;
-    if (attribute.key == "Lattice") {
-      read_lattice(attribute);
-    } else if (attribute.key == "pbc") {
-      read_edge(attribute);
-    } else if (attribute.key == "Properties") {
-      PropertiesReader(lines_, attribute, header_).read();
-    } else if (attribute.key == "Origin") {
-      std::vector<Word> words;
-      split(value, words);
-      for (Word const& word : words) {
-        if (parse_number<double>(word.text) == 0.0) continue;
-        lines_.refuse(fmt::format("the box begins at {}, not at the origin", value),
-                      "shift all positions by minus this Origin", attribute.column);
-      }
-    } else if (attribute.key == "Time") {
-      auto const time = parse_number<double>(value);
-      if (!time || !std::isfinite(*time)) refuse_attribute(lines_, attribute, "a finite number");
-      header_.clock.time = *time;
-    } else if (attribute.key == "step") {
-      header_.clock.step = whole_number(lines_, attribute);
-    } else if (attribute.key == "seed") {
-      header_.seed = whole_number(lines_, attribute);
+  /// The line of plain XYZ may say anything.
+  [[nodiscard]] std::vector<Entry> entries_of_any() const {
+    try {
+      return entries_of(lines_);
+    } catch (Error const&) {
+      bool const is_extended = lines_.line().find("Lattice") != std::string_view::npos ||
+                               lines_.line().find("Properties") != std::string_view::npos;
+      if (is_extended) throw;
+      return {};
     }
   }
 
-  void read_lattice(Attribute const& attribute) {
-    std::vector<Word> words;
-    split(attribute.value, words);
-    std::array<double, 9> lattice{};
-    if (words.size() != lattice.size()) refuse_attribute(lines_, attribute, "nine numbers");
-    for (std::size_t i = 0; i < lattice.size(); ++i) {
-      auto const number = parse_number<double>(words[i].text);
-      if (!number || !std::isfinite(*number)) refuse_attribute(lines_, attribute, "nine finite numbers");
-      lattice[i] = *number;
-    }
-    for (std::size_t const i : {1, 2, 3, 5, 6, 7}) {
-      if (lattice[i] == 0.0) continue;
-      lines_.refuse(fmt::format("the Lattice {} is not orthogonal", in_quotes(attribute.value)),
-                    "only boxes with sides along x and y can be simulated: width 0 0 0 height 0 0 0 1",
-                    attribute.column);
-    }
-    width_ = lattice[0];
-    height_ = lattice[4];
-    if (!(width_ > 0.0 && height_ > 0.0)) {
-      lines_.refuse(fmt::format("the box of {} × {} has no area", width_, height_), "both sides must be above 0",
-                    attribute.column);
-    }
-    has_lattice_ = true;
+  void read_origin(Entry const& entry) {
+    std::vector<double> const origin = numbers_of(entry.value);
+    if (origin.size() != 2 && origin.size() != 3) refuse_entry(lines_, entry, "three finite numbers");
+    header_.origin = {origin[0], origin[1]};
   }
 
-  void read_edge(Attribute const& attribute) {
-    std::vector<Word> words;
-    split(attribute.value, words);
-    auto const is = [](std::string_view word, std::string_view letter, std::string_view name, std::string_view number) {
-      return word == letter || word == name || word == number;
+  /// Other programs use the same names for what is of no use here, such as a date: that must not bar a file.
+  void read_clock() {
+    if (auto const* time = any_case("time")) {
+      header_.time = real_number(time->value);
+      if (header_.time && !std::isfinite(*header_.time)) header_.time.reset();
+      if (!header_.time) leave_out(*time);
+    }
+    if (auto const* step = any_case("step")) {
+      header_.step = whole_number(step->value);
+      if (!header_.step) leave_out(*step);
+    }
+    if (auto const* seed = any_case("seed")) {
+      header_.seed = whole_number(seed->value);
+      if (!header_.seed) leave_out(*seed);
+    }
+  }
+
+  void leave_out(Entry const& entry) {
+    header_.unused_entries.push_back(fmt::format("{}={}", entry.key, cut(entry.value, 60)));
+  }
+
+  /// An entry in the letters that Gridlock writes, or in small or capital ones.
+  [[nodiscard]] Entry const* any_case(std::string_view key) const {
+    std::string ours(key);
+    if (key == "time") ours = "Time";
+    if (auto const* entry = header_.entry(ours)) return entry;
+    auto const is_same = [&](Entry const& entry) {
+      return std::ranges::equal(entry.key, key, {}, [](char c) { return std::tolower(static_cast<unsigned char>(c)); });
     };
-    std::vector<bool> periodic;
-    for (Word const& word : words) {
-      bool const yes = is(word.text, "T", "True", "1");
-      if (!yes && !is(word.text, "F", "False", "0")) break;
-      periodic.push_back(yes);
-    }
-    if (words.size() != 3 || periodic.size() != 3) refuse_attribute(lines_, attribute, "\"T T F\" or \"F F F\"");
-    if (periodic[0] != periodic[1]) {
-      lines_.refuse(fmt::format("pbc {} is periodic on two sides only", in_quotes(attribute.value)),
-                    "a box has either walls or periodic edges on all sides", attribute.column);
-    }
-    edge_ = periodic[0] ? Edge::periodic : Edge::wall;
+    auto const found = std::ranges::find_if(header_.entries, is_same);
+    return found == header_.entries.end() ? nullptr : &*found;
   }
 
   Lines const& lines_;
-  double width_ = 0.0;
-  double height_ = 0.0;
-  Edge edge_ = Edge::periodic;
-  bool has_lattice_ = false;
   Header header_;
 };
 
-}  // namespace
-
-std::string_view name_of(Role role) {
-  constexpr std::array<std::string_view, 13> names{"",           "x position", "y position", "z position", "id",
-                                                   "x velocity", "y velocity", "z velocity", "radius",     "mass",
-                                                   "x image",    "y image",    "z image"};
-  return names[static_cast<std::size_t>(role)];
+/// Where a key was written in other letters, which other programs do not take for it either, the hint says so.
+std::string hint_of_missing(Header const& header, std::string_view key, std::string hint) {
+  for (Entry const& entry : header.entries) {
+    bool const is_alike = std::ranges::equal(entry.key, key, [](char a, char b) {
+      return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+    });
+    if (is_alike) return fmt::format("it gives {}; write {}", entry.key, key);
+  }
+  return hint;
 }
 
-bool Header::has(Role role) const { return std::ranges::find(roles, role) != roles.end(); }
+}  // namespace
+
+double fold(double& place, double side) {
+  if (place >= 0.0 && place < side) return 0.0;
+  double turns = std::floor(place / side);
+  double inside = place - turns * side;
+  if (inside < 0.0) {
+    inside += side;
+    turns -= 1.0;
+  }
+  // A place just below 0 is the edge itself, after rounding.
+  if (inside >= side) {
+    inside = 0.0;
+    turns += 1.0;
+  }
+  place = inside;
+  return turns;
+}
+
+Entry const* Header::entry(std::string_view key) const {
+  auto const found = std::find_if(entries.rbegin(), entries.rend(), [&](Entry const& one) { return one.key == key; });
+  return found == entries.rend() ? nullptr : &*found;
+}
 
 Header read_header(Lines& lines) {
   if (!lines.next()) {
@@ -270,6 +192,31 @@ Header read_header(Lines& lines) {
                  "the second line needs Lattice=\"…\" and Properties=…");
   }
   return HeaderReader(lines).read();
+}
+
+Box box_of_disks(Lines const& lines, Header const& header) {
+  if (!header.sides) {
+    lines.refuse("the second line gives no Lattice",
+                 hint_of_missing(header, "Lattice", "add Lattice=\"width 0 0 0 height 0 0 0 1\""));
+  }
+  int const lattice = header.entry("Lattice")->column;
+  if (header.sides->leans) {
+    lines.refuse(fmt::format("the Lattice {} is not orthogonal", in_quotes(header.entry("Lattice")->value)),
+                 "only boxes in the plane can be simulated: width 0 0 0 height 0 0 0 1", lattice);
+  }
+  if (header.is_periodic[0] != header.is_periodic[1]) {
+    lines.refuse(fmt::format("pbc {} is periodic on two sides only", in_quotes(header.entry("pbc")->value)),
+                 "a box has either walls or periodic edges on all sides", header.entry("pbc")->column);
+  }
+  if (!header.columns) {
+    lines.refuse("the second line gives no Properties",
+                 hint_of_missing(header, "Properties", "add Properties=species:S:1:pos:R:3:radius:R:1"));
+  }
+  if (!header.columns->has(Role::x)) {
+    lines.refuse("the file has no positions: no pos among the Properties", "add pos:R:3 and the columns",
+                 header.entry("Properties")->column);
+  }
+  return {header.sides->width, header.sides->height, header.is_periodic[0] ? Edge::periodic : Edge::wall};
 }
 
 }  // namespace gridlock::xyz

@@ -9,6 +9,15 @@
 
 namespace gridlock::xyz {
 
+std::optional<double> real_number(std::string_view word) {
+  if (auto const number = parse_number<double>(word)) return number;
+  std::size_t const exponent = word.find_first_of("dD");
+  if (exponent == std::string_view::npos) return std::nullopt;
+  std::string text(word);
+  text[exponent] = 'e';
+  return parse_number<double>(text);
+}
+
 void split(std::string_view line, std::vector<Word>& words) {
   words.clear();
   for (std::size_t at = 0; at < line.size();) {
@@ -34,7 +43,22 @@ bool Lines::next() {
   length_ = end - begin_;
   next_ = std::min(end + 1, window_.size());
   ++number_;
+  skip_mark();
   return true;
+}
+
+/// Editors put a mark before a file, and programs that join files leave it between frames.
+void Lines::skip_mark() {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  if (!line().starts_with(mark)) return;
+  begin_ += mark.size();
+  length_ -= mark.size();
+}
+
+std::uint64_t Lines::skip(std::uint64_t count) {
+  std::uint64_t passed = 0;
+  while (passed < count && next()) ++passed;
+  return passed;
 }
 
 /// Adds to the window behind the present line, and leaves out what is before that.
@@ -52,11 +76,16 @@ bool Lines::read_more() {
   return !is_at_end_;
 }
 
-void Lines::go_back_to(int number) {
+bool Lines::begin_again() {
   window_.clear();
   begin_ = length_ = next_ = 0;
   is_at_end_ = !text_.begin_again();
-  number_ = is_at_end_ ? number : 0;
+  number_ = first_ - 1;
+  return !is_at_end_;
+}
+
+void Lines::go_back_to(int number) {
+  if (!begin_again()) number_ = number;
   while (number_ < number && next()) {
   }
 }

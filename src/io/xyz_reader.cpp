@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "gridlock/core/error.hpp"
@@ -13,32 +14,38 @@ namespace gridlock::xyz {
 
 namespace {
 
-/// The head takes two lines, and each row one.
-int line_of(std::uint64_t row) { return static_cast<int>(row) + 3; }
-
 /// A population keeps a place for every slot up to the largest: a damaged Id must not ask for all the memory.
 std::uint64_t most_slots(std::uint64_t count) { return (std::uint64_t{1} << 22) + 64 * count; }
 
-std::uint64_t read_count(Lines& lines) {
-  if (!lines.next()) lines.refuse("the file is empty", "extended XYZ begins with the number of disks");
+bool is_empty(std::string_view line) { return std::ranges::all_of(line, is_blank); }
+
+std::optional<std::uint64_t> count_in(std::string_view line) {
   std::vector<Word> words;
-  split(lines.line(), words);
-  auto const count = words.size() == 1 ? parse_number<std::uint64_t>(words[0].text) : std::nullopt;
-  if (!count) {
-    lines.refuse(fmt::format("the first line is {}, not the number of disks", in_quotes(lines.line())),
-                 "is this extended XYZ?", 1);
-  }
-  return *count;
+  split(line, words);
+  return words.size() == 1 ? parse_number<std::uint64_t>(words[0].text) : std::nullopt;
 }
 
-void refuse_more_lines(Lines& lines, std::uint64_t count) {
-  std::vector<Word> words;
+/// Goes to the next line that is not empty; false where there is none.
+bool find_line(Lines& lines) {
   while (lines.next()) {
-    split(lines.line(), words);
-    if (words.empty()) continue;
-    bool const is_count = words.size() == 1 && parse_number<std::uint64_t>(words[0].text);
-    lines.refuse(fmt::format("the file continues after its {} disks", count),
-                 is_count ? "it holds more than one frame: keep the one to start from" : "is the first line wrong?", 1);
+    if (!is_empty(lines.line())) return true;
+  }
+  return false;
+}
+
+/// Passes over the frame whose first line is the present one.
+void pass_frame(Lines& lines, std::uint64_t frame) {
+  auto const count = count_in(lines.line());
+  if (!count) {
+    lines.refuse(
+        fmt::format("the line behind frame {} is {}, not the number of disks", frame - 1, in_quotes(lines.line())), "",
+        1);
+  }
+  bool const has_head = lines.skip(1) == 1;
+  std::uint64_t const rows = lines.skip(*count);
+  if (!has_head || rows < *count) {
+    lines.refuse(fmt::format("the file ends after {} of {} disks of frame {}", rows, *count, frame),
+                 "is the file cut off?");
   }
 }
 
@@ -58,11 +65,52 @@ bool are_plain(Id first, Id last, std::uint64_t count) {
   return first == slot_of(first) && last == slot_of(last) && last < most_slots(count);
 }
 
-Reader::Reader(TextReader text) : lines_(std::move(text)) {
+std::uint64_t read_count(Lines& lines) {
+  if (!find_line(lines)) lines.refuse("the file is empty", "extended XYZ begins with the number of disks");
+  auto const count = count_in(lines.line());
+  if (count) return *count;
+  bool const is_wide = lines.line().starts_with("\xFF\xFE") || lines.line().starts_with("\xFE\xFF");
+  lines.refuse(fmt::format("the first line is {}, not the number of disks", in_quotes(lines.line())),
+               is_wide ? "the file is in UTF-16: save it in UTF-8" : "is this extended XYZ?", 1);
+}
+
+std::uint64_t count_frames(Lines& lines) {
+  std::uint64_t frames = 0;
+  while (find_line(lines)) pass_frame(lines, frames++);
+  return frames;
+}
+
+Reader::Reader(TextReader text, FrameChoice choice) : lines_(std::move(text)), choice_(std::move(choice)) {
   undamaged([&] {
+    if (choice_.frame) go_to(*choice_.frame);
     count_ = read_count(lines_);
     header_ = read_header(lines_);
+    box_ = box_of_disks(lines_, header_);
+    first_row_line_ = lines_.number() + 1;
   });
+}
+
+/// Is before the first line of a frame.
+void Reader::go_to(std::int64_t frame) {
+  auto const refuse = [&](std::uint64_t frames) {
+    lines_.begin_again();
+    lines_.refuse(fmt::format("the file has {} frame{}, and no frame {}", frames, frames == 1 ? "" : "s", frame),
+                  "frames count from 0, or from -1 for the last");
+  };
+  if (frame < 0) {
+    std::uint64_t const frames = count_frames(lines_);
+    auto const from_end = -static_cast<std::uint64_t>(frame);
+    if (from_end > frames) refuse(frames);
+    if (!lines_.begin_again()) {
+      lines_.refuse("the file cannot be read twice, which a frame from the last takes",
+                    fmt::format("name one from 0 to {}", frames - 1));
+    }
+    frame = static_cast<std::int64_t>(frames - from_end);
+  }
+  for (std::int64_t passed = 0; passed < frame; ++passed) {
+    if (!find_line(lines_)) refuse(static_cast<std::uint64_t>(passed));
+    pass_frame(lines_, static_cast<std::uint64_t>(passed));
+  }
 }
 
 /// Damage of a packed text makes any bytes of it, and errors that would mislead.
@@ -77,7 +125,7 @@ void Reader::undamaged(std::function<void()> const& read) {
 
 std::uint64_t Reader::likely_count() const {
   // A row takes a digit and a space for every column.
-  return std::min<std::uint64_t>(count_, lines_.text().likely_size() / (2 * header_.roles.size()) + 1);
+  return std::min<std::uint64_t>(count_, lines_.text().likely_size() / (2 * columns().roles.size()) + 1);
 }
 
 bool Reader::read(std::size_t most, Rows& rows) {
@@ -85,9 +133,27 @@ bool Reader::read(std::size_t most, Rows& rows) {
   bool const has_some = next_row_ < end;
   undamaged([&] {
     while (next_row_ < end) read_row(rows);
-    if (!has_some) refuse_more_lines(lines_, count_);
+    // What follows the frame that was chosen is of no concern.
+    if (!has_some && !choice_.frame) refuse_further_lines();
   });
   return has_some;
+}
+
+void Reader::refuse_further_lines() {
+  if (!find_line(lines_)) return;
+  int const line = lines_.number();
+  std::string what = fmt::format("the file continues after its {} disks", count_);
+  std::string hint = "is the first line wrong?";
+  if (count_in(lines_.line())) {
+    std::uint64_t frames = 1;
+    do {
+      pass_frame(lines_, frames++);
+    } while (find_line(lines_));
+    what += fmt::format(": it holds {} frames", frames);
+    hint = fmt::format("choose one: {} from 0 to {}", choice_.setting, frames - 1);
+  }
+  lines_.go_back_to(line);
+  lines_.refuse(std::move(what), std::move(hint), 1);
 }
 
 void Reader::read_row(Rows& rows) {
@@ -100,96 +166,122 @@ void Reader::read_row(Rows& rows) {
     lines_.refuse(fmt::format("the file ends after {} of {} disks", next_row_, count_),
                   "is the file cut off, or the first line wrong?");
   }
-  if (words_.size() != header_.roles.size()) {
+  if (words_.size() != columns().roles.size()) {
     lines_.refuse(
-        fmt::format("the line has {} columns, but the Properties name {}", words_.size(), header_.roles.size()),
+        fmt::format("the line has {} columns, but the Properties name {}", words_.size(), columns().roles.size()),
         "is the line cut off?", words_.back().column);
   }
-  rows.disks.push_back(row_of(words_));
-  for (auto const& [column, name] : header_.others) {
-    rows.others.push_back(parse_number<double>(words_[column].text).value_or(std::nan("")));
-  }
+  Row row = row_of(words_);
+  put_inside(row);
+  rows.disks.push_back(row);
+  for (auto const& [column, name] : columns().others) rows.others.push_back(any_number(words_[column].text));
   ++next_row_;
+}
+
+/// Counts from the corner of the box, and comes in through periodic edges; walls stay walls.
+void Reader::put_inside(Row& row) {
+  if (header_.origin.x != 0.0) row.position.x -= header_.origin.x;
+  if (header_.origin.y != 0.0) row.position.y -= header_.origin.y;
+  if (!box_.is_periodic()) return;
+  Vector const outside = row.position;
+  row.image_x = folded(row.position.x, box_.width(), row.image_x);
+  row.image_y = folded(row.position.y, box_.height(), row.image_y);
+  if (!(outside.x == row.position.x && outside.y == row.position.y)) ++folded_;
+}
+
+/// The image of a place that is put between 0 and `side`.
+std::int32_t Reader::folded(double& place, double side, std::int32_t image) const {
+  double const before = place;
+  double const moved = static_cast<double>(image) + fold(place, side);
+  constexpr double most = std::numeric_limits<std::int32_t>::max();
+  if (std::abs(moved) <= most) return static_cast<std::int32_t>(moved);
+  lines_.refuse(fmt::format("the disk at {} is {:.3g} boxes outside", before, std::abs(moved)),
+                "are positions and Lattice in one unit?");
 }
 
 Row Reader::row_of(std::vector<Word> const& words) const {
   Row row{.id = next_row_, .number = next_row_};
-  for (std::size_t c = 0; c < words.size(); ++c) {
-    switch (header_.roles[c]) {
-      case Role::ignored:
-        break;
-      case Role::x:
-        row.position.x = real(words[c], Role::x);
-        break;
-      case Role::y:
-        row.position.y = real(words[c], Role::y);
-        break;
-      case Role::z:
-        refuse_height(words[c], Role::z);
-        break;
-      case Role::id:
-        row.id = id(words[c]);
-        break;
-      case Role::velocity_x:
-        row.velocity.x = real(words[c], Role::velocity_x);
-        break;
-      case Role::velocity_y:
-        row.velocity.y = real(words[c], Role::velocity_y);
-        break;
-      case Role::velocity_z:
-        refuse_height(words[c], Role::velocity_z);
-        break;
-      case Role::radius:
-        row.radius = positive(words[c], Role::radius);
-        break;
-      case Role::mass:
-        row.mass = positive(words[c], Role::mass);
-        break;
-      case Role::image_x:
-        row.image_x = image(words[c], Role::image_x);
-        break;
-      case Role::image_y:
-        row.image_y = image(words[c], Role::image_y);
-        break;
-      case Role::image_z:
-        break;
-    }
+  for (std::size_t c = 0; c < words.size(); ++c) take(words[c], columns().roles[c], row);
+  if (!columns().has_momenta) return row;
+  Vector const momentum = row.velocity;
+  row.velocity = {momentum.x / row.mass, momentum.y / row.mass};
+  if (std::isfinite(row.velocity.x) && std::isfinite(row.velocity.y)) return row;
+  lines_.refuse(
+      fmt::format("the momentum {}, {} over the mass {} is no finite velocity", momentum.x, momentum.y, row.mass),
+      "are they in one unit?");
+}
+
+/// Momenta take the place of velocities until all of the row is known.
+void Reader::take(Word const& word, Role role, Row& row) const {
+  switch (role) {
+    case Role::ignored:
+    case Role::image_z:
+      break;
+    case Role::x:
+      row.position.x = finite_number(lines_, word, role);
+      break;
+    case Role::y:
+      row.position.y = finite_number(lines_, word, role);
+      break;
+    case Role::z:
+    case Role::velocity_z:
+    case Role::momentum_z:
+      refuse_height(word, role);
+      break;
+    case Role::id:
+      row.id = id(word);
+      break;
+    case Role::velocity_x:
+    case Role::momentum_x:
+      row.velocity.x = finite_number(lines_, word, role);
+      break;
+    case Role::velocity_y:
+    case Role::momentum_y:
+      row.velocity.y = finite_number(lines_, word, role);
+      break;
+    case Role::radius:
+      row.radius = positive(word, role);
+      break;
+    case Role::diameter:
+      row.radius = 0.5 * positive(word, role);
+      break;
+    case Role::mass:
+      row.mass = positive(word, role);
+      break;
+    case Role::image_x:
+      row.image_x = image(word, role);
+      break;
+    case Role::image_y:
+      row.image_y = image(word, role);
+      break;
   }
-  return row;
-}
-
-void Reader::refuse_word(Word const& word, Role role, std::string_view expected) const {
-  lines_.refuse(fmt::format("the {} is {}, but must be {}", name_of(role), in_quotes(word.text), expected), "",
-                word.column);
-}
-
-double Reader::real(Word const& word, Role role) const {
-  auto const number = parse_number<double>(word.text);
-  if (!number || !std::isfinite(*number)) refuse_word(word, role, "a finite number");
-  return *number;
 }
 
 double Reader::positive(Word const& word, Role role) const {
-  double const number = real(word, role);
-  if (!(number > 0.0)) refuse_word(word, role, "above 0");
+  double const number = finite_number(lines_, word, role);
+  if (!(number > 0.0)) refuse_word(lines_, word, role, "above 0");
   return number;
 }
 
 void Reader::refuse_height(Word const& word, Role role) const {
-  if (real(word, role) == 0.0) return;
+  double const height = finite_number(lines_, word, role);
+  if (height == 0.0) return;
+  // Programs that turn a system leave rounding errors where zeros were.
+  bool const is_place = role == Role::z;
+  if (is_place && std::abs(height) <= 1e-12 * std::max(box_.width(), box_.height())) return;
   lines_.refuse(fmt::format("the {} is {}, but disks live in the plane z = 0", name_of(role), word.text),
                 "only two-dimensional systems can be read", word.column);
 }
 
 Id Reader::id(Word const& word) const {
   auto const number = parse_number<Id>(word.text);
-  if (!number) refuse_word(word, Role::id, "a whole number, 0 or above");
+  if (!number) refuse_word(lines_, word, Role::id, "a whole number, 0 or above");
   return *number;
 }
 
 std::int32_t Reader::image(Word const& word, Role role) const {
   auto const number = parse_number<std::int32_t>(word.text);
-  if (!number) refuse_word(word, role, "a whole number of 32 bits");
+  if (!number) refuse_word(lines_, word, role, "a whole number of 32 bits");
   return *number;
 }
 

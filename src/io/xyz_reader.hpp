@@ -28,6 +28,12 @@ struct Row {
   std::uint64_t number = 0;  ///< from 0, as it is in the file
 };
 
+/// Which frame of a file is read, and how the user says so.
+struct FrameChoice {
+  std::optional<std::int64_t> frame = {};  ///< from 0, or from −1 for the last; left out: the only one
+  std::string setting = "frame";           ///< in hints: "--frame", "disks.frame"
+};
+
 /// Some rows of a file, one after the other.
 struct Rows {
   std::vector<Row> disks;
@@ -57,16 +63,21 @@ std::optional<WrongId> find_wrong_id(std::vector<IdOfRow>& ids, std::uint64_t co
 /// Whether Ids in this order ascend and cannot be wrong.
 bool are_plain(Id first, Id last, std::uint64_t count);
 
-/// Reads extended XYZ with one frame: its head, then its rows in pieces. Where a packed text is damaged, that is the error,
+/// Reads a frame of extended XYZ: its head, then its rows in pieces. Positions come inside the box: counted from its corner, and
+/// through periodic edges, which the images count. Where a packed text is damaged, that is the error,
 /// whatever else its bytes say.
 class Reader {
  public:
   /// Errors: Error for the first two lines.
-  explicit Reader(TextReader text);
+  explicit Reader(TextReader text, FrameChoice choice = {});
 
-  /// Rows of the file, as its first line says.
+  /// Rows of the frame, as its first line says.
   [[nodiscard]] std::uint64_t count() const { return count_; }
   [[nodiscard]] Header const& header() const { return header_; }
+  [[nodiscard]] Columns const& columns() const { return *header_.columns; }
+  [[nodiscard]] Box const& box() const { return box_; }
+  /// How many rows so far were outside the box, and have come through its edges.
+  [[nodiscard]] std::uint64_t folded() const { return folded_; }
   /// For how many rows there should be room, whatever the first line says.
   [[nodiscard]] std::uint64_t likely_count() const;
 
@@ -77,23 +88,37 @@ class Reader {
 
  private:
   void undamaged(std::function<void()> const& read);
+  void go_to(std::int64_t frame);
+  void refuse_further_lines();
+  [[nodiscard]] int line_of(std::uint64_t row) const { return first_row_line_ + static_cast<int>(row); }
   void read_row(Rows& rows);
   [[nodiscard]] Row row_of(std::vector<Word> const& words) const;
-  [[noreturn]] void refuse_word(Word const& word, Role role, std::string_view expected) const;
-  [[nodiscard]] double real(Word const& word, Role role) const;
+  void take(Word const& word, Role role, Row& row) const;
+  void put_inside(Row& row);
+  [[nodiscard]] std::int32_t folded(double& place, double side, std::int32_t image) const;
   [[nodiscard]] double positive(Word const& word, Role role) const;
   [[nodiscard]] Id id(Word const& word) const;
   [[nodiscard]] std::int32_t image(Word const& word, Role role) const;
   void refuse_height(Word const& word, Role role) const;
 
   Lines lines_;
+  FrameChoice choice_;
   std::uint64_t count_ = 0;
+  int first_row_line_ = 3;  ///< the head takes two lines
   Header header_;
+  Box box_;
+  std::uint64_t folded_ = 0;
   std::uint64_t next_row_ = 0;
   std::vector<Word> words_;
 };
 
 /// The frame of a file of which nothing but the head has been read. Errors: those of read_xyz().
 XyzFrame read_all(Reader& reader);
+
+/// Goes to the next line that is not empty, and reads the number of rows there. Errors: Error where it has none.
+std::uint64_t read_count(Lines& lines);
+
+/// How many frames a text has. Errors: Error where one is cut off, or something else stands between them.
+std::uint64_t count_frames(Lines& lines);
 
 }  // namespace gridlock::xyz

@@ -116,6 +116,10 @@ void describe(DisksSettings& settings, SettingVisitor& visitor) {
                                   "\"file\", and box, radii and velocities come from it.",
                  .default_note = "no file"},
                 settings.file);
+  visitor.visit({.key = "frame",
+                 .documentation = "The frame of disks.file to start from, counted from 0, where it has several.",
+                 .default_note = "the only one"},
+                settings.frame);
   visitor.visit_tables(
       {.key = "species",
        .documentation = "The kinds of disks in a mixture, assigned at random.",

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <limits>
 #include <numbers>
@@ -367,8 +368,20 @@ State random_or_lattice_start(Setup& setup, bool is_asked_for) {
 
 /// Reads the head of the file that is asked for.
 xyz::Reader open_start_file(Setup& setup, SetupOptions const& options) {
-  setup.start_file = options.directory / setup.configuration.disks.file;
-  return xyz::Reader(TextReader(setup.start_file));
+  DisksSettings const& disks = setup.configuration.disks;
+  setup.start_file = options.directory / disks.file;
+  xyz::FrameChoice choice{.frame = {}, .setting = "disks.frame"};
+  // There is no frame of such a number as is cut here.
+  constexpr std::uint64_t most = std::numeric_limits<std::int64_t>::max();
+  if (disks.frame) choice.frame = static_cast<std::int64_t>(std::min(*disks.frame, most));
+  return xyz::Reader(TextReader(setup.start_file), choice);
+}
+
+/// The start of a file of which the head has been read, with what is worth telling of it.
+State read_noted_start(xyz::Reader& reader, Setup& setup, SetupOptions const& options) {
+  State state = read_whole_start(reader, setup.configuration, options.is_given);
+  std::ranges::move(notes_of_start(reader, setup.configuration.velocities), std::back_inserter(setup.notes));
+  return state;
 }
 
 State made_start(Setup& setup, bool is_asked_for) {
@@ -382,7 +395,7 @@ State start_of(Setup& setup, SetupOptions const& options) {
   Configuration& configuration = setup.configuration;
   if (!configuration.disks.file.empty()) {
     xyz::Reader reader = open_start_file(setup, options);
-    return read_whole_start(reader, configuration, options.is_given);
+    return read_noted_start(reader, setup, options);
   }
   return made_start(setup, makes_start_asked_for(setup, options));
 }
@@ -429,7 +442,7 @@ StartOfRanks start_of_ranks(Setup& setup, SetupOptions const& options) {
     StartOfRanks start{.whole = std::nullopt, .file = open_start_file(setup, options)};
     disks.start = StartKind::file;
     if (start.file->count() > most_disks_for_all_pairs) return start;
-    return {.whole = read_whole_start(*start.file, configuration, options.is_given), .file = std::nullopt};
+    return {.whole = read_noted_start(*start.file, setup, options), .file = std::nullopt};
   }
   bool const is_small = disks.count.value_or(0) <= most_disks_for_all_pairs;
   if (options.start || disks.start == StartKind::uniform || is_small) {
@@ -473,6 +486,8 @@ void build_divided(Setup& setup, SetupOptions const& options) {
                          }};
     return std::make_unique<DisksOfRank>(*options.ranks, configuration, nullptr, &file);
   });
+  if (start.file)
+    std::ranges::move(notes_of_start(*start.file, configuration.velocities), std::back_inserter(setup.notes));
   start = {};
   DisksOfRank& own = *disks;
   auto simulation = std::make_unique<DividedSimulation>(*options.ranks, std::move(disks));

@@ -15,7 +15,7 @@ namespace gridlock {
 
 namespace {
 
-constexpr std::array<std::string_view, 33> kind_texts{"unused_setting",
+constexpr std::array<std::string_view, 38> kind_texts{"unused_setting",
                                                       "misleading_rule",
                                                       "note_of_model",
                                                       "frames_beyond_end",
@@ -23,6 +23,11 @@ constexpr std::array<std::string_view, 33> kind_texts{"unused_setting",
                                                       "fast_on_ranks",
                                                       "start_not_tried",
                                                       "stage_with_two_ends",
+                                                      "velocities_drawn",
+                                                      "masses_assumed",
+                                                      "columns_unused",
+                                                      "entries_unused",
+                                                      "disks_folded",
                                                       "begun",
                                                       "began_again",
                                                       "resumed",
@@ -70,6 +75,27 @@ struct Values {
   [[nodiscard]] double number(std::string_view name) const { return value_of<double>(event, name); }
   [[nodiscard]] std::string word(std::string_view name) const { return value_of<std::string>(event, name); }
 };
+
+std::string text_of_start_file(Event const& event) {
+  Values const of{event};
+  switch (event.kind) {
+    case EventKind::velocities_drawn:
+      return fmt::format("the start file has no velocities: they are drawn anew, velocities.kind = \"{}\"",
+                         of.word("velocities"));
+    case EventKind::masses_assumed:
+      return "the start file has momenta and no masses: velocities are those of masses of 1";
+    case EventKind::columns_unused:
+      return fmt::format("columns of the start file that are not used: {}", of.word("names"));
+    case EventKind::entries_unused:
+      return fmt::format(
+          "the start file has {}, which is of another kind than here: the run begins at step {}, time {:.6g}",
+          of.word("entries"), event.step, of.number("time"));
+    default:
+      return fmt::format(
+          "{} disk{} of the start file {} outside its periodic box: moved in through its edges, and counted by image",
+          of.count("disks"), of.count("disks") == 1 ? "" : "s", of.count("disks") == 1 ? "was" : "were");
+  }
+}
 
 std::string text_of_setup(Event const& event) {
   Values const of{event};
@@ -293,6 +319,12 @@ std::string to_text(Event const& event) {
       return text_of_audits(of);
     case EventKind::ended:
       return text_of_end(event);
+    case EventKind::velocities_drawn:
+    case EventKind::masses_assumed:
+    case EventKind::columns_unused:
+    case EventKind::entries_unused:
+    case EventKind::disks_folded:
+      return text_of_start_file(event);
     default:
       return text_of_setup(event);
   }

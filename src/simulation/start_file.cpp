@@ -1,6 +1,7 @@
 #include "simulation/start_file.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -121,6 +122,35 @@ State read_whole_start(xyz::Reader& reader, Configuration& configuration, IsGive
   state.seed = configuration.run.seed;
   if (!frame.has_velocities || configuration.velocities.redraw) draw_velocities(state, configuration.velocities);
   return state;
+}
+
+std::vector<Event> notes_of_start(xyz::Reader const& reader, VelocitySettings const& velocities) {
+  std::vector<Event> notes;
+  auto const add = [&](EventKind kind, Severity severity, std::vector<std::pair<std::string, EventValue>> values) {
+    notes.push_back({.kind = kind,
+                     .severity = severity,
+                     .step = clock_of(reader.header()).step,
+                     .key = "disks.file",
+                     .values = std::move(values)});
+  };
+  xyz::Columns const& columns = reader.columns();
+  if (!columns.has_velocities() && !velocities.redraw) {
+    std::string const kind = velocities.kind == VelocityKind::maxwell ? "maxwell" : "uniform";
+    add(EventKind::velocities_drawn, Severity::note, {{"velocities", kind}});
+  }
+  if (columns.has_momenta && !columns.has(xyz::Role::mass)) add(EventKind::masses_assumed, Severity::note, {});
+  if (auto const unused = columns.unused(); !unused.empty()) {
+    add(EventKind::columns_unused, Severity::note, {{"names", fmt::format("{}", fmt::join(unused, ", "))}});
+  }
+  std::vector<std::string> entries = reader.header().unused_entries;
+  // A run has a seed of its own, whatever a file says.
+  std::erase_if(entries, [](std::string const& entry) { return entry.starts_with("seed"); });
+  if (!entries.empty()) {
+    add(EventKind::entries_unused, Severity::note,
+        {{"entries", fmt::format("{}", fmt::join(entries, ", "))}, {"time", clock_of(reader.header()).time}});
+  }
+  if (reader.folded() > 0) add(EventKind::disks_folded, Severity::info, {{"disks", reader.folded()}});
+  return notes;
 }
 
 }  // namespace gridlock

@@ -33,16 +33,16 @@ struct FileHead {
 };
 
 FileHead head_of(xyz::Reader const& reader) {
-  xyz::Header const& header = reader.header();
-  auto const has = [&](xyz::Role role) { return header.has(role) ? std::uint64_t{1} : 0; };
-  return {.width = header.box.width(),
-          .height = header.box.height(),
-          .is_periodic = header.box.is_periodic() ? std::uint64_t{1} : 0,
-          .clock = header.clock,
+  Box const& box = reader.box();
+  auto const number = [](bool is_true) { return is_true ? std::uint64_t{1} : 0; };
+  return {.width = box.width(),
+          .height = box.height(),
+          .is_periodic = number(box.is_periodic()),
+          .clock = clock_of(reader.header()),
           .count = reader.count(),
           .likely_count = reader.likely_count(),
-          .has_radii = has(xyz::Role::radius),
-          .has_velocities = has(xyz::Role::velocity_x)};
+          .has_radii = number(reader.columns().has_radii()),
+          .has_velocities = number(reader.columns().has_velocities())};
 }
 
 /// The first number of a message with rows.
@@ -79,7 +79,7 @@ class PartOfStart {
   /// The leader reads all rows and hands them out as they come. Returns true: all have come. Errors: Error.
   bool hand_out(xyz::Reader& reader, DisksSettings const& settings) {
     try {
-      hand_out_rows(reader, radius_without_column(settings, reader.header().box, reader.count()));
+      hand_out_rows(reader, radius_without_column(settings, reader.box(), reader.count()));
     } catch (...) {
       send_to_others(ranks_, message_of(PieceOfFile::refused));
       throw;

@@ -437,7 +437,10 @@ class RunInDirectory {
 };
 
 std::string resolved(Configuration configuration, bool starts_from_file) {
-  if (starts_from_file) configuration.disks.file = "start.xyz";
+  if (starts_from_file) {
+    configuration.disks.file = "start.xyz";
+    configuration.disks.frame.reset();
+  }
   return to_toml(describing(configuration));
 }
 

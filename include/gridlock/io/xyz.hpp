@@ -8,7 +8,9 @@
 /// write_xyz(state, "copy.xyz");  // the same bits
 /// ```
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -53,17 +55,30 @@ struct XyzFrame {
   bool has_images = false;      ///< where not, all are 0
   /// The other columns that hold one number for each row, in the order of the ids; nan where there is none.
   std::vector<FrameColumn> others = {};
+  std::vector<std::string> unused_columns = {};  ///< names of columns that disks do not have, except kinds
+  std::vector<std::string> unused_entries = {};  ///< Time, step and seed that are of another kind than ours: "step=-1"
 };
 
-/// Reads a file of extended XYZ with one frame, as it is or packed by gzip, piece by piece.
+/// Reads a frame of extended XYZ, as it is or packed by gzip, piece by piece: every spelling of its specification,
+/// https://github.com/libAtoms/extxyz.
 ///
 /// Columns may stand in any order, Properties names them: pos is needed; velo, radius, masses, image and id are left
-/// out at will (0; 0; 1; 0; the number of the row from 0); others mean nothing to disks. Time, step and seed default to 0, pbc to
-/// periodic as the format has it. Rows come back in the order of their ids.
+/// out at will (0; 0; 1; 0; the number of the row from 0), and others mean nothing to disks. The names of other programs are
+/// read too: momenta are divided by the masses, diameters halved. Time, step and seed default to 0, pbc to
+/// periodic as the format has it. Rows come back in the order of their ids. Positions count from Origin; those outside a
+/// periodic box come in through its edges, and the images count that.
+/// `frame` counts from 0, or from −1 for the last; left out, the file must have one. Hints call it `setting`.
 /// Errors: Error with line and column for anything damaged, not orthogonal, not in the plane, not finite or ambiguous;
 /// never a crash, and never more memory than a small multiple of the file's size.
-/// Not checked: that disks lie inside the box and do not overlap; validate() does.
-XyzFrame read_xyz(std::filesystem::path const& path);
+/// Not checked: that disks lie inside walls and do not overlap; validate() does.
+XyzFrame read_xyz(std::filesystem::path const& path, std::optional<std::int64_t> frame = {},
+                  std::string const& setting = "frame");
+
+/// How many frames a file of extended or plain XYZ has. Errors: Error where one is cut off.
+std::uint64_t count_xyz_frames(std::filesystem::path const& path);
+
+/// Whether a file is called as extended XYZ is: .xyz, .extxyz or .exyz, and .gz behind it where it is packed.
+bool has_xyz_ending(std::filesystem::path const& path);
 
 /// read_xyz() of a text; `name` names the file in errors.
 XyzFrame parse_xyz(std::string_view text, std::string const& name);

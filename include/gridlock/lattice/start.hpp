@@ -60,6 +60,7 @@ struct DisksSettings {
   std::optional<double> size_spread;
   StartKind start = StartKind::square;
   std::string file;                      ///< extended XYZ; giving it implies start = "file"
+  std::optional<std::uint64_t> frame;    ///< of the file, from 0; left out: its only one
   std::vector<SpeciesSettings> species;  ///< empty: equal disks of mass 1
 };
 void describe(DisksSettings& settings, SettingVisitor& visitor);

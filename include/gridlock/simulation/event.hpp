@@ -31,6 +31,11 @@ enum class EventKind {
   fast_on_ranks,        ///< several ranks share disks so fast that those of one rank wait for those of others
   start_not_tried,      ///< the start takes long and was left out
   stage_with_two_ends,  ///< the first one that it reaches ends it
+  velocities_drawn,     ///< the start file has none
+  masses_assumed,       ///< the start file has momenta and no masses, which are 1
+  columns_unused,       ///< of the start file
+  entries_unused,       ///< of the second line of the start file: time and step of another kind than ours
+  disks_folded,         ///< the start file has disks outside its periodic box, which come in through its edges
   // A run in a directory.
   begun,
   began_again,  ///< from the start, since there is no checkpoint

@@ -200,6 +200,125 @@ TEST(Xyz, WithoutAnIdColumnRowsAreNumberedFromZero) {
   EXPECT_TRUE(frame.state.box.is_periodic()) << "as extended XYZ has it where pbc is left out";
 }
 
+/// A frame of one disk in a periodic box of 2 × 3, with these properties.
+XyzFrame disk_of(std::string const& properties, std::string const& row, std::string const& entries = "") {
+  return parse_xyz(fmt::format("1\nLattice=\"2 0 0 0 3 0 0 0 1\" Properties={} {}\n{}\n", properties, entries, row),
+                   "disk.xyz");
+}
+
+TEST(Xyz, MomentaOverMassesAreTheVelocitiesOfAFileWithoutThem) {
+  XyzFrame const frame = disk_of("momenta:R:3:masses:R:1:pos:R:2", "3 -1 0 2 0.25 0.5");
+  EXPECT_TRUE(frame.has_velocities);
+  EXPECT_TRUE(frame.unused_columns.empty());
+  EXPECT_EQ(velocity(frame.state.agents, 0), (Vector{1.5, -0.5}));
+  XyzFrame const both = disk_of("momenta:R:3:velo:R:3:masses:R:1:pos:R:2", "3 -1 0 7 8 0 2 0.25 0.5");
+  EXPECT_EQ(velocity(both.state.agents, 0), (Vector{7.0, 8.0}));
+  EXPECT_EQ(both.unused_columns, std::vector<std::string>{"momenta"});
+  EXPECT_THROW(disk_of("momenta:R:2:masses:R:1:pos:R:2", "1e300 0 1e-300 0.25 0.5"), Error);
+}
+
+TEST(Xyz, ColumnsHaveTheNamesOfOtherProgramsToo) {
+  for (std::string const name : {"velo", "vel", "velocity", "velocities", "Velocity"}) {
+    EXPECT_EQ(velocity(disk_of("pos:R:2:" + name + ":R:2", "0.25 0.5 7 8").state.agents, 0), (Vector{7.0, 8.0}))
+        << name;
+  }
+  XyzFrame const split = disk_of("x:R:1:y:R:1:vx:R:1:vy:R:1:ix:I:1:iy:I:1", "0.25 0.5 7 8 -3 4");
+  EXPECT_EQ(position(split.state.agents, 0), (Vector{0.25, 0.5}));
+  EXPECT_EQ(velocity(split.state.agents, 0), (Vector{7.0, 8.0}));
+  EXPECT_EQ(split.state.agents.column<ImageX>()[0], -3);
+  EXPECT_EQ(split.state.agents.column<ImageY>()[0], 4);
+  for (std::string const name : {"radius", "radii", "Radius"}) {
+    EXPECT_EQ(disk_of("pos:R:2:" + name + ":R:1", "0.25 0.5 0.1").state.agents.column<Radius>()[0], 0.1) << name;
+  }
+  for (std::string const name : {"mass", "masses"}) {
+    EXPECT_EQ(disk_of("pos:R:2:" + name + ":R:1", "0.25 0.5 7").state.agents.column<Mass>()[0], 7.0) << name;
+  }
+  EXPECT_EQ(disk_of("pos:R:2:diameter:R:1", "0.25 0.5 0.5").state.agents.column<Radius>()[0], 0.25);
+  EXPECT_TRUE(disk_of("positions:R:2:ids:I:1", "0.25 0.5 7").state.agents.contains(7));
+}
+
+TEST(Xyz, ColumnsThatAreNotUsedAreNamed) {
+  XyzFrame const frame = disk_of("species:S:1:pos:R:2:size:R:1:vx:R:1:forces:R:3:radius:R:1:diameter:R:1:tag:S:1",
+                                 "A 0.25 0.5 0.2 1 1 2 3 0.1 0.2 hello");
+  EXPECT_EQ(frame.unused_columns, (std::vector<std::string>{"size", "vx", "forces", "diameter", "tag"}));
+  EXPECT_FALSE(frame.has_velocities) << "one component is no velocity";
+}
+
+TEST(Xyz, EntriesOfAnotherKindAreNamedAndNotUsed) {
+  XyzFrame const frame = disk_of("pos:R:2", "0.25 0.5", "step=-1 seed=None Time=2024-01-01");
+  EXPECT_EQ(frame.unused_entries, (std::vector<std::string>{"Time=2024-01-01", "step=-1", "seed=None"}));
+  EXPECT_EQ(frame.state.clock, Clock{});
+  EXPECT_EQ(disk_of("pos:R:2", "0.25 0.5", "step=100.0 Time=1d1").state.clock, (Clock{.step = 100, .time = 10.0}));
+}
+
+TEST(Xyz, DisksOutsideAPeriodicBoxComeInThroughItsEdgesAndImagesCountThat) {
+  auto const expect_at = [](XyzFrame const& frame, Vector place, std::int32_t image_x, std::int32_t image_y) {
+    EXPECT_EQ(position(frame.state.agents, 0), place);
+    EXPECT_EQ(frame.state.agents.column<ImageX>()[0], image_x);
+    EXPECT_EQ(frame.state.agents.column<ImageY>()[0], image_y);
+  };
+  expect_at(disk_of("pos:R:2", "-0.25 4.5"), {1.75, 1.5}, -1, 1);
+  expect_at(disk_of("pos:R:2", "2.0 3.0"), {0.0, 0.0}, 1, 1);
+  expect_at(disk_of("pos:R:2", "-1e-18 2.5"), {0.0, 2.5}, 0, 0);
+  expect_at(disk_of("pos:R:2:image:I:2", "-0.25 9.5 5 -7"), {1.75, 0.5}, 4, -4);
+  expect_at(disk_of("pos:R:2", "-0.25 -0.5", "Origin=\"-1 -1.5 0\""), {0.75, 1.0}, 0, 0);
+  EXPECT_TRUE(disk_of("pos:R:2", "-0.25 0.5").has_images);
+  EXPECT_FALSE(disk_of("pos:R:2", "0.25 0.5").has_images);
+  EXPECT_THROW(disk_of("pos:R:2", "1e300 0.5"), Error);
+  XyzFrame const walls = disk_of("pos:R:2", "-0.25 4.5", "pbc=\"F F F\"");
+  EXPECT_EQ(position(walls.state.agents, 0), (Vector{-0.25, 4.5})) << "walls stay walls";
+}
+
+TEST(Xyz, AFrameOfSeveralIsChosenByItsNumber) {
+  TemporaryDirectory const directory;
+  std::filesystem::path const file = directory / "frames.xyz";
+  auto const frame = [](int disks, double x) {
+    std::string text = fmt::format("{}\nLattice=\"2 0 0 0 1 0 0 0 1\" Properties=pos:R:2 step={}\n", disks, disks);
+    for (int k = 0; k < disks; ++k) text += fmt::format("{} 0.5\n", x);
+    return text;
+  };
+  write_file(file, "\xEF\xBB\xBF" + frame(1, 0.1) + "\n" + frame(2, 0.2) + "\xEF\xBB\xBF" + frame(3, 0.3) + "\n\n");
+  EXPECT_EQ(count_xyz_frames(file), 3U);
+  for (int k = 0; k < 3; ++k) {
+    for (std::int64_t const number : {k, k - 3}) {
+      State const state = read_xyz(file, number).state;
+      EXPECT_EQ(state.agents.size(), static_cast<std::size_t>(k + 1));
+      EXPECT_DOUBLE_EQ(position(state.agents, 0).x, 0.1 * (k + 1));
+    }
+  }
+  for (std::int64_t const number : {3, -4}) EXPECT_THROW(read_xyz(file, number), Error);
+  try {
+    read_xyz(file, {}, "--frame");
+    FAIL() << "one of three frames was taken silently";
+  } catch (Error const& error) {
+    EXPECT_EQ(error.problems()[0].hint, "choose one: --frame from 0 to 2");
+  }
+}
+
+TEST(Xyz, WhatIsWrongInALaterFrameHasItsLine) {
+  std::string const one = "1\nLattice=\"2 0 0 0 1 0 0 0 1\" Properties=id:I:1:pos:R:2\n0 0.5 0.5\n";
+  TemporaryDirectory const directory;
+  write_file(directory / "a.xyz",
+             one + "2\nLattice=\"2 0 0 0 1 0 0 0 1\" Properties=id:I:1:pos:R:2\n7 0.5 0.5\n7 1.5 0.5\n");
+  try {
+    read_xyz(directory / "a.xyz", 1);
+    FAIL();
+  } catch (Error const& error) {
+    EXPECT_EQ(error.problems()[0].what, "the id 7 is given twice, first on line 6");
+    EXPECT_EQ(error.problems()[0].line, 7);
+  }
+}
+
+TEST(Xyz, AFileInUtf16IsToldFromOneThatIsNoXyz) {
+  EXPECT_EQ(problem_of(std::string("\xFF\xFE" "1\0\n\0", 6)).hint, "the file is in UTF-16: save it in UTF-8");
+}
+
+TEST(Xyz, EndingsOfOtherProgramsAreThoseOfExtendedXyz) {
+  for (char const* name : {"a.xyz", "a.extxyz", "b.exyz", "c/a.xyz.gz", "a.b.extxyz.gz"})
+    EXPECT_TRUE(has_xyz_ending(name)) << name;
+  for (char const* name : {"xyz", "a.gz", "a.xyz.csv", "a.h5", ".xyz"}) EXPECT_FALSE(has_xyz_ending(name)) << name;
+}
+
 struct Damage {
   char const* name;
   std::string text;
@@ -235,7 +354,10 @@ std::vector<Damage> damages() {
       {"AbsurdCount", replaced(good, "2\n", "1000000000000000000\n"), 4, 0, "ends after 2 of 1000000000000000000"},
       {"CountTooLarge", replaced(good, "2\n", "3\n"), 4, 0, "ends after 2 of 3 disks"},
       {"CountTooSmall", replaced(good, "2\n", "1\n"), 4, 1, "continues after its 1 disks"},
-      {"TwoFrames", good + good, 5, 1, "continues after its 2 disks"},
+      {"TwoFrames", good + good, 5, 1, "continues after its 2 disks: it holds 2 frames"},
+      {"TwoFramesAndABlankLine", good + "\n" + good, 6, 1, "it holds 2 frames"},
+      {"SecondFrameCutOff", good + "2\n", 5, 0, "ends after 0 of 2 disks of frame 1"},
+      {"WordsBehindTheLastDisk", good + "the end\n", 5, 1, "continues after its 2 disks"},
       {"NoLattice", with_header("Lattice", "lattice"), 2, 0, "no Lattice"},
       {"EightNumbers", with_header("0 0 1\"", "0 1\""), 2, 1, "nine numbers"},
       {"LatticeOfWords", with_header("\"2 0", "\"two 0"), 2, 1, "nine finite numbers"},
@@ -246,7 +368,6 @@ std::vector<Damage> damages() {
       {"OpenQuote", with_header("0 1\" pbc=\"F F F\"", "0 1 pbc=F"), 2, 9, "does not end"},
       {"OneEdgePeriodic", with_header("F F F", "T F F"), 2, 29, "two sides only"},
       {"WordsForEdges", with_header("F F F", "yes no no"), 2, 29, "pbc is \"yes no no\""},
-      {"ShiftedOrigin", with_header("Time=0.5", "Origin=\"-1 0 0\""), 2, 99, "not at the origin"},
       {"NoProperties", with_header("Properties", "properties"), 2, 0, "no Properties"},
       {"NoPositions", with_header(":pos:", ":point:"), 2, 41, "no positions"},
       {"HalfAProperty", with_header("radius:R:1", "radius:R"), 2, 41, "name:type:columns"},
@@ -254,10 +375,6 @@ std::vector<Damage> damages() {
       {"AbsurdColumns", with_header("species:S:1", "species:S:1000000000000"), 2, 41, "not a number from 1"},
       {"PositionsOnALine", with_header("pos:R:3", "pos:R:1"), 2, 41, "must have 2 or 3"},
       {"TwoRadii", with_header("species:S:1", "radius:R:1"), 2, 41, "every radius twice"},
-      {"TimeOfWords", with_header("Time=0.5", "Time=noon"), 2, 99, "Time is \"noon\""},
-      {"TimeOfNan", with_header("Time=0.5", "Time=nan"), 2, 99, "a finite number"},
-      {"NegativeStep", with_header("Time=0.5", "step=-1"), 2, 99, "step is \"-1\""},
-      {"SeedBeyond64Bits", with_header("Time=0.5", "seed=18446744073709551616"), 2, 99, "whole number"},
       {"ColumnMissing", replaced(good, " 0.1\n", "\n"), 3, 21, "has 8 columns, but the Properties name 9"},
       {"ColumnTooMany", replaced(good, " 0.1\n", " 0.1 7\n"), 3, 27, "has 10 columns"},
       {"WordForANumber", replaced(good, "Ar 1.5", "Ar 1,5"), 4, 4, "x position is \"1,5\""},

@@ -95,6 +95,74 @@ TEST_F(StartFile, ASummaryTellsTheStepsOfTheRunAndTheStepOfTheClock) {
   EXPECT_NE(summary.find("\"step\": 47,"), std::string::npos) << summary;
 }
 
+/// What a set-up tells of a start file with these properties and rows of one disk, in a periodic box of 2 × 1.
+std::vector<std::string> notes_on(std::filesystem::path const& directory, std::string const& line,
+                                  std::string const& row, std::string const& settings) {
+  write_file(directory / "start.xyz", "1\nLattice=\"2 0 0 0 1 0 0 0 1\" " + line + "\n" + row + "\n");
+  write_file(directory / "run.toml", "disks.file = \"start.xyz\"\nrun.steps = 1\n" + settings);
+  std::vector<std::string> texts;
+  for (Event const& note : set_up(SettingsFile::from_path(directory / "run.toml")).notes) {
+    if (note.key == "disks.file") texts.push_back(to_text(note));
+  }
+  return texts;
+}
+
+TEST_F(StartFile, NothingIsReplacedOrLeftOutSilently) {
+  std::filesystem::path const here = directory_ / "";
+  using Texts = std::vector<std::string>;
+  EXPECT_EQ(notes_on(here, "Properties=pos:R:2:radius:R:1:velo:R:2", "0.5 0.5 0.1 1 2", ""), Texts());
+  EXPECT_EQ(notes_on(here, "Properties=pos:R:2:radius:R:1", "0.5 0.5 0.1", "velocities.kind = \"maxwell\"\n"),
+            Texts{"the start file has no velocities: they are drawn anew, velocities.kind = \"maxwell\""});
+  EXPECT_EQ(notes_on(here, "Properties=pos:R:2:radius:R:1", "0.5 0.5 0.1", "velocities.redraw = true\n"), Texts());
+  EXPECT_EQ(notes_on(here, "Properties=pos:R:2:radius:R:1:momenta:R:3", "0.5 0.5 0.1 1 2 0", ""),
+            Texts{"the start file has momenta and no masses: velocities are those of masses of 1"});
+  EXPECT_EQ(
+      notes_on(here, "Properties=pos:R:2:radius:R:1:velo:R:2:forces:R:2:tag:S:1 step=-1 Time=noon seed=None",
+               "-0.5 0.5 0.1 1 2 3 4 a", ""),
+      (Texts{
+          "columns of the start file that are not used: forces, tag",
+          "the start file has Time=noon, step=-1, which is of another kind than here: the run begins at step 0, time 0",
+          "1 disk of the start file was outside its periodic box: moved in through its edges, and counted by image"}));
+}
+
+TEST_F(StartFile, VelocitiesAreMomentaOverMasses) {
+  write_file(directory_ / "start.xyz",
+             "2\nLattice=\"2 0 0 0 1 0 0 0 1\" Properties=species:S:1:pos:R:3:radius:R:1:masses:R:1:momenta:R:3\n"
+             "X 0.25 0.25 0 0.1 1 1 0 0\nX 0.75 0.75 0 0.1 2 0 3 0\n");
+  write_file(directory_ / "run.toml", "disks.file = \"start.xyz\"\nrun.steps = 0\n");
+  gridlock::Setup const setup = set_up(SettingsFile::from_path(directory_ / "run.toml"));
+  EXPECT_EQ(velocity(disks_of(setup).agents, 0), (Vector{1.0, 0.0}));
+  EXPECT_EQ(velocity(disks_of(setup).agents, 1), (Vector{0.0, 1.5}));
+}
+
+TEST_F(StartFile, AFrameOfSeveralIsChosenAndWithoutAChoiceRefused) {
+  State state = four_disks(Edge::wall);
+  write_xyz(state, directory_ / "a.xyz");
+  std::string text = read_file(directory_ / "a.xyz");
+  state.clock.step = 50;
+  write_xyz(state, directory_ / "a.xyz");
+  write_file(directory_ / "frames.xyz", text + read_file(directory_ / "a.xyz"));
+  auto const step_at = [&](std::string const& settings) {
+    write_file(directory_ / "run.toml", "disks.file = \"frames.xyz\"\n" + settings);
+    return set_up(SettingsFile::from_path(directory_ / "run.toml")).simulation->clock().step;
+  };
+  EXPECT_EQ(step_at("disks.frame = 0\n"), 40U);
+  EXPECT_EQ(step_at("disks.frame = 1\n"), 50U);
+  EXPECT_THROW(step_at("disks.frame = 2\n"), Error);
+  try {
+    step_at("");
+    FAIL() << "one of two frames was taken silently";
+  } catch (Error const& error) {
+    EXPECT_NE(std::string(error.what()).find("choose one: disks.frame from 0 to 1"), std::string::npos) << error.what();
+  }
+  run_in(directory_ / "run", [&] {
+    write_file(directory_ / "run.toml", "disks.file = \"frames.xyz\"\ndisks.frame = 1\nrun.steps = 2\n");
+    return set_up(SettingsFile::from_path(directory_ / "run.toml"));
+  }());
+  EXPECT_EQ(set_up(SettingsFile::from_path(directory_ / "run" / "config.resolved.toml")).simulation->clock().step, 50U)
+      << "the copy of the start has one frame";
+}
+
 TEST(SetUpOfSpeeds, TheTimeStepIsMeantForTheLargestSpeedAtTheStart) {
   Configuration configuration;
   configuration.disks = {.count = 16, .packing_fraction = 0.3};
