@@ -37,12 +37,35 @@ declare module "virtual:gridlock-engine" {
     fillStack(depth: number): never;
   }
 
-  /** Makes an instance with these imports and hands it over. */
-  export type InstantiateWasm = (
-    imports: WebAssembly.Imports,
-    done: (instance: WebAssembly.Instance, module: WebAssembly.Module) => void,
-  ) => Record<string, never>;
+  type InstantiateWasm = import("./instantiate.ts").InstantiateWasm;
   export default function createEngine(options: { instantiateWasm: InstantiateWasm }): Promise<EngineModule>;
+  /** Base64 of the gzip of the WebAssembly. */
+  export const packedModule: string;
+}
+
+/** The module of web/engine/xyz_binding.cpp. */
+declare module "virtual:gridlock-xyz" {
+  /** Or the text of a JSON of an error. */
+  export type Answer<Value> = { value: Value; error?: undefined } | { value?: undefined; error: string };
+
+  export interface ReadFrame {
+    /** NaN where the file does not say; of the time too. */
+    readonly step: number;
+    readonly time: number;
+    readonly box?: { readonly width: number; readonly height: number; readonly periodic: boolean };
+    readonly ids: Float64Array;
+    readonly columns: readonly { readonly name: string; readonly values: Float64Array }[];
+    readonly notes: readonly string[];
+  }
+
+  export interface XyzModule {
+    readFrame(bytes: Uint8Array, name: string, firstLine: number): Answer<ReadFrame>;
+    /** Without agents. */
+    readHead(bytes: Uint8Array, name: string, firstLine: number): Answer<ReadFrame>;
+  }
+
+  type InstantiateWasm = import("../engine/instantiate.ts").InstantiateWasm;
+  export default function createXyzReader(options: { instantiateWasm: InstantiateWasm }): Promise<XyzModule>;
   /** Base64 of the gzip of the WebAssembly. */
   export const packedModule: string;
 }

@@ -12,7 +12,8 @@
  * ```
  */
 
-import createEngine, { packedModule, type Answer, type EngineModule, type InstantiateWasm, type SessionBinding } from "virtual:gridlock-engine";
+import createEngine, { packedModule, type Answer, type EngineModule, type SessionBinding } from "virtual:gridlock-engine";
+import { instantiate } from "./instantiate.ts";
 
 /** One thing that is wrong, in the words of the command line. */
 export interface Problem {
@@ -257,23 +258,7 @@ export interface Gridlock {
 
 /** The engine of a page or of a program; each has memory of its own. Errors: Error where WebAssembly cannot be used. */
 export async function loadGridlock(): Promise<Gridlock> {
-  return new Promise((resolve, reject) => {
-    // Emscripten waits for `done` and knows of no failure.
-    const instantiateWasm: InstantiateWasm = (imports, done) => {
-      WebAssembly.instantiateStreaming(unpacked(packedModule), imports).then(({ instance, module }) => done(instance, module), reject);
-      return {};
-    };
-    createEngine({ instantiateWasm }).then((module) => resolve(new LoadedGridlock(module)), reject);
-  });
-}
-
-/** Compiled while the rest is unpacked. */
-function unpacked(base64: string): Response {
-  const letters = atob(base64);
-  const bytes = new Uint8Array(letters.length);
-  for (let at = 0; at < letters.length; ++at) bytes[at] = letters.charCodeAt(at);
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return new Response(stream, { headers: { "Content-Type": "application/wasm" } });
+  return new LoadedGridlock(await instantiate(createEngine, packedModule));
 }
 
 /**

@@ -1,7 +1,13 @@
+import createXyzReader, { packedModule, type Answer, type ReadFrame, type XyzModule } from "virtual:gridlock-xyz";
+
 import type { Box, Numbers } from "../drawing/frame.ts";
+import { instantiate } from "../engine/instantiate.ts";
 import type { Bytes } from "./bytes.ts";
 import { SourceError, type Description, type SourceFrame } from "./source.ts";
 import type { FrameReader } from "./source_worker.ts";
+
+/** Made for the first file. */
+let reader: Promise<XyzModule> | undefined;
 
 const NEWLINE = 10;
 const PIECE = 1 << 22;
@@ -12,54 +18,36 @@ interface Place {
   readonly length: number;
   /** Of its first line, counted from 1. */
   readonly line: number;
-  readonly count: number;
-  readonly comment: string;
-}
-
-/** One property of the lines of a frame: its name, S, R, I or L, its first column and how many it has. */
-interface Property {
-  readonly name: string;
-  readonly type: string;
-  readonly first: number;
-  readonly width: number;
-}
-
-/** Names of extended XYZ for what Gridlock calls otherwise, as ASE and Gridlock write them. */
-const GRIDLOCK_NAMES: Readonly<Record<string, string>> = { velo: "velocity", vel: "velocity", masses: "mass", radii: "radius" };
-
-/** The entries of a comment line: key=value, with quotes around values of several words. */
-export function readComment(comment: string): Map<string, string> {
-  const entries = new Map<string, string>();
-  for (const [, key, quoted, bare] of comment.matchAll(/([A-Za-z_][\w-]*)=(?:"([^"]*)"|(\S+))/g)) {
-    entries.set((key as string).toLowerCase(), quoted ?? bare ?? "");
-  }
-  return entries;
+  /** Its first two lines. */
+  readonly head: Uint8Array;
 }
 
 /** All frames of a file in extended or plain XYZ: where they are is found once, and each is read when it is asked for. */
 export class XyzFile implements FrameReader {
-  private constructor(private readonly bytes: Bytes, private readonly places: readonly Place[], readonly description: Description) {}
+  private constructor(private readonly module: XyzModule, private readonly bytes: Bytes, private readonly places: readonly Place[], readonly description: Description) {}
 
   /** Rejects with SourceError for what is no XYZ, with the line. Cost: the file is read once. */
   static async open(bytes: Bytes): Promise<XyzFile> {
     const { places, note } = await findFrames(bytes);
     if (places.length === 0) throw new SourceError(note === "" ? `${bytes.name} holds no frame` : `${bytes.name}: ${note}`);
-    const comments = places.map((place) => readComment(place.comment));
-    const number = (entries: Map<string, string>, key: string): number => Number(entries.get(key) ?? NaN);
-    const first = await frameAt(bytes, places[0] as Place);
+    reader ??= instantiate(createXyzReader, packedModule);
+    const module = await reader;
+    // A frame that is damaged says so when it is looked at.
+    const heads = places.map((place) => module.readHead(place.head, bytes.name, place.line).value ?? { step: NaN, time: NaN });
+    const first = await frameAt(module, bytes, places[0] as Place);
     const description: Description = {
       agents: "agents",
-      columns: Object.keys(first.columns),
-      steps: comments.map((entries) => number(entries, "step")),
-      times: comments.map((entries, at) => (Number.isFinite(number(entries, "time")) ? number(entries, "time") : at)),
+      columns: Object.keys(first.frame.columns),
+      steps: heads.map((head) => head.step),
+      times: heads.map((head, at) => (Number.isNaN(head.time) ? at : head.time)),
       table: { times: [], quantities: [] },
-      notes: note === "" ? [] : [`${note} The ${places.length} before are shown.`],
+      notes: [...first.notes, ...(note === "" ? [] : [`${note} The ${places.length} before are shown.`])],
     };
-    return new XyzFile(bytes, places, description);
+    return new XyzFile(module, bytes, places, description);
   }
 
-  frame(index: number): Promise<SourceFrame> {
-    return frameAt(this.bytes, this.places[index] as Place);
+  async frame(index: number): Promise<SourceFrame> {
+    return (await frameAt(this.module, this.bytes, this.places[index] as Place)).frame;
   }
 }
 
@@ -129,10 +117,10 @@ async function findFrames(bytes: Bytes): Promise<{ places: Place[]; note: string
     if (text.trim() === "") continue;
     const count = /^\s*\d+\s*$/.test(text) ? Number(text) : NaN;
     if (!(count <= MOST_ATOMS)) return { places, note: `line ${line} is "${shortened(text)}", not the number of agents of a frame.` };
-    const comment = await lines.next();
+    const head = new TextEncoder().encode(`${text}\n${await lines.next()}\n`);
     const passed = await lines.skip(count);
     if (passed < count) return { places, note: `the frame of line ${line} is cut off: ${passed} of its ${count} agents are there.` };
-    places.push({ offset, length: lines.offset - offset, line, count, comment });
+    places.push({ offset, length: lines.offset - offset, line, head });
   }
   return { places, note: "" };
 }
@@ -142,103 +130,20 @@ function shortened(text: string): string {
   return shown.length > 40 ? `${shown.slice(0, 40)}…` : shown;
 }
 
-function propertiesOf(text: string | undefined, words: number): Property[] {
-  const parts = (text ?? `species:S:1:pos:R:${words >= 4 ? 3 : 2}`).split(":");
-  const properties: Property[] = [];
-  let first = 0;
-  for (let at = 0; at + 2 < parts.length; at += 3) {
-    const width = Number(parts[at + 2]);
-    if (!Number.isInteger(width) || width < 1) throw new SourceError(`The properties of the comment line, "${shortened(text ?? "")}", are damaged.`);
-    properties.push({ name: parts[at] as string, type: parts[at + 1] as string, first, width });
-    first += width;
-  }
-  return properties;
+/** The value of an answer of the reader. Throws SourceError with its words. */
+function valueOf(answer: Answer<ReadFrame>, file: string): ReadFrame {
+  if (answer.error === undefined) return answer.value;
+  const problem = (JSON.parse(answer.error) as { problems: { what: string; hint: string; line: number }[] }).problems[0];
+  const place = problem === undefined || problem.line === 0 ? file : `${file}, line ${problem.line}`;
+  throw new SourceError(`${place}: ${problem?.what ?? "it cannot be read"}.`, problem?.hint ?? "");
 }
 
-async function frameAt(bytes: Bytes, place: Place): Promise<SourceFrame> {
-  const text = new TextDecoder().decode(await bytes.read(place.offset, place.length));
-  const lines = text.split("\n");
-  const comment = readComment(place.comment);
-  const words = (lines[2] ?? "").trim().split(/\s+/).length;
-  const properties = propertiesOf(comment.get("properties"), words);
-  const cells = new Cells(bytes.name, place, properties);
-  for (let row = 0; row < place.count; ++row) cells.read(row, lines[row + 2] as string);
-  return cells.toFrame(comment);
-}
-
-/** The columns of one frame as its lines are read. */
-class Cells {
-  private readonly numbers: Float64Array[];
-  private readonly words: (string[] | undefined)[];
-  private readonly width: number;
-
-  constructor(private readonly file: string, private readonly place: Place, private readonly properties: readonly Property[]) {
-    this.width = properties.reduce((sum, one) => sum + one.width, 0);
-    this.numbers = Array.from({ length: this.width }, () => new Float64Array(0));
-    this.words = new Array<string[] | undefined>(this.width);
-    for (const { first, width, type } of properties) {
-      for (let at = first; at < first + width; ++at) {
-        if (type === "S") this.words[at] = new Array<string>(place.count);
-        else this.numbers[at] = new Float64Array(place.count);
-      }
-    }
-  }
-
-  read(row: number, line: string): void {
-    const cells = line.trim().split(/\s+/);
-    if (cells.length < this.width) this.refuse(row, `has ${cells.length} of ${this.width} columns`);
-    for (let at = 0; at < this.width; ++at) {
-      const cell = cells[at] as string;
-      const words = this.words[at];
-      if (words !== undefined) {
-        words[row] = cell;
-        continue;
-      }
-      const value = cell === "T" || cell === "F" ? Number(cell === "T") : Number(cell);
-      if (Number.isNaN(value) && cell.toLowerCase() !== "nan") this.refuse(row, `has "${shortened(cell)}" for a number`);
-      (this.numbers[at] as Float64Array)[row] = value;
-    }
-  }
-
-  toFrame(comment: Map<string, string>): SourceFrame {
-    const columns: Record<string, Numbers> = {};
-    let ids = Float64Array.from({ length: this.place.count }, (_, row) => row);
-    for (const property of this.properties) {
-      const { name, first, width } = property;
-      if (name.toLowerCase() === "id" && width === 1) ids = (this.numbers[first] as Float64Array).slice();
-      else Object.assign(columns, this.columnsOf(property));
-    }
-    if (columns["x"] === undefined || columns["y"] === undefined) throw new SourceError(`${this.file} has no positions: no property pos.`);
-    const box = this.putIntoBox(comment, columns["x"] as Float64Array, columns["y"] as Float64Array);
-    const number = (key: string): number => Number(comment.get(key) ?? NaN);
-    return { step: number("step"), time: number("time"), box, ids, columns, stateHash: "" };
-  }
-
-  private columnsOf({ name, first, width }: Property): Record<string, Numbers> {
-    const own = GRIDLOCK_NAMES[name] ?? name;
-    const column = (at: number): Numbers => (this.words[at] === undefined ? (this.numbers[at] as Float64Array) : numbered(this.words[at] as string[]));
-    if (name.toLowerCase() === "pos") return { x: column(first), y: column(first + 1) };
-    if (width === 1) return { [own]: column(first) };
-    return { [`${own}_x`]: column(first), [`${own}_y`]: column(first + 1) };
-  }
-
-  /** The box of the lattice, or the rectangle around all agents, moved to (0, 0). */
-  private putIntoBox(comment: Map<string, string>, x: Float64Array, y: Float64Array): Box {
-    const lattice = comment.get("lattice")?.trim().split(/\s+/).map(Number);
-    if (lattice === undefined) return surround(x, y);
-    const [width, tilt, , other, height] = lattice as [number, number, number, number, number];
-    if (lattice.length !== 9 || !(width > 0) || !(height > 0)) throw new SourceError(`${this.file}: the lattice of line ${this.place.line + 1} is no box.`);
-    if (tilt !== 0 || other !== 0) throw new SourceError(`${this.file}: the box of line ${this.place.line + 1} is sheared, and only rectangles are shown.`);
-    const origin = comment.get("origin")?.trim().split(/\s+/).map(Number) ?? [0, 0];
-    const periodic = /^\s*[T1]/i.test(comment.get("pbc") ?? "T");
-    putInside(x, origin[0] ?? 0, width, periodic);
-    putInside(y, origin[1] ?? 0, height, periodic);
-    return { width, height, periodic };
-  }
-
-  private refuse(row: number, what: string): never {
-    throw new SourceError(`${this.file}: line ${this.place.line + 2 + row} ${what}.`);
-  }
+async function frameAt(module: XyzModule, bytes: Bytes, place: Place): Promise<{ frame: SourceFrame; notes: readonly string[] }> {
+  const read = valueOf(module.readFrame(await bytes.read(place.offset, place.length), bytes.name, place.line), bytes.name);
+  const columns: Record<string, Numbers> = {};
+  for (const { name, values } of read.columns) columns[name] = values;
+  const box = read.box ?? surround(columns["x"] as Float64Array, columns["y"] as Float64Array);
+  return { frame: { step: read.step, time: read.time, box, ids: read.ids, columns, stateHash: "" }, notes: read.notes };
 }
 
 /** Counts from the edge, and the image in the box where the edges are periodic: other programs write unwrapped positions. */
@@ -267,11 +172,4 @@ function spanOf(values: Float64Array): [number, number] {
     if (value > most) most = value;
   }
   return least <= most ? [least, most - least] : [0, 0];
-}
-
-/** Words as whole numbers from 0 in alphabetical order. */
-function numbered(words: readonly string[]): Int32Array {
-  const names = [...new Set(words)].sort();
-  const places = new Map(names.map((name, place) => [name, place]));
-  return Int32Array.from(words, (word) => places.get(word) as number);
 }

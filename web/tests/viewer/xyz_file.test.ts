@@ -2,7 +2,7 @@ import { readFileSync } from "node:fs";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
 
 import { BlobBytes, type Bytes } from "../../src/sources/bytes.ts";
-import { readComment, XyzFile } from "../../src/sources/xyz_file.ts";
+import { XyzFile } from "../../src/sources/xyz_file.ts";
 import { SMALL_RUN, Workplace } from "./runs.ts";
 
 const bytesOf = (text: string): Bytes => new BlobBytes("file.xyz", new Blob([text]));
@@ -62,8 +62,52 @@ describe("Extended XYZ", () => {
     expect(Array.from(frame.columns["y"] as ArrayLike<number>)).toEqual([5]);
   });
 
-  test("reads entries of the comment with and without quotes", () => {
-    expect(Object.fromEntries(readComment('a=1 B="x y" pbc="T F T" name=q'))).toEqual({ a: "1", b: "x y", pbc: "T F T", name: "q" });
+  test("has the names of other programs, and words in their order", async () => {
+    const frame = await (await open("2\nProperties=masses:R:1:momenta:R:3:pos:R:2:diameter:R:1:tag:S:1:on:L:1\n2 3 -1 0 1 2 0.5 b T\n4 2 2 0 3 4 1 a F\n")).frame(0);
+    const of = (name: string): number[] => Array.from(frame.columns[name] as ArrayLike<number>);
+    expect(Object.keys(frame.columns)).toEqual(["mass", "velocity_x", "velocity_y", "x", "y", "radius", "tag", "on"]);
+    expect([of("velocity_x"), of("velocity_y"), of("radius"), of("tag"), of("on")]).toEqual([[1.5, 0.5], [-0.5, 0.5], [0.25, 0.5], [1, 0], [1, 0]]);
+  });
+
+  test("says what is shown otherwise than the file has it", async () => {
+    const notesOf = async (line: string, row: string): Promise<readonly string[]> => (await open(`1\n${line}\n${row}\n`)).description.notes;
+    const box = 'Lattice="2 0 0 0 3 0 0 0 1" Properties=pos:R:3';
+    expect(await notesOf(box, "0.5 1 0")).toEqual([]);
+    expect(await notesOf(`${box} pbc="T F F"`, "0.5 1 0")).toEqual(["The box is periodic along x only: it is shown with walls."]);
+    expect(await notesOf(box, "0.5 1 7")).toEqual(["The file is one of space: it is shown from above, without z."]);
+    expect(await notesOf("Properties=pos:R:2", "0.5 1")).toEqual(["The file gives no Lattice: the box is the rectangle around the agents."]);
+  });
+
+  test("shows the frames before and after one that is damaged", async () => {
+    const file = await open(TWO_FRAMES + TWO_FRAMES.replace("0 0 0 3", "0 0 3") + TWO_FRAMES);
+    expect(file.description.steps).toEqual([10, 20, NaN, 20, 10, 20]);
+    expect((await file.frame(4)).box.height).toBe(3);
+    await expect(file.frame(2)).rejects.toThrow("file.xyz, line 10: Lattice is");
+  });
+});
+
+interface Line {
+  readonly line: string;
+  readonly row?: string;
+  readonly box: readonly [number, number] | null;
+  readonly edges: string;
+  readonly first: readonly [number, number];
+}
+const LINES = JSON.parse(readFileSync(new URL("../../../tests/reference/xyz_lines.json", import.meta.url), "utf8")) as
+  { readonly read: readonly Line[]; readonly refused: readonly Line[]; readonly shown: readonly Line[] };
+const openLine = ({ line, row }: Line): Promise<XyzFile> => open(`1\n${line}\n${row ?? "X 0.25 0.5 0"}\n`);
+
+describe("The second lines that the program is tested with", () => {
+  test.each([...LINES.read, ...LINES.shown])("$line is a box", async (one) => {
+    const frame = await (await openLine(one)).frame(0);
+    if (one.box === null) return expect(frame.box.periodic).toBe(false);
+    expect(frame.box).toEqual({ width: one.box[0], height: one.box[1], periodic: one.edges === "periodic" });
+    expect((frame.columns["x"] as Float64Array)[0]).toBeCloseTo(one.first[0], 14);
+    expect((frame.columns["y"] as Float64Array)[0]).toBeCloseTo(one.first[1], 14);
+  });
+
+  test.each(LINES.refused)("$line is refused with its place", async (one) => {
+    await expect(openLine(one)).rejects.toThrow(/file\.xyz, line [23]: /);
   });
 });
 
@@ -73,12 +117,12 @@ describe("A damaged XYZ file", () => {
     ["hello\nworld\n", 'file.xyz: line 1 is "hello", not the number of agents of a frame.'],
     ["-3\n\n", 'line 1 is "-3"'],
     ["3\ncomment\nA 1 2\n", "the frame of line 1 is cut off: 1 of its 3 agents are there."],
-    ["1\nProperties=pos:R:2\n1 x\n", 'file.xyz: line 3 has "x" for a number.'],
-    ["1\nProperties=pos:R:3\n1 2\n", "file.xyz: line 3 has 2 of 3 columns."],
-    ["1\nProperties=id:I:1\n1\n", "file.xyz has no positions"],
-    ["1\nProperties=pos:R:x\n1 2\n", "are damaged"],
-    ['1\nLattice="1 0 0" Properties=pos:R:2\n1 2\n', "the lattice of line 2 is no box"],
-    ['1\nLattice="2 1 0 0 2 0 0 0 1" Properties=pos:R:2\n1 2\n', "the box of line 2 is sheared"],
+    ["1\nProperties=pos:R:2\n1 x\n", 'file.xyz, line 3: the y position is "x", but must be a finite number.'],
+    ["1\nProperties=pos:R:3\n1 2\n", "file.xyz, line 3: the line has 2 columns, but must have 3."],
+    ["1\nProperties=id:I:1\n1\n", "line 3: the file has no positions"],
+    ["1\nProperties=pos:R:x\n1 2\n", 'the property "pos" has "x" columns'],
+    ['1\nLattice="1 0 0 0" Properties=pos:R:2\n1 2\n', "file.xyz, line 2: Lattice is"],
+    ['1\nLattice="2 1 0 0 2 0 0 0 1" Properties=pos:R:2\n1 2\n', "is not orthogonal"],
     ["\u0000\u0001\u0002\n", 'line 1 is "???"'],
     ["99999999999\nx\n", "not the number of agents"],
   ])("%j is refused with its line", async (text, message) => {

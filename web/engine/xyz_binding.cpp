@@ -1,0 +1,67 @@
+// The functions that xyz_reader.ts calls: the page reads extended XYZ as the program does.
+
+#include <emscripten/bind.h>
+#include <emscripten/val.h>
+
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "answer.hpp"
+#include "io/xyz_shown.hpp"
+
+namespace gridlock::web {
+
+namespace {
+
+double number_or_nan(std::optional<double> const& number) { return number.value_or(std::nan("")); }
+
+val value_of(xyz::ShownFrame const& frame) {
+  val value = val::object();
+  value.set("step", number_or_nan(frame.step));
+  value.set("time", number_or_nan(frame.time));
+  if (frame.sides) {
+    val box = val::object();
+    box.set("width", (*frame.sides)[0]);
+    box.set("height", (*frame.sides)[1]);
+    box.set("periodic", frame.is_periodic);
+    value.set("box", box);
+  }
+  value.set("ids", array_of(frame.ids));
+  val columns = val::array();
+  for (xyz::ShownColumn const& column : frame.columns) {
+    val one = val::object();
+    one.set("name", column.name);
+    one.set("values", array_of(column.values));
+    columns.call<void>("push", one);
+  }
+  value.set("columns", columns);
+  val notes = val::array();
+  for (std::string const& note : frame.notes) notes.call<void>("push", note);
+  value.set("notes", notes);
+  return value;
+}
+
+/// `first_line` is that of the bytes in the file called `name`.
+val read_frame(val const& bytes, std::string const& name, int first_line) {
+  return answer([&] {
+    std::string const text = bytes_of(bytes);
+    return value_of(xyz::read_shown(TextReader(text, name), first_line));
+  });
+}
+
+val read_head(val const& bytes, std::string const& name, int first_line) {
+  return answer([&] {
+    std::string const text = bytes_of(bytes);
+    return value_of(xyz::read_shown_head(TextReader(text, name), first_line));
+  });
+}
+
+}  // namespace
+
+EMSCRIPTEN_BINDINGS(gridlock_xyz) {
+  emscripten::function("readFrame", &read_frame);
+  emscripten::function("readHead", &read_head);
+}
+
+}  // namespace gridlock::web
