@@ -13,6 +13,7 @@ import signal
 import subprocess
 import sys
 import time
+import types
 import urllib.parse
 import zlib
 
@@ -22,7 +23,8 @@ import pytest
 import gridlock
 from gridlock import paper
 from gridlock.commands.paper import main
-from gridlock.paper import Length, figure_5
+from gridlock.paper import Length, figure_5, figure_6, figure_7, open_choices, turn_order
+from gridlock.paper.context import runs_of
 from gridlock.paper.runs import Outcome, Run, perfect_triangular_sites, square_sites_to_walls
 from gridlock.study.runs import PartialResults, RunPool
 
@@ -190,7 +192,7 @@ def test_one_figure_alone(tmp_path):
 
 
 def test_figure_7_says_how_long_its_runs_are_and_how_many(tmp_path):
-    extent = dataclasses.replace(TINY, figure_7=dataclasses.replace(TINY.figure_7, densest_of_others=0.65))
+    extent = dataclasses.replace(TINY, figure_7=dataclasses.replace(TINY.figure_7, densest_of_others=0.65, left_out=(0.7,)))
     paper.make(tmp_path, extent, 7)
     text = Document((tmp_path / "report.html").read_text(encoding="utf-8")).text
     for part in ("after 4 steps, 2 seeds", "after 40 steps, 2 seeds", "after 60 steps, 1 seed",
@@ -198,8 +200,9 @@ def test_figure_7_says_how_long_its_runs_are_and_how_many(tmp_path):
                  "The errors are those of the interpolation alone"):
         assert part in text
     rows = rows_of(tmp_path / "figure_7.csv")
-    assert len(rows) == 6 + 4
+    assert len(rows) == 5 + 4
     assert all(row["engine"] == "stepped" or float(row["packing_fraction"]) <= 0.65 for row in rows)
+    assert not any(row["packing_fraction"] == "0.7" for row in rows)
     assert {row["steps"] for row in rows} == {"60"}
 
 
@@ -373,6 +376,14 @@ def test_the_extents_are_those_of_the_paper():
     for extent in (full, quick):  # the runs of the fan are shared with Figure 7
         for density in extent.fan_densities:
             assert density in (extent.square_densities if density < 0.785 else extent.triangular_densities)
+
+
+def test_the_quick_study_takes_two_minutes_on_two_cores():
+    context = types.SimpleNamespace(extent=paper.quick(), seed=1)
+    chapters = (figure_6, figure_7, open_choices, turn_order)
+    runs = {run for chapter in chapters for run in runs_of(chapter.plan(context))}
+    # In disk-steps, each 50 to 100 ns; Figure 5 and the pictures are the rest.
+    assert sum(run.work for run in runs) < 3.3e9
 
 
 def test_a_run_that_cannot_be_made_is_told_of_and_stops_no_other(tmp_path):

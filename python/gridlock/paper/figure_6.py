@@ -10,7 +10,7 @@ import numpy as np
 
 from ..study import style
 from ..study.chapter import Chapter, Claim, Drawing
-from .replicas import Measured, ReplicaSet, paper_replica_set, set_ups
+from .replicas import Measured, ReplicaSet, is_run, paper_replica_set, set_ups
 from ..study.statistics import MeanOfRuns, plain, verdict_on_fall
 from .context import Context
 
@@ -29,6 +29,7 @@ def plan(context: Context) -> list[ReplicaSet]:
                           "square" if density < CLOSEST_SQUARE_PACKING else "triangular", density)
         for engine in extent.engines
         for density in extent.fan_densities
+        if is_run(extent, extent.figure_6, engine, density)
     ]
 
 
@@ -120,8 +121,9 @@ def make(context: Context) -> Chapter:
         context.draw("figure_6", lambda: _draw(context, results, is_logarithmic=False))
         context.draw("figure_6_logarithmic", lambda: _draw(context, results, is_logarithmic=True))
     caption = "Mean displacement against time; each curve ends beside its packing fraction (tri.: triangular start)."
+    limit = f", up to φ = {plain(extent.figure_6.densest_of_others)}" if extent.figure_6.densest_of_others < 1.0 else ""
     for engine in extent.engines[1:]:
-        caption += f" Dashed: {engine.label}, from the same starts for the same physical time."
+        caption += f" Dashed: {engine.label}, from the same starts for the same physical time{limit}."
     return Chapter(
         title="Figure 6: how far the disks have come",
         introduction=[

@@ -46,6 +46,12 @@ def paper_replica_set(extent: Extent, seed: int, length: Length, engine: Engine,
     return ReplicaSet(engine, run, length.seeds)
 
 
+def is_run(extent: Extent, length: Length, engine: Engine, packing_fraction: float) -> bool:
+    """Whether the study has runs of this length at a density."""
+    is_sparse_enough = engine == extent.engines[0] or packing_fraction <= length.densest_of_others
+    return is_sparse_enough and packing_fraction not in length.left_out
+
+
 def paper_replica_sets(extent: Extent, seed: int, length: Length) -> list[ReplicaSet]:
     """All points of Figure 7 in runs of one length: engine after engine, square before triangular, density rising."""
     return [
@@ -53,7 +59,7 @@ def paper_replica_sets(extent: Extent, seed: int, length: Length) -> list[Replic
         for engine in extent.engines
         for start, densities in (("square", extent.square_densities), ("triangular", extent.triangular_densities))
         for density in densities
-        if engine == extent.engines[0] or density <= length.densest_of_others
+        if is_run(extent, length, engine, density)
     ]
 
 

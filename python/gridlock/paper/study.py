@@ -44,7 +44,7 @@ STUDY = Study(
         claimant="the paper says",
     ),
     packages=("jinja2", "matplotlib", "scipy"),
-    seconds_of_work=2e-7,
+    seconds_of_work=7e-8,
     context=Context,
     write_runs=_write_runs,
     tables=("runs", "figure_4", "figure_5", "figure_6", "figure_7", "figure_7_plateau", "figure_7_theory", "open_choices", "turn_order",
@@ -68,7 +68,7 @@ def make(
 
     :param directory: where each figure is written as data (``figure_*.csv``), SVG and PNG; ``runs.csv`` with every simulation,
         its settings and state hash; and ``report.html``, which holds all pictures, claims and verdicts and needs no other file.
-    :param extent: "quick", about three minutes on two cores; "full", about half an hour; or an :class:`Extent`.
+    :param extent: "quick", about two minutes on two cores; "full", about half an hour; or an :class:`Extent`.
     :param figure: 4, 5, 6 or 7 alone; None: all of them and the choices that the paper leaves open.
     :param seed: the seeds of the runs are this one and those after it. The numbers follow from it alone, but for the timings.
     :param threads: simulations at a time; None: one for each core.
