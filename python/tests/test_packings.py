@@ -177,12 +177,13 @@ def test_the_picture_has_all_disks_and_forces(pyplot):
     found = gridlock.contacts(*known("mid"))
     for colour in ("psi6", "coordination", np.arange(64)):
         axes = packing(found, colour)
-        disks, rim, hole, lines = axes.collections
+        disks, rim, hole, halo, lines = axes.collections
         # Disks that an edge cuts are there twice or more.
         assert len(disks.get_offsets()) >= 60 and len(rim.get_offsets()) == len(hole.get_offsets()) >= 4
-        assert len(lines.get_paths()) == 2 * len(found.pairs)
+        assert len(halo.get_paths()) == len(lines.get_paths()) == 2 * len(found.pairs)
+        assert disks.get_cmap().name == "viridis"  # as |ψ6| is everywhere
         pyplot.close(axes.figure)
-    corners = np.array([path.vertices[:4] for path in axes.collections[3].get_paths()])[: len(found.pairs)]
+    corners = np.array([path.vertices[:4] for path in axes.collections[4].get_paths()])[: len(found.pairs)]
     widths = np.hypot(*(corners[:, 1] - corners[:, 0]).T)
     assert np.allclose(widths / widths.max(), np.minimum(found.forces / found.forces.mean(), 3.0) / 3.0, rtol=0.05)
     lengths = np.hypot(*(corners[:, 2] - corners[:, 1]).T)
