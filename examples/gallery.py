@@ -73,9 +73,8 @@ def pair_correlation(axes: Axes, small: bool) -> None:
                                          observe={"every": 10, "structure_every": 1})
         simulation.equilibrate(steps=10 if small else 400)
         simulation.run(steps=20 if small else 1_000)
-        diameter = 2.0 * simulation.agents.radius[0]
-        plot.curve(simulation, "pair_correlation", unit=diameter, label=f"φ = {fraction}", axes=axes)
-    axes.set(xlabel="distance r / diameter σ", xlim=(0.8, 5))
+        plot.curve(simulation, "pair_correlation", label=f"φ = {fraction}", axes=axes)
+    axes.set_xlim(0.8, 5)
     axes.legend()
 
 

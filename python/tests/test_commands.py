@@ -90,9 +90,10 @@ def test_a_run_of_a_model_has_its_agents_and_every_column(here, capsys):
     gridlock.run("walkers.toml", "out")
     assert main(["out", "--color", "direction"]) == 0
     out, err = capsys.readouterr()
-    columns = [name for name in gridlock.open("out").series.dtype.names if name not in ("step", "time")]
+    together = {"susceptible", "infected", "recovered"}
+    columns = [name for name in gridlock.open("out").series.dtype.names if name not in ("step", "time", *together)]
     drawn = {pathlib.Path(line).stem for line in out.split()}
-    assert drawn == {"final", *columns} | ({"pair_correlation"} if (here / "out/pair_correlation.csv").exists() else set())
+    assert drawn == {"final", "health", *columns} | ({"pair_correlation"} if (here / "out/pair_correlation.csv").exists() else set())
     assert err == ""
     assert main(["out", "--colour", "displacement"]) == 2
     assert "final.xyz does not tell" in capsys.readouterr().err

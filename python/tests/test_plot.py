@@ -189,6 +189,9 @@ def test_series_and_curves_are_those_of_the_run(simulation):
     assert np.array_equal(axes.lines[0].get_ydata(), simulation.series["mean_displacement"])
     assert axes.get_legend() is not None
     curve = gridlock.plot.curve(simulation, "pair_correlation")
+    diameter = 2 * simulation.agents.radius[0]
+    assert np.allclose(curve.lines[0].get_xdata() * diameter, simulation.distributions["pair_correlation"]["distance"], rtol=1e-12)
+    assert curve.get_xlabel() == "distance r / diameter σ"
     assert np.array_equal(curve.lines[0].get_ydata(), simulation.distributions["pair_correlation"]["pair_correlation"])
     assert len(curve.collections) == 1
     denser = gridlock.Simulation(disks={"count": 100, "packing_fraction": 0.65}, observe={"every": 10, "structure_every": 1})

@@ -153,7 +153,9 @@ def _colour_by_radius(axes: Any, disks: Any, radii: NDArray[np.float64], rows: N
     if len(different) < 2:
         disks.set_facecolor(COLOURS[0])
     elif len(different) <= MOST_KINDS:
-        _colour_by_kind(axes, disks, kinds.reshape(-1), rows, [f"R = {radius:.4g}" for radius in different], "")
+        # The ratios are what a mixture is known by.
+        names = ["R", *(f"{radius / different[0]:.4g} R" for radius in different[1:])]
+        _colour_by_kind(axes, disks, kinds.reshape(-1), rows, names, f"R = {different[0]:.4g}")
     else:
         _colour_by_value(axes, disks, radii[rows], "radius", None)
 

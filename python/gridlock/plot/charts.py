@@ -86,10 +86,24 @@ def series(run: Any, columns: str | Sequence[str], *, against: str = "time", axe
     return axes
 
 
-def curve(run: Any, name: str, *, unit: float = 1.0, axes: Axes | None = None, label: str = "") -> Axes:
+def _unit_of_distance(run: Any, unit: float | None) -> tuple[float, str]:
+    """The length in which distances are drawn, and the words of the axis."""
+    if unit is not None:
+        return unit, "distance r" if unit == 1.0 else f"distance r / {unit:.4g}"
+    if isinstance(run, Simulation):
+        radii = run.agents.radius if "radius" in run.agents.names else None
+    else:
+        radii = run.final.columns.get("radius") if (run.path / "final.xyz").exists() else None
+    if radii is None or len(radii) == 0:
+        return 1.0, "distance r"
+    is_equal = radii.min() == radii.max()
+    return 2.0 * float(radii.mean()), "distance r / diameter σ" if is_equal else "distance r / mean diameter"
+
+
+def curve(run: Any, name: str, *, unit: float | None = None, axes: Axes | None = None, label: str = "") -> Axes:
     """A measured curve with its errors: "pair_correlation", "speed_distribution", "velocity_autocorrelation".
 
-    :param unit: the length that distances of g(r) are given in, such as the diameter.
+    :param unit: the length that distances of g(r) are given in; the mean diameter where left out, of agents that have one.
     """
     table = run.distributions.get(name) if isinstance(run, Simulation) else run.table(name)
     if table is None:
@@ -104,11 +118,40 @@ def curve(run: Any, name: str, *, unit: float = 1.0, axes: Axes | None = None, l
         _begin_at_zero(axes)
         axes.legend()
         return axes
-    line(axes, table[x] / unit, table[y], error, label=label)
     if name == "pair_correlation":
+        length, text = _unit_of_distance(run, unit)
+        axes.set_xlabel(text)
+        line(axes, table[x] / length, table[y], error, label=label)
         reference(axes, 1.0)
         _begin_at_zero(axes)
+    else:
+        line(axes, table[x], table[y], error, label=label)
     return axes
+
+
+def mark_contacts(axes: Axes, radii: NDArray[np.float64]) -> None:
+    """Names the distances of g(r), in mean diameters, at which disks of two or three sizes touch: A the smallest."""
+    sizes = np.unique(radii)
+    if not 1 < len(sizes) <= 3:
+        return
+    for i, small in enumerate(sizes):
+        for j in range(i, len(sizes)):
+            at = (small + sizes[j]) / (2.0 * radii.mean())
+            axes.axvline(at, color=GREY, linewidth=0.5, linestyle=":", zorder=1)
+            # Every second name is higher: neighbours would touch.
+            axes.annotate("ABC"[i] + "ABC"[j], (at, 1.0), (0, 1 + 6 * ((i + j) % 2)), xycoords=("data", "axes fraction"), textcoords="offset points",
+                          ha="center", va="bottom", color=GREY, fontsize="x-small")
+
+
+def distribution_of_runs(axes: Axes, values: NDArray[np.float64]) -> None:
+    """A histogram of one result over runs that differ in their seeds, with its mean and standard error."""
+    mean, error = float(values.mean()), float(values.std(ddof=1) / np.sqrt(len(values)))
+    counts, edges = np.histogram(values, bins="sturges")
+    histogram(axes, 0.5 * (edges[1:] + edges[:-1]), counts)
+    axes.axvline(mean, color=LINE_COLOURS[1])
+    axes.axvspan(mean - error, mean + error, color=LINE_COLOURS[1], alpha=0.25, linewidth=0)
+    axes.locator_params(axis="y", integer=True)
+    axes.set_title(f"{len(values)} runs: {mean:.4g} ± {error:.2g}")
 
 
 def swept_keys(means: NDArray[Any]) -> list[str]:
@@ -154,7 +197,9 @@ def sweep(made: SweepDirectory, result: str, *, against: str | None = None, axes
     colours = sequential(len(found)) if is_sequence else None
     for number, (values, rows) in enumerate(found.items()):
         label = str(values[0]) if len(others) == 1 else ", ".join(f"{axis_label(key)} = {value}" for key, value in zip(others, values))
-        look = {"color": colours[number]} if colours else {}
+        look: dict[str, Any] = {"color": colours[number]} if colours else {}
+        if means["runs"].max() == 1:
+            look["linewidth"] = 0.4  # joins what belongs together, and does not lead the eye through scatter
         points(axes, rows[against], rows[result], rows[result + "_error"], label=label, number=number, **look)
     axes.set(xlabel=axis_label(against), ylabel=axis_label(result))
     if others and found:

@@ -19,12 +19,14 @@ from ..packings import Contacts, contacts
 from ..simulation import Simulation
 from ..sweeps import SweepDirectory
 from .agents import colours_of, frame_of, snapshot, usual_colour
-from .charts import combinations, curve, line, reference, series, sweep, swept_number
-from .packings import packing
-from .style import COLUMN, style
+from .charts import combinations, curve, distribution_of_runs, mark_contacts, reference, series, sweep, swept_number
+from .packings import chart_forces, chart_levels, chart_spectrum, packing
+from .style import COLUMN, axis_label, style
 
 #: More lines than that cannot be told apart.
 MOST_CURVES = 12
+#: More samples than that are a line without marks.
+MOST_MARKS = 60
 #: A grid finer than the disks would hide them.
 MOST_CELLS = 40
 #: Of what every model can have, a sweep draws these alone.
@@ -85,12 +87,43 @@ def _has(directory: pathlib.Path, name: str) -> bool:
     return (directory / name).exists()
 
 
-def _draw_last(artist: _Artist, frame: Frame, colour: str) -> None:
+def _state_title(run: RunDirectory, frame: Frame) -> str:
+    """When a run ended. After a protocol the packing fraction, and the pressure where no steps followed."""
+    when = f"step {frame.clock.step}, t = {frame.clock.time:.4g}"
+    if not run.settings.get("protocol"):
+        return when
+    fraction = f"φ = {np.pi * (frame.radius**2).sum() / frame.box.area:.5g}"
+    if len(run.series) > 1:
+        return f"{fraction}, {when}"
+    pressures = {"pressure": "P D²/ε", "reduced_pressure": "Z"}
+    known = [f"{symbol} = {run.results[name].value:.3g}" for name, symbol in pressures.items() if name in list(run.results)]
+    return ", ".join([fraction, *known[:1]])
+
+
+def _draw_last(artist: _Artist, run: RunDirectory, frame: Frame, colour: str) -> None:
     def draw(axes: Any) -> None:
         snapshot(frame, colour, axes=axes)
-        axes.set_title(f"step {frame.clock.step}, t = {frame.clock.time:.4g}")
+        axes.set_title(_state_title(run, frame))
 
     artist.agents("final", frame.box, draw, has_side=colour not in ("neighbourhood", "radius"))
+
+
+def _in_order_of_ids(frame: Frame) -> Frame:
+    order = np.argsort(frame.ids)
+    return Frame(frame.box, frame.clock, frame.ids[order], {name: values[order] for name, values in frame.columns.items()})
+
+
+def _start_of_steps(run: RunDirectory, start: Frame) -> Frame | None:
+    """The disks from where displacements count: after a protocol, which moves them too, the frame of step 0, where it was kept."""
+    if not run.settings.get("protocol"):
+        return start
+    if not _has(run.path, "trajectory.h5"):
+        return None
+    frames = run.trajectory
+    if len(frames) == 0 or frames.steps[0] != 0:
+        return None
+    first = frames[0]
+    return first if not first.box.periodic or "image_x" in first.columns else None
 
 
 def _draw_displacements(artist: _Artist, start: Frame, last: Frame) -> None:
@@ -108,13 +141,13 @@ def _draw_displacements(artist: _Artist, start: Frame, last: Frame) -> None:
     artist.agents("final", last.box, draw, has_side=True)
 
 
-def _draw_start(artist: _Artist, start: Frame, cells: int) -> None:
+def _draw_start(artist: _Artist, start: Frame, cells: int, *, is_before_protocol: bool) -> None:
     shows_grid = 0 < cells <= MOST_CELLS
     fraction = np.pi * (start.radius**2).sum() / start.box.area
 
     def draw(axes: Any) -> None:
         snapshot(start, grid=(cells, cells) if shows_grid else None, axes=axes)
-        axes.set_title(f"start, φ = {fraction:.4g}")
+        axes.set_title(f"start{' of the protocol' if is_before_protocol else ''}, φ = {fraction:.4g}")
 
     artist.agents("start", start.box, draw, has_side=not shows_grid and len(np.unique(start.radius)) > 1)
 
@@ -124,43 +157,38 @@ def _draw_curves(artist: _Artist, run: RunDirectory, last: Frame) -> None:
     radii = last.columns.get("radius")
     if _has(run.path, "pair_correlation.csv"):
         def draw(axes: Any) -> None:
-            curve(run, "pair_correlation", unit=1.0 if radii is None else 2.0 * radii.mean(), axes=axes)
+            curve(run, "pair_correlation", axes=axes)
             if radii is not None:
-                axes.set_xlabel("distance r / diameter σ" if radii.min() == radii.max() else "distance r / mean diameter")
+                mark_contacts(axes, radii)
 
         artist.chart("pair_correlation", draw)
     if _has(run.path, "speed_distribution.csv"):
         artist.chart("speed_distribution", lambda axes: curve(run, "speed_distribution", axes=axes))
 
 
-def _draw_series(artist: _Artist, run: RunDirectory, column: str, *, name: str = "", mark: float | None = None) -> None:
+def _draw_series(artist: _Artist, run: RunDirectory, column: str) -> None:
     def draw(axes: Any) -> None:
         series(run, column, axes=axes)
-        if mark is not None:
-            reference(axes, mark, f"{100 * mark:g} % of the box")
         if np.nanmin(run.series[column], initial=0.0) >= 0.0:
             axes.set_ylim(0.0, None)
 
-    artist.chart(name or column, draw)
+    artist.chart(column, draw)
 
 
 def _draw_levels(artist: _Artist, run: RunDirectory) -> None:
     """The pressures at which a protocol kept a minimum."""
     levels = run.table("levels")
     levels = levels[levels["pressure"] > 0.0]
-    if len(levels) < 2:
-        return
+    if len(levels) > 1:
+        names = {row["stage"]: f"{row['stage']:.0f} {row['name']}" for row in run.table("stages")}
+        artist.chart("levels", lambda axes: chart_levels(axes, levels, names))
 
-    def draw(axes: Any) -> None:
-        for stage in np.unique(levels["stage"]):
-            of_stage = levels[levels["stage"] == stage]
-            axes.plot(of_stage["packing_fraction"], of_stage["pressure"], "o-", label=f"stage {stage:.0f}")
-        axes.set_yscale("log")
-        axes.set_xlabel("packing fraction φ")
-        axes.set_ylabel("pressure P D²/ε")
-        axes.legend()
 
-    artist.chart("levels", draw)
+def _require_start_of_steps(first: Frame | None, run: RunDirectory) -> Frame:
+    if first is None or len(run.series) < 2:
+        raise Error(f"{run.path} does not tell where its disks were after the protocol, from where displacements count\n"
+                    "  hint: runs of steps with trajectory.every and the columns image_x and image_y keep that frame")
+    return first
 
 
 def _draw_disks(artist: _Artist, run: RunDirectory, last: Frame, colour: str) -> None:
@@ -168,24 +196,48 @@ def _draw_disks(artist: _Artist, run: RunDirectory, last: Frame, colour: str) ->
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the run has told them
         simulation = Simulation(file, threads=1)
-    start = frame_of(simulation)
-    order = np.argsort(start.ids)
-    start = Frame(start.box, start.clock, start.ids[order], {name: values[order] for name, values in start.columns.items()})
+    start = _in_order_of_ids(frame_of(simulation))
+    settings = run.settings
+    has_protocol = bool(settings.get("protocol"))
+    first = _start_of_steps(run, start)
     # Without steps after a protocol nothing was displaced in a run.
     has_steps = len(run.series) > 1
-    if colour == "displacement" or (colour == "" and has_steps):
-        _draw_displacements(artist, start, last)
+    if colour == "displacement" or (colour == "" and has_steps and first is not None):
+        _draw_displacements(artist, _require_start_of_steps(first, run), last)
+    elif not has_steps and _has(run.path, "contacts.csv") and colour in ("", "psi6", "coordination"):
+        found = contacts(last.positions, last.radius, last.box, potential=settings["soft"]["potential"], stiffness=False)
+        _draw_packing(artist, "final", found, colour, _state_title(run, last))
     else:
-        _draw_last(artist, last, colour or "psi6")
-    settings = run.settings
-    _draw_start(artist, start, settings["engine"].get("cells", 0))
+        _draw_last(artist, run, last, colour or "psi6")
+    _draw_start(artist, start, 0 if has_protocol else settings["engine"].get("cells", 0), is_before_protocol=has_protocol)
     # The paper's mark of jamming, of its rule between its walls.
     is_as_in_paper = not start.box.periodic and settings["engine"]["kind"] in ("stepped", "tiled")
     if has_steps:
-        _draw_series(artist, run, "mean_displacement", name="displacement", mark=0.1 if is_as_in_paper else None)
+        _draw_mean_displacement(artist, run, 0.1 if is_as_in_paper else None)
     if _has(run.path, "levels.csv"):
         _draw_levels(artist, run)
     _draw_curves(artist, run, last)
+
+
+def _draw_mean_displacement(artist: _Artist, run: RunDirectory, mark: float | None) -> None:
+    """On logarithmic axes, where free flight, cages and diffusion differ, with the error at the end."""
+    def draw(axes: Any) -> None:
+        table, result = run.series, run.results["mean_displacement"]
+        series(run, "mean_displacement", axes=axes)
+        axes.lines[0].set_marker("o" if len(table) <= MOST_MARKS else "")
+        axes.errorbar(table["time"][-1], table["mean_displacement"][-1], result.error or 0.0, color=axes.lines[0].get_color())
+        if np.count_nonzero((table["time"] > 0.0) & (table["mean_displacement"] > 0.0)) > 1:
+            axes.set(xscale="log", yscale="log")
+        if mark is not None:
+            reference(axes, mark, f"{100 * mark:g} % of the box")
+
+    artist.chart("displacement", draw)
+
+
+def _parts_of_whole(run: RunDirectory, last: Frame) -> dict[str, list[str]]:
+    """Columns of the series that count the agents of each value of a column, by its name: susceptible, infected, recovered."""
+    present = run.series.dtype.names or ()
+    return {column: names for column, names in last.value_names.items() if len(names) > 1 and all(name in present for name in names)}
 
 
 def _draw_model(artist: _Artist, run: RunDirectory, last: Frame, colour: str) -> None:
@@ -193,9 +245,16 @@ def _draw_model(artist: _Artist, run: RunDirectory, last: Frame, colour: str) ->
     if colour == "displacement":
         raise Error("final.xyz does not tell how far the agents of a model have come\n"
                     "  hint: gridlock movie DIR --colour displacement shows it, where the run keeps frames")
-    _draw_last(artist, last, colour or usual_colour(last))
+    _draw_last(artist, run, last, colour or usual_colour(last))
+    together = _parts_of_whole(run, last)
+    for column, names in together.items():
+        def draw(axes: Any, column: str = column, names: list[str] = names) -> None:
+            series(run, names, axes=axes)
+            axes.set(ylabel=f"agents by {axis_label(column)}", ylim=(0.0, None))
+
+        artist.chart(column, draw)
     for name in run.series.dtype.names or ():
-        if name not in ("step", "time"):
+        if name not in ("step", "time") and not any(name in names for names in together.values()):
             _draw_series(artist, run, name)
     _draw_curves(artist, run, last)
 
@@ -204,8 +263,9 @@ def _draw_run(artist: _Artist, run: RunDirectory, colour: str) -> None:
     last = run.final
     is_of_disks = run.settings.get("model", {}).get("kind", "disks") == "disks"
     colour = "neighbourhood" if colour == "neighborhood" else colour
-    if colour and colour != "displacement" and colour not in colours_of(last):
-        more = "displacement, " if is_of_disks else ""
+    is_packing = is_of_disks and _has(run.path, "contacts.csv")
+    if colour and colour != "displacement" and colour not in colours_of(last) and not (is_packing and colour == "coordination"):
+        more = ("displacement, " if is_of_disks else "") + ("coordination, " if is_packing else "")
         raise Error(f"the agents have no column \"{colour}\"\n  hint: these agents can be coloured by {more}{', '.join(colours_of(last))}")
     (_draw_disks if is_of_disks else _draw_model)(artist, run, last, colour)
 
@@ -218,16 +278,22 @@ def _sweep_title(means: Any) -> str:
     return f"means over {most} runs" if least == most else f"means over {least} to {most} runs"
 
 
+def _drawn_results(table: Any) -> list[str]:
+    """Results with errors, but for those of every model that are no headlines, and yes or no."""
+    of_all_models = {column.name for column in Simulation(disks={"count": 1}).columns}
+    names = list(table.dtype.names or ())
+    return [name for name in names if f"{name}_error" in names and not name.startswith("is_")
+            and (name not in of_all_models or name in HEADLINES)]
+
+
 def _draw_sweep(artist: _Artist, made: SweepDirectory) -> None:
     means = made.means
     against = swept_number(means)
     if against is None:
+        if len(means) == 1:
+            _draw_runs(artist, made)
         return
-    of_all_models = {column.name for column in Simulation(disks={"count": 1}).columns}
-    names = list(means.dtype.names or ())
-    for name in names:
-        if f"{name}_error" not in names or (name in of_all_models and name not in HEADLINES):
-            continue
+    for name in _drawn_results(means):
         count = len(combinations(means, name, against))
         if count > MOST_CURVES:
             artist.note(f"{name}: {count} curves are too many for one picture; means.csv has them")
@@ -238,50 +304,56 @@ def _draw_sweep(artist: _Artist, made: SweepDirectory) -> None:
             artist.chart(name, draw)
 
 
+def _draw_runs(artist: _Artist, made: SweepDirectory) -> None:
+    """A sweep over seeds alone: how its results are distributed."""
+    if not _has(made.path, "sweep.csv"):
+        return
+    table = made.table
+    for name in _drawn_results(table):
+        values = table[name][np.isfinite(table[name])]
+        if len(np.unique(values)) > 2:
+            def draw(axes: Any, name: str = name, values: Any = values) -> None:
+                distribution_of_runs(axes, values)
+                axes.set(xlabel=axis_label(name), ylabel="runs")
+
+            artist.chart(name, draw)
+
+
+def _draw_packing(artist: _Artist, name: str, found: Contacts, colour: str, title: str) -> None:
+    def draw(axes: Any) -> None:
+        packing(found, colour or "psi6", axes=axes)
+        axes.set_title(title)
+
+    artist.agents(name, found.box, draw, has_side=True)
+    if len(found.relative_forces) > 0:
+        artist.chart("forces", lambda axes: chart_forces(axes, found))
+
+
 def _draw_contacts(artist: _Artist, colour: str) -> None:
     """What ``gridlock contacts`` has written: the packing with its chains of force, and how its forces and its area are distributed."""
     directory = artist.directory
     summary = json.loads((directory / "summary.json").read_text(encoding="utf-8"))
     frame = read_xyz(directory / "packing.xyz")
     found = contacts(frame.positions, frame.radius, frame.box, potential=summary["potential"], tolerance=summary["tolerance"], stiffness=False)
-
-    def draw(axes: Any) -> None:
-        packing(found, colour or "psi6", axes=axes)
-        axes.set_title(f"φ = {found.packing_fraction:.5g}, Z = {found.contact_number:.4g}, {found.is_rattler.sum()} rattlers")
-
-    artist.agents("packing", found.box, draw, has_side=True)
-    if len(found.relative_forces) > 0:
-        artist.chart("forces", lambda axes: _chart_forces(axes, found))
+    title = f"φ = {found.packing_fraction:.5g}, Z = {found.contact_number:.4g}, {found.is_rattler.sum()} rattlers"
+    _draw_packing(artist, "packing", found, colour, title)
     if _has(directory, "spectral_density.csv"):
-        artist.chart("spectral_density", lambda axes: _chart_spectrum(axes, directory, found))
-
-
-def _chart_forces(axes: Any, found: Contacts) -> None:
-    for label, is_drawn in (("extended", ~found.is_of_buckler), ("of bucklers", found.is_of_buckler)):
-        forces = found.relative_forces[is_drawn]
-        if len(forces) > 0:
-            line(axes, forces, np.arange(1, len(forces) + 1) / len(forces), label=f"{label} ({len(forces)})")
-    axes.set(xscale="log", yscale="log", xlabel="force f/⟨f⟩", ylabel="share of forces up to f")
-    axes.legend()
-
-
-def _chart_spectrum(axes: Any, directory: pathlib.Path, found: Contacts) -> None:
-    q, density = np.loadtxt(directory / "spectral_density.csv", delimiter=",", skiprows=1, ndmin=2)[:, :2].T
-    diameter = found.smallest_diameter
-    line(axes, q * diameter, density / diameter**2)
-    axes.set(xscale="log", yscale="log", xlabel="wave number q D", ylabel="spectral density χ(q) / D²")
+        artist.chart("spectral_density", lambda axes: chart_spectrum(axes, directory / "spectral_density.csv", found))
 
 
 def pictures(directory: str | os.PathLike[str], colour: str = "", *, pdf: bool = False, overwrite: bool = False) -> Pictures:
     """Draws the pictures of a finished run, sweep or packing into its directory, as ``gridlock plot`` does: SVG and PNG, with ``pdf`` PDF too.
 
-    A run: start, final (coloured by displacement), displacement, speed_distribution, pair_correlation. A run of a model: final,
-    and every column of its series. A sweep: results against the swept number with the most values, one line for each combination of the
-    others. A packing, as ``gridlock contacts -o`` writes it: packing, forces, spectral_density.
+    A run: start, final (coloured by displacement), displacement, speed_distribution, pair_correlation. After a protocol displacements
+    count from its end, where the frame of step 0 was kept; a run that ends with a packing has its contacts in final, and forces and
+    levels. A run of a model: final, and every column of its series, with the numbers of agents of each kind in one chart. A sweep:
+    results against the swept number with the most values, one line for each combination of the others; over seeds alone, a histogram of
+    each result. A packing, as ``gridlock contacts -o`` writes it: packing, forces, spectral_density.
 
     A picture whose name a file of the user has is left out, with a note, unless ``overwrite``.
 
-    :param colour: of the disks of a packing, as for :func:`packing`; of the agents at the end, as for :func:`snapshot`, or ``"displacement"``.
+    :param colour: of the disks of a packing, as for :func:`packing`; of the agents at the end, as for :func:`snapshot`, or
+        ``"displacement"``.
     :returns: the files, and a note on each picture that could not be drawn.
     :raises Error: for a directory that holds neither, and for a colour that the agents do not have, before anything is drawn.
     """

@@ -59,13 +59,13 @@ STYLE: dict[str, Any] = {
 }
 
 _LABELS = {
-    "time": "time t",
+    "time": "time t / (length / speed)",
     "step": "time steps",
-    "lag": "lag t",
+    "lag": "lag t / (length / speed)",
     "distance": "distance r",
     "pair_correlation": "pair correlation g(r)",
     "speed": "speed v / (length / time)",
-    "density": "density of agents / (time / length)",
+    "density": "probability density / (time / length)",
     "mean_displacement": "mean displacement / side",
     "mean_squared_displacement": "mean squared displacement ⟨Δr²⟩ / length²",
     "compressibility_factor": "compressibility factor Z",

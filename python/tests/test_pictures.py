@@ -1,0 +1,131 @@
+"""The pictures of a directory: protocols, packings, models and sweeps over seeds show what the files say."""
+
+import warnings
+
+import matplotlib
+import numpy as np
+import pytest
+
+import gridlock
+import gridlock.plot
+from conftest import OBLONG
+from matplotlib.figure import Figure
+
+matplotlib.use("Agg")
+
+MIXTURE = [{"fraction": 0.5}, {"fraction": 0.5, "size_ratio": 1.4}]
+SOFT = {"box": OBLONG, "disks": {"count": 40, "packing_fraction": 0.5, "start": "uniform", "species": MIXTURE},
+        "protocol": [{"stage": "quench", "packing_fraction": 0.86}, {"stage": "decompress", "until_pressure": 1e-5}]}
+GROWN = {"box": OBLONG, "disks": {"count": 40, "packing_fraction": 0.3, "start": "random", "species": MIXTURE}, "engine": {"kind": "exact"},
+         "protocol": [{"stage": "grow", "rate": 0.02, "until_packing_fraction": 0.7}], "run": {"collisions_per_disk": 20.0}}
+
+
+@pytest.fixture(autouse=True)
+def quiet():
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """The axes of every picture, by its name; what ``draw(directory)`` returns."""
+    def draw(directory, colour=""):
+        axes = {}
+        original = gridlock.plot.pictures.__globals__["_Artist"].draw
+
+        def spy(self, name, size, function):
+            axes[name] = Figure(figsize=size, layout="constrained").subplots()
+            function(axes[name])
+
+        monkeypatch.setattr(gridlock.plot.pictures.__globals__["_Artist"], "draw", spy)
+        gridlock.plot.pictures(directory, colour)
+        monkeypatch.setattr(gridlock.plot.pictures.__globals__["_Artist"], "draw", original)
+        return axes
+
+    return draw
+
+
+def test_displacements_after_a_protocol_count_from_its_end(tmp_path, drawn):
+    gridlock.run(GROWN, tmp_path / "kept", trajectory={"every": 50})
+    run = gridlock.open(tmp_path / "kept")
+    axes = drawn(run.path)
+    assert axes["final"].collections[0].get_array()[:40].mean() == pytest.approx(run.series["mean_displacement"][-1], rel=1e-9)
+    assert axes["final"].figure.axes[1].get_ylabel() == "displacement / side"
+    assert axes["start"].get_title() == "start of the protocol, φ = 0.3"
+
+
+def test_where_no_frame_of_the_end_of_a_protocol_is_kept_no_displacement_is_drawn(tmp_path, drawn):
+    gridlock.run(GROWN, tmp_path / "out")
+    axes = drawn(tmp_path / "out")
+    assert axes["final"].figure.axes[1].get_ylabel() == "|ψ6|"
+    assert axes["final"].get_title().startswith("φ = 0.7, step ")
+    with pytest.raises(gridlock.Error, match="where its disks were after the protocol.*\n  hint: .*trajectory.every"):
+        drawn(tmp_path / "out", "displacement")
+
+
+def test_a_packing_is_drawn_with_its_contacts_and_named_by_density_and_pressure(tmp_path, drawn):
+    gridlock.run(SOFT, tmp_path / "out")
+    run = gridlock.open(tmp_path / "out")
+    axes = drawn(run.path)
+    assert set(axes) == {"final", "forces", "start", "levels"}
+    pairs = run.table("contacts")
+    assert len(axes["final"].collections[-1].get_paths()) == 2 * len(pairs) > 80
+    assert axes["final"].get_title() == f"φ = {run.summary['packing_fraction']:.5g}, P D²/ε = {run.results['pressure'].value:.3g}"
+    assert axes["final"].figure.axes[1].get_ylabel() == "|ψ6|"
+    assert drawn(run.path, "coordination")["final"].figure.axes[1].get_ylabel() == "contacts of a disk"
+    assert drawn(run.path, "radius")["final"].get_legend() is not None
+    with pytest.raises(gridlock.Error, match="displacements count"):
+        drawn(run.path, "displacement")
+
+
+def test_no_level_of_a_stage_hides_that_of_another(tmp_path, drawn):
+    gridlock.run(SOFT, tmp_path / "out")
+    first, second = drawn(tmp_path / "out")["levels"].lines
+    assert (first.get_label(), second.get_label()) == ("stage 1 quench", "stage 2 decompress")
+    assert first.get_xdata()[-1] == second.get_xdata()[0]
+    assert first.get_markerfacecolor() == "none" and first.get_markersize() > second.get_markersize()
+
+
+def test_radii_are_told_by_their_ratio(tmp_path, drawn):
+    gridlock.run(SOFT, tmp_path / "out")
+    legend = drawn(tmp_path / "out")["start"].get_legend()
+    assert [text.get_text() for text in legend.get_texts()] == ["R", "1.4 R"]
+    assert legend.get_title().get_text().startswith("R = 0.0")
+
+
+def test_the_peaks_of_a_mixture_are_named(tmp_path, drawn):
+    gridlock.run(GROWN, tmp_path / "out")
+    axes = drawn(tmp_path / "out")["pair_correlation"]
+    assert {text.get_text(): round(text.xy[0], 6) for text in axes.texts} == {
+        "AA": round(2 / 2.4, 6), "AB": 1.0, "BB": round(2.8 / 2.4, 6)}
+    assert axes.get_xlabel() == "distance r / mean diameter"
+
+
+def test_a_sweep_over_seeds_alone_is_a_histogram_and_yes_or_no_is_no_curve(tmp_path, drawn):
+    made = gridlock.sweep(SOFT, {"run.seed": [1, 2, 3, 4, 5]}, tmp_path / "seeds")
+    axes = drawn(made.path)
+    assert "jamming_packing_fraction" in axes and not any(name.startswith("is_") for name in axes)
+    found = axes["jamming_packing_fraction"]
+    assert found.patches[0].get_data().values.sum() == 5
+    assert found.get_title().startswith(f"5 runs: {made.table['jamming_packing_fraction'].mean():.4g} ± ")
+    swept = gridlock.sweep(SOFT, {"disks.count": [30, 40]}, tmp_path / "counts")
+    axes = drawn(swept.path)
+    assert "contact_number" in axes and not any(name.startswith("is_") for name in axes)
+
+
+def test_agents_of_each_kind_are_counted_in_one_chart(tmp_path, drawn):
+    gridlock.run({"model.kind": "epidemic", "epidemic.count": 60, "run.steps": 20, "observe.every": 5}, tmp_path / "out")
+    series = gridlock.open(tmp_path / "out").series
+    chart = drawn(tmp_path / "out")["health"]
+    assert [line.get_label() for line in chart.lines] == ["susceptible", "infected", "recovered"]
+    assert np.array_equal(sum(line.get_ydata() for line in chart.lines), series["agents"])
+
+
+def test_the_mean_displacement_has_logarithmic_axes_and_its_error(tmp_path, drawn):
+    gridlock.run({"disks": {"count": 36, "packing_fraction": 0.4}, "box": OBLONG, "run.steps": 60, "observe.every": 10}, tmp_path / "out")
+    axes, result = drawn(tmp_path / "out")["displacement"], gridlock.open(tmp_path / "out").results["mean_displacement"]
+    assert axes.get_xscale() == axes.get_yscale() == "log" and axes.lines[0].get_marker() == "o"
+    ((low, high),) = [segment[:, 1] for segment in axes.containers[0].lines[2][0].get_segments()]
+    assert (high - low) / 2 == pytest.approx(result.error) and result.error > 0
+    assert axes.get_xlabel() == "time t / (length / speed)"
