@@ -6,6 +6,11 @@ import { toDrawn } from "./colours.ts";
 
 const MOST = 6;
 
+/** The selection after one more click on an agent: a second one takes it out, and of more than six the first goes. */
+export function toggled(ids: readonly number[], id: number): number[] {
+  return ids.includes(id) ? ids.filter((one) => one !== id) : [...ids, id].slice(-MOST);
+}
+
 /** The selected agents with all their values, and the distance between two of them. */
 export class Selection {
   readonly element = element("div", { class: "group" });
@@ -37,7 +42,7 @@ export class Selection {
   pick(row: number | null, adds: boolean): void {
     const id = row === null ? undefined : this.frame?.ids[row];
     if (!adds && !this.several.checked) this.ids = id === undefined ? [] : [id];
-    else if (id !== undefined) this.ids = this.ids.includes(id) ? this.ids.filter((one) => one !== id) : [...this.ids, id].slice(-MOST);
+    else if (id !== undefined) this.ids = toggled(this.ids, id);
     this.changed();
   }
 
