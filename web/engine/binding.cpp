@@ -73,6 +73,9 @@ class Binding {
   val results() {
     return answer([&] { return text_of(session_.results()); });
   }
+  val protocol_tables() {
+    return answer([&] { return text_of(session_.protocol_tables()); });
+  }
   val state_hash() {
     return answer([&] { return session_.state_hash(); });
   }
@@ -157,6 +160,7 @@ EMSCRIPTEN_BINDINGS(gridlock) {
       .function("drawnColumn", &Binding::drawn_column)
       .function("series", &Binding::series)
       .function("results", &Binding::results)
+      .function("protocolTables", &Binding::protocol_tables)
       .function("stateHash", &Binding::state_hash)
       .function("neighbourhood", &Binding::neighbourhood)
       .function("contactIds", &Binding::contact_ids)

@@ -306,6 +306,24 @@ Json Session::results() const {
   return all;
 }
 
+Json Session::protocol_tables() const {
+  // JSON has no "not a number"; the page takes nothing for one.
+  auto const cells = [](std::vector<double> const& values) {
+    Json all = Json::array();
+    for (double const value : values) all.push_back(std::isfinite(value) ? Json(value) : Json());
+    return all;
+  };
+  Json tables = Json::object();
+  for (Distribution const& table : simulation().distributions()) {
+    if (table.name != "stages" && table.name != "levels") continue;
+    Json columns = Json::object();
+    for (std::size_t c = 0; c < table.columns.size(); ++c)
+      columns[table.columns[c].name] = cells(table.columns_of_values[c]);
+    tables[table.name] = {{"names", table.names}, {"columns", columns}};
+  }
+  return tables;
+}
+
 std::string Session::state_hash() const { return fmt::format("{:016x}", simulation().state_hash()); }
 
 double Session::cutoff() {

@@ -44,6 +44,8 @@ class Session {
   /// The rows of the series from one on, one after the other.
   [[nodiscard]] std::vector<double> series(std::size_t from_row) const;
   [[nodiscard]] Json results() const;
+  /// The tables "stages" and "levels" of a protocol, of the stages that have ended; none without one.
+  [[nodiscard]] Json protocol_tables() const;
 
   [[nodiscard]] std::string state_hash() const;
   /// Errors: Error where there is no such agent.

@@ -10,11 +10,15 @@ import "./viewer/style.css";
 
 const theme = new ThemeSwitch();
 
+const showVersion = (version: string): void => {
+  shell.version = version;
+};
+
 const panels: Panel[] = [
   {
     name: "Playground",
     open: async () => {
-      const playground = new Playground(theme);
+      const playground = new Playground(theme, showVersion);
       void playground.start();
       // For the console of the browser, and for tests.
       Object.assign(globalThis, { gridlock: { playground, drawing: playground.drawing } });
@@ -28,7 +32,7 @@ const VIEWER = 1;
 let viewer: Viewer | undefined;
 function theViewer(): Viewer {
   if (viewer === undefined) {
-    viewer = new Viewer(theme);
+    viewer = new Viewer(theme, showVersion);
     void viewer.start();
     Object.assign(globalThis, { gridlockViewer: viewer });
   }

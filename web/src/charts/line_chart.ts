@@ -9,6 +9,8 @@ import { element, words } from "../page/dom.ts";
 export interface Curve {
   readonly name: string;
   readonly documentation?: string;
+  /** Drawn so large that it is seen below the other curves. */
+  readonly isOnePoint?: boolean;
 }
 
 export interface ChartDescription {
@@ -16,11 +18,13 @@ export interface ChartDescription {
   /** Of the values; empty for pure numbers. */
   readonly unit: string;
   readonly curves: readonly Curve[];
-  /** Of the abscissa: "time". */
+  /** "time", written below its axis. */
   readonly abscissa: string;
 }
 
-const HEIGHT = 150;
+const HEIGHT = 164;
+const POINT = 4;
+const LARGE_POINT = 9;
 const FEW_SAMPLES = 30; // which are drawn as points too
 /** Blue, vermilion, green, purple, orange, sky: told apart by colour-blind readers, on light and dark ground. */
 const CURVE_COLOURS = OKABE_ITO.slice(0, 6);
@@ -33,25 +37,26 @@ function curveColour(i: number, theme: Theme): string {
 }
 
 /**
- * Curves against time, drawn by uPlot, with a legend of the last values. Curves differ in colour and in dashes.
+ * Curves against time or another quantity, drawn by uPlot, with a legend of the last values. Curves differ in colour and in dashes.
  *
  * ```ts
- * const chart = new LineChart({ title: "Pressure", unit: "mass / time²", abscissa: "time", curves: [{ name: "wall_pressure" }] });
+ * const chart = new LineChart({ title: "Mean speed", unit: "length / time", abscissa: "time", curves: [{ name: "mean_speed" }] });
  * document.body.append(chart.element);
  * chart.setTheme(LIGHT);
- * chart.setData([times, pressures]);
+ * chart.setData([times, speeds]);
  * chart.onChoose = (time) => goTo(time);
  * ```
  */
 export class LineChart {
   readonly element: HTMLElement;
-  /** A time was clicked. */
+  /** A value of the abscissa was clicked. */
   onChoose: (abscissa: number) => void = () => {};
   private readonly host = element("div", { class: "plot" });
   private readonly values: HTMLElement[] = [];
   private readonly swatches: HTMLElement[] = [];
   private plot: uPlot | undefined;
   private data: uPlot.AlignedData = [[]];
+  private ends: readonly number[] | undefined;
   private theme: Theme | undefined;
   private readonly observer: ResizeObserver;
 
@@ -64,15 +69,19 @@ export class LineChart {
     this.observer.observe(this.host);
   }
 
-  /** Arrays of one length: the abscissa, then every curve; NaN where a value is missing. */
-  setData(columns: readonly ArrayLike<number>[]): void {
+  /**
+   * Arrays of one length: the abscissa in ascending order, then every curve; NaN where a value is missing. The legend has `ends`, else the
+   * last values.
+   */
+  setData(columns: readonly ArrayLike<number>[], ends?: readonly number[]): void {
+    this.ends = ends;
     const shown = columns.map((column, i) =>
       i === 0 ? column : Array.from(column, (value) => (Number.isFinite(value) ? value : null)),
     );
     this.data = shown as unknown as uPlot.AlignedData;
     if (this.plot === undefined) this.draw();
     else this.plot.setData(this.data);
-    this.showValues(lastRow(columns));
+    this.showValues(this.usualRow());
   }
 
   setTheme(theme: Theme): void {
@@ -106,6 +115,10 @@ export class LineChart {
       element("span", { class: "unit" }, unit),
       element("div", { class: "keys" }, ...keys),
     );
+  }
+
+  private usualRow(): number[] {
+    return this.ends === undefined ? lastRow(this.data as unknown as ArrayLike<number | null>[]) : [NaN, ...this.ends];
   }
 
   private showValues(row: readonly number[]): void {
@@ -151,18 +164,23 @@ export class LineChart {
         x: { time: false, range: (_, least, most) => rangeOfTime(least, most) },
         y: { range: (_, least, most) => rangeOfValues(least, most) },
       },
-      cursor: { y: false, points: { size: 6 }, drag: { x: false, y: false }, sync: { key: "gridlock" } },
+      cursor: { y: false, points: { size: 6 }, drag: { x: false, y: false }, sync: { key: `gridlock ${this.description.abscissa}` } },
       axes: [
-        { ...axis, size: 26, space: 60 },
+        { ...axis, size: 22, space: 60, label: this.description.abscissa, labelSize: 16, labelGap: 0, labelFont: axis.font as string },
         { ...axis, size: 50, space: 28 },
       ],
       series: [
         {},
-        ...this.description.curves.map((_, i) => ({
+        ...this.description.curves.map((curve, i) => ({
           stroke: curveColour(i, theme),
           width: 1.5,
           dash: DASHES[i % DASHES.length] as number[],
-          points: { show: (plot: uPlot) => plot.data[0].length < FEW_SAMPLES, size: 4, fill: curveColour(i, theme), width: 0 },
+          points: {
+            show: (plot: uPlot) => curve.isOnePoint === true || plot.data[0].length < FEW_SAMPLES,
+            size: curve.isOnePoint === true ? LARGE_POINT : POINT,
+            fill: curveColour(i, theme),
+            width: 0,
+          },
           spanGaps: true,
         })),
       ],
@@ -173,7 +191,7 @@ export class LineChart {
   /** The values under the pointer, else the last ones. */
   private showCursor(plot: uPlot): void {
     const at = plot.cursor.idx;
-    if (at === undefined || at === null) return this.showValues(lastRow(this.data as unknown as ArrayLike<number>[]));
+    if (at === undefined || at === null) return this.showValues(this.usualRow());
     this.showValues(this.data.map((column) => Number(column[at] ?? NaN)));
   }
 }

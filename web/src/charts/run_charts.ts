@@ -10,13 +10,20 @@ export interface QuantityColumn {
   readonly documentation: string;
 }
 
+/** Z by the pressure on the walls, which no run writes: that of the virial times the ratio of the pressures. */
+const WALL_FACTOR = "wall_compressibility_factor";
+const OF_WALL_FACTOR = ["compressibility_factor", "virial_pressure", "wall_pressure"] as const;
+
 /** What every run may have, in the order of the charts; whatever else there is comes from the model and goes first. */
 const GROUPS: readonly { title: string; names: readonly string[] }[] = [
   { title: "Mean displacement", names: ["mean_displacement"] },
+  { title: "Compressibility factor Z = PA / NkT", names: ["compressibility_factor", WALL_FACTOR] },
   { title: "Pressure", names: ["virial_pressure", "wall_pressure"] },
   { title: "Sixfold order |ψ6|", names: ["global_bond_orientation_order", "local_bond_orientation_order"] },
 ];
 const SHORT_NAMES: Readonly<Record<string, string>> = {
+  compressibility_factor: "collisions",
+  [WALL_FACTOR]: "walls",
   virial_pressure: "virial",
   wall_pressure: "walls",
   global_bond_orientation_order: "global",
@@ -37,7 +44,6 @@ const FURTHER = new Set([
   "mean_free_time",
   "halted_fraction",
   "wall_hit_rate",
-  "compressibility_factor",
   "wall_pressure_left",
   "wall_pressure_right",
   "wall_pressure_bottom",
@@ -46,7 +52,8 @@ const FURTHER = new Set([
 ]);
 
 /** The charts that suit a run: quantities of a model that say the same of themselves share a chart, as counts of kinds and of events do. */
-export function chartsFor(columns: readonly QuantityColumn[]): ChartDescription[] {
+export function chartsFor(measured: readonly QuantityColumn[]): ChartDescription[] {
+  const columns = withFactors(measured);
   const inGroups = new Set(GROUPS.flatMap((group) => group.names));
   const ofModel = new Map<string, QuantityColumn[]>();
   for (const column of columns) {
@@ -62,6 +69,22 @@ export function chartsFor(columns: readonly QuantityColumn[]): ChartDescription[
     if (found.length > 0) made.push(describe(group.title, found));
   }
   return made;
+}
+
+/** Pressures as Z where that is known. */
+function withFactors(measured: readonly QuantityColumn[]): readonly QuantityColumn[] {
+  const has = (name: string): boolean => measured.some((column) => column.name === name);
+  if (!has("compressibility_factor")) return measured;
+  const others = measured.filter(({ name }) => name !== "virial_pressure" && name !== "wall_pressure");
+  const documentation = "Z = wall pressure · area / (N kT).";
+  return OF_WALL_FACTOR.every(has) ? [...others, { name: WALL_FACTOR, unit: "", documentation }] : others;
+}
+
+/** The values of a curve of chartsFor(). */
+export function valuesOf(series: Series, name: string): readonly number[] {
+  if (name !== WALL_FACTOR) return series.column(name);
+  const [factor, virial, wall] = OF_WALL_FACTOR.map((one) => series.column(one)) as [readonly number[], readonly number[], readonly number[]];
+  return factor.map((value, row) => (value * (wall[row] as number)) / (virial[row] as number));
 }
 
 const EVENTS = "Times since the start."; // what every model says of its events
@@ -140,7 +163,7 @@ export class RunCharts {
   show(series: Series): void {
     this.series = series;
     for (const one of this.extra === undefined ? this.shown : [...this.shown, this.extra]) {
-      one.chart.setData([series.column("time"), ...one.names.map((name) => series.column(name))]);
+      one.chart.setData([series.column("time"), ...one.names.map((name) => valuesOf(series, name))]);
     }
   }
 

@@ -9,6 +9,7 @@
  * ```
  */
 
+import type { PackingTables } from "../charts/packing.ts";
 import EngineWorker from "./engine_worker.ts?worker&inline";
 import { GridlockError } from "./gridlock.ts";
 import type {
@@ -117,6 +118,8 @@ export interface Engine extends EngineEvents {
   /** Of a packing, where a protocol has just ended in one; else none. */
   contacts(): Promise<PackingContacts>;
   results(): Promise<readonly NamedEstimate[]>;
+  /** The stages of a protocol that have ended. */
+  packing(): Promise<PackingTables>;
   stateHash(): Promise<string>;
   configuration(): Promise<string>;
   /** Ends the worker, whatever it does, and starts another, in which nothing is open. open() rejects with EngineRenewed where it waits; all else that
@@ -215,6 +218,9 @@ class EngineClient implements Engine {
   }
   results(): Promise<readonly NamedEstimate[]> {
     return this.call("results");
+  }
+  packing(): Promise<PackingTables> {
+    return this.call("packing");
   }
   stateHash(): Promise<string> {
     return this.call("stateHash");

@@ -18,6 +18,7 @@ declare module "virtual:gridlock-engine" {
     drawnColumn(name: string): Answer<Float32Array>;
     series(fromRow: number): Answer<Float64Array>;
     results(): Answer<string>;
+    protocolTables(): Answer<string>;
     stateHash(): Answer<string>;
     neighbourhood(id: number): Answer<string>;
     contactIds(): Answer<Float64Array>;

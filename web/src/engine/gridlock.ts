@@ -154,6 +154,14 @@ export interface NamedEstimate {
   readonly unit: string;
 }
 
+/** A table by columns. */
+export interface ProtocolTable {
+  /** Of its rows; empty where they have none. */
+  readonly names: readonly string[];
+  /** NaN where there is no value. */
+  readonly columns: Readonly<Record<string, readonly number[]>>;
+}
+
 export interface Note {
   readonly severity: "info" | "note" | "warning";
   readonly text: string;
@@ -220,6 +228,8 @@ export interface Session {
   readonly seriesLength: number;
   /** The averages so far. */
   results(): readonly NamedEstimate[];
+  /** The tables "stages" and "levels", of the stages of a protocol that have ended: what the command line writes to stages.csv and levels.csv. */
+  protocolTables(): Readonly<Record<string, ProtocolTable>>;
 
   /** Of the state now: 16 hexadecimal digits, as `gridlock run` prints. */
   stateHash(): string;
@@ -477,6 +487,11 @@ class OpenSession implements Session {
       this.binding.results(),
     );
     return results.map((result) => ({ ...result, standardError: result.standardError ?? NaN }));
+  }
+
+  protocolTables(): Readonly<Record<string, ProtocolTable>> {
+    const known = (_: string, value: unknown): unknown => (value === null ? NaN : value);
+    return JSON.parse(this.calls.make(() => this.binding.protocolTables()), known) as Record<string, ProtocolTable>;
   }
 
   stateHash(): string {

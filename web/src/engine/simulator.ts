@@ -1,7 +1,8 @@
 /** A session that runs by itself, at a speed, and posts frames: what the worker does, without the worker. */
 
+import type { PackingTables } from "../charts/packing.ts";
 import type { EngineFrame, PackingContacts, SessionInfo, Speed } from "./engine_client.ts";
-import { loadGridlock, type Gridlock, type NamedEstimate, type Neighbourhood, type Session, type SettingValue, GridlockError } from "./gridlock.ts";
+import { loadGridlock, type Gridlock, type NamedEstimate, type Neighbourhood, type ProtocolTable, type Session, type SettingValue, GridlockError } from "./gridlock.ts";
 import { History } from "./history.ts";
 import type { Catalogue } from "./protocol.ts";
 
@@ -9,6 +10,7 @@ import type { Catalogue } from "./protocol.ts";
 const SLICE = 12;
 /** A page that draws nothing for so long is hidden or busy; frames go on for charts and the clock. */
 const LONGEST_WAIT = 500;
+const NO_ROWS: ProtocolTable = { names: [], columns: {} };
 
 export interface Outlets {
   frame(frame: EngineFrame): void;
@@ -147,6 +149,11 @@ export class Simulator {
   }
   results(): readonly NamedEstimate[] {
     return this.opening().results();
+  }
+  packing(): PackingTables {
+    const session = this.opening();
+    const { stages = NO_ROWS, levels = NO_ROWS } = session.protocolTables();
+    return { stages, levels, results: session.results() };
   }
   stateHash(): string {
     return this.opening().stateHash();

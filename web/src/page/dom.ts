@@ -78,6 +78,11 @@ export function words(name: string): string {
   return name.replaceAll("_", " ").replaceAll(/\bpsi6\b/g, "ψ6");
 }
 
+/** "φ_J" with a J below the line. */
+export function subscripts(text: string): (HTMLElement | string)[] {
+  return text.split(/_(\w)/).map((part, i) => (i % 2 === 1 ? element("sub", {}, part) : part));
+}
+
 /** Thousands parted by thin spaces. */
 export function grouped(value: number): string {
   return Math.round(value)

@@ -22,7 +22,7 @@ const MARK = `<svg class="mark" viewBox="0 0 32 32" aria-hidden="true"><circle c
 
 /** The bar at the top and the panels below it. */
 export class Shell {
-  version = "";
+  private readonly versionText = element("span", { class: "version", title: "The version of Gridlock in this page, with its commit" });
   private readonly tabs: HTMLButtonElement[] = [];
   private readonly views: (PanelView | undefined)[] = [];
   private readonly main = element("main", { class: "panel", tabindex: -1 });
@@ -39,6 +39,14 @@ export class Shell {
     document.addEventListener("keydown", (event) => this.key(event));
     // The address may have been noted anew since.
     window.addEventListener("hashchange", ({ newURL }) => void this.views[this.shown]?.openLink?.(new URL(newURL).hash));
+  }
+
+  get version(): string {
+    return this.versionText.textContent ?? "";
+  }
+
+  set version(version: string) {
+    this.versionText.textContent = version;
   }
 
   /** Shows a panel; makes it where it is shown for the first time. */
@@ -80,8 +88,8 @@ export class Shell {
     });
     const themeButton = iconButton("theme", "Light or dark", () => theme.toggle());
     const helpButton = iconButton("help", "Help", () => this.help.showModal(), "Help (?)");
-    themeButton.classList.add("push");
-    return element("header", { class: "bar" }, title, tabs, themeButton, helpButton);
+    this.versionText.classList.add("push");
+    return element("header", { class: "bar" }, title, tabs, this.versionText, themeButton, helpButton);
   }
 
   private key(event: KeyboardEvent): void {

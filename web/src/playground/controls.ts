@@ -88,6 +88,8 @@ interface Control {
   readonly key: string;
   readonly element: HTMLElement;
   update(value: SettingValue): void;
+  /** A sentence below it; none where it is empty. */
+  setHint?(text: string): void;
 }
 
 /**
@@ -111,6 +113,11 @@ export class Controls {
       this.element.replaceChildren(...this.controls.map((control) => control.element));
     }
     for (const control of this.controls) control.update(values[control.key] ?? null);
+  }
+
+  /** Says something beside the control of a key, where there is one. */
+  setHint(key: string, text: string): void {
+    this.controls.find((control) => control.key === key)?.setHint?.(text);
   }
 
   private make(key: string, value: SettingValue): Control {
@@ -170,12 +177,14 @@ export class Controls {
     number.addEventListener("change", () => {
       if (number.value !== "") this.onChange(setting.key, number.value);
     });
+    const hint = element("p", { class: "hint wide", hidden: true });
     const field = element(
       "div",
       { class: "field", title: setting.documentation },
       element("label", { for: id }, name),
       number,
       slider,
+      hint,
     );
     const update = (now: SettingValue): void => {
       if (typeof now !== "number") return;
@@ -183,7 +192,11 @@ export class Controls {
       if (document.activeElement !== number) number.value = String(Number(now.toPrecision(12)));
       say();
     };
-    return { key: setting.key, element: field, update };
+    const setHint = (text: string): void => {
+      hint.hidden = text === "";
+      hint.textContent = text;
+    };
+    return { key: setting.key, element: field, update, setHint };
   }
 }
 

@@ -13,9 +13,11 @@ import { BarRange, colouringOf, coloursOf, NEIGHBOURHOOD, usualColour } from "./
 import { Controls } from "./controls.ts";
 import { Editor } from "./editor.ts";
 import { exportItems } from "./exports.ts";
+import { guideElements } from "./guides.ts";
 import { Inspector, rowOf } from "./inspector.ts";
 import { decodeLink, encodeLink, type LinkContent } from "./link.ts";
 import { commentAtTop, findScene, SCENES, withoutSweep } from "./scenes.ts";
+import { densityHint, hasTime, PackingPanel } from "./packing_panel.ts";
 import { Setup } from "./setup.ts";
 import { Transport, USUAL_SPEED } from "./transport.ts";
 
@@ -34,6 +36,7 @@ export class Playground {
   readonly drawing: Drawing;
   private readonly picture = element("div", { class: "picture" });
   private readonly charts = new RunCharts();
+  private readonly packing = new PackingPanel();
   private readonly tools = element("div", { class: "tools", role: "group", "aria-label": "Picture" });
   private readonly transport = new Transport(
     {
@@ -48,7 +51,7 @@ export class Playground {
     this.tools,
   );
   private readonly scene = select("Scene", [], "", (name) => void this.openScene(name));
-  private readonly about = element("p", { class: "hint" });
+  private readonly guide = element("div", { class: "guide" });
   private readonly problem = element("div", { class: "problem", role: "alert", hidden: true });
   private readonly note = element("div", { class: "note", hidden: true });
   private readonly editor = new Editor((toml) => void this.openToml(toml));
@@ -66,6 +69,7 @@ export class Playground {
     element("progress", { "aria-label": "Setting up" }),
     element("button", { type: "button", class: "button", onclick: () => this.stopSettingUp() }, "Stop"),
   );
+  private readonly look = element("div", { class: "look", role: "group", "aria-label": "Look" });
   private readonly range = new BarRange();
   private readonly setupSide = element("aside", { class: "side setup", "aria-label": "Set-up" });
   private controls: Controls | undefined;
@@ -93,7 +97,10 @@ export class Playground {
   private merged = "";
 
   /** Throws Error where the browser cannot draw. */
-  constructor(theme: ThemeSwitch) {
+  constructor(
+    theme: ThemeSwitch,
+    private readonly onVersion: (version: string) => void,
+  ) {
     this.build();
     this.drawing = new Drawing(this.picture);
     this.drawing.onPick = (row) => this.pick(row);
@@ -103,6 +110,7 @@ export class Playground {
     theme.follow((colours) => {
       this.drawing.setTheme(colours);
       this.charts.setTheme(colours);
+      this.packing.setTheme(colours);
     });
   }
 
@@ -111,7 +119,10 @@ export class Playground {
     const { engine } = this;
     engine.onFrame = (frame) => this.take(frame);
     engine.onError = (error) => this.showProblem(error);
-    const showControls = engine.ready.then(() => this.addControls(engine));
+    const showControls = engine.ready.then(() => {
+      this.onVersion(engine.version);
+      this.addControls(engine);
+    });
     try {
       await Promise.all([showControls, this.openLink(location.hash)]);
     } catch (error) {
@@ -175,7 +186,7 @@ export class Playground {
         { class: "group" },
         element("h2", {}, "Scene"),
         this.scene,
-        this.about,
+        this.guide,
         this.problem,
         this.note,
         this.editor.element,
@@ -211,8 +222,9 @@ export class Playground {
       { class: "stage", "aria-label": "Picture of the run" },
       this.picture,
       this.transport.element,
+      this.look,
     );
-    const charts = element("aside", { class: "side charts", "aria-label": "Charts" }, this.charts.element);
+    const charts = element("aside", { class: "side charts", "aria-label": "Charts" }, this.packing.element, this.charts.element);
     this.element.append(stage, this.setupSide, charts);
   }
 
@@ -225,21 +237,13 @@ export class Playground {
     });
     this.anySetting = new AnySetting(engine.settings, change);
     this.inspector = new Inspector(engine, () => this.showOverlay());
-    const colour = element("div", { class: "field row" }, element("span", { class: "name" }, "Colour by"), this.colour);
-    const look = element(
-      "div",
-      { class: "group" },
-      element("h2", {}, "Look"),
-      colour,
-      element("label", { class: "check" }, this.grid, "Grid of k × k cells"),
-      element("label", { class: "check" }, this.block, "3 × 3 block of the clicked agent"),
-    );
-    look.append(this.forcesField);
-    this.cells.element.classList.remove("group");
-    look.append(this.cells.element);
+    const colour = element("label", { class: "field row" }, element("span", { class: "name" }, "Colour by"), this.colour);
+    const grid = element("label", { class: "check" }, this.grid, "Grid of k × k cells");
+    const block = element("label", { class: "check", title: "Around the agent that was clicked" }, this.block, "3 × 3 block");
+    this.look.append(colour, grid, block, this.forcesField);
     this.setupSide.append(
       this.controls.element,
-      look,
+      this.cells.element,
       this.inspector.element,
       element("div", { class: "group" }, this.anySetting.element),
     );
@@ -341,10 +345,11 @@ export class Playground {
     this.note.hidden = notes.length === 0;
     this.note.textContent = notes.map((note) => note.text).join("\n");
     this.scene.value = this.setup.sceneName ?? OWN;
-    this.about.textContent = commentAtTop(this.setup.toml);
+    this.guide.replaceChildren(...guideElements(commentAtTop(this.setup.toml), this.setup.sceneName));
     this.anySetting?.show(info.values);
     this.series = new Series(info.seriesColumns.map((column) => column.name));
     this.charts.begin(info.seriesColumns);
+    this.packing.begin();
     this.transport.begin();
     this.range.reset();
     this.inspector?.select(null);
@@ -377,6 +382,8 @@ export class Playground {
     this.draw();
     this.transport.show(frame, info.agentsName);
     this.showPreparation(frame);
+    this.controls?.setHint("disks.packing_fraction", densityHint(info, frame));
+    void this.packing.follow(this.engine, frame);
     this.showCharts(frame);
     if (this.inspector?.id !== null) void this.inspector?.refresh(info, frame);
   }
@@ -420,6 +427,7 @@ export class Playground {
     const now = performance.now();
     if (frame.isRunning && now - this.chartsShown < CHART_MILLISECONDS) return;
     this.chartsShown = now;
+    this.charts.element.hidden = !hasTime(frame);
     this.charts.show(this.series);
   }
 

@@ -1,6 +1,8 @@
+import type { PackingTables } from "../charts/packing.ts";
 import { request, ServedBytes } from "./bytes.ts";
 import { FileSource, kindOfFile } from "./file_source.ts";
 import { ServedRun, type RunInfo } from "./served_run.ts";
+import { packingOf } from "./protocol_tables.ts";
 import { SourceError, type FrameSource } from "./source.ts";
 
 /** What gridlock view shows. */
@@ -46,6 +48,20 @@ export class Served {
     throw new SourceError(
       info.status === "unfinished" ? "The run has written no frame yet." : "The run kept no frames.",
       "A run keeps frames where its settings ask for them: --set trajectory.every=100, for example.");
+  }
+
+  /** What the protocol of a run has come to; undefined for a run without one, and where its files cannot be read. */
+  async packing(id: string): Promise<PackingTables | undefined> {
+    const address = `${this.address}runs/${encodeURIComponent(id)}/`;
+    try {
+      const { files } = (await (await request(`${address}about.json`)).json()) as RunInfo;
+      const text = async (name: string): Promise<string> =>
+        files.some((file) => file.name === name) ? (await request(`${address}files/${name}`)).text() : "";
+      const [stages, levels, summary] = await Promise.all(["stages.csv", "levels.csv", "summary.json"].map(text));
+      return stages === "" ? undefined : packingOf(stages as string, levels as string, summary as string);
+    } catch {
+      return undefined; // the frames are shown all the same
+    }
   }
 
   private async openTrajectory(contents: ServedContents, name: string, address: string, info: RunInfo): Promise<FrameSource> {

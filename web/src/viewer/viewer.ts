@@ -1,3 +1,4 @@
+import { PackingCharts } from "../charts/packing_charts.ts";
 import { RunCharts } from "../charts/run_charts.ts";
 import { Series } from "../charts/series.ts";
 import { Drawing } from "../drawing/drawing.ts";
@@ -35,6 +36,7 @@ export class Viewer {
   private readonly gridField = element("label", { class: "check", hidden: true }, this.grid, "Grid of k × k cells");
   private readonly selection = new Selection();
   private readonly charts = new RunCharts();
+  private readonly packing = new PackingCharts();
   private readonly noCharts = element("p", { class: "group hint", hidden: true }, "There are no quantities against time in this file.");
   private readonly range = new ValueRange();
   private readonly served = isServed() ? new Served() : undefined;
@@ -48,14 +50,14 @@ export class Viewer {
   private adds = false; // whether the click that comes adds to the selection
 
   /** Throws Error where the browser cannot draw. */
-  constructor(theme: ThemeSwitch) {
+  constructor(theme: ThemeSwitch, private readonly onVersion: (version: string) => void) {
     this.build();
     this.drawing = new Drawing(this.picture);
     this.drawing.element.addEventListener("pointerup", (event) => { this.adds = event.shiftKey || event.ctrlKey || event.metaKey; }, { capture: true });
     this.drawing.onPick = (row) => this.selection.pick(row, this.adds);
     this.selection.onChange = () => this.showOverlay();
     this.charts.onChoose = (time) => { if (this.source !== undefined) void this.playback.choose(frameAtTime(this.source.description.times, time)); };
-    theme.follow((colours) => { this.drawing.setTheme(colours); this.charts.setTheme(colours); });
+    theme.follow((colours) => { this.drawing.setTheme(colours); this.charts.setTheme(colours); this.packing.setTheme(colours); });
     void this.lookForMore();
   }
 
@@ -64,6 +66,7 @@ export class Viewer {
     if (this.served === undefined) return;
     try {
       this.contents = await this.served.contents();
+      this.onVersion(this.contents.version);
       const first = this.contents.runs[0];
       await this.readNames(this.contents);
       this.panel.showContents(this.contents, first ?? "");
@@ -109,7 +112,7 @@ export class Viewer {
     const look = element("div", { class: "group" }, element("h2", {}, "Look"), colour, this.gridField);
     const side = element("aside", { class: "side setup", "aria-label": "Run and look" }, this.panel.element, look, this.selection.element);
     const stage = element("section", { class: "stage", "aria-label": "Picture of the run" }, this.picture, this.film.element);
-    const charts = element("aside", { class: "side charts", "aria-label": "Charts" }, this.noCharts, this.charts.element);
+    const charts = element("aside", { class: "side charts", "aria-label": "Charts" }, this.packing.element, this.noCharts, this.charts.element);
     this.element.append(stage, side, charts);
     this.film.update();
   }
@@ -153,6 +156,7 @@ export class Viewer {
     this.film.setGrowing(source.isGrowing);
     this.showColours();
     this.beginCharts();
+    void this.showPacking(isOwn);
     await this.playback.reset(source.description.steps.length, source.isGrowing);
   }
 
@@ -197,6 +201,8 @@ export class Viewer {
     this.panel.showSource(source, false);
     this.film.setGrowing(source.isGrowing);
     this.showCharts();
+    // The tables of a protocol are written at the end.
+    if (!source.isGrowing) void this.showPacking(false);
     await this.playback.setCount(steps.length);
   }
 
@@ -258,6 +264,17 @@ export class Viewer {
     this.charts.element.hidden = quantities.length === 0;
     this.charts.begin(quantities.map(({ name, unit }) => ({ name, unit, documentation: "" })));
     this.showCharts();
+  }
+
+  /** The stages of the protocol of a run that is served. */
+  private async showPacking(isOwn: boolean): Promise<void> {
+    const { source, served } = this;
+    const tables = served === undefined || isOwn ? undefined : await served.packing(this.run);
+    if (source !== this.source) return;
+    this.packing.show(tables);
+    // A packing without a run after it has one sample, of no time.
+    const { times } = (source as FrameSource).description.table;
+    if (tables !== undefined && times.length < 2) [this.noCharts.hidden, this.charts.element.hidden] = [true, true];
   }
 
   private showCharts(): void {

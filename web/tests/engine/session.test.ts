@@ -5,6 +5,7 @@ import { join } from "node:path";
 
 import { beforeAll, describe, expect, it } from "vitest";
 
+import { packingOf } from "../../src/sources/protocol_tables.ts";
 import { Series } from "../../src/charts/series.ts";
 import { GridlockError, loadGridlock, type Gridlock, type Problem } from "../../src/engine/gridlock.ts";
 import { program } from "../viewer/runs.ts";
@@ -210,6 +211,29 @@ describe("a session", () => {
     expect(ids).toHaveLength(2 * forces.length);
     expect(forces.length).toBeGreaterThan(64);
     session.dispose();
+  });
+
+  it("has the tables of its protocol as the program writes them, stage by stage", () => {
+    const folder = mkdtempSync(join(tmpdir(), "gridlock-stages-"));
+    const toml =
+      'disks.count = 36\ndisks.start = "uniform"\nbox.edge = "periodic"\nbox.width = 1.5\nbox.height = 0.8\n' +
+      '[[protocol]]\nstage = "quench"\npacking_fraction = 0.9\n[[protocol]]\nstage = "decompress"\nuntil_pressure = 1e-4\n';
+    try {
+      writeFileSync(join(folder, "run.toml"), toml);
+      const { status } = spawnSync(program(), ["run", "run.toml", "-o", "results", "-q", "--no-pictures"], { cwd: folder });
+      expect(status).toBe(0);
+      const written = (name: string): string => readFileSync(join(folder, "results", name), "utf8");
+      const expected = packingOf(written("stages.csv"), written("levels.csv"), written("summary.json"));
+      const session = gridlock.open(toml);
+      expect(session.protocolTables()).toEqual({});
+      while (!session.isPrepared) session.advance(0, 5);
+      const { stages, levels } = session.protocolTables();
+      expect({ stages, levels, results: session.results().map(({ name, mean, standardError }) => ({ name, mean, standardError })) }).toEqual(expected);
+      expect(stages?.names).toEqual(["quench", "decompress"]);
+      session.dispose();
+    } finally {
+      rmSync(folder, { recursive: true });
+    }
   });
 
   it("refuses to restore what is of another session, and stays as it was", () => {

@@ -492,6 +492,33 @@ describe("the look", () => {
     });
   });
 
+  test("a packing shows its stages, charts and results in place of charts against time, and its density beside the slider", async () => {
+    await withPlayground("#scene=jamming", async ({ page, user }) => {
+      const side = page.getByRole("complementary", { name: "Charts" });
+      const density = page.locator(".field", { has: page.getByRole("spinbutton", { name: "Packing fraction φ" }) }).locator(".hint");
+      expect(await density.innerText()).toBe("Of the start. Now φ = 0.5, in stage 1 of 2, quench.");
+      expect(await side.getByText("Stages are listed here as they end.").isVisible()).toBe(true);
+      expect(await side.locator(".chart:visible").count()).toBe(0);
+      await user.press("Run");
+      await side.getByText("Jamming at φJ").waitFor({ timeout: 60_000 });
+      expect(await side.locator(".chart:visible h3").allInnerTexts()).toEqual([
+        "Pressure of soft disks",
+        "Contact number",
+        "Elastic moduli, stage 2 decompress",
+      ]);
+      const cells = (row: string): Promise<string[]> => side.getByRole("row", { name: row }).locator("td").allInnerTexts();
+      expect(await cells("1 quench")).toEqual(["0.86", "0.00637"]);
+      const [end] = await cells("2 decompress");
+      expect(await density.innerText()).toBe(`Of the start. Now φ = ${end}, after the protocol.`);
+      const jamming = Number((await side.locator("dt", { hasText: "Jamming at φJ" }).locator("+ dd").innerText()).split(" ")[0]);
+      // Just below the last minimum, whose pressure is 10⁻⁸.
+      expect(Number(end) - jamming).toBeGreaterThan(-1e-5);
+      expect(Number(end) - jamming).toBeLessThan(1e-4);
+      await user.press("Restart");
+      await side.getByText("Stages are listed here as they end.").waitFor();
+    });
+  });
+
   test("the wheel, dragging, the keyboard and a double click move the picture", async () => {
     await withPlayground("#scene=paper", async ({ page }) => {
       const picture = page.locator(".picture canvas").last();
@@ -549,7 +576,7 @@ describe("the look", () => {
       await user.runPast(60);
       const step = await user.step();
       expect(await page.locator(".chart h3").allInnerTexts()).toEqual(
-        expect.arrayContaining(["Mean displacement", "Pressure", "Sixfold order |ψ6|"]),
+        expect.arrayContaining(["Mean displacement", "Compressibility factor Z = PA / NkT", "Sixfold order |ψ6|"]),
       );
       await expect
         .poll(async () =>
@@ -562,6 +589,39 @@ describe("the look", () => {
       await page.mouse.click(plot.x + plot.width / 4, plot.y + plot.height / 2);
       await expect.poll(() => user.step()).toBeLessThan(step);
     });
+  });
+
+  test("a scene has a guide whose names are on the page, and a set-up of one's own has none", async () => {
+    await withPlayground("#scene=melting", async ({ page, user }) => {
+      const guide = page.locator(".guide");
+      expect(await guide.locator("p i").allInnerTexts()).toEqual(["Do", "Look at", "Ask"]);
+      expect(await guide.locator("b").allInnerTexts()).toContain("Packing fraction φ");
+      await user.openToml("# My own disks.\ndisks.count = 9\ndisks.packing_fraction = 0.3\n");
+      await page.locator(".status").getByText("9 disks", { exact: true }).waitFor();
+      expect(await guide.innerText()).toBe("My own disks.");
+    });
+  });
+
+  test("what is chosen under the picture is in view on small screens, and the page says its version", async () => {
+    for (const viewport of [
+      { width: 1280, height: 800 },
+      { width: 1000, height: 700 },
+    ]) {
+      await withPlayground(
+        "#scene=paper",
+        async ({ page }) => {
+          for (const control of [page.getByRole("combobox", { name: "Colour by" }), page.getByRole("checkbox", { name: /Grid/ })]) {
+            const box = (await control.boundingBox())!;
+            expect(box.y + box.height, JSON.stringify(viewport)).toBeLessThanOrEqual(viewport.height);
+          }
+          const version = await page.locator(".version").innerText();
+          expect(version).toMatch(/^\d+\.\d+\.\d+.*\+(unknown|[0-9a-f]{12})/);
+          await page.getByRole("button", { name: "Help" }).click();
+          await page.getByRole("dialog").getByText(`Gridlock ${version}`).waitFor();
+        },
+        { viewport },
+      );
+    }
   });
 
   test("light and dark are chosen and kept", async () => {

@@ -3,10 +3,11 @@ import { join } from "node:path";
 
 import { describe, expect, test } from "vitest";
 
-import { chartsFor } from "../../src/charts/run_charts.ts";
+import { chartsFor, valuesOf } from "../../src/charts/run_charts.ts";
 import { numberText, Series } from "../../src/charts/series.ts";
 import type { SettingDescription } from "../../src/engine/gridlock.ts";
 import { placeOf, rangeOf, roundUp, valueAt } from "../../src/playground/controls.ts";
+import { GUIDES, namesIn } from "../../src/playground/guides.ts";
 import { rowOf } from "../../src/playground/inspector.ts";
 import { decodeLink, encodeLink } from "../../src/playground/link.ts";
 import { commentAtTop, SCENES, withoutSweep } from "../../src/playground/scenes.ts";
@@ -64,6 +65,18 @@ describe("scenes", () => {
       if (text.startsWith("#")) expect(scene.documentation.length, scene.name).toBeGreaterThan(20);
       expect(scene.toml).not.toMatch(/^\[sweep\]/m);
       if (!text.includes("[sweep]")) expect(scene.toml).toBe(text);
+    }
+  });
+
+  test("every scene has a guide: what to do, what to look at and a question, in a few sentences", () => {
+    expect(Object.keys(GUIDES).sort()).toEqual(SCENES.map((scene) => scene.name).sort());
+    for (const [name, guide] of Object.entries(GUIDES)) {
+      expect(guide.ask, name).toMatch(/\?/);
+      expect(namesIn(guide).length, name).toBeGreaterThan(0);
+      for (const part of [guide.act, guide.see, guide.ask]) {
+        expect(part.split("*").length % 2, `${name}: asterisks in pairs`).toBe(1);
+        expect(part.split(" ").length, `${name}: words`).toBeLessThan(45);
+      }
     }
   });
 
@@ -187,6 +200,22 @@ describe("series", () => {
       ["mean_displacement"],
       ["wall_pressure", "virial_pressure"],
     ]);
+  });
+
+  test("pressures are shown as Z where it is known, that of the walls too, and time is named below every chart", () => {
+    const names = ["step", "time", "virial_pressure", "compressibility_factor", "wall_pressure"];
+    const charts = chartsFor(names.map((name) => ({ name, unit: "", documentation: name })));
+    expect(charts.map((chart) => chart.curves.map((curve) => curve.name))).toEqual([
+      ["compressibility_factor", "wall_compressibility_factor"],
+    ]);
+    expect(charts[0]).toMatchObject({ title: "Compressibility factor Z = PA / NkT", unit: "", abscissa: "time" });
+    const series = new Series(names);
+    // N kT / A = 4: Z = P / 4.
+    series.add([0, 0, NaN, NaN, NaN, 1, 0.5, 12, 3, 14]);
+    expect(valuesOf(series, "wall_compressibility_factor")).toEqual([NaN, 3.5]);
+    expect(valuesOf(series, "compressibility_factor")).toEqual([NaN, 3]);
+    const periodic = chartsFor(names.slice(0, 4).map((name) => ({ name, unit: "", documentation: name })));
+    expect(periodic.map((chart) => chart.curves.map((curve) => curve.name))).toEqual([["compressibility_factor"]]);
   });
 });
 

@@ -303,6 +303,37 @@ describe("A finished run", () => {
   });
 });
 
+describe("A packing", () => {
+  test("shows its stages, charts against φ and results, as the program has written them", async () => {
+    const toml = `disks.count = 36
+disks.packing_fraction = 0.4
+disks.start = "random"
+velocities.kind = "maxwell"
+box = { edge = "periodic", width = 1.5, height = 0.8 }
+[[protocol]]
+stage = "grow"
+until_packing_fraction = 0.6
+[[protocol]]
+stage = "quench"
+packing_fraction = 0.9
+[[protocol]]
+stage = "decompress"
+until_pressure = 1e-4
+`;
+    place.run(toml, "packing");
+    await page.goto(await place.view("packing"));
+    const side = page.locator(".viewer").getByRole("complementary", { name: "Charts" });
+    await side.getByText("Jamming at φJ").waitFor();
+    expect(await side.locator(".chart:visible h3").allInnerTexts()).toEqual(["Pressure of soft disks", "Contact number", "Elastic moduli, stage 3 decompress"]);
+    expect(await side.getByRole("rowheader").allInnerTexts()).toEqual(["1 grow", "2 quench", "3 decompress"]);
+    expect(await side.getByRole("row", { name: "1 grow" }).innerText()).toContain("Z = ");
+    const { jamming_packing_fraction: jamming } = JSON.parse(readFileSync(place.of("packing/summary.json"), "utf8")) as Record<string, { value: number }>;
+    const said = await side.locator("dt", { hasText: "Jamming at φJ" }).locator("+ dd").innerText();
+    expect(Number(said.split(" ")[0])).toBeCloseTo((jamming as { value: number }).value, 4);
+    expect(await side.getByText("There are no quantities against time").isVisible()).toBe(false);
+  });
+});
+
 describe("A run that is written", () => {
   test("is followed to its newest frame, until one looks back; also after a kill and a resume", async () => {
     writeFileSync(place.of("long.toml"), "disks.count = 400\ndisks.packing_fraction = 0.5\nrun.steps = 100000000\nobserve.every = 1000\ntrajectory.every = 4000\n");
