@@ -38,7 +38,7 @@ def noise(axes):
         chosen = [row for row in rows if row["agents"] == count]
         gridlock.plot.points(axes, *numbers(chosen, "noise", "order", "error"), label=f"{count} agents", number=number)
     axes.axvline(2.9, color="#666666", linestyle=":", linewidth=0.8)
-    axes.text(2.95, 0.94, "η_c(∞) = 2.9", color="#666666", fontsize="small")
+    axes.text(2.95, 0.94, "η$_\\mathrm{c}$(∞) = 2.9", color="#666666", fontsize="small")
     axes.legend(loc="lower left")
 
 
@@ -61,9 +61,9 @@ def epidemic(axes):
 def main(directory):
     with gridlock.plot.style():
         chart(directory / "vicsek_noise.svg", noise, title="Vicsek model: order against noise, density 4", xlabel="noise η",
-              ylabel="order v_a", xlim=(0, 5), ylim=(0, 1.02))
+              ylabel="order v$_\\mathrm{a}$", xlim=(0, 5), ylim=(0, 1.02))
         chart(directory / "vicsek_density.svg", density, title="Vicsek model: order against density, side 20, η = 2", xlabel="density ρ",
-              ylabel="order v_a", xlim=(0, 10.2), ylim=(0, 1))
+              ylabel="order v$_\\mathrm{a}$", xlim=(0, 10.2), ylim=(0, 1))
         chart(directory / "epidemic_sir.svg", epidemic, title="Epidemic among fast walkers, three seeds, and the SIR equations",
               xlabel="time", ylabel="agents", xlim=(0, 50), ylim=(0, 10_000))
 

@@ -23,7 +23,8 @@ import pytest
 import gridlock
 from gridlock import paper
 from gridlock.commands.paper import main
-from gridlock.paper import Length, figure_5, figure_6, figure_7, open_choices, turn_order
+from gridlock.study.report import typeset
+from gridlock.paper import Length, figure_6, figure_7, open_choices, step_cost, turn_order
 from gridlock.paper.context import runs_of
 from gridlock.paper.runs import Outcome, Run, perfect_triangular_sites, square_sites_to_walls
 from gridlock.study.runs import PartialResults, RunPool
@@ -114,7 +115,9 @@ def test_the_report_needs_no_other_file(whole):
     assert "@import" not in text and "url(" not in text
     assert sum(reference.startswith("data:") for reference in document.references) == len(PICTURES)
     for claim in made.claims:
-        assert claim.statement in document.text and claim.measured in document.text
+        for text in (claim.statement, claim.measured):
+            assert Document(str(typeset(text))).text in document.text
+    assert not re.search(r"v_max|\bN\^", document.text)
 
 
 def set_up_in(reference):
@@ -471,7 +474,7 @@ def test_counted_distances_are_those_of_the_engine():
     for k in (1, 2, 7, 12):
         simulation = gridlock.Simulation(disks={"count": 300, "packing_fraction": 0.4, "start": "random"}, run={"seed": 5},
                                          velocities={"max": 0.0}, engine={"substeps": 5, "cells": k, "grid": "linked", "speed": 0.1})
-        looks = figure_5.checks_of_one_look(np.array(simulation.agents.positions), k)
+        looks = step_cost.checks_of_one_look(np.array(simulation.agents.positions), k)
         simulation.run(steps=3)
         assert simulation.counts["distance_checks"] == 3 * 5 * looks
 

@@ -6,9 +6,11 @@ import math
 import numpy as np
 import pytest
 
-from gridlock.paper import figure_5, physics_or_step, turn_order
-from gridlock.study.statistics import (Crossing, Estimate, MeanOfRuns, Verdict, find_crossing, fit_power_law, mean_over_runs,
-                                       three_sigma, verdict_on_fall)
+from gridlock.paper import figure_5, physics_or_step, step_cost, turn_order
+from gridlock.study import report, style
+from gridlock.study.chapter import Table
+from gridlock.study.statistics import (Crossing, Estimate, MeanOfRuns, Verdict, find_crossing, fit_power_law, joint_deviation,
+                                       mean_over_runs, three_sigma, verdict_on_fall)
 from gridlock.paper.theory import enskog_diffusion, mean_distance, mean_distance_after_diffusion, mean_distance_in_square
 
 
@@ -194,12 +196,12 @@ def test_enskog_diffusion_is_that_of_the_physics_reference(packing_fraction, dif
 
 
 def test_distances_of_a_look():
-    assert figure_5.paper_checks(1000, 10) == figure_5.paper_checks(2000, 20) == 90_000.0
+    assert step_cost.paper_checks(1000, 10) == step_cost.paper_checks(2000, 20) == 90_000.0
     random = np.random.default_rng(1)
     for k in (1, 3, 10):
-        counts = [figure_5.checks_of_one_look(random.random((50, 2)), k) for _ in range(400)]
+        counts = [step_cost.checks_of_one_look(random.random((50, 2)), k) for _ in range(400)]
         error = np.std(counts) / math.sqrt(len(counts))
-        assert figure_5.uniform_checks(50, k) == pytest.approx(np.mean(counts), abs=4.0 * error + 1e-9)
+        assert step_cost.uniform_checks(50, k) == pytest.approx(np.mean(counts), abs=4.0 * error + 1e-9)
 
 
 def crossing(x):
@@ -229,8 +231,8 @@ def conclusions(made_up):
 
 def test_a_rule_that_agrees_with_exact_disks_is_said_to():
     text = conclusions(evidence())
-    for part in ("At none of the 2 points do the rule and the exact dynamics differ",
-                 "The rule is behind the exact disks at 2 of 2 points", "is within three standard errors",
+    for part in ("At 2 of 2 points no difference shows at one point alone", "the rule is behind the exact disks at 2 of 2",
+                 "all deviations together are -0.9 standard errors: chance explains", "is within three standard errors",
                  "that it is crossed is physics", "that it moves with the length of the run is physics",
                  'With contact = "approaching" none of 10 runs came to rest', 'With contact = "always" none of 10 runs came to rest'):
         assert part in text
@@ -241,9 +243,47 @@ def test_points_that_differ_are_named():
     made_up = evidence()
     made_up["points"][1] = dataclasses.replace(made_up["points"][1], packing_fraction=0.8, rule=Estimate(0.82, 0.01))
     text = conclusions(made_up)
-    for part in ("At 1 of 2 points the rule and the exact dynamics agree", "φ = 0.8 triangular (2.00 times as far as exact disks)",
-                 "The rule is behind the exact disks at 1 of 2 points"):
+    for part in ("At 1 of 2 points the rule and the exact dynamics differ", "φ = 0.8 triangular (2.00 times as far as exact disks)",
+                 "At 1 of 2 points no difference shows at one point alone"):
         assert part in text
+    assert "agree as far as the errors tell" not in text
+
+
+def test_many_points_that_lag_a_little_differ_together_though_none_does_alone():
+    point = physics_or_step.Point("square", 0.6, Estimate(0.29, 0.006), Estimate(0.31, 0.006), 3)
+    assert not point.differs and point.resolution > 0.15
+    text = conclusions(evidence(points=[point] * 12))
+    assert "differ by more than chance" not in text
+    assert "behind the exact disks at 12 of 12" in text and "So the rule is behind here, too." in text
+    ahead = dataclasses.replace(point, rule=point.exact, exact=point.rule)
+    assert "So the rule is ahead here, too." in conclusions(evidence(points=[ahead] * 12))
+    assert "chance explains that in more than" in conclusions(evidence(points=[point, ahead] * 6))
+
+
+def test_deviations_together_exceed_three_as_often_as_normal_ones():
+    random = np.random.default_rng(1)
+    for runs in (2, 3, 8):
+        freedom = 2 * (runs - 1)
+        samples = random.standard_t(freedom, size=(20_000, 19))
+        joint = [joint_deviation(row, [freedom] * 19) for row in samples[:4_000]]
+        assert np.mean(joint) == pytest.approx(0.0, abs=0.06) and np.std(joint) == pytest.approx(1.0, abs=0.05)
+
+
+def cost(disks, k, times, checks):
+    return step_cost.StepCost(disks, k, 0.0003 * disks, checks, checks * 1.1, 0.1, times)
+
+
+@pytest.mark.parametrize(("small", "large", "verdict", "words"), [
+    ([100, 101, 102], [100, 102, 101], Verdict.AGREES, "The repeats do not tell which takes longer."),
+    ([100, 101, 102], [130, 131, 133], Verdict.DIFFERS, "The 2000 disks take longer: 0.94 times as many distances are checked"),
+    ([137, 138, 139], [110, 111, 112], Verdict.DIFFERS, "The 2000 disks take less: 0.94 times as many distances are checked"),
+    ([137, 110, 150], [123, 140, 120], Verdict.UNDECIDED, "The repeats do not tell which takes longer."),
+    ([100], [100], Verdict.UNDECIDED, "One repeat has no error."),
+])
+def test_whether_1000_and_2000_disks_cost_the_same_follows_from_the_repeats(small, large, verdict, words):
+    claims = figure_5._equal_cost_claims([cost(1000, 10, [1e-3 * t for t in small], 38e6), cost(2000, 20, [1e-3 * t for t in large], 35.6e6)])
+    assert claims[1].verdict is verdict and words in claims[1].measured
+    assert claims[0].verdict is Verdict.AGREES
 
 
 def lines(**changes):
@@ -332,3 +372,32 @@ def test_the_way_of_the_centre_in_a_periodic_box_is_told():
         assert part in text
     assert "It does not matter" in text_of([periodic(0.001, 0.001)], [0.1])
     assert "periodic box" not in text_of([row(0.1, 1.0)], [0.1])
+
+
+def test_numbers_are_typeset_where_a_report_is_read():
+    cases = {"v_max": "v<sub>max</sub>", "φ_J = 0.84": "φ<sub>J</sub> = 0.84", "N^a k^b": "N<sup>a</sup> k<sup>b</sup>",
+             "N^(1.59 ± 0.06)": "N<sup>1.59 ± 0.06</sup>", "Δφ^(α−1)": "Δφ<sup>α−1</sup>", "Δφ^0.49 a": "Δφ<sup>0.49</sup> a",
+             "figure_7.csv": "figure_7.csv", "packing_fraction": "packing_fraction", "a < b": "a &lt; b"}
+    assert {text: str(report.typeset(text)) for text in cases} == cases
+
+
+def test_a_column_without_a_value_is_left_out_of_a_report():
+    table = report._with_values(Table(["start", "always", "exact"], "", [["square", "–", "1"], ["triangular", "–", "–"]]))
+    assert table.header == ["start", "exact"] and table.rows == [["square", "1"], ["triangular", "–"]]
+
+
+def test_ticks_of_a_logarithmic_axis_are_numbers_or_powers_and_never_alone():
+    from matplotlib.figure import Figure
+
+    def labels(low, high):
+        axes = Figure().subplots()
+        axes.plot([low, high], [low, high])
+        axes.set_xlim(low, high)
+        style.logarithmic(axes, "x")
+        axes.figure.draw_without_rendering()
+        ticks = [*axes.xaxis.get_major_ticks(), *axes.xaxis.get_minor_ticks()]
+        return {tick.label1.get_text() for tick in ticks if low <= tick.get_loc() <= high} - {""}
+
+    assert labels(0.008, 0.15) == {"0.01", "0.02", "0.05", "0.1"}
+    assert {"10,000", "100"} <= labels(50, 20_000) and not any("e" in text for text in labels(1e-8, 1))
+    assert "10⁻⁶" in labels(1e-8, 1)

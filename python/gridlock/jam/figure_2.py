@@ -46,18 +46,32 @@ def _exponents(outcomes: list[Outcome], name: str, least: float, most: float) ->
     return mean_over_runs(found) if len(found) > 1 else None
 
 
+def _means(outcomes: list[Outcome], name: str) -> list[tuple[float, float, float, float]]:
+    """Δφ and a quantity, means over starts with their standard errors, at each pressure that two starts or more kept a minimum at."""
+    by_pressure: dict[int, list[tuple[float, float]]] = {}
+    for outcome in outcomes:
+        for pressure, x, y in zip(outcome.level("pressure"), distances(outcome), outcome.level(name)):
+            if pressure > 0.0 and np.isfinite(y):
+                by_pressure.setdefault(round(4.0 * np.log10(pressure)), []).append((x, y))
+    means = []
+    for _, found in sorted(by_pressure.items()):
+        x, y = (mean_over_runs([one[k] for one in found]) for k in (0, 1))
+        if len(found) > 1 and x.value > 0.0 and y.value > 0.0:
+            means.append((x.value, y.value, x.known_error, y.known_error))
+    return means
+
+
 def _draw(all_outcomes: dict[str, list[Outcome]]) -> Figure:
-    figure, axes = style.new_axes("Figure 2: pressure and elastic moduli above jamming", "Δφ = φ − φ_J", "p D²/ε, K D²/ε, G D²/ε")
+    figure, axes = style.new_axes("Figure 2: pressure and elastic moduli above jamming", f"Δφ = φ − {style.PHI_J}", "p D²/ε, K D²/ε, G D²/ε")
     for (name, symbol), marker in zip(QUANTITIES, style.MARKERS):
         for potential, colour in zip(POTENTIALS, style.COLOURS):
-            x = np.concatenate([distances(outcome) for outcome in all_outcomes[potential]])
-            y = np.concatenate([outcome.level(name) for outcome in all_outcomes[potential]])
-            axes.plot(x[y > 0.0], y[y > 0.0], marker=marker, color=colour, linestyle="none", markersize=3, alpha=0.6,
-                      label=f"{symbol}, {potential}")
+            means = _means(all_outcomes[potential], name)
+            if means:
+                x, y, x_error, y_error = np.array(means).T
+                axes.errorbar(x, y, y_error, x_error, marker=marker, color=colour, linestyle="none", markersize=3.5, elinewidth=0.7,
+                              markerfacecolor=colour if potential == POTENTIALS[0] else "white", label=f"{symbol}, {potential}")
     axes.set(xlim=(1e-8, 0.1))
     style.logarithmic(axes, "x", "y")
-    axes.xaxis.set_major_formatter("{x:.0e}")
-    axes.yaxis.set_major_formatter("{x:.0e}")
     figure.legend(loc="outside right upper")
     return figure
 
@@ -96,7 +110,7 @@ def make(context: Context) -> Chapter:
         title="Figure 2: pressure and elastic moduli above jamming",
         introduction=[f"{context.extent.decompressed_starts} packings of {context.extent.decompressed_disks} disks for each potential, "
                       "quenched at φ = 0.86 and decompressed to p = 1e-8; φ_J is where the pressure of each vanishes."],
-        drawings=[Drawing(("figure_2",), "Every minimum of every start.")],
+        drawings=[Drawing(("figure_2",), "Means over starts at equal pressure, with standard errors; figure_2.csv has every minimum.")],
         claims=[
             _claim("pressure", "p", EXPONENT_OF_PRESSURE, 0.01, (1e-8, 1e-5),
                    "Pressure vanishes as Δφ^(α−1): with the exponent 1 for harmonic and 3/2 for Hertzian disks.", all_outcomes),

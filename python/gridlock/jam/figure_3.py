@@ -34,7 +34,7 @@ def _excess(outcome: Outcome) -> NDArray[np.float64]:
 
 
 def _draw(groups: dict[int, list[Outcome]]) -> Figure:
-    figure, axes = style.new_axes("Figure 3: excess contacts", "Δφ = φ − φ_J", "Z − 4 + 2/N₀")
+    figure, axes = style.new_axes("Figure 3: excess contacts", f"Δφ = φ − {style.PHI_J}", "Z − 4 + 2/N₀")
     for (disks, outcomes), colour, marker in zip(groups.items(), style.COLOURS, style.MARKERS):
         if not outcomes:
             continue
@@ -42,9 +42,8 @@ def _draw(groups: dict[int, list[Outcome]]) -> Figure:
         y = np.concatenate([_excess(outcome) for outcome in outcomes])
         axes.plot(x[y > 1e-9], y[y > 1e-9], marker=marker, color=colour, linestyle="none", markersize=3, alpha=0.7, label=f"N = {disks}")
     x = np.geomspace(1e-6, 0.02, 50)
-    axes.plot(x, 3.6 * x**0.49, color=style.GREY, linestyle=style.DASHED, label="3.6 Δφ^0.49 (O'Hern et al.)")
+    axes.plot(x, 3.6 * x**0.49, color=style.GREY, linestyle=style.DASHED, label="3.6 Δφ$^{0.49}$ (O'Hern et al.)")
     style.logarithmic(axes, "x", "y")
-    axes.xaxis.set_major_formatter("{x:.0e}")
     axes.legend(loc="upper left")
     return figure
 
@@ -93,7 +92,8 @@ def make(context: Context) -> Chapter:
         title="Figure 3: contacts beyond those of a marginal packing",
         introduction=["A packing that just carries one state of stress has 2 (N₀ − 1) + 1 contacts among the N₀ disks of its backbone, so "
                       "that Z = 4 − 2/N₀. Compression adds contacts."],
-        drawings=[Drawing(("figure_3",), "Every minimum of every start with more contacts than that.")],
+        drawings=[Drawing(("figure_3",), "Every minimum of every start with more contacts than that. The row of points that does not follow the "
+                          "line at small Δφ is of minima with one contact more, 2/N₀ a disk, the least there can be.")],
         claims=[
             Claim("Figure 3", "There are (3.6 ± 0.5) Δφ^0.49 excess contacts a disk (O'Hern et al. 2003).",
                   f"{ratio} of that, mean over minima with Δφ > 1e-3 of {context.extent.decompressed_disks} disks. The exponent is {exponent} "

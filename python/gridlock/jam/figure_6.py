@@ -39,19 +39,25 @@ def _beyond(values: NDArray[np.float64], *cutoffs: float) -> str:
 
 
 def _draw(forces: NDArray[np.float64], bucklers: NDArray[np.float64], gaps: NDArray[np.float64]) -> Figure:
-    figure, axes = style.new_axes("Figure 6: forces and gaps at jamming", "f/⟨f⟩, or gap h", "share below")
-    for values, label, colour, exponent in ((forces, "forces of other disks", style.COLOURS[0], EXTENDED + 1.0),
-                                            (bucklers, "forces of bucklers", style.COLOURS[1], BUCKLERS + 1.0),
-                                            (gaps, "gaps", style.COLOURS[2], 1.0 - GAPS)):
+    figure, first = style.new_axes("Figure 6: forces at jamming", "f/⟨f⟩", "share below")
+    first.remove()
+    figure.suptitle("Figure 6: forces and gaps at jamming", fontsize=10)
+    left, right = figure.subplots(1, 2, sharey=True)
+    for axes, values, label, colour, exponent in (
+            (left, forces, "forces of other disks", style.COLOURS[0], EXTENDED + 1.0),
+            (left, bucklers, "forces of bucklers", style.COLOURS[1], BUCKLERS + 1.0),
+            (right, gaps, "gaps", style.COLOURS[2], 1.0 - GAPS)):
         if len(values) == 0:
             continue
         x, share = np.sort(values), np.arange(1, len(values) + 1) / len(values)
         axes.step(x, share, color=colour, where="post", label=label)
         axes.plot(x, share[len(x) // 4] * (x / x[len(x) // 4]) ** exponent, color=colour, linestyle=style.DASHED, linewidth=0.8)
-    axes.plot([], [], color="black", linestyle=style.DASHED, linewidth=0.8, label="Charbonneau et al. (2015)")
-    style.logarithmic(axes, "x", "y")
-    axes.set(xlim=(1e-4, 10.0), ylim=(1e-3, 1.5))
-    axes.legend(loc="lower right")
+    left.set(xlabel="force f/⟨f⟩", ylabel="share below", xlim=(1e-3, 10.0), ylim=(1e-3, 1.5))
+    right.set(xlabel="gap h = r/σ − 1", xlim=(1e-6, 1.0))
+    for axes in (left, right):
+        axes.plot([], [], color="black", linestyle=style.DASHED, linewidth=0.8, label="Charbonneau et al. (2015)")
+        style.logarithmic(axes, "x", "y")
+        axes.legend(loc="lower right")
     return figure
 
 

@@ -12,7 +12,7 @@ from .runs import Outcome, Run
 
 
 if TYPE_CHECKING:
-    from .figure_5 import StepCost
+    from .step_cost import StepCost
 
 
 class Context(StudyContext[Extent, Run, Outcome]):

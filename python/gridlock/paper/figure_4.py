@@ -51,10 +51,10 @@ def _kinetic_energy(agents: Agents) -> float:
 def _draw(positions: NDArray[Any], radius: float, title: str) -> Figure:
     figure, axes = style.new_axes(title, "", "", width=3.3, height=3.5)
     column, row = neighbourhoods_of(positions, K).T
-    style.draw_disks(axes, positions, radius, np.array(style.COLOURS)[[4, 0, 3, 2]][column % 2 + 2 * (row % 2)].tolist())
+    style.draw_disks(axes, positions, radius, np.array(style.COLOURS)[[4, 0, 3, 2]][column % 2 + 2 * (row % 2)].tolist(), edge=0.0)
     for edge in np.arange(1, K) / K:
-        axes.axhline(edge, color="black", linewidth=0.3)
-        axes.axvline(edge, color="black", linewidth=0.3)
+        axes.axhline(edge, color="black", linewidth=0.5)
+        axes.axvline(edge, color="black", linewidth=0.5)
     return figure
 
 
@@ -68,7 +68,7 @@ def make(context: Context) -> Chapter:
     positions = np.array(agents.positions)
     context.draw("figure_4_start", lambda: _draw(start, radius, f"start: N = {len(start)}, φ = {plain(PACKING_FRACTION)}, k = "
                                                                 f"{K}"))
-    context.draw("figure_4_after", lambda: _draw(positions, radius, f"after {STEPS} steps"))
+    context.draw("figure_4_after", lambda: _draw(positions, radius, f"after {STEPS} steps: k = {K}"))
     context.write_table("figure_4.csv", "step id x y radius column row", [
         (step, int(id), *place.tolist(), radius, *neighbourhood.tolist())
         for step, places in ((0, start), (STEPS, positions))

@@ -80,7 +80,7 @@ def _draw(context: Context, results: Sequence[Measured], *, is_logarithmic: bool
     if is_logarithmic:
         style.logarithmic(axes, "x", "y")
     else:
-        axes.set_ylim(0.0, None)
+        axes.set_ylim(-0.012 * axes.get_ylim()[1], None)  # the densest curves are nearly 0, and do not lie on the frame
         axes.xaxis.set_major_formatter("{x:,.0f}")
     axes.legend(loc="upper left")
     ends = sorted((result for result in results if result.set.engine == first_engine), key=lambda one: one.displacement().value)

@@ -115,11 +115,10 @@ def _site_table(context: Context, choices: Sequence[Choices]) -> Table:
 
 
 def _draw(context: Context, choices: Sequence[Choices]) -> Figure:
-    figure, axes = style.new_axes("Time step and contact rule", "time step / (diameters per v_max)", "mean displacement / side "
-                                                                                                     "of the box",
-                                  height=3.8)
+    figure, axes = style.new_axes("Time step and contact rule", f"time step / (diameters per {style.V_MAX})",
+                                  "mean displacement / side of the box", height=3.8)
     for choice, colour, marker in zip(choices, style.COLOURS, style.MARKERS):
-        label: str | None = f"{choice.start} {plain(choice.packing_fraction)}"
+        label: str | None = f"{choice.start}, φ = {plain(choice.packing_fraction)}"
         line: Any
         for replica_sets, line in ((choice.always, "-"), (choice.approaching, style.DASHED), ([choice.reference], "none")):
             results = context.measured(replica_sets)
@@ -130,7 +129,7 @@ def _draw(context: Context, choices: Sequence[Choices]) -> Figure:
             label = None
     for contact, line in zip(CONTACTS, ("-", style.DASHED)):
         axes.plot([], [], color=style.GREY, linestyle=line, label=f"contact: {contact}")
-    axes.axvline(0.0, color=style.GREY, linewidth=0.8, linestyle=":")
+    axes.axvline(0.0, color=style.GREY, linewidth=0.8, linestyle=":", zorder=0)
     axes.annotate(context.extent.choice_reference.label, (0.0, 0.02), xycoords=axes.get_xaxis_transform(), xytext=(3, 0),
                   textcoords="offset points", color=style.GREY, fontsize=8)
     longest = max(context.extent.choice_time_steps)
@@ -206,10 +205,13 @@ def _contact_conclusion(context: Context, choices: Sequence[Choices]) -> str:
     for choice in choices:
         for a, b in zip(choice.always, choice.approaching):
             difference.compare(a, b)
-    return (f"Contact rule, \"always\" against \"approaching\": {difference}. Of {sum(one.seeds for one in always)} runs each, "
-            f"{sum(one.arrested for one in always)} came to a standstill with \"always\" and "
-            f"{sum(one.arrested for one in approaching)} with \"approaching\": there halted disks that do not approach keep "
-            "their velocities, try the same blocked displacement again, and whole systems freeze although nothing is jammed.")
+    with_always, with_approaching = (sum(one.arrested for one in ended) for ended in (always, approaching))
+    text = (f"Contact rule, \"always\" against \"approaching\": {difference}. Of {sum(one.seeds for one in always)} runs each, "
+            f"{with_always} came to a standstill with \"always\" and {with_approaching} with \"approaching\"")
+    if with_approaching > with_always:
+        text += (": there halted disks that do not approach keep their velocities, try the same blocked displacement again, and whole "
+                 "systems freeze although nothing is jammed")
+    return text + "."
 
 
 def _site_conclusion(context: Context, choices: Sequence[Choices]) -> str:

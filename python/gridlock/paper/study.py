@@ -8,7 +8,7 @@ from ..study.making import Made as Paper
 from ..study.making import Part, Progress, Stopped, Study, as_extent, carry_out
 from ..study.report import Texts
 from . import extent as extents
-from . import figure_4, figure_5, figure_6, figure_7, open_choices, physics_or_step, turn_order
+from . import figure_4, figure_5, figure_6, figure_7, open_choices, physics_or_step, step_cost, turn_order
 from .context import Context, runs_of
 from .extent import Extent
 
@@ -29,7 +29,7 @@ def _write_runs(context: Context) -> None:
 STUDY = Study(
     parts=(
         Part(4, None, figure_4.make),
-        Part(5, None, figure_5.make, figure_5.measure, lambda context: figure_5.expected_seconds(context.extent),
+        Part(5, None, figure_5.make, figure_5.measure, lambda context: step_cost.expected_seconds(context.extent),
              "Figure 5: counting distances and timing steps"),
         Part(6, lambda context: runs_of(figure_6.plan(context)), figure_6.make),
         Part(7, lambda context: runs_of(figure_7.plan(context)), figure_7.make),
@@ -83,5 +83,5 @@ def make(
     """
     extent = as_extent(extent, extents.quick, extents.full)
     extents.require_possible(extent)
-    figure_5.require_possible(extent)
+    step_cost.require_possible(extent)
     return carry_out(STUDY, directory, extent, figure, seed, threads, overwrite, progress)

@@ -210,7 +210,7 @@ def _write(context: Context, rows: Sequence[Row]) -> None:
 
 
 def _draw(context: Context) -> Figure:
-    figure, axes = style.new_axes("The order of the turns", "time / (diameters per v_max)", "mean displacement / side of the box")
+    figure, axes = style.new_axes("The order of the turns", f"time / (diameters per {style.V_MAX})", "mean displacement / side of the box")
     drawn = [orders for orders in orders_of(context)
              if orders.by_id.run.edge == "wall" and orders.by_id.run.time_step == context.extent.order_time_steps[0]]
     for orders, colour, marker in zip(drawn, style.COLOURS, style.MARKERS):
@@ -223,7 +223,7 @@ def _draw(context: Context) -> Figure:
                 axes.fill_between(x, y - error, y + error, color=colour, alpha=0.18, linewidth=0)
             else:
                 axes.errorbar(x, y, error, color=colour, marker=marker, markersize=3.5, linestyle="none", capsize=2)
-        axes.plot([], [], color=colour, marker=marker, label=f"{orders.by_id.run.start} "
+        axes.plot([], [], color=colour, marker=marker, label=f"{orders.by_id.run.start}, φ = "
                                                              f"{plain(orders.by_id.run.packing_fraction)}")
     style.logarithmic(axes, "x", "y")
     figure.legend(loc="outside right upper", title="lines: stepped\npoints: tiled", title_fontsize=8)

@@ -138,7 +138,7 @@ def chart_forces(axes: Axes, found: Contacts) -> None:
         line(axes, forces, shares, label=f"{label} ({len(forces)})", color=LINE_COLOURS[number])
         middle = len(forces) // 4
         line(axes, forces, shares[middle] * (forces / forces[middle]) ** (1.0 + exponent), color=LINE_COLOURS[number], linestyle=":",
-             label=f"∝ f^{1.0 + exponent:.2f}, mean field")
+             label=f"∝ f$^{{{1.0 + exponent:.2f}}}$, mean field")
     axes.set(xscale="log", yscale="log", xlabel="force f/⟨f⟩", ylabel="share of forces up to f", title=_size_of(found))
     axes.set_ylim(0.5 / max(1, len(found.relative_forces)), 1.5)
     axes.legend()

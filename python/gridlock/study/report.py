@@ -16,11 +16,24 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
 
-def _emphasized(text: str) -> Markup:
-    """Words between ** as strong, everything else as it is."""
+def typeset(text: str) -> Markup:
+    """Words between ** as strong, indices and exponents where they belong, everything else as it is.
+
+    >>> str(typeset("**Note:** v_max, φ_J, N^a and N^(1.59 ± 0.06) in figure_7.csv"))
+    '<strong>Note:</strong> v<sub>max</sub>, φ<sub>J</sub>, N<sup>a</sup> and N<sup>1.59 ± 0.06</sup> in figure_7.csv'
+    """
     from markupsafe import Markup, escape
 
-    return Markup(re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", str(escape(text))))
+    written = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", str(escape(text)))
+    written = re.sub(r"(?<![\w.])([^\W\d_])_(max|\w)(?!\w)", r"\1<sub>\2</sub>", written)
+    written = re.sub(r"(?<=[\w⟩)])\^\(([^()]*(?:\([^()]*\))?[^()]*)\)", r"<sup>\1</sup>", written)
+    return Markup(re.sub(r"(?<=[\w⟩)])\^([−+]?[\d.]*\d|\w)", r"<sup>\1</sup>", written))
+
+
+def _with_values(table: Table) -> Table:
+    """The table without columns in which no row has a value."""
+    kept = [k for k in range(len(table.header)) if not table.rows or any(row[k] != "–" for row in table.rows)]
+    return Table([table.header[k] for k in kept], table.caption, [[row[k] for k in kept] for row in table.rows])
 
 
 def _number_columns(table: Table) -> list[bool]:
@@ -90,7 +103,8 @@ def html(texts: Texts, context: Context[Any, Any, Any], chapters: Sequence[Chapt
         made += f" Each of the {len(context.runs)} simulations is listed in runs.csv with its settings and state hash."
     environment = jinja2.Environment(loader=jinja2.PackageLoader("gridlock.study", "."), autoescape=True, trim_blocks=True,
                                      lstrip_blocks=True, undefined=jinja2.StrictUndefined)
-    environment.filters["emphasized"] = _emphasized
+    environment.filters["typeset"] = typeset
+    environment.filters["with_values"] = _with_values
     environment.filters["number_columns"] = _number_columns
     environment.filters["verdict"] = lambda cell: cell if isinstance(cell, Verdict) else None
     return environment.get_template("report.html.jinja").render(

@@ -92,6 +92,34 @@ def three_sigma(degrees_of_freedom: int) -> float:
     return float(-stdtrit(degrees_of_freedom, ndtr(-3.0)))
 
 
+def verdict_within(difference: float, error: float, bound: float) -> Verdict:
+    """Whether a difference is smaller than a bound, where its error can tell.
+
+    >>> verdict_within(0.05, 0.01, 0.1).value, verdict_within(-0.2, 0.01, 0.1).value, verdict_within(0.1, 0.3, 0.1).value
+    ('agrees', 'differs', 'not decided')
+    """
+    if math.isnan(difference) or abs(abs(difference) - bound) < error:
+        return Verdict.UNDECIDED
+    return Verdict.AGREES if abs(difference) < bound else Verdict.DIFFERS
+
+
+def joint_deviation(deviations: Sequence[float], degrees_of_freedom: Sequence[int]) -> float:
+    """How far several differences are from nothing together, in standard deviations of a normal distribution.
+
+    Each deviation, in standard errors that are known with so many degrees of freedom, is turned into the normal deviation that chance
+    exceeds as often; their sum over √n is normal too where there is no difference. Signs count, so many small differences in one
+    direction show. Source: S. A. Stouffer et al., The American Soldier (1949), volume 1.
+
+    >>> round(joint_deviation([1.0] * 16, [1000] * 16), 2)
+    4.0
+    """
+    from scipy.special import ndtri, stdtr  # type: ignore[import-untyped]
+
+    tails = stdtr(np.asarray(degrees_of_freedom, dtype=np.float64), -np.abs(np.asarray(deviations, dtype=np.float64)))
+    normal = -np.sign(deviations) * ndtri(np.maximum(tails, 1e-300))
+    return float(total(normal) / math.sqrt(len(deviations)))
+
+
 class PowerLaw(NamedTuple):
     """y = prefactor · x_1^p_1 · x_2^p_2 …"""
 

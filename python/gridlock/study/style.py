@@ -10,7 +10,8 @@ import numpy as np
 
 from ..plot.style import COLOURS, GREY, MARKERS, STYLE, sequential
 
-__all__ = ["COLOURS", "DASHED", "GREY", "MARKERS", "draw_disks", "logarithmic", "new_axes", "reference", "rendered", "sequential"]
+__all__ = ["CHI_V", "COLOURS", "DASHED", "GREY", "MARKERS", "PHI_J", "V_MAX", "draw_disks", "logarithmic", "new_axes",
+           "reference", "rendered", "sequential", "tick_text"]
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 #: The width of a picture in inches, that of a page of print.
 WIDTH = 6.4
+#: Symbols with an index.
+V_MAX, PHI_J, CHI_V = (f"{letter}$_\\mathrm{{{index}}}$" for letter, index in (("v", "max"), ("φ", "J"), ("χ", "V")))
 #: Longer dashes than those of matplotlib, which show where curves are short.
 DASHED = (0, (5, 2.5))
 
@@ -63,20 +66,45 @@ def new_axes(title: str, x: str, y: str, *, width: float = WIDTH, height: float 
     return figure, axes
 
 
-def reference(axes: Axes, y: float, label: str) -> None:
-    """A thin line across the chart with a label at its right end."""
+def reference(axes: Axes, y: float, label: str, *, at: float = 1.0) -> None:
+    """A thin line across the chart with a label, which ends at a share of its width."""
     axes.axhline(y, color=GREY, linewidth=0.8, linestyle=":")
-    axes.annotate(label, (1.0, y), xycoords=axes.get_yaxis_transform(), xytext=(-4, 2), textcoords="offset points", color=GREY,
+    axes.annotate(label, (at, y), xycoords=axes.get_yaxis_transform(), xytext=(-4, 2), textcoords="offset points", color=GREY,
                   fontsize=8, ha="right")
 
 
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def tick_text(x: float, *, as_power: bool = False) -> str:
+    """A number at a tick of a logarithmic axis.
+
+    >>> tick_text(10000.0), tick_text(0.05), tick_text(1e-5, as_power=True), tick_text(5e6, as_power=True)
+    ('10,000', '0.05', '10⁻⁵', '5·10⁶')
+    """
+    if not as_power:
+        return f"{x:,.10g}"
+    digits, exponent = f"{x:.0e}".split("e")
+    power = f"10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
+    return power if digits == "1" else f"{digits}·{power}"
+
+
 def logarithmic(axes: Axes, *names: str) -> None:
-    """Makes the axes of these names, "x" and "y", logarithmic, with plain numbers at their ticks."""
+    """Makes the axes of these names, "x" and "y", logarithmic: numbers at the ticks, powers of ten where they reach far, and 2 and 5
+    between where there are few decades."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
     for name in names:
         axes.set(**{f"{name}scale": "log"})
         axis = axes.xaxis if name == "x" else axes.yaxis
-        axis.set_major_formatter("{x:g}")
-        axis.set_minor_formatter("")
+        low, high = sorted(axis.get_view_interval())
+        as_power = low < 1e-4 or high > 1e6
+        formatter = FuncFormatter(lambda x, _, as_power=as_power: tick_text(x, as_power=as_power))  # type: ignore[misc]
+        axis.set_major_formatter(formatter)
+        is_short = high < 100.0 * low
+        if is_short:
+            axis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+        axis.set_minor_formatter(formatter if is_short else NullFormatter())
 
 
 def draw_disks(axes: Axes, positions: NDArray[Any], radius: float, colours: ArrayLike | str, *, edge: float = 0.3) -> None:
@@ -93,6 +121,3 @@ def draw_disks(axes: Axes, positions: NDArray[Any], radius: float, colours: Arra
     axes.add_collection(disks)
     axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0), aspect="equal", xticks=[], yticks=[])
     axes.grid(False)
-
-
-__all__ = ["COLOURS", "DASHED", "GREY", "MARKERS", "WIDTH", "draw_disks", "logarithmic", "new_axes", "reference", "rendered", "sequence"]
