@@ -18,7 +18,7 @@ export const GUIDES: Readonly<Record<string, Guide>> = {
   catalyst: {
     act: "Press *Run*. Then set *Adsorption rate b* to 100, so that A arrives five times as often as B.",
     see: "The number of each species, and how often the events have happened.",
-    ask: "Which species covers the surface in the end? How many reactions are there now in the same time, and why not five times fewer or more?",
+    ask: "Which species covers the surface in the end? In the same time, are there five times fewer reactions, or far fewer still? Why?",
   },
   colloid: {
     act: "Press *Single step* ten times and note the *state hash*. Choose the *Scene* paper and do the same.",
@@ -36,7 +36,7 @@ export const GUIDES: Readonly<Record<string, Guide>> = {
     ask: "Why does the wave end although some were never infected? Does a lower rate change how many fall ill, or only when?",
   },
   epidemic_mixed: {
-    act: "Press *Run*. Then set *Speed* to 0.1, so that walkers meet the same neighbours again and again.",
+    act: "Press *Run*. Then set *Speed* to 0.005, so that each meets the same few others again and again.",
     see: "The curve of the infected: how high its peak is, and when it comes.",
     ask: "Equations for an epidemic take it that everybody meets everybody. Which of the two runs do they describe? What do they get wrong in the other?",
   },
