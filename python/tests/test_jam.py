@@ -3,6 +3,7 @@
 import csv
 import dataclasses
 import json
+import math
 import pathlib
 import subprocess
 import sys
@@ -14,6 +15,7 @@ import gridlock
 from gridlock import jam
 from gridlock.commands.jam import main
 from gridlock.jam import figure_1, figure_3
+from gridlock.study.statistics import Verdict
 
 #: The whole study on a toy: a few disks, a few starts.
 TINY = dataclasses.replace(
@@ -102,6 +104,22 @@ def test_the_rise_is_found_with_its_error():
     for deviations in (middles, widths):
         assert abs(np.mean(deviations)) < 0.5
         assert 0.7 < np.std(deviations) < 1.3
+
+
+def test_shares_that_lag_everywhere_differ_together_though_none_does_alone():
+    references = [(disks, *one) for disks, of_size in figure_1.REFERENCE.items() for one in of_size]
+
+    def claim(lag):
+        """Of made-up shares that many standard errors below those of the independent program."""
+        shares = []
+        for disks, density, value, error in references:
+            jammed = round(600 * max(0.0, value - lag * math.hypot(error, math.sqrt(value * (1 - value) / 600))))
+            shares.append(figure_1.Share(disks, density, jammed, 600))
+        return figure_1._reference_claim(shares)
+
+    assert claim(0.0).verdict is Verdict.AGREES and "would go unseen" in claim(0.0).measured
+    assert claim(1.5).verdict is Verdict.DIFFERS
+    assert figure_1._reference_claim([]).verdict is Verdict.UNDECIDED
 
 
 def test_no_excess_in_a_marginal_packing(whole):

@@ -114,6 +114,15 @@ def test_a_sweep_over_seeds_alone_is_a_histogram_and_yes_or_no_is_no_curve(tmp_p
     assert "contact_number" in axes and not any(name.startswith("is_") for name in axes)
 
 
+def test_the_share_that_is_jammed_is_a_curve(tmp_path, drawn):
+    quench = {**SOFT, "protocol": [{"stage": "quench"}]}
+    made = gridlock.sweep(quench, {"disks.packing_fraction": [0.8, 0.835, 0.9], "run.seed": list(range(1, 9))}, tmp_path / "out")
+    assert 0.0 < made.means["is_jammed"][1] < 1.0
+    chart = drawn(made.path)["is_jammed"]
+    assert chart.get_ylabel() == "share that is jammed"
+    assert chart.containers[0].lines[0].get_ydata().tolist() == made.means["is_jammed"].tolist()
+
+
 def test_agents_of_each_kind_are_counted_in_one_chart(tmp_path, drawn):
     gridlock.run({"model.kind": "epidemic", "epidemic.count": 60, "run.steps": 20, "observe.every": 5}, tmp_path / "out")
     series = gridlock.open(tmp_path / "out").series

@@ -226,7 +226,7 @@ def test_sweeps_have_a_line_for_each_combination(tmp_path):
     axes = gridlock.plot.sweep(made, "collision_rate")
     assert len(axes.containers) == 2 and axes.get_xlabel() == "packing fraction φ"
     legend = axes.figure.legends[0]
-    assert legend.get_title().get_text() == "kind" and [text.get_text() for text in legend.get_texts()] == ["exact", "stepped"]
+    assert legend.get_title().get_text() == "engine" and [text.get_text() for text in legend.get_texts()] == ["exact", "stepped"]
     exact = made.means[made.means["engine.kind"] == "exact"]
     assert axes.containers[0].lines[0].get_ydata().tolist() == exact["collision_rate"].tolist()
     assert len(gridlock.plot.snapshot(made.runs[0]).collections[0].get_offsets()) == 30

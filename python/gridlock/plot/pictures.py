@@ -279,11 +279,11 @@ def _sweep_title(means: Any) -> str:
 
 
 def _drawn_results(table: Any) -> list[str]:
-    """Results with errors, but for those of every model that are no headlines, and yes or no."""
+    """Results with errors, but for those of every model that are no headlines, and those that are yes or no and no share between."""
     of_all_models = {column.name for column in Simulation(disks={"count": 1}).columns}
     names = list(table.dtype.names or ())
-    return [name for name in names if f"{name}_error" in names and not name.startswith("is_")
-            and (name not in of_all_models or name in HEADLINES)]
+    return [name for name in names if f"{name}_error" in names and (name not in of_all_models or name in HEADLINES)
+            and not (name.startswith("is_") and np.isin(table[name], (0.0, 1.0)).all())]
 
 
 def _draw_sweep(artist: _Artist, made: SweepDirectory) -> None:
