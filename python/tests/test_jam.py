@@ -14,8 +14,8 @@ import pytest
 import gridlock
 from gridlock import jam
 from gridlock.commands.jam import main
-from gridlock.jam import figure_1, figure_3
-from gridlock.study.statistics import Verdict
+from gridlock.jam import figure_1, figure_3, figure_7
+from gridlock.study.statistics import Estimate, Verdict
 
 #: The whole study on a toy: a few disks, a few starts.
 TINY = dataclasses.replace(
@@ -120,6 +120,17 @@ def test_shares_that_lag_everywhere_differ_together_though_none_does_alone():
     assert claim(0.0).verdict is Verdict.AGREES and "would go unseen" in claim(0.0).measured
     assert claim(1.5).verdict is Verdict.DIFFERS
     assert figure_1._reference_claim([]).verdict is Verdict.UNDECIDED
+
+
+def test_what_is_said_of_an_exponent_and_of_crystals_follows_from_errors():
+    assert "make it larger" in figure_3._exponent_text(Estimate(0.6, 0.02))
+    assert "make it larger" not in figure_3._exponent_text(Estimate(0.6, 0.1)) + figure_3._exponent_text(Estimate(0.4, 0.02))
+    assert "too few" in figure_3._exponent_text(None)
+    order, disorder = Estimate(0.85, 0.01), Estimate(0.55, 0.01)
+    assert figure_7._verdict(Estimate(0.885, 0.002), order, disorder) is Verdict.AGREES
+    assert figure_7._verdict(Estimate(0.867, 0.002), order, disorder) is Verdict.UNDECIDED
+    assert figure_7._verdict(Estimate(0.845, 0.002), order, disorder) is Verdict.DIFFERS
+    assert figure_7._verdict(Estimate(0.885, 0.002), Estimate(0.66, 0.02), disorder) is Verdict.UNDECIDED
 
 
 def test_no_excess_in_a_marginal_packing(whole):
