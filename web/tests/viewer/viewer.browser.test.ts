@@ -454,7 +454,7 @@ describe("A file on the static page", () => {
       ["cut.h5", bytes.subarray(0, statSync(place.of("results/trajectory.h5")).size / 2), "cut.h5 is cut off: "],
       ["text.h5", "this is no HDF5", "text.h5 is no HDF5 file."],
       ["empty.h5", "", "empty.h5 is empty."],
-      ["damaged.xyz", "2\ncomment\nA 1 2 0\nA 1 zwei 0\n", 'damaged.xyz: line 4 has "zwei" for a number.'],
+      ["damaged.xyz", "2\ncomment\nA 1 2 0\nA 1 zwei 0\n", 'damaged.xyz, line 4: the y position is "zwei", but must be a finite number.'],
       ["picture.png", "\u0089PNG", "picture.png is no file that can be shown here."],
     ];
     for (const [name, content, message] of cases) {
