@@ -4,7 +4,7 @@ import type { ChartDescription } from "./line_chart.ts";
 
 /** A table by columns of one length; NaN where there is no value. */
 export interface NamedColumns {
-  /** Of the rows; empty where they have none. */
+  /** The names of the rows; empty where they have none. */
   readonly names: readonly string[];
   readonly columns: Readonly<Record<string, readonly number[]>>;
 }
@@ -16,7 +16,7 @@ export interface Estimate {
   readonly standardError: number;
 }
 
-/** What a protocol has come to: stages.csv, levels.csv and the results of its last stages. */
+/** The outcome of a protocol: stages.csv, levels.csv and the results of its last stages. */
 export interface PackingTables {
   readonly stages: NamedColumns;
   /** Without rows where no disks are soft. */
@@ -118,7 +118,7 @@ function nameOfStage(stages: NamedColumns, number: number): string {
   return `${number} ${stages.names[column(stages, "stage").indexOf(number)] ?? ""}`.trim();
 }
 
-/** Of the area of a box, the share that disks of these radii cover where none overlap. */
+/** The area of all disks over that of the box. */
 export function packingFraction(radii: ArrayLike<number>, box: { readonly width: number; readonly height: number }): number {
   let sum = 0;
   for (let i = 0; i < radii.length; ++i) sum += (radii[i] as number) ** 2;

@@ -17,7 +17,7 @@ const RESULTS: readonly { name: string; label: string; hint: string; isVerdict?:
 ];
 
 /**
- * What belongs to a packing: the stages of its protocol, its results, and charts against the packing fraction.
+ * A packing in numbers: the stages of its protocol, its results, and charts against the packing fraction.
  *
  * ```ts
  * const packing = new PackingCharts();

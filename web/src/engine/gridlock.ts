@@ -156,7 +156,7 @@ export interface NamedEstimate {
 
 /** A table by columns. */
 export interface ProtocolTable {
-  /** Of its rows; empty where they have none. */
+  /** The names of its rows; empty where they have none. */
   readonly names: readonly string[];
   /** NaN where there is no value. */
   readonly columns: Readonly<Record<string, readonly number[]>>;

@@ -87,7 +87,7 @@ export function namesIn({ act, see, ask }: Guide): string[] {
   return [act, see, ask].flatMap((text) => text.split("*").filter((_, i) => i % 2 === 1));
 }
 
-/** What the page says of a scene: the comment of its file and its guide, of a set-up of the user's own the comment alone. */
+/** The comment of a scene and its guide; for a set-up of the user's own the comment alone. */
 export function guideElements(comment: string, scene: string | undefined): HTMLElement[] {
   const guide = scene === undefined ? undefined : GUIDES[scene];
   const about = element("p", { class: "hint" }, comment);

@@ -50,7 +50,7 @@ export class Served {
       "A run keeps frames where its settings ask for them: --set trajectory.every=100, for example.");
   }
 
-  /** What the protocol of a run has come to; undefined for a run without one, and where its files cannot be read. */
+  /** The outcome of the protocol of a run; undefined for a run without one, and where its files cannot be read. */
   async packing(id: string): Promise<PackingTables | undefined> {
     const address = `${this.address}runs/${encodeURIComponent(id)}/`;
     try {
