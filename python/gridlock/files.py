@@ -347,7 +347,7 @@ class RunDirectory:
     def final(self) -> Frame:
         """The last state."""
         names = self.summary.get("value_names", {}) if (self.path / "summary.json").exists() else {}
-        return _frame(_core.read_xyz(str(self.path / "final.xyz")), names)
+        return _frame(_core.read_xyz(str(self.path / "final.xyz"), None), names)
 
     @property
     def diameter(self) -> float:
