@@ -48,6 +48,12 @@ bool is_there(fs::path const& path) {
   return fs::exists(path, ignored);
 }
 
+/// A directory that is no link to another one, whose names are nobody's business here.
+bool is_own_directory(fs::path const& path) {
+  std::error_code ignored;
+  return fs::is_directory(fs::symlink_status(path, ignored));
+}
+
 bool holds_run(fs::path const& directory) {
   return std::ranges::any_of(std::array{"config.resolved.toml", "trajectory.h5", "final.xyz"},
                              [&](char const* name) { return is_there(directory / name); });
@@ -71,7 +77,7 @@ Kind kind_of(fs::path const& path) {
          .hint = "name the directory of a run or sweep, or an .h5 or .xyz file"});
   }
   if (fs::is_directory(status)) {
-    if (is_there(path / "plan.json") || fs::is_directory(path / "runs", error)) return Kind::sweep;
+    if (is_there(path / "plan.json") || is_own_directory(path / "runs")) return Kind::sweep;
     if (holds_run(path)) return Kind::run;
     throw Error({.what = fmt::format("{} holds neither a run nor a sweep", path.string()),
                  .hint = "a run has config.resolved.toml from its start; a sweep has runs/"});
@@ -101,12 +107,11 @@ Contents::Contents(fs::path const& path) : kind_(kind_of(path)), name_(path.lexi
 std::vector<std::string> Contents::runs() const {
   if (kind_ != Kind::sweep) return {only_run};
   std::vector<std::string> names;
+  if (!is_own_directory(root_ / "runs")) return names;
   std::error_code error;
   for (fs::directory_iterator entry(root_ / "runs", error); !error && entry != fs::directory_iterator();
        entry.increment(error)) {
-    std::error_code ignored;
-    bool const is_directory = entry->is_directory(ignored) && !entry->is_symlink(ignored);
-    if (is_directory && holds_run(entry->path())) names.push_back(entry->path().filename().string());
+    if (is_own_directory(entry->path()) && holds_run(entry->path())) names.push_back(entry->path().filename().string());
   }
   std::ranges::sort(names);
   return names;
@@ -118,8 +123,8 @@ std::optional<ShownRun> Contents::run(std::string const& id) const {
     bool const is_component =
         !id.empty() && !id.starts_with('.') && id.find('/') == std::string::npos && id.find('\0') == std::string::npos;
     fs::path const directory = root_ / "runs" / id;
-    std::error_code error;
-    if (!is_component || fs::is_symlink(directory, error) || !fs::is_directory(directory, error)) return std::nullopt;
+    if (!is_component || !is_own_directory(directory.parent_path()) || !is_own_directory(directory))
+      return std::nullopt;
     return ShownRun{.id = id, .directory = directory, .files = files_of_run(), .trajectory = "trajectory.h5"};
   }
   if (id != only_run) return std::nullopt;

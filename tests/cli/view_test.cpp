@@ -272,6 +272,18 @@ TEST_F(View, FollowsNoLinkOutOfTheDirectory) {
   EXPECT_EQ(viewer.get("/data/runs/linked/files/final.xyz").status, 404);
   EXPECT_EQ(viewer.get("/data/runs/../about.json").status, 404);
   EXPECT_EQ(viewer.get("/data/runs/%2e%2e/about.json").status, 404);
+  // Nor the names of runs that lie elsewhere.
+  make_run("elsewhere/secret");
+  make_run("mine");
+  fs::create_symlink(workplace_ / "elsewhere", workplace_ / "mine/runs");
+  Viewer const own(workplace_, "mine");
+  auto const contents = Json::parse(own.get("/data/contents.json").body);
+  EXPECT_EQ(contents["kind"], "run") << contents;
+  EXPECT_EQ(contents.dump().find("secret"), std::string::npos) << contents;
+  write(workplace_ / "mine/plan.json", "{}");
+  Viewer const sweep(workplace_, "mine");
+  EXPECT_EQ(Json::parse(sweep.get("/data/contents.json").body)["runs"], Json::array());
+  EXPECT_EQ(sweep.get("/data/runs/secret/files/final.xyz").status, 404);
 }
 
 TEST_F(View, AnswersOnlyGetAndHead) {
