@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -231,6 +232,8 @@ Failure failure_of(std::exception const& error) {
 /// Carries out a command and prints what it dies of.
 template <class Command>
 Failure guarded(Command command) {
+  // Otherwise the system ends the program without a word at a limit on the size of files.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     return {command(), ""};
   } catch (std::exception const& error) {

@@ -1,10 +1,15 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <vector>
 
+#include "gridlock/core/error.hpp"
 #include "gridlock/io/h5md.hpp"
+#include "gridlock/io/settings_file.hpp"
+#include "gridlock/simulation/configuration.hpp"
 #include "io/file.hpp"
 #include "verbs.hpp"
 #include "workspace/result_files.hpp"
@@ -13,13 +18,33 @@ namespace gridlock::cli {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+/// How many steps apart to keep about a hundred frames of a run like that of a settings file; every one of a run without
+/// steps, such as a protocol alone, whose only frame is its end.
+std::uint64_t steps_between_frames(fs::path const& settings) {
+  constexpr std::uint64_t usual = 100;
+  try {
+    gridlock::Configuration const configuration =
+        gridlock::read_configuration(gridlock::SettingsFile::from_path(settings));
+    std::uint64_t const steps = configuration.run.steps.value_or(usual * usual);
+    return std::max<std::uint64_t>(1, steps / usual);
+  } catch (gridlock::Error const&) {
+    return usual;  // the model is of another program
+  }
+}
+
+}  // namespace
+
 fs::path trajectory_file(std::string const& path) {
   std::error_code ignored;
   if (!fs::is_directory(path, ignored)) return path;
   fs::path file = fs::path(path) / "trajectory.h5";
   if (!fs::exists(file, ignored) && fs::exists(fs::path(path) / "config.resolved.toml", ignored)) {
-    throw gridlock::Error({.what = fmt::format("the run in {} kept no frames", path),
-                           .hint = "run it again with --set trajectory.every=100, or another number of steps"});
+    std::uint64_t const steps = steps_between_frames(fs::path(path) / "config.resolved.toml");
+    throw gridlock::Error(
+        {.what = fmt::format("the run in {} kept no frames", path),
+         .hint = fmt::format("run it again with --set trajectory.every={}, or another number of steps", steps)});
   }
   return file;
 }

@@ -1,13 +1,17 @@
 #include "gridlock/workspace/sweep.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/workspace/run_directory.hpp"
@@ -61,6 +65,45 @@ ExitCode finish_shard(gridlock::Shard const& shard, std::size_t all, gridlock::S
   return result.failures == 0 && open == 0 ? ExitCode::good : ExitCode::run_failed;
 }
 
+/// What runs that differ in the seed alone have in common.
+std::vector<std::string> values_but_seed(SweepPlan const& plan, std::string const& name) {
+  auto const run = std::ranges::find(plan.runs, name, &SweepRun::name);
+  if (run == plan.runs.end()) return {name};
+  std::vector<std::string> values = run->values;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (plan.keys[k] == "run.seed") values[k].clear();
+  }
+  return values;
+}
+
+/// Prints what runs of a sweep failed of, "seed=1: why": once where other seeds failed of the same but for its numbers.
+void print_failures(SweepPlan const& plan, std::vector<std::string> const& messages) {
+  struct Group {
+    std::vector<std::string> values;
+    std::string reason;  ///< without digits
+    std::string message;
+    std::vector<std::string> others = {};  ///< the names of further runs
+  };
+  std::vector<Group> groups;
+  for (std::string const& message : messages) {
+    std::size_t const colon = std::min(message.find(": "), message.size());
+    std::string const name = message.substr(0, colon);
+    Group group{.values = values_but_seed(plan, name), .reason = message.substr(colon), .message = message};
+    std::erase_if(group.reason, [](char letter) { return letter >= '0' && letter <= '9'; });
+    auto const known = std::ranges::find_if(
+        groups, [&](Group const& other) { return other.values == group.values && other.reason == group.reason; });
+    if (known == groups.end()) {
+      groups.push_back(std::move(group));
+    } else {
+      known->others.push_back(name);
+    }
+  }
+  for (Group const& group : groups) {
+    fmt::print(stderr, "error: {}\n", group.message);
+    if (!group.others.empty()) fmt::print(stderr, "  the same of {}\n", fmt::join(group.others, ", "));
+  }
+}
+
 ExitCode sweep(SweepOptions const& options) {
   auto const shard = shard_of(options.shard);
   gridlock::SweepPlan const plan = gridlock::plan_sweep(options.configuration.read());
@@ -93,7 +136,7 @@ ExitCode sweep(SweepOptions const& options) {
     for (std::string const& note : result.notes) fmt::print(stderr, "note: {}\n", note);
   }
   if (!shard && options.draws) draw_pictures(directory, options.is_quiet);
-  for (std::string const& message : result.messages) fmt::print(stderr, "error: {}\n", message);
+  print_failures(plan, result.messages);
   if (shard) return finish_shard(*shard, plan.runs.size(), result, directory);
   std::size_t const good = plan.runs.size() - result.failures - result.interruptions;
   if (!options.is_quiet) {

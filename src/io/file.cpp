@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <unistd.h>
 
 #include <array>
@@ -92,6 +93,12 @@ void remove_if_abandoned(std::filesystem::path const& path) {
 
 [[noreturn]] void refuse_too_large(std::filesystem::path const& path, std::uint64_t largest) {
   refuse_reading(path, fmt::format("it is larger than {} bytes", largest), "is it the right file?");
+}
+
+/// Whether reading would go on for ever, as that of /dev/zero or of a whole disk. /dev/null is an empty file.
+bool has_no_end(struct stat const& status) {
+  dev_t const null_device = makedev(1, 3);
+  return S_ISBLK(status.st_mode) || (S_ISCHR(status.st_mode) && status.st_rdev != null_device);
 }
 
 }  // namespace
@@ -209,6 +216,9 @@ FileReader::FileReader(std::filesystem::path path)
   struct stat status {};
   if (fstat(file_.number(), &status) != 0) refuse_reading(path_, reason(errno), "");
   if (S_ISDIR(status.st_mode)) refuse_reading(path_, "it is a directory", "name a file inside it");
+  if (has_no_end(status) && isatty(file_.number()) == 0) {
+    refuse_reading(path_, "it is a device, and has no end", "name a file");
+  }
   is_regular_ = S_ISREG(status.st_mode);
   size_ = static_cast<std::uint64_t>(status.st_size);
 }

@@ -75,6 +75,27 @@ bool is_usable_key(std::string_view key) {
   });
 }
 
+constexpr std::string_view lists_of_sweep = "sweep.";
+
+/// A key below [sweep] that names a place in a list, such as `sweep.protocol[0].step`; in a file it is in quotes below
+/// [sweep], and may be here.
+bool is_place_in_sweep(std::string_view key) {
+  return key.starts_with(lists_of_sweep) && key.find('[') != std::string_view::npos;
+}
+
+void set_list_of_place(TomlValue& root, std::string_view key, TomlValue value, SettingLocation const& where) {
+  std::string_view name = key.substr(lists_of_sweep.size());
+  if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+  TomlValue* sweep = root.find("sweep");
+  if (sweep == nullptr) sweep = &root.put("sweep", {.kind = Kind::table, .location = where, .key_location = where});
+  if (!sweep->is_table()) {
+    throw Error(problem_at(where, std::string(key),
+                           fmt::format("{} cannot be set, because sweep is {}, not a table", key, in_words(*sweep)),
+                           "write [sweep] and below it lists"));
+  }
+  sweep->put(name, std::move(value));
+}
+
 /// The table at a place of a list.
 TomlValue& table_at(TomlValue* list, std::string_view key, std::size_t place, SettingLocation const& where) {
   std::size_t const size = list == nullptr || list->kind != Kind::array ? 0 : list->items.size();
@@ -160,6 +181,7 @@ void SettingsFile::set(std::string_view assignment) {
 }
 
 void SettingsFile::set(std::string_view key, std::string_view value, SettingLocation const& where) {
+  if (is_place_in_sweep(key)) return set_list_of_place(content_->root, key, parse_toml_value(value, where), where);
   if (!is_usable_key(key)) {
     throw Error(problem_at(where, "", fmt::format("{} is not the key of a setting", in_quotes(key)),
                            "write the table, a dot and the setting, as in disks.packing_fraction"));

@@ -1,5 +1,7 @@
 #include "io/xyz_lines.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <span>
 #include <utility>
@@ -8,6 +10,13 @@
 #include "io/text.hpp"
 
 namespace gridlock::xyz {
+
+namespace {
+
+/// In bytes: a frame of 1,000 columns with their names has less.
+constexpr std::size_t longest_line = std::size_t{1} << 26;
+
+}  // namespace
 
 std::optional<double> real_number(std::string_view word) {
   if (auto const number = parse_number<double>(word)) return number;
@@ -34,6 +43,7 @@ void split(std::string_view line, std::vector<Word>& words) {
 bool Lines::next() {
   std::size_t end = window_.find('\n', next_);
   while (end == std::string::npos && !is_at_end_) {
+    if (window_.size() - next_ > longest_line) refuse_endless_line();
     std::size_t const searched = window_.size() - begin_;
     if (read_more()) end = window_.find('\n', begin_ + searched);
   }
@@ -74,6 +84,15 @@ bool Lines::read_more() {
   window_.resize(had + got);
   is_at_end_ = got == 0;
   return !is_at_end_;
+}
+
+/// Contract: the window holds the beginning of the next line.
+void Lines::refuse_endless_line() {
+  ++number_;
+  begin_ = next_;
+  length_ = 0;
+  refuse(fmt::format("the line has more than {} bytes, and does not end", longest_line),
+         "this is no text: name a file in extended XYZ");
 }
 
 bool Lines::begin_again() {

@@ -53,6 +53,7 @@ class Lines {
 
  private:
   bool read_more();
+  [[noreturn]] void refuse_endless_line();
   void skip_mark();
 
   TextReader text_;

@@ -178,6 +178,7 @@ SweepPlan read_plan(std::filesystem::path const& directory) {
       require_own_name(run, plan.keys);
       plan.runs.push_back(std::move(run));
     }
+    if (plan.runs.empty()) throw std::runtime_error("it lists no runs");
     return plan;
   } catch (std::exception const& error) {
     throw Error({.what = fmt::format("{} is damaged: {}", path.string(), error.what()),

@@ -371,8 +371,7 @@ TEST(FullDisk, LeavesARunThatResumesToTheSameBitsOnceThereIsRoom) {
   Workplace const workplace;
   WholeRun const whole({"without_frames", "run.steps = 6000", false}, workplace.path());
   // No file may grow beyond 4 KiB: too little for a checkpoint and for the results.
-  Outcome const full =
-      limited("trap '' XFSZ; ulimit -f 4", {"run", "run.toml", "-o", "run", "--no-pictures"}, workplace.path());
+  Outcome const full = limited("ulimit -f 4", {"run", "run.toml", "-o", "run", "--no-pictures"}, workplace.path());
   EXPECT_EQ(full.exit_code, 1) << full.err;
   EXPECT_NE(full.err.find("File too large"), std::string::npos) << full.err;
   EXPECT_NE(full.err.find("no checkpoint"), std::string::npos) << full.err;
@@ -387,8 +386,7 @@ Kind const longer{"longer", "run.steps = 30000"};
 TEST(FullDisk, KeepsOutTheFirstFrameWithAPlainReason) {
   Workplace const workplace;
   write(workplace / "run.toml", toml_of({"quick", "run.steps = 6000"}));
-  Outcome const full =
-      limited("trap '' XFSZ; ulimit -f 4", {"run", "run.toml", "-o", "run", "--no-pictures"}, workplace.path());
+  Outcome const full = limited("ulimit -f 4", {"run", "run.toml", "-o", "run", "--no-pictures"}, workplace.path());
   EXPECT_EQ(full.exit_code, 1) << full.err;
   EXPECT_EQ(full.err.find("error: cannot write run/trajectory.h5: cannot write to the file: File too large"), 0U)
       << full.err;
