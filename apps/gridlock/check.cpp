@@ -15,6 +15,8 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/workspace/run_directory.hpp"
 #include "gridlock/workspace/sweep.hpp"
+#include "outlook.hpp"
+#include "simulation/expected_work.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 
@@ -44,8 +46,11 @@ void print_setup(gridlock::Setup const& setup) {
     return;
   }
   gridlock::Simulation const& simulation = *setup.simulation;
-  fmt::print("{} {}, {}{}, {}, step {:.6g} of time\n", simulation.agents(), kind.agents_name(),
-             sizes_in_words(simulation), in_words(simulation.box()), kind.title(configuration), simulation.time_step());
+  std::string const step = gridlock::takes_steps(configuration)
+                               ? fmt::format(", step {:.6g} of time", simulation.time_step())
+                               : std::string();
+  fmt::print("{} {}, {}{}, {}{}\n", simulation.agents(), kind.agents_name(), sizes_in_words(simulation),
+             in_words(simulation.box()), kind.title(configuration), step);
 }
 
 void print_notes(std::vector<std::vector<gridlock::Event>> const& notes) {
@@ -126,6 +131,7 @@ ExitCode check(ConfigurationOptions const& options) {
   if (!settings.is_given("sweep")) {
     gridlock::Setup const setup = set_up_soon(settings);
     print_setup(setup);
+    print_outlook(setup);
     print_notes({setup.notes});
   } else {
     check_all(gridlock::plan_sweep(settings));

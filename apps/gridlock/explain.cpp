@@ -18,6 +18,7 @@
 #include "gridlock/simulation/run.hpp"
 #include "gridlock/simulation/simulate.hpp"
 #include "io/nearest_name.hpp"
+#include "simulation/lacking.hpp"
 #include "simulation/protocol_simulation.hpp"
 #include "verbs.hpp"
 
@@ -62,7 +63,7 @@ std::string explained_observables(std::string_view key) {
 }
 
 /// How the field abbreviates what is measured and set, and the names it has here.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 9> abbreviations{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 12> abbreviations{{
     {"psi6", "local_bond_orientation_order"},
     {"psi_6", "local_bond_orientation_order"},
     {"msd", "mean_squared_displacement"},
@@ -72,6 +73,9 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 9> abbreviat
     {"n", "disks.count"},
     {"dt", "engine.time_step"},
     {"k", "engine.cells"},
+    {"g(r)", "pair_correlation"},
+    {"gr", "pair_correlation"},
+    {"rdf", "pair_correlation"},
 }};
 
 std::optional<std::string> name_of_abbreviation(std::string key) {
@@ -185,6 +189,8 @@ std::string meant_by(std::string const& key) {
   if (key.size() < least_letters) return "";
   for (std::string& setting : setting_keys(describing(configuration))) names.push_back(std::move(setting));
   std::erase_if(names, [&](std::string const& name) { return name.find(key) == std::string::npos; });
+  std::ranges::sort(names);
+  names.erase(std::ranges::unique(names).begin(), names.end());
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -207,7 +213,37 @@ bool is_last_part(Configuration& configuration, std::string const& key) {
   return std::ranges::any_of(settings, [&](std::string const& setting) { return setting.ends_with(last); });
 }
 
-/// A setting, a table, a column, an engine or an abbreviation. Errors: Error for a key that is none of them.
+/// A stage of a protocol, as "grow"; empty for another word.
+std::string explained_stage(std::string const& key) {
+  for (int kind = 0; kind <= static_cast<int>(StageKind::swap); ++kind) {
+    if (name_of(static_cast<StageKind>(kind)) != key) continue;
+    Configuration configuration;
+    return fmt::format("{} is a stage of a [[protocol]]; gridlock explain protocol lists its settings\n\n{}", key,
+                       explain(describing(configuration), "protocol.stage"));
+  }
+  return "";
+}
+
+/// What is no name of Gridlock's, but a word that is looked for; empty for another word.
+std::string explained_word(std::string const& key) {
+  Configuration configuration;
+  if (key == "temperature" || key == "kT" || key == "kt") {
+    return fmt::format(
+        "{} is not set: kT is the mean kinetic energy of a disk, kinetic_energy / N, and follows from masses and "
+        "speeds\n\n{}",
+        key, explain(describing(configuration), "velocities"));
+  }
+  if (key == "sweep") {
+    return "[sweep] lists values of settings, such as run.seed = [1, 2, 3], and gridlock sweep makes a run of every "
+           "combination\n";
+  }
+  auto const lacking = sentence_on_lacking(key);
+  if (!lacking) return explained_stage(key);
+  std::string const names = meant_by(key);
+  return fmt::format("{}\n{}", *lacking, names.empty() ? "" : fmt::format("names near to it: {}\n", names));
+}
+
+/// A setting, a table, a column, an engine, an abbreviation or another word that is looked for. Errors: Error for a key that is none of them.
 std::string explained(std::string const& key) {
   if (auto const name = name_of_abbreviation(key)) return fmt::format("{} is {}\n\n{}", key, *name, explained(*name));
   std::string text = explained_observables(key);
@@ -224,6 +260,7 @@ std::string explained(std::string const& key) {
   std::string const elsewhere = explained_elsewhere(key);
   if (!text.empty() && !elsewhere.empty()) text += '\n';
   text += elsewhere;
+  if (text.empty()) text = explained_word(key);
   if (!text.empty()) return text;
   std::string const names = meant_by(key);
   throw Error({.what = fmt::format("there is no setting and no column \"{}\"", key),

@@ -54,7 +54,7 @@ void describe(SpeciesSettings& settings, SettingVisitor& visitor) {
                 settings.size_ratio);
   visitor.visit({.key = "mass",
                  .unit = "mass",
-                 .documentation = "Mass of a disk of this kind; the engine exact takes masses up to about 10⁶ apart.",
+                 .documentation = "Mass of a disk of this kind; with equal speeds the engine exact takes masses up to about 10⁶ apart.",
                  .least = least_magnitude,
                  .most = most_magnitude},
                 settings.mass);

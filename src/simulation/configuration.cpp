@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "simulation/lacking.hpp"
 
 namespace gridlock {
 
@@ -143,6 +144,14 @@ Configuration read_configuration(SettingsFile const& file) {
     file.read_into(describing(configuration));
   } catch (Error const& error) {
     problems = error.problems();
+  }
+  for (Problem& problem : problems) {
+    // What has a like name, or belongs elsewhere, is more likely to be meant.
+    bool const is_like_nothing = problem.what.starts_with("there is no ") &&
+                                 !problem.hint.starts_with("did you mean") &&
+                                 problem.hint.find(" belongs in ") == std::string::npos;
+    auto const lacking = sentence_on_lacking(problem.key.substr(problem.key.rfind('.') + 1));
+    if (is_like_nothing && lacking) problem.hint = *lacking;
   }
   if (configuration.models.find(configuration.model.kind) == nullptr) {
     // Its table is unknown for that reason alone.

@@ -204,11 +204,9 @@ std::vector<Event> notes_on_ends(std::vector<StageSettings> const& stages) {
   return notes;
 }
 
-bool has_length(RunSettings const& run) { return run.steps.value_or(0) > 0 || run.time || run.collisions_per_disk; }
-
 void require_no_overlaps_in_run(Configuration const& configuration) {
   auto const& stages = configuration.protocol;
-  if (stages.empty() || !leaves_overlaps(stages.back().kind) || !has_length(configuration.run)) return;
+  if (stages.empty() || !leaves_overlaps(stages.back().kind) || !takes_steps(configuration)) return;
   throw Error(
       {.what = fmt::format("the run is one of hard disks, and the last stage of the protocol, \"{}\", leaves overlaps",
                            name_of(stages.back().kind)),
@@ -236,7 +234,10 @@ class DisksKind final : public ModelKind {
   [[nodiscard]] std::string_view documentation() const override { return "Hard disks."; }
   [[nodiscard]] std::string_view agents_name() const override { return "disks"; }
   [[nodiscard]] std::string title(Configuration const& configuration) const override {
-    return fmt::format("engine {}", configuration.engine.kind);
+    std::size_t const stages = configuration.protocol.size();
+    std::string const protocol = fmt::format("protocol of {} stage{}", stages, stages == 1 ? "" : "s");
+    if (!takes_steps(configuration)) return protocol;
+    return fmt::format("{}engine {}", stages == 0 ? "" : protocol + ", then ", configuration.engine.kind);
   }
   [[nodiscard]] std::vector<std::string> value_names(std::string_view /*column*/) const override { return {}; }
 
@@ -282,6 +283,7 @@ class DisksKind final : public ModelKind {
   [[nodiscard]] bool counts_collisions() const override { return true; }
   [[nodiscard]] std::vector<std::pair<std::string, std::string>> choices(
       Configuration const& configuration) const override {
+    if (!takes_steps(configuration)) return {};
     return {{"engine", configuration.engine.kind}};
   }
 

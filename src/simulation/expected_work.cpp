@@ -22,6 +22,11 @@ double steps_of(RunSettings const& run, double duration_of_step) {
 
 }  // namespace
 
+bool takes_steps(Configuration const& configuration) {
+  RunSettings const& run = configuration.run;
+  return configuration.protocol.empty() || run.steps.value_or(0) > 0 || run.time || run.collisions_per_disk;
+}
+
 bool uses_threads(Configuration const& configuration) { return configuration.kind().uses_threads(configuration); }
 
 std::uint64_t threads_of(Configuration const& configuration, std::optional<std::uint64_t> asked_for,

@@ -15,6 +15,9 @@ struct Expectation {
 };
 Expectation expectation_of(Setup const& setup);
 
+/// Whether a run takes steps of an engine or a model; else its protocol is all of it.
+bool takes_steps(Configuration const& configuration);
+
 /// Whether more threads than one are of any use to a run.
 bool uses_threads(Configuration const& configuration);
 

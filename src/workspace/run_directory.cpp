@@ -119,7 +119,7 @@ std::string summary_json(std::string const& versions, Configuration const& confi
   json["steps"] = record.steps;
   json["step"] = record.clock.step;
   json["time"] = record.clock.time;
-  json["time_step"] = record.time_step;
+  if (takes_steps(configuration)) json["time_step"] = record.time_step;
   json["timing"] = {{"seconds", record.seconds},
                     {"agent_steps_per_second", record.agent_steps_per_second()},
                     {"target", to_text(target())}};

@@ -1,0 +1,55 @@
+#include "simulation/lacking.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+namespace gridlock {
+
+namespace {
+
+struct Lacking {
+  std::string_view word;
+  std::string_view instead;  ///< what is so without it
+};
+
+constexpr std::string_view constant_energy = "the energy of a run is constant";
+constexpr std::string_view constant_area =
+    "the area of a run is constant; a stage of a [[protocol]] may end at a pressure";
+constexpr std::string_view no_shear = "it says whether a packing is stable against shear, but cannot shear it";
+constexpr std::string_view no_forces = "hard disks fly freely between collisions";
+constexpr std::string_view smooth = "disks are smooth and elastic";
+
+/// docs/explanation/limits.md says each of them.
+constexpr std::array<Lacking, 16> all_lacking{{
+    {"thermostat", constant_energy},
+    {"langevin", constant_energy},
+    {"brownian", constant_energy},
+    {"barostat", constant_area},
+    {"pressure", constant_area},
+    {"npt", constant_area},
+    {"tilt", "the box is a rectangle"},
+    {"obstacles", "the box is a rectangle, with walls or periodic edges on all four sides"},
+    {"shear", no_shear},
+    {"strain", no_shear},
+    {"gravity", no_forces},
+    {"forces", no_forces},
+    {"field", no_forces},
+    {"friction", smooth},
+    {"restitution", smooth},
+    {"gpu", "it computes on the cores of a processor"},
+}};
+
+}  // namespace
+
+std::optional<std::string> sentence_on_lacking(std::string_view word) {
+  std::string lower(word);
+  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  auto const found = std::ranges::find(all_lacking, lower, &Lacking::word);
+  if (found == all_lacking.end()) return std::nullopt;
+  return fmt::format("Gridlock has no {}: {} (see limits in the documentation)", found->word, found->instead);
+}
+
+}  // namespace gridlock
