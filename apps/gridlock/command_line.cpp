@@ -197,13 +197,16 @@ ExitCode run_command_line_of_one(int argc, char** argv, std::string const& name,
   return exit_code;
 }
 
+/// Without an exception where standard error takes no more, as a file at its limit: the exit code tells all the same.
+void print_error(std::string const& text) { std::fputs(fmt::format("error: {}\n", text).c_str(), stderr); }
+
 /// The code to end with: of what was printed, some may not have arrived, as on a full disk.
 ExitCode after_printing(ExitCode exit_code) {
   bool const is_flushed = std::fflush(stdout) == 0;
   int const why = errno;
   if (is_flushed && std::ferror(stdout) == 0) return exit_code;
-  fmt::print(stderr, "error: cannot write to standard output: {}\n  hint: what was printed is not complete\n",
-             is_flushed ? "an earlier write failed" : std::strerror(why));
+  print_error(fmt::format("cannot write to standard output: {}\n  hint: what was printed is not complete",
+                          is_flushed ? "an earlier write failed" : std::strerror(why)));
   return exit_code == ExitCode::good ? ExitCode::run_failed : exit_code;
 }
 
@@ -238,7 +241,7 @@ Failure guarded(Command command) {
     return {command(), ""};
   } catch (std::exception const& error) {
     Failure failure = failure_of(error);
-    if (!failure.is_of_printing) fmt::print(stderr, "error: {}\n", failure.text);
+    if (!failure.is_of_printing) print_error(failure.text);
     return failure;
   }
 }

@@ -51,6 +51,12 @@ TEST(LimitOfFiles, EndsARunWithTheReason) {
   EXPECT_NE(outcome.err.find("File too large"), std::string::npos) << outcome.err;
 }
 
+TEST(LimitOfFiles, OfTheErrorsThemselvesLeavesTheExitCode) {
+  Workplace const workplace;
+  EXPECT_EQ(in_shell(workplace, "ulimit -f 0; exec \"$0\" run missing.toml").exit_code, 2);
+  EXPECT_EQ(in_shell(workplace, "exec \"$0\" run missing.toml 2> /dev/full").exit_code, 2);
+}
+
 TEST(ListsOfStages, AreGivenByTheCommandLineAsInAFile) {
   Workplace const workplace;
   fs::path const scene = fs::path(GRIDLOCK_SOURCE_DIR) / "scenes/jamming.toml";
