@@ -15,7 +15,7 @@ constexpr char const* mine = "a file of the user\n";
 constexpr char const* packing =
     "3\nLattice=\"3 0 0 0 2 0 0 0 1\" Properties=species:S:1:pos:R:3:radius:R:1 pbc=\"T T F\" note=\"mine\"\n"
     "A 0.25 0.25 0 0.2501\nA 0.75 0.25 0 0.2501\nA 1.25 0.75 0 0.25\n";
-constexpr char const* run_with_frames =
+constexpr char const* settings_with_frames =
     "disks = { count = 9, packing_fraction = 0.3 }\nrun.steps = 20\ntrajectory.every = 10\n"
     "observe = { every = 2, structure_every = 1 }\n";
 constexpr char const* protocol =
@@ -39,9 +39,9 @@ std::vector<std::string> in_folder(std::string const& folder, std::vector<std::s
 
 /// A run, a sweep in two shards, and settings and a packing beside them.
 void furnish(Workplace const& workplace) {
-  write(workplace / "run.toml", run_with_frames);
+  write(workplace / "run.toml", settings_with_frames);
   write(workplace / "protocol.toml", protocol);
-  write(workplace / "sweep.toml", std::string(run_with_frames) + "[sweep]\nrun.seed = [1, 2]\n");
+  write(workplace / "sweep.toml", std::string(settings_with_frames) + "[sweep]\nrun.seed = [1, 2]\n");
   write(workplace / "packing.xyz", packing);
   fs::create_directory(workplace / "d");
 }

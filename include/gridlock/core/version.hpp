@@ -7,6 +7,12 @@ namespace gridlock {
 ///     0.2.0-dev+0123456789ab            of that commit
 ///     0.2.0-dev+0123456789ab.modified   with changes to what is compiled
 ///     0.2.0-dev+unknown                 of sources without git
+///
+/// ```cpp
+/// #include <string>
+///
+/// std::string const program = std::string("gridlock ") + gridlock::version();
+/// ```
 char const* version();
 
 }  // namespace gridlock
