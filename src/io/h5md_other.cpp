@@ -12,6 +12,7 @@
 #include "gridlock/core/error.hpp"
 #include "io/h5md_layout.hpp"
 #include "io/h5md_source.hpp"
+#include "io/xyz_header.hpp"
 
 namespace gridlock::h5md {
 
@@ -40,12 +41,14 @@ struct Span {
 };
 
 /// Where a position and the image it is in are those of the same point before and after.
-void fold(std::vector<double>& values, double side, std::vector<std::int32_t>* images) {
+void fold_all(std::vector<double>& values, double side, std::vector<std::int32_t>* images) {
   for (std::size_t row = 0; row < values.size(); ++row) {
-    double const boxes = std::floor(values[row] / side);
-    values[row] -= side * boxes;
-    if (values[row] >= side) values[row] = 0.0;  // a negative number that rounds away
-    if (images != nullptr) (*images)[row] += static_cast<std::int32_t>(boxes);
+    double const before = values[row];
+    double const image = xyz::fold(values[row], side) + (images != nullptr ? (*images)[row] : 0);
+    if (!(std::abs(image) <= std::numeric_limits<std::int32_t>::max())) {
+      throw hdf5::Failure(fmt::format("an agent is at {:.6g}, {:.3g} boxes outside", before, std::abs(image)));
+    }
+    if (images != nullptr) (*images)[row] = static_cast<std::int32_t>(image);
   }
 }
 
@@ -417,7 +420,7 @@ void OtherTrajectory::put_inside(Frame& frame) const {
     auto* const images =
         found == frame.columns.end() ? nullptr : std::get_if<std::vector<std::int32_t>>(&found->values);
     if (frame.box.is_periodic()) {
-      fold(values, side, images);
+      fold_all(values, side, images);
     } else {
       count_from_wall(values, side, around);
     }

@@ -193,8 +193,8 @@ void Reader::put_inside(Row& row) {
 std::int32_t Reader::folded(double& place, double side, std::int32_t image) const {
   double const before = place;
   double const moved = static_cast<double>(image) + fold(place, side);
-  constexpr double most = std::numeric_limits<std::int32_t>::max();
-  if (std::abs(moved) <= most) return static_cast<std::int32_t>(moved);
+  constexpr double max_image = std::numeric_limits<std::int32_t>::max();
+  if (std::abs(moved) <= max_image) return static_cast<std::int32_t>(moved);
   lines_.refuse(fmt::format("the disk at {} is {:.3g} boxes outside", before, std::abs(moved)),
                 "are positions and Lattice in one unit?");
 }
