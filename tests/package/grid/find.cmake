@@ -1,6 +1,6 @@
 cmake_minimum_required(VERSION 3.25)
 project(finds_grid LANGUAGES CXX)
-find_package(gridlock 0.1 REQUIRED COMPONENTS grid)
+find_package(gridlock 0.2 REQUIRED COMPONENTS grid)
 foreach(program compare neighbour_search)
   add_executable(${program} ${program}.cpp)
   target_link_libraries(${program} PRIVATE gridlock::grid)
