@@ -128,7 +128,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, ColloidOn, testing::ValuesIn(colloid_cases()),
 TEST(Colloid, ADiskThatCouldJumpOverAnotherEndsTheRun) {
   Colloid model;
   model.step_length = 3.0;
-  World<Colloid> world{.box = Box(1.0, 1.0, Edge::wall), .seed = 1};
+  World<Colloid> world{.box = Box(1.25, 0.8, Edge::wall), .seed = 1};
   start_agents(model, world);
   ModelEngine<Colloid> engine(model, world.box, {});
   EXPECT_THROW(engine.advance(world, {.step = 100}), RunFailure);

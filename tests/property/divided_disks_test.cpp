@@ -129,7 +129,7 @@ TEST_F(DividedDisksTest, ContinueOnAnotherNumberOfRanksAndInOneProcess) {
 }
 
 TEST_F(DividedDisksTest, RefuseWhatOneProcessRefuses) {
-  State state{.box = Box(1.0, 1.0, Edge::wall)};
+  State state{.box = Box(1.25, 0.8, Edge::wall)};
   for (std::size_t i = 0; i < 40; ++i)
     state.agents.add(0.3 + 0.01 * static_cast<double>(i), 0.5, 0.1, 0.0, 0.01, 1.0, 0, 0);
   write_xyz(state, temporary_ / "overlapping.xyz");

@@ -203,7 +203,7 @@ template <class Model>
 std::vector<std::size_t> agents_of_ranks(Model const& model, std::size_t ranks, std::uint64_t steps) {
   std::vector<std::size_t> agents(ranks);
   ThreadRanks(ranks).run_on_all([&](Ranks& here) {
-    ModelOfRank<Model> own(here, model, Box(1.0, 1.0, Edge::periodic), 5, 1, [](auto const& act) { act(); });
+    ModelOfRank<Model> own(here, model, Box(1.25, 0.8, Edge::periodic), 5, 1, [](auto const& act) { act(); });
     Counters counters;
     if (here.rank() == 0) {
       own.advance(counters, {.step = steps});

@@ -101,7 +101,7 @@ TEST(InsertionOnRanks, HasTheSitesOfOneProcessForManyDisks) {
 
 TEST(InsertionOnRanks, ServesMoreRanksThanRowsOfCells) {
   // Two rows of cells across, and no more than that.
-  Box const box(1.0, 1.0, Edge::periodic);
+  Box const box(1.25, 0.8, Edge::periodic);
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     expect_insertion_of_one_process(box, radii_for(std::vector<double>(4, 1.0), 0.25, box), seed, {3, 9});
   }
@@ -111,7 +111,7 @@ TEST(InsertionOnRanks, GivesUpAtTheSameDisk) {
   std::uint64_t times = 0;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     RandomStream random(seed, 0, 0, Purpose::start_velocity);
-    Box const box(1.0, 1.0, seed % 2 == 0 ? Edge::wall : Edge::periodic);
+    Box const box(1.25, 0.8, seed % 2 == 0 ? Edge::wall : Edge::periodic);
     std::size_t const count = std::vector<std::size_t>{7, 40, 300}[seed % 3];
     std::vector<double> const radii = radii_for(ratios_of(static_cast<Sizes>(seed / 3), count, random), 0.75, box);
     if (expect_insertion_of_one_process(box, radii, seed, {1, 2, 5}) < count) ++times;
@@ -121,7 +121,7 @@ TEST(InsertionOnRanks, GivesUpAtTheSameDisk) {
 }
 
 TEST(InsertionOnRanks, PlacesNothingWhereTheLargestDiskDoesNotFit) {
-  Box const box(1.0, 1.0, Edge::wall);
+  Box const box(1.25, 0.8, Edge::wall);
   EXPECT_EQ(expect_insertion_of_one_process(box, {0.1, 0.1, 0.6, 0.1}, 1, {1, 2, 6}), 0U);
 }
 

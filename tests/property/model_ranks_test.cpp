@@ -79,7 +79,7 @@ TEST(ModelOnRanks, HasTheBitsOfOneProcess) {
 TEST(ModelOnRanks, HasTheBitsOfOneProcessForShippedModels) {
   Epidemic const epidemic{.count = 700, .infected_at_start = 0.2, .radius = 0.05, .speed = 0.3, .turnover_rate = 1.0};
   Flocking const boids{.count = 500, .rule = FlockingRule::boids, .radius = 0.1, .speed = 0.02, .separation = 0.03};
-  for (Box const& box : {Box(1.0, 1.0, Edge::wall), Box(1.3, 0.7, Edge::periodic)}) {
+  for (Box const& box : {Box(1.25, 0.8, Edge::wall), Box(1.3, 0.7, Edge::periodic)}) {
     for (std::size_t const ranks : {2U, 5U}) {
       expect_same(advance(epidemic, started(epidemic, box, 3), {.step = 80}, {}),
                   advance_on_ranks(epidemic, started(epidemic, box, 3), {.step = 80}, ranks, 1), "epidemic");
@@ -157,7 +157,7 @@ TEST(ModelOnRanks, FailsWhereOneProcessDoesWithTheSameWords) {
 }
 
 TEST(ModelOnRanks, EndsWhereItIsAskedToOrTheQuestionFails) {
-  System const s{.model = {.birth = 0.01, .death = 0.01}, .box = Box(1.0, 1.0, Edge::periodic), .seed = 9};
+  System const s{.model = {.birth = 0.01, .death = 0.01}, .box = Box(1.25, 0.8, Edge::periodic), .seed = 9};
   expect_to_be_whole_where_it_ends(s.model, s.start());
 }
 
@@ -165,7 +165,7 @@ TEST(ModelOnRanks, SendsNoMessageThatGrowsWithTheBoxBehindItsRim) {
   // Messages of a step without births: one to each neighbour, and what all tell all.
   auto const messages_of = [](std::size_t agents, std::uint64_t steps) {
     Flocking const model{.count = agents, .radius = 0.05, .speed = 0.01};
-    World<Flocking> world{.box = Box(1.0, 1.0, Edge::periodic), .seed = 1};
+    World<Flocking> world{.box = Box(1.25, 0.8, Edge::periodic), .seed = 1};
     start_agents(model, world);
     EndedWorld<Flocking> ended{.world = std::move(world), .counters = {}, .failure = {}, .names = {}};
     ThreadRanks ranks(2);

@@ -122,7 +122,7 @@ TEST(SharedStart, HasTheRowsOfOneProcess) {
 TEST(SharedStart, RefusesOnAllRanksWhatOneProcessRefuses) {
   DisksSettings disks{.count = 3000, .packing_fraction = 0.7};
   disks.species = {{.fraction = 0.5}, {.fraction = 0.5, .size_ratio = 3.0}};
-  Box const box(1.0, 1.0, Edge::periodic);
+  Box const box(1.25, 0.8, Edge::periodic);
   auto const refusal_of = [&](ShareOfRows const& share) {
     try {
       static_cast<void>(make_start(box, disks, 1, share));

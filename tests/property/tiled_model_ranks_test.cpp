@@ -200,7 +200,7 @@ TEST(TiledModelOnRanks, HasTheBitsOfOneProcess) {
 TEST(TiledModelOnRanks, HasTheBitsOfOneProcessOnAsManyRanksAsTiles) {
   for (Edge const edge : {Edge::wall, Edge::periodic}) {
     Market const s{.model = {.count = 2500, .radius = 0.02, .late = 0.004, .birth = 0.02, .death = 0.02},
-                   .box = Box(1.0, 1.0, edge),
+                   .box = Box(1.25, 0.8, edge),
                    .seed = 6};
     std::size_t const tiles = Tiling(cells_of_step(s.box, s.model.radius, s.model.count).layout).tiles().size();
     ASSERT_GE(tiles, 9U);
@@ -263,12 +263,12 @@ TEST(TiledModelOnRanks, FailsWhereOneProcessDoesWithTheSameWords) {
 
 TEST(TiledModelOnRanks, EndsWhereItIsAskedToOrTheQuestionFails) {
   Market const s{
-      .model = {.radius = 0.03, .birth = 0.01, .death = 0.01}, .box = Box(1.0, 1.0, Edge::periodic), .seed = 9};
+      .model = {.radius = 0.03, .birth = 0.01, .death = 0.01}, .box = Box(1.25, 0.8, Edge::periodic), .seed = 9};
   expect_to_be_whole_where_it_ends(s.model, s.start());
 }
 
 TEST(TiledModelOnRanks, EndsAtTheStepWithEnoughCollisions) {
-  Market const s{.model = {.radius = 0.03}, .box = Box(1.0, 1.0, Edge::wall), .seed = 3};
+  Market const s{.model = {.radius = 0.03}, .box = Box(1.25, 0.8, Edge::wall), .seed = 3};
   StopCondition const enough{.pair_collisions = 30'000};
   EndedWorld const one = advance(s.model, s.start(), enough, {});
   EXPECT_GT(one.world.clock.step, 5U);
@@ -276,7 +276,7 @@ TEST(TiledModelOnRanks, EndsAtTheStepWithEnoughCollisions) {
 }
 
 TEST(TiledModelOnRanks, HasTheBitsOfOneProcessForColloidsWithLateDisks) {
-  for (Box const& box : {Box(1.0, 1.0, Edge::wall), Box(1.3, 0.7, Edge::periodic)}) {
+  for (Box const& box : {Box(1.25, 0.8, Edge::wall), Box(1.3, 0.7, Edge::periodic)}) {
     TiledColloid model;
     model.disks = {.count = 1500, .packing_fraction = 0.6, .start = StartKind::triangular};
     model.velocities.kind = VelocityKind::maxwell;
@@ -306,7 +306,7 @@ struct FarMovers {
 };
 
 TEST(TiledModelOnRanks, RefusesAMoveOfALocalAgentBeyondTheCellsNextToItsOwn) {
-  Box const box(1.0, 1.0, Edge::periodic);
+  Box const box(1.25, 0.8, Edge::periodic);
   EndedWorld const one = advance(FarMovers{}, started(FarMovers{}, box, 1), {.step = 9}, {.threads = 1});
   EXPECT_NE(one.failure.find("step 3: agent "), std::string::npos) << one.failure;
   EXPECT_NE(one.failure.find("farther than the cells next to its own"), std::string::npos) << one.failure;

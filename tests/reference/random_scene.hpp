@@ -15,8 +15,8 @@ namespace gridlock::reference {
 /// A random set-up of hard disks, described by numbers alone so that a failure can be printed and repeated.
 struct SceneSettings {
   Edge edge = Edge::wall;
-  double width = 1.0;
-  double height = 1.0;
+  double width = 1.25;  ///< An oblong box tells what takes x for y.
+  double height = 0.8;
   std::uint64_t count = 20;
   double packing_fraction = 0.4;  ///< asked for; less where the disks would not fit on their sites
   double smallest_ratio = 1.0;    ///< radii are uniform in [smallest_ratio, 1] of the largest
