@@ -110,7 +110,7 @@ class OtherTrajectory final : public Source {
 
   [[nodiscard]] H5mdFrame read_frame(std::size_t k) const;
   [[nodiscard]] std::vector<double> clock_of(std::string const& element, char const* name, std::size_t count) const;
-  [[nodiscard]] std::vector<std::size_t> rows_by_id(std::size_t k, std::vector<Id>& ids) const;
+  [[nodiscard]] std::vector<std::size_t> row_index(std::size_t k, std::vector<Id>& ids) const;
   [[nodiscard]] std::pair<double, double> sides_at(std::size_t k) const;
   [[nodiscard]] std::vector<double> component(Quantity const& quantity, std::size_t k, std::size_t c) const;
   [[nodiscard]] FrameValues values(Quantity const& quantity, std::size_t k, std::size_t c) const;
@@ -371,7 +371,7 @@ std::vector<std::string> OtherTrajectory::column_names() const {
 
 /// The rows of a frame in the order of the Ids, which are the numbers of the rows where the file has none. A negative Id, or
 /// the largest there is, is that of an agent who is absent.
-std::vector<std::size_t> OtherTrajectory::rows_by_id(std::size_t k, std::vector<Id>& ids) const {
+std::vector<std::size_t> OtherTrajectory::row_index(std::size_t k, std::vector<Id>& ids) const {
   std::vector<std::size_t> rows(agents_);
   std::iota(rows.begin(), rows.end(), std::size_t{0});
   auto const quantity = quantity_of("id");
@@ -460,7 +460,7 @@ H5mdFrame OtherTrajectory::read_frame(std::size_t k) const {
     throw hdf5::Failure(fmt::format("the box of frame {} is {} × {}", k, width, height));
   }
   frame.clock = clocks_[k];
-  std::vector<std::size_t> const rows = rows_by_id(k, frame.ids);
+  std::vector<std::size_t> const rows = row_index(k, frame.ids);
   std::vector<std::string> const names = column_names();
   for (std::size_t c = 0; c < 2; ++c)
     frame.columns.push_back({.name = names[c], .values = in_order(values(positions_, k, c), rows)});

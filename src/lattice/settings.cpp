@@ -52,12 +52,14 @@ void describe(SpeciesSettings& settings, SettingVisitor& visitor) {
                  .least = least_size_ratio,
                  .most = most_size_ratio},
                 settings.size_ratio);
-  visitor.visit({.key = "mass",
-                 .unit = "mass",
-                 .documentation = "Mass of a disk of this kind; with equal speeds the engine exact takes masses up to about 10⁶ apart.",
-                 .least = least_magnitude,
-                 .most = most_magnitude},
-                settings.mass);
+  visitor.visit(
+      {.key = "mass",
+       .unit = "mass",
+       .documentation =
+           "Mass of a disk of this kind; with equal speeds the engine exact takes masses up to about 10⁶ apart.",
+       .least = least_magnitude,
+       .most = most_magnitude},
+      settings.mass);
 }
 
 void describe(DisksSettings& settings, SettingVisitor& visitor) {

@@ -310,7 +310,11 @@ TEST(Xyz, WhatIsWrongInALaterFrameHasItsLine) {
 }
 
 TEST(Xyz, AFileInUtf16IsToldFromOneThatIsNoXyz) {
-  EXPECT_EQ(problem_of(std::string("\xFF\xFE" "1\0\n\0", 6)).hint, "the file is in UTF-16: save it in UTF-8");
+  EXPECT_EQ(problem_of(std::string("\xFF\xFE"
+                                   "1\0\n\0",
+                                   6))
+                .hint,
+            "the file is in UTF-16: save it in UTF-8");
 }
 
 TEST(Xyz, EndingsOfOtherProgramsAreThoseOfExtendedXyz) {
