@@ -205,10 +205,12 @@ Row Reader::row_of(std::vector<Word> const& words) const {
   if (!columns().has_momenta) return row;
   Vector const momentum = row.velocity;
   row.velocity = {momentum.x / row.mass, momentum.y / row.mass};
-  if (std::isfinite(row.velocity.x) && std::isfinite(row.velocity.y)) return row;
-  lines_.refuse(
-      fmt::format("the momentum {}, {} over the mass {} is no finite velocity", momentum.x, momentum.y, row.mass),
-      "are they in one unit?");
+  if (!std::isfinite(row.velocity.x) || !std::isfinite(row.velocity.y)) {
+    lines_.refuse(
+        fmt::format("the momentum {}, {} over the mass {} is no finite velocity", momentum.x, momentum.y, row.mass),
+        "are they in one unit?");
+  }
+  return row;
 }
 
 /// Momenta take the place of velocities until all of the row is known.
