@@ -31,8 +31,9 @@ class Frames(Protocol):
     def size(self) -> int: ...
     def steps(self) -> NDArray[np.uint64]: ...
     def times(self) -> NDArray[np.float64]: ...
-    def frame(self, k: int) -> FrameValues: ...
+    def frame(self, k: int) -> Any: ...
     def contacts(self) -> Any: ...
+    def value_names(self) -> dict[str, list[str]]: ...
 
 
 def frames_of(path: str) -> Frames:
@@ -43,7 +44,9 @@ def frames_of(path: str) -> Frames:
     word = format_of(path)
     if word == "lammps_dump":
         return LammpsDump(path)
-    return GsdFile(path) if word == "gsd" else _core.Trajectory(path)
+    if word == "gsd":
+        return GsdFile(path)
+    return _core.Trajectory(path)
 
 
 def format_of(path: str) -> str:
@@ -136,10 +139,14 @@ class LammpsDump:
     def contacts(self) -> None:
         return None
 
+    def value_names(self) -> dict[str, list[str]]:
+        return {}
+
     def frame(self, k: int) -> FrameValues:
         where = f"{self.path}, step {self._steps[k]}"
         self._file.seek(self._places[k])
-        count, sides, names = 0, [], []
+        count, sides = 0, list[Side]()
+        names = list[str]()
         while not names:
             words = self._file.readline().decode(errors="replace").split()
             if words[:2] == ["ITEM:", "NUMBER"]:
@@ -259,6 +266,9 @@ class GsdFile:
 
     def contacts(self) -> None:
         return None
+
+    def value_names(self) -> dict[str, list[str]]:
+        return {}
 
     def frame(self, k: int) -> FrameValues:
         where = f"{self.path}, step {self._steps[k]}"

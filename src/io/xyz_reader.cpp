@@ -49,6 +49,15 @@ void pass_frame(Lines& lines, std::uint64_t frame) {
   }
 }
 
+/// The number of disks in the line that was found to begin a frame.
+std::uint64_t count_of_first_line(Lines const& lines) {
+  auto const count = count_in(lines.line());
+  if (count) return *count;
+  bool const is_wide = lines.line().starts_with("\xFF\xFE") || lines.line().starts_with("\xFE\xFF");
+  lines.refuse(fmt::format("the first line is {}, not the number of disks", in_quotes(lines.line())),
+               is_wide ? "the file is in UTF-16: save it in UTF-8" : "is this extended XYZ?", 1);
+}
+
 }  // namespace
 
 std::optional<WrongId> find_wrong_id(std::vector<IdOfRow>& ids, std::uint64_t count) {
@@ -67,11 +76,7 @@ bool are_plain(Id first, Id last, std::uint64_t count) {
 
 std::uint64_t read_count(Lines& lines) {
   if (!find_line(lines)) lines.refuse("the file is empty", "extended XYZ begins with the number of disks");
-  auto const count = count_in(lines.line());
-  if (count) return *count;
-  bool const is_wide = lines.line().starts_with("\xFF\xFE") || lines.line().starts_with("\xFE\xFF");
-  lines.refuse(fmt::format("the first line is {}, not the number of disks", in_quotes(lines.line())),
-               is_wide ? "the file is in UTF-16: save it in UTF-8" : "is this extended XYZ?", 1);
+  return count_of_first_line(lines);
 }
 
 std::uint64_t count_frames(Lines& lines) {
@@ -83,14 +88,14 @@ std::uint64_t count_frames(Lines& lines) {
 Reader::Reader(TextReader text, FrameChoice choice) : lines_(std::move(text)), choice_(std::move(choice)) {
   undamaged([&] {
     if (choice_.frame) go_to(*choice_.frame);
-    count_ = read_count(lines_);
+    count_ = choice_.frame ? count_of_first_line(lines_) : read_count(lines_);
     header_ = read_header(lines_);
     box_ = box_of_disks(lines_, header_);
     first_row_line_ = lines_.number() + 1;
   });
 }
 
-/// Is before the first line of a frame.
+/// Is at the first line of a frame then.
 void Reader::go_to(std::int64_t frame) {
   auto const refuse = [&](std::uint64_t frames) {
     lines_.begin_again();
@@ -107,8 +112,9 @@ void Reader::go_to(std::int64_t frame) {
     }
     frame = static_cast<std::int64_t>(frames - from_end);
   }
-  for (std::int64_t passed = 0; passed < frame; ++passed) {
+  for (std::int64_t passed = 0;; ++passed) {
     if (!find_line(lines_)) refuse(static_cast<std::uint64_t>(passed));
+    if (passed == frame) return;
     pass_frame(lines_, static_cast<std::uint64_t>(passed));
   }
 }

@@ -41,7 +41,7 @@ struct ExactCase {
 
 std::vector<ExactCase> exact_cases() {
   std::vector<ExactCase> cases{
-      {"two_disks", {.count = 2, .packing_fraction = 0.3}, 4},
+      {"two_disks", {.width = 1.1, .height = 0.9, .count = 2, .packing_fraction = 0.3}, 4},
       {"dilute", {.count = 30, .packing_fraction = 0.02}, 1},
       {"fluid", {.count = 40, .packing_fraction = 0.5}, 6},
       {"dense", {.count = 49, .packing_fraction = 0.75}},

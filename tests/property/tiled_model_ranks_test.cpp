@@ -200,7 +200,7 @@ TEST(TiledModelOnRanks, HasTheBitsOfOneProcess) {
 TEST(TiledModelOnRanks, HasTheBitsOfOneProcessOnAsManyRanksAsTiles) {
   for (Edge const edge : {Edge::wall, Edge::periodic}) {
     Market const s{.model = {.count = 2500, .radius = 0.02, .late = 0.004, .birth = 0.02, .death = 0.02},
-                   .box = Box(1.25, 0.8, edge),
+                   .box = Box(1.25, 1.0, edge),
                    .seed = 6};
     std::size_t const tiles = Tiling(cells_of_step(s.box, s.model.radius, s.model.count).layout).tiles().size();
     ASSERT_GE(tiles, 9U);
@@ -298,7 +298,7 @@ struct FarMovers {
   [[nodiscard]] double cutoff() const { return 0.02; }
   [[nodiscard]] double time_step() const { return 0.1; }
   void start(World<FarMovers>& world) const {
-    for (int n = 0; n < 1000; ++n) world.agents.add(0.001 * n, 0.999 - 0.001 * n);
+    for (int n = 0; n < 1000; ++n) world.agents.add(0.001 * n, 0.799 - 0.0007 * n);
   }
   void turn(Turn<FarMovers>& self) const {
     self.move_by(self.clock().step == 3 && self.id() % 100 == 17 ? Vector{0.3, 0.0} : Vector{0.01, 0.0});

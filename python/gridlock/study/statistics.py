@@ -113,7 +113,7 @@ def joint_deviation(deviations: Sequence[float], degrees_of_freedom: Sequence[in
     >>> round(joint_deviation([1.0] * 16, [1000] * 16), 2)
     4.0
     """
-    from scipy.special import ndtri, stdtr  # type: ignore[import-untyped]
+    from scipy.special import ndtri, stdtr
 
     tails = stdtr(np.asarray(degrees_of_freedom, dtype=np.float64), -np.abs(np.asarray(deviations, dtype=np.float64)))
     normal = -np.sign(deviations) * ndtri(np.maximum(tails, 1e-300))

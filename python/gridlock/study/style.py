@@ -99,7 +99,7 @@ def logarithmic(axes: Axes, *names: str) -> None:
         axis = axes.xaxis if name == "x" else axes.yaxis
         low, high = sorted(axis.get_view_interval())
         as_power = low < 1e-4 or high > 1e6
-        formatter = FuncFormatter(lambda x, _, as_power=as_power: tick_text(x, as_power=as_power))  # type: ignore[misc]
+        formatter = FuncFormatter(lambda x, _, as_power=as_power: tick_text(x, as_power=as_power))
         axis.set_major_formatter(formatter)
         is_short = high < 100.0 * low
         if is_short:

@@ -232,7 +232,7 @@ TEST_F(GrowthTest, RefusesDisksThatCannotGrow) {
   // Two disks in a periodic box would touch two images of one another long before they fill it.
   state_.agents.add(0.2, 0.2, 0.0, 0.0, 0.1, 1.0, 0, 0);
   EXPECT_NE(error_of({.pressure = 10.0}).find("two images"), std::string::npos);
-  EXPECT_EQ(error_of({.packing_fraction = 0.3}), "");
+  EXPECT_EQ(error_of({.packing_fraction = 0.2}), "");
 }
 
 TEST_F(GrowthTest, SaysSoWhereADensityCannotBeReached) {
