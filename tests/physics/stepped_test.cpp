@@ -106,7 +106,9 @@ TEST_P(SteppedPhysics, TheWallVirialIdentityHoldsAsTheTimeStepVanishes) {
   // reference, section 2): the time average of dG/dt = 0, with walls acting at the distance R.
   for (double const packing_fraction : {0.3, 0.6}) {
     std::array<Measured, 3> deviation;
-    State const start = reference::random_scene({.count = 50, .packing_fraction = packing_fraction, .seed = 3});
+    // The identity is that of a square of side 1.
+    State const start = reference::random_scene(
+        {.width = 1.0, .height = 1.0, .count = 50, .packing_fraction = packing_fraction, .seed = 3});
     double const r = start.agents.column<Radius>()[0];
     for (std::size_t n = 0; n < 3; ++n) {
       deviation[n] = measure(start, {.time_step = halving_time_steps[n], .contact = GetParam()},
