@@ -259,7 +259,7 @@ std::vector<Mistake> const mistakes_on_the_command_line{
     {"ExplainNeither", "", {"no setting and no column \"colour\"", "explain observables"}, {"explain", "colour"}},
     {"ExplainPartOfNames",
      "",
-     {"no column \"correlation\"", "velocity_autocorrelation, pair_correlation"},
+     {"no column \"correlation\"", "observe.pair_correlation_bins", "pair_correlation, velocity_autocorrelation"},
      {"explain", "correlation"}},
     {"InfoOnNothing", "", {"nowhere"}, {"info", "nowhere"}},
     {"InfoOnOtherFile", "", {"bad.toml"}, {"info", "bad.toml"}},
