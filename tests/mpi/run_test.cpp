@@ -67,7 +67,7 @@ class MpiRun : public ::testing::Test {
       EXPECT_EQ(text_of(workplace_ / (one + "/" + file)), text_of(workplace_ / (other + "/" + file))) << file;
     }
     for (std::string const& directory : {one, other}) {
-      expect_good(in(workplace_, {"export", directory, "--to", "xyz", "-o", directory + ".xyz"}));
+      expect_good(in(workplace_, {"export", directory, "--to", "xyz", "-o", directory + ".xyz", "--overwrite"}));
     }
     EXPECT_EQ(text_of(workplace_ / (one + ".xyz")), text_of(workplace_ / (other + ".xyz")));
   }
