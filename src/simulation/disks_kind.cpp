@@ -235,7 +235,7 @@ class DisksKind final : public ModelKind {
   [[nodiscard]] std::string_view agents_name() const override { return "disks"; }
   [[nodiscard]] std::string title(Configuration const& configuration) const override {
     std::size_t const stages = configuration.protocol.size();
-    std::string const protocol = fmt::format("protocol of {} stage{}", stages, stages == 1 ? "" : "s");
+    std::string protocol = fmt::format("protocol of {} stage{}", stages, stages == 1 ? "" : "s");
     if (!takes_steps(configuration)) return protocol;
     return fmt::format("{}engine {}", stages == 0 ? "" : protocol + ", then ", configuration.engine.kind);
   }
