@@ -54,6 +54,9 @@ def _solid(flat: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _positions(frame: Frame, unwrapped: bool) -> NDArray[np.float64]:
+    if unwrapped and frame.box.periodic and "image_x" not in frame.columns:
+        raise Error("the frame does not say how often an agent has crossed the edges\n"
+                    "  hint: unwrapped=False takes the positions inside the box")
     return _solid(frame.unwrapped if unwrapped else frame.positions)
 
 
@@ -126,6 +129,9 @@ def to_gsd(frames: Iterable[Frame], path: str | os.PathLike[str], *, overwrite: 
     frames have them; the log has ``time``. A GSD box is always periodic, so that walls are lost.
     """
     gsd = library("gsd.hoomd", "gsd")
+    source = getattr(frames, "path", None)
+    if source is not None and os.path.exists(path) and os.path.samefile(source, path):
+        raise Error(f"{os.fspath(path)} is the file that the frames are read from\n  hint: name another file")
     protect(path, "gridlock.Trajectory.to_gsd", overwrite)
     with gsd.open(os.fspath(path), "w") as file:
         for frame in frames:

@@ -81,6 +81,8 @@ class Side(NamedTuple):
     def put_inside(self, values: NDArray[np.float64], where: str) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
         """Positions inside the box, and the number of the box that each was in."""
         inside = values - self.begin
+        if not np.isfinite(inside).all():
+            raise Error(f"{where}: an agent is at {values[~np.isfinite(inside)][0]}\n  hint: positions are finite numbers")
         if self.is_periodic:
             boxes = np.floor(inside / self.length)
             inside -= self.length * boxes
@@ -113,16 +115,22 @@ class LammpsDump:
         self._places: list[int] = []  #: of the first line of each frame
         self._steps: list[int] = []
         self._times: list[float] = []
+        time: float | None = None  # LAMMPS writes it before the step, some others behind it
+        count, is_in_head = 0, False
         while (line := self._file.readline()):
             if line.startswith(b"ITEM: TIMESTEP"):
                 self._places.append(self._file.tell() - len(line))
                 self._steps.append(self._whole_number("the step"))
-                self._times.append(float(self._steps[-1]))
+                self._times.append(float(self._steps[-1]) if time is None else time)
+                time, is_in_head = None, True
             elif line.startswith(b"ITEM: TIME"):
-                self._times[-1] = self._number("the time")
+                time = self._number("the time")
+                if is_in_head:
+                    self._times[-1], time = time, None
             elif line.startswith(b"ITEM: NUMBER OF ATOMS"):
                 count = self._whole_number("the number of atoms")
             elif line.startswith(b"ITEM: ATOMS"):
+                is_in_head = False
                 for _ in range(count):
                     if not self._file.readline().strip():
                         raise Error(f"{path}: the frame of step {self._steps[-1]} is cut off\n  hint: is the file whole?")

@@ -26,6 +26,8 @@ _column_types = ("float64", "int32", "uint32", "uint64")
 #: Of columns that observables know.
 _types_of_columns = {"velocity_x": "float64", "velocity_y": "float64", "radius": "float64", "mass": "float64", "image_x": "int32", "image_y": "int32"}
 _names_of_world = ("x", "y", "ids", "positions", "box", "clock", "seed", "time_step")
+#: What files call ids, positions, velocities and images.
+_names_in_files = ("id", "position", "pos", "velocity", "velo", "image")
 
 
 #: Names of the values of one column.
@@ -363,7 +365,7 @@ def _require_possible(model: type[Model], columns: Mapping[str, str], settings: 
     if model.start is Model.start:
         raise Error(f"{what} has no start\n  hint: define start(self, start), which adds the first agents")
     for name, kind in columns.items():
-        if not name.isidentifier() or keyword.iskeyword(name) or name in _names_of_world or hasattr(World, name):
+        if not name.isidentifier() or keyword.iskeyword(name) or name in (*_names_of_world, *_names_in_files) or hasattr(World, name):
             raise Error(f"{what} has a column {name!r}\n  hint: choose another name")
         known = _types_of_columns.get(name, kind)
         if kind != known:

@@ -271,6 +271,29 @@ ITEM: ATOMS {}
 """
 
 
+def test_a_dump_of_lammps_has_its_time_before_its_step(tmp_path):
+    head = "ITEM: UNITS\nlj\nITEM: TIME\n{}\nITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp pp\n0 3\n0 2\n0 1\n"
+    rows = "ITEM: ATOMS id x y\n1 0.5 {}\n"
+    (tmp_path / "a.lammpstrj").write_text(head.format(0.25, 10) + rows.format(1) + head.format(0.75, 20) + rows.format("nan"))
+    trajectory = gridlock.open(tmp_path / "a.lammpstrj")
+    assert trajectory.steps.tolist() == [10, 20] and trajectory.times.tolist() == [0.25, 0.75]
+    assert trajectory[0].positions.tolist() == [[0.5, 1.0]]
+    with pytest.raises(gridlock.Error, match="step 20: an agent is at nan"):
+        trajectory[1]
+
+
+def test_no_trajectory_is_written_over_the_file_it_is_read_from(tmp_path):
+    pytest.importorskip("gsd")
+    gridlock.run({"disks.count": 9, "trajectory.every": 1, "run.steps": 2}, tmp_path / "run")
+    gridlock.open(tmp_path / "run").trajectory.to_gsd(tmp_path / "a.gsd")
+    before = (tmp_path / "a.gsd").read_bytes()
+    (tmp_path / "link.gsd").symlink_to("a.gsd")
+    for name in ("a.gsd", "link.gsd"):
+        with pytest.raises(gridlock.Error, match="is the file that the frames are read from"):
+            gridlock.open(tmp_path / "a.gsd").to_gsd(tmp_path / name, overwrite=True)
+    assert (tmp_path / "a.gsd").read_bytes() == before
+
+
 def test_a_dump_of_lammps_has_its_frames(tmp_path):
     first = DUMP.format("pp pp", "id type xs ys z ix iy vx vy vz diameter element")
     text = first + "7 2 0.999 0.5 0 1 0 0.25 1 0 0.5 Ar\n3 1 0.25 0.25 0 0 -1 -1 2 0 0.4 He\n"

@@ -213,3 +213,9 @@ def test_names_of_values_are_short_texts(name):
         gridlock.register_model(model(value_names={"kind": ["well", name]}))
     with pytest.raises(gridlock.Error, match="65 values of the column kind"):
         gridlock.register_model(model(value_names={"kind": ["well"] * 65}))
+
+
+@pytest.mark.parametrize("name", ["id", "position", "pos", "velo", "image"])
+def test_no_column_is_called_as_files_call_something_else(name):
+    with pytest.raises(gridlock.Error, match=f"has a column '{name}'\n  hint: choose another name"):
+        gridlock.register_model(model(columns={name: float}))

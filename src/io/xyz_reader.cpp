@@ -33,9 +33,18 @@ bool find_line(Lines& lines) {
   return false;
 }
 
+/// The number of disks in the line that was found to begin a frame.
+std::uint64_t count_of_first_line(Lines const& lines) {
+  auto const count = count_in(lines.line());
+  if (count) return *count;
+  bool const is_wide = lines.line().starts_with("\xFF\xFE") || lines.line().starts_with("\xFE\xFF");
+  lines.refuse(fmt::format("the first line is {}, not the number of disks", in_quotes(lines.line())),
+               is_wide ? "the file is in UTF-16: save it in UTF-8" : "is this extended XYZ?", 1);
+}
+
 /// Passes over the frame whose first line is the present one.
 void pass_frame(Lines& lines, std::uint64_t frame) {
-  auto const count = count_in(lines.line());
+  auto const count = frame == 0 ? count_of_first_line(lines) : count_in(lines.line());
   if (!count) {
     lines.refuse(
         fmt::format("the line behind frame {} is {}, not the number of disks", frame - 1, in_quotes(lines.line())), "",
@@ -47,15 +56,6 @@ void pass_frame(Lines& lines, std::uint64_t frame) {
     lines.refuse(fmt::format("the file ends after {} of {} disks of frame {}", rows, *count, frame),
                  "is the file cut off?");
   }
-}
-
-/// The number of disks in the line that was found to begin a frame.
-std::uint64_t count_of_first_line(Lines const& lines) {
-  auto const count = count_in(lines.line());
-  if (count) return *count;
-  bool const is_wide = lines.line().starts_with("\xFF\xFE") || lines.line().starts_with("\xFE\xFF");
-  lines.refuse(fmt::format("the first line is {}, not the number of disks", in_quotes(lines.line())),
-               is_wide ? "the file is in UTF-16: save it in UTF-8" : "is this extended XYZ?", 1);
 }
 
 }  // namespace
