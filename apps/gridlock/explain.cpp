@@ -190,8 +190,7 @@ std::string meant_by(std::string const& key) {
   for (std::string& setting : setting_keys(describing(configuration))) names.push_back(std::move(setting));
   std::erase_if(names, [&](std::string const& name) { return name.find(key) == std::string::npos; });
   std::ranges::sort(names);
-  auto const repeated = std::ranges::unique(names);
-  names.erase(repeated.begin(), repeated.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
