@@ -224,7 +224,7 @@ std::string explained_stage(std::string const& key) {
   return "";
 }
 
-/// What is no name of Gridlock's, but a word that is looked for; empty for another word.
+/// The answer to a word that is no name of Gridlock's, but is looked for; empty for another word.
 std::string explained_word(std::string const& key) {
   Configuration configuration;
   if (key == "temperature" || key == "kT" || key == "kt") {

@@ -25,7 +25,7 @@ namespace {
 
 constexpr double gigabyte = 1e9;
 
-/// What a large run is: minutes of work, or a gigabyte.
+/// A large run: minutes of work, or a gigabyte.
 constexpr double large_work = 1e9;  // in turns of an agent
 constexpr double large_bytes = gigabyte;
 
@@ -60,7 +60,7 @@ struct Pace {
 /// As far as it comes in two steps or so; nothing where it fails or does not come on.
 std::optional<Pace> measured_pace(Simulation& simulation) {
   constexpr double patience = 2.0;  // in seconds
-  // Of the processor: other programs may run beside this one.
+  // Seconds of the processor: other programs may run beside this one.
   auto const since = [](std::clock_t begin) { return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC; };
   Pace pace;
   double seconds = 0.0;
@@ -82,7 +82,7 @@ std::optional<Pace> measured_pace(Simulation& simulation) {
   return pace;
 }
 
-/// Of a run that ends at whichever of its lengths comes first.
+/// The time of a run, which ends at whichever of its lengths comes first, s.
 double expected_seconds(RunSettings const& run, double time_step, std::size_t agents, Pace const& pace) {
   double seconds = std::numeric_limits<double>::infinity();
   if (run.steps) seconds = std::min(seconds, static_cast<double>(*run.steps) * time_step / pace.time);
@@ -93,7 +93,7 @@ double expected_seconds(RunSettings const& run, double time_step, std::size_t ag
   return seconds;
 }
 
-/// Of one frame with the columns asked for, before it is compressed.
+/// Bytes of one frame with the columns asked for, before it is compressed.
 double bytes_of_frame(AgentsView const& agents, std::string const& columns) {
   std::size_t bytes = sizeof(Id);
   for (std::size_t const place : chosen_columns(agents.names(), columns)) {

@@ -65,7 +65,7 @@ ExitCode finish_shard(gridlock::Shard const& shard, std::size_t all, gridlock::S
   return result.failures == 0 && open == 0 ? ExitCode::good : ExitCode::run_failed;
 }
 
-/// What runs that differ in the seed alone have in common.
+/// The values of a run without its seed: runs that differ in the seed alone have them in common.
 std::vector<std::string> values_but_seed(SweepPlan const& plan, std::string const& name) {
   auto const run = std::ranges::find(plan.runs, name, &SweepRun::name);
   if (run == plan.runs.end()) return {name};

@@ -221,7 +221,7 @@ class PythonSimulation {
   }
   [[nodiscard]] bool has_end() const { return has_end_; }
   [[nodiscard]] std::string model() const { return setup_.configuration.model.kind; }
-  /// What the numbers 0, 1, 2 … of a column are called; empty where they have no names.
+  /// Names of the numbers 0, 1, 2 … of a column; empty where they have none.
   [[nodiscard]] std::vector<std::string> value_names(std::string const& column) const {
     return setup_.configuration.kind().value_names(column);
   }

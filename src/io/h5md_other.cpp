@@ -29,7 +29,7 @@ struct Quantity {
   bool is_vector;    ///< of the dimensions of the positions
 };
 
-/// What the positions of one frame span in one direction.
+/// The range of the positions of one frame in one direction.
 struct Span {
   double min = std::numeric_limits<double>::infinity();
   double max = -std::numeric_limits<double>::infinity();
@@ -40,7 +40,7 @@ struct Span {
   }
 };
 
-/// Where a position and the image it is in are those of the same point before and after.
+/// Puts positions inside; each with its image is the same point before and after.
 void fold_all(std::vector<double>& values, double side, std::vector<std::int32_t>* images) {
   for (std::size_t row = 0; row < values.size(); ++row) {
     double const before = values[row];

@@ -263,7 +263,7 @@ bool is_there(Handle const& file, std::string const& path) {
     std::string const part = path.substr(0, end);
     if (H5Lexists(file.id(), part.c_str(), H5P_DEFAULT) <= 0) return false;
     if (end == std::string::npos) return true;
-    // What lies behind a link to another file must not be looked for.
+    // A link to another file must not be followed.
     if (!find_group(file, part)) return false;
   }
 }

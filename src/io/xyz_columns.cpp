@@ -35,7 +35,7 @@ std::vector<KnownProperty> const& known_properties() {
   return properties;
 }
 
-/// What is read where the file does not have it as above: the first role that a file has already decides.
+/// Other names, read where the file has none of those above: the first role that a file has already decides.
 struct Substitute {
   std::vector<std::vector<std::string_view>> names;  ///< of one property, or of one for each component
   std::vector<Role> roles;

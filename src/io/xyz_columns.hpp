@@ -12,7 +12,7 @@
 
 namespace gridlock::xyz {
 
-/// What a column of the file means to us.
+/// The meaning of a column of the file.
 enum class Role {
   ignored,
   x,

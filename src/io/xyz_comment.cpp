@@ -79,7 +79,7 @@ class EntryReader {
 
   static char unescaped(char letter) { return letter == 'n' ? '\n' : letter; }
 
-  /// What stands in quotes, brackets or braces, from the opening on. Nothing for an apostrophe that is alone.
+  /// The text in quotes, brackets or braces, from the opening on. Nothing for an apostrophe that is alone.
   std::optional<std::string> take_enclosed() {
     char const opening = line_[at_];
     auto const end = opening == '"' || opening == '\'' ? end_of_quote(at_) : end_of_brackets(at_);
@@ -99,7 +99,7 @@ class EntryReader {
     return text;
   }
 
-  /// Where the quote that begins there ends.
+  /// The end of the quote that begins there.
   [[nodiscard]] std::optional<std::size_t> end_of_quote(std::size_t begin) const {
     for (std::size_t k = begin + 1; k < line_.size(); ++k) {
       if (line_[k] == '\\') {
@@ -111,7 +111,7 @@ class EntryReader {
     return std::nullopt;
   }
 
-  /// Where the bracket or brace that begins there ends; those in quotes do not count, unless a quote is alone.
+  /// The end of the bracket or brace that begins there; those in quotes do not count, unless a quote is alone.
   [[nodiscard]] std::optional<std::size_t> end_of_brackets(std::size_t begin) const {
     auto const end = end_of_brackets(begin, true);
     return end ? end : end_of_brackets(begin, false);

@@ -150,7 +150,7 @@ class HeaderReader {
   Header header_;
 };
 
-/// Where a key was written in other letters, which other programs do not take for it either, the hint says so.
+/// The hint says so where a key was written in other letters, which other programs do not take for it either.
 std::string hint_of_missing(Header const& header, std::string_view key, std::string hint) {
   for (Entry const& entry : header.entries) {
     bool const is_alike = std::ranges::equal(entry.key, key, [](char a, char b) {

@@ -21,7 +21,7 @@ struct Sides {
   bool leans = false;  ///< out of the plane: the third vector is not along z, or another has a z
 };
 
-/// What the second line of a file says, in any file of extended or plain XYZ.
+/// The content of the second line of a file of extended or plain XYZ.
 struct Header {
   std::vector<Entry> entries;
   std::optional<Sides> sides;               ///< none without a Lattice

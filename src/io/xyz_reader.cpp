@@ -139,7 +139,7 @@ bool Reader::read(std::size_t most, Rows& rows) {
   bool const has_some = next_row_ < end;
   undamaged([&] {
     while (next_row_ < end) read_row(rows);
-    // What follows the frame that was chosen is of no concern.
+    // The lines behind the frame that was chosen are of no concern.
     if (!has_some && !choice_.frame) refuse_further_lines();
   });
   return has_some;

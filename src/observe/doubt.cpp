@@ -44,7 +44,7 @@ std::optional<Doubt> find_doubt(std::span<double const> left_out, std::span<doub
     if (b > 0) neighbours += deviations[b] * deviations[b - 1];
   }
   double const mean = mean_of(kept);
-  // What is constant but for rounding has nothing to hide.
+  // A series that is constant but for rounding hides nothing.
   double const error = std::sqrt(squares / static_cast<double>(blocks * (blocks - 1)));
   if (!(error > 1e-13 * std::abs(mean))) return std::nullopt;
   std::span<double const> const late = left_out.subspan(left_out.size() / 2);

@@ -5,7 +5,7 @@
 
 namespace gridlock {
 
-/// What contradicts the error of a mean over a series: one of the two.
+/// The reason why the error of a mean over a series is not to be trusted: one of the two.
 struct Doubt {
   /// The mean of the later half of what was left out of the mean, less the mean, in standard errors of such a difference.
   std::optional<double> differs_by = {};

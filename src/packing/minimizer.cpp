@@ -41,7 +41,7 @@ constexpr double least_decrease = 1e-4;           // of what the slope promises
 
 constexpr double displacement_from_saddle = 1e-4;  // D
 constexpr double curvature_of_saddle = -1e-7;      // ε/D²
-/// Where forces do not balance better than this, the curvature says nothing: it is that of a way, and not of a minimum or a saddle.
+/// The curvature says nothing where forces do not balance better than this: it is that of a way, and not of a minimum or a saddle.
 constexpr double max_residual_of_saddle = 1e-3;
 
 constexpr std::uint64_t iterations_per_look = 8;

@@ -146,7 +146,7 @@ Configuration read_configuration(SettingsFile const& file) {
     problems = error.problems();
   }
   for (Problem& problem : problems) {
-    // What has a like name, or belongs elsewhere, is more likely to be meant.
+    // A setting of a like name, or of another table, is more likely to be meant.
     bool const is_like_nothing = problem.what.starts_with("there is no ") &&
                                  !problem.hint.starts_with("did you mean") &&
                                  problem.hint.find(" belongs in ") == std::string::npos;

@@ -215,7 +215,7 @@ std::string text_of_stage(Event const& event) {
   }
 }
 
-/// Of a run of hard disks, and of averages.
+/// Notes on a run of hard disks, and on averages.
 std::string text_of_run(Event const& event) {
   Values const of{event};
   switch (event.kind) {

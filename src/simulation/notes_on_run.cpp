@@ -54,7 +54,7 @@ std::uint64_t count_of(Simulation const& simulation, std::string_view name) {
   return 0;
 }
 
-/// What disks are like on the average.
+/// Averages over the disks.
 struct MeanDisk {
   double diameter = 0.0;
   double speed = 0.0;

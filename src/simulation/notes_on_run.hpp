@@ -15,7 +15,7 @@ namespace gridlock {
 /// Averages are the results with the name of a column whose mean over the samples they have; `left_out` samples at the start are not in them.
 std::vector<Event> withhold_errors(Table const& series, std::size_t left_out, std::vector<NamedEstimate>& results);
 
-/// What there is to say of hard disks after a run that took so much time: that they are still in their cages, or hardly fly.
+/// Notes on hard disks after a run that took so much time: that they are still in their cages, or hardly fly.
 std::vector<Event> notes_on_motion(Simulation const& simulation, double time, std::span<NamedEstimate const> results);
 
 }  // namespace gridlock

@@ -39,7 +39,7 @@ void take_summary(Configuration& configuration, StartFileSummary const& file, Is
 /// The disks of a file of which the head has been read, all in this process; the configuration learns what the file decides. Errors: Error.
 State read_whole_start(xyz::Reader& reader, Configuration& configuration, IsGiven const& is_given);
 
-/// What is worth telling of a file that has been read: what it lacks, and what is not used.
+/// Notes on a file that has been read: what it lacks, and what is not used.
 std::vector<Event> notes_of_start(xyz::Reader const& reader, VelocitySettings const& velocities);
 
 }  // namespace gridlock

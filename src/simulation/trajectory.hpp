@@ -26,7 +26,7 @@ class TrajectoryWriter final : public Writer {
     std::filesystem::path file;
     std::string configuration;
     std::string version;
-    /// What the model calls the numbers 0, 1, 2 … of a column; empty where they have no names.
+    /// Names that the model gives the numbers 0, 1, 2 … of a column; empty where they have none.
     std::function<std::vector<std::string>(std::string_view column)> value_names;
   };
 

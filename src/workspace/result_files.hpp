@@ -24,7 +24,7 @@ void record_further_result(std::filesystem::path const& file, std::string const&
 /// is made where it is missing, and that list is in the list of the first one.
 void record_further_results(std::vector<std::filesystem::path> const& files, std::string const& maker);
 
-/// What a command is about to write, and what it reads.
+/// The files that a command is about to write, and those it reads.
 struct PlannedFiles {
   std::vector<std::filesystem::path> results;  ///< whether they are there already or not
   std::vector<std::filesystem::path> inputs;   ///< empty paths count for nothing

@@ -1,4 +1,4 @@
-// What pages say that Gridlock can do is what its records say.
+// Pages say of Gridlock what its records say.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What the program says before a run, and of words that a newcomer looks for.
+// The program tells what a run will do, and knows words that a newcomer looks for.
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 

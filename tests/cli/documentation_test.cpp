@@ -101,7 +101,7 @@ TEST(Help, ThePageOfTheCommandLineSaysWhatTheProgramSays) {
       << "run: docs/command_line.sh build/apps/gridlock/gridlock > docs/reference/command_line.md";
 }
 
-/// What a command of a page has to print.
+/// The lines that a command of a page has to print.
 struct Printed {
   std::size_t line = 0;  ///< of the page
   std::string command;

@@ -39,7 +39,7 @@ struct H5mdSettings {
   std::string version;           ///< of the program that writes it
   std::string author;            ///< empty: "N/A"
   std::vector<H5mdObservable> observables;
-  /// What the numbers 0, 1, 2 … of a column are called, by the name of the column.
+  /// Names of the numbers 0, 1, 2 … of a column, by the name of the column.
   std::map<std::string, std::vector<std::string>> value_names = {};
   std::uint64_t compression = 1;  ///< 0: none, 1: fastest … 9: smallest
   /// Of the start, where it is a packing; not read back, see H5mdReader::contacts().

@@ -32,8 +32,8 @@ namespace gridlock {
 /// Packing fractions of soft disks: below, disks are so far apart that they never meet; above, each overlaps all around it.
 inline constexpr double least_packing_fraction = 1e-6;
 inline constexpr double most_packing_fraction = 4.0;
-/// Of stages that are given one: at 1.6 a quarter of quenches of 64 disks, one of two sizes, end with overlaps above ½, which are no packing; at 1.5 none
-/// of 36 does.
+/// The largest packing fraction that a stage takes: at 1.6 a quarter of 36 quenches of 64 disks of one or two sizes end with
+/// overlaps above ½, which are no packing; at 1.5 none does.
 inline constexpr double max_packing_fraction_of_stages = 1.5;
 
 /// How a packing is brought to a pressure.

@@ -161,7 +161,8 @@ class Run {
 
   [[nodiscard]] RunRecord record() const;
 
-  /// What the simulation has measured. Errors of averages that the series contradicts are left out; notes say so, where they are given.
+  /// The quantities that the simulation has measured. Errors of averages that the series contradicts are left out, and notes say so
+  /// where they are given.
   [[nodiscard]] std::vector<NamedEstimate> results(std::vector<Event>* notes = nullptr) const;
 
   /// Serializes everything the rest of the run depends on, the simulation with it.

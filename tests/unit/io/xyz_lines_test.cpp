@@ -24,7 +24,7 @@ std::string file_of(Json const& one) {
   return fmt::format("1\n{}\n{}\n", one["line"].get<std::string>(), one.value("row", "X 0.25 0.5 0"));
 }
 
-/// What is wrong with a file, as the program says; empty where it is read.
+/// The error that the program gives for a file; empty where it is read.
 std::string refusal_of(std::string const& text) {
   try {
     parse_xyz(text, "file.xyz");

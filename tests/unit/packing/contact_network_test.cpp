@@ -105,7 +105,7 @@ TEST(ContactNetwork, OfASolidIsJammedWhateverItsEnergy) {
 }
 
 TEST(ContactNetwork, AtASaddleIsNotJammed) {
-  // Of a square lattice all forces balance, and its rows slide past each other, at any pressure.
+  // All forces of a square lattice balance, and its rows slide past each other, at any pressure.
   for (Potential const potential : {Potential::harmonic, Potential::hertzian}) {
     for (double const overlap : {2e-2, 1e-6, 2e-8, 1e-10}) {
       Packing packing{.box = Box(6.0, 8.0, Edge::periodic),

@@ -178,7 +178,7 @@ TEST(Protocol, RefusesToDecompressDisksThatDoNotPress) {
       EXPECT_EQ(error.problems().front().key, "protocol[0].stage");
       EXPECT_NE(error.problems().front().what.find("no two disks press on each other"), std::string::npos);
     }
-    // What a stage before leaves is taken: of many starts some do not jam.
+    // A stage takes what the one before leaves: of many starts some do not jam.
     EXPECT_NO_THROW(Protocol({.stages = {{.kind = StageKind::quench}, down}}, state));
   }
   for (double& radius : state.agents.column<Radius>()) radius *= 1.6;

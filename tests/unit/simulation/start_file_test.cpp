@@ -95,7 +95,7 @@ TEST_F(StartFile, ASummaryTellsTheStepsOfTheRunAndTheStepOfTheClock) {
   EXPECT_NE(summary.find("\"step\": 47,"), std::string::npos) << summary;
 }
 
-/// What a set-up tells of a start file with these properties and rows of one disk, in a periodic box of 2 × 1.
+/// The notes of a set-up on a start file with these properties and rows of one disk, in a periodic box of 2 × 1.
 std::vector<std::string> notes_on(std::filesystem::path const& directory, std::string const& line,
                                   std::string const& row, std::string const& settings) {
   write_file(directory / "start.xyz", "1\nLattice=\"2 0 0 0 1 0 0 0 1\" " + line + "\n" + row + "\n");
