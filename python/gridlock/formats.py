@@ -106,15 +106,36 @@ def _expect_rectangle(tilt: float, where: str) -> None:
         raise Error(f"{where}: its box is sheared by {tilt:.6g}\n  hint: boxes here are rectangles")
 
 
-class LammpsDump:
+class OtherFrames:
+    """The frames of a file that knows neither contacts nor names of values."""
+
+    _steps: list[int]
+    _times: list[float]
+
+    def size(self) -> int:
+        return len(self._steps)
+
+    def steps(self) -> NDArray[np.uint64]:
+        return np.array(self._steps, dtype=np.uint64)
+
+    def times(self) -> NDArray[np.float64]:
+        return np.array(self._times)
+
+    def contacts(self) -> None:
+        return None
+
+    def value_names(self) -> dict[str, list[str]]:
+        return {}
+
+
+class LammpsDump(OtherFrames):
     """A dump of LAMMPS in text, packed by gzip or not; LAMMPS calls it ``dump custom`` or ``dump atom``."""
 
     def __init__(self, path: str) -> None:
         self.path = path
         self._file: Any = gzip.open(path) if _is_gzip(path) else open(path, "rb")
         self._places: list[int] = []  #: of the first line of each frame
-        self._steps: list[int] = []
-        self._times: list[float] = []
+        self._steps, self._times = [], []
         time: float | None = None  # LAMMPS writes it before the step, some others behind it
         count, is_in_head = 0, False
         while (line := self._file.readline()):
@@ -134,21 +155,6 @@ class LammpsDump:
                 for _ in range(count):
                     if not self._file.readline().strip():
                         raise Error(f"{path}: the frame of step {self._steps[-1]} is cut off\n  hint: is the file whole?")
-
-    def size(self) -> int:
-        return len(self._steps)
-
-    def steps(self) -> NDArray[np.uint64]:
-        return np.array(self._steps, dtype=np.uint64)
-
-    def times(self) -> NDArray[np.float64]:
-        return np.array(self._times)
-
-    def contacts(self) -> None:
-        return None
-
-    def value_names(self) -> dict[str, list[str]]:
-        return {}
 
     def frame(self, k: int) -> FrameValues:
         where = f"{self.path}, step {self._steps[k]}"
@@ -245,7 +251,7 @@ def _numbers(texts: list[str]) -> NDArray[Any] | None:
     return None
 
 
-class GsdFile:
+class GsdFile(OtherFrames):
     """A GSD file of HOOMD-blue, read by the package ``gsd``. It has single precision, and every box is periodic."""
 
     def __init__(self, path: str) -> None:
@@ -262,21 +268,6 @@ class GsdFile:
 
     def _has(self, k: int, name: str) -> bool:
         return bool(self._file.file.chunk_exists(k, name))
-
-    def size(self) -> int:
-        return len(self._steps)
-
-    def steps(self) -> NDArray[np.uint64]:
-        return np.array(self._steps, dtype=np.uint64)
-
-    def times(self) -> NDArray[np.float64]:
-        return np.array(self._times)
-
-    def contacts(self) -> None:
-        return None
-
-    def value_names(self) -> dict[str, list[str]]:
-        return {}
 
     def frame(self, k: int) -> FrameValues:
         where = f"{self.path}, step {self._steps[k]}"

@@ -1,4 +1,4 @@
-"""How far a run is, for whoever waits for it."""
+"""The progress of a run, as it is shown."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@
 
 namespace gridlock::h5md {
 
-/// Frames in H5MD, whoever has written them: what H5mdReader reads from.
+/// The source of frames from which H5mdReader reads, of Gridlock or of another program.
 class Source {
  public:
   Source() = default;
