@@ -115,7 +115,7 @@ def test_a_missing_library_is_told_with_what_to_install(trajectory, tmp_path, mo
 def test_what_cannot_be_unwrapped_or_has_no_frames_is_refused(tmp_path):
     gridlock.run({**RUN, "run.steps": 100, "trajectory": {"every": 100, "columns": "x y"}}, tmp_path / "out")
     bare = gridlock.open(tmp_path / "out").trajectory
-    with pytest.raises(gridlock.Error, match="image_x"):
+    with pytest.raises(gridlock.Error, match="how often an agent has crossed the edges"):
         bare.to_mdanalysis()
     universe = bare.to_mdanalysis(unwrapped=False)
     assert np.allclose(universe.atoms.positions[:, 0], bare[0].x, atol=1e-6)

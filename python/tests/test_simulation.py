@@ -286,7 +286,9 @@ def test_ctrl_c_in_the_last_step_is_heard_after_the_last_sample():
     text = """if True:
         import signal, gridlock
         signal.signal(signal.SIGVTALRM, signal.default_int_handler)
-        simulation = gridlock.Simulation(disks={"count": 200_000, "packing_fraction": 0.5}, run={"steps": 1}, observe={"every": 1})
+        # A step of many substeps takes 0.3 s of the processor, all else far less than 0.1 s.
+        simulation = gridlock.Simulation(disks={"count": 200_000, "packing_fraction": 0.01}, run={"steps": 1},
+                                         observe={"every": 1, "structure_every": 0}, engine={"substeps": 2000})
         seen = []
 
         def look(s):
@@ -295,7 +297,7 @@ def test_ctrl_c_in_the_last_step_is_heard_after_the_last_sample():
             except LookupError:
                 seen.append(s.clock.step)
             if s.clock.step == 0:
-                signal.setitimer(signal.ITIMER_VIRTUAL, 0.01)  # of this process, however busy the machine is
+                signal.setitimer(signal.ITIMER_VIRTUAL, 0.1)  # of this process, however busy the machine is
             return 1.0
 
         simulation.observe(look)
