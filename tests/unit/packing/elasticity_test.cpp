@@ -174,6 +174,26 @@ TEST(ElasticModuli, AreTheCurvatureOfTheEnergyUnderFiniteStrains) {
   EXPECT_NEAR(moduli.yyxy, 0.25 * (curvature(0, 1, 0.5) - curvature(0, 1, -0.5)), bound);
 }
 
+TEST(ElasticModuli, HaveTheLeastShearOfAllDirections) {
+  for (std::uint64_t const seed : {1U, 2U, 5U}) {
+    Packing const packing = reference::minimum_near(
+        reference::random_packing(24, 0.98, Box(1.0, 1.2, Edge::periodic), seed), Potential::harmonic);
+    std::optional<ElasticModuli> const moduli =
+        find_elastic_moduli(packing, find_contact_network(packing, Potential::harmonic));
+    ASSERT_TRUE(moduli.has_value());
+    double least = moduli->shear_xy();
+    for (int step = 0; step < 3600; ++step) {
+      // The box becomes longer by c along x and shorter along y, and is sheared by s.
+      double const angle = step * 3.141592653589793 / 1800.0;
+      double const c = 0.5 * std::cos(angle);
+      double const s = std::sin(angle);
+      least = std::min(least, c * c * (moduli->xxxx + moduli->yyyy - 2.0 * moduli->xxyy) + s * s * moduli->xyxy +
+                                  2.0 * c * s * (moduli->xxxy - moduli->yyxy));
+    }
+    EXPECT_NEAR(moduli->least_shear(), least, 1e-5 * moduli->shear()) << seed;
+  }
+}
+
 TEST(ElasticModuli, AreThereOnlyWhereSomethingCarries) {
   Packing const hard = triangular_lattice(4, 4, -1e-6);
   EXPECT_FALSE(find_elastic_moduli(hard, find_contact_network(hard, Potential::harmonic)).has_value());

@@ -9,6 +9,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "io/checkpoint.hpp"
+#include "packing/soft_forces.hpp"
 #include "reference/random_packing.hpp"
 
 namespace gridlock {
@@ -104,6 +105,82 @@ TEST(Minimizer, HasTheSameBitsWhenItIsInterruptedAndRestored) {
     EXPECT_EQ(current.packing().x, whole.packing().x);
     EXPECT_GT(whole.quasi_newton_iterations(), 0U);
     EXPECT_EQ(current.iterations(), whole.iterations());
+  }
+}
+
+TEST(Minimizer, KnowsTheLargestNetForceOfManyDisks) {
+  // More disks than are summed as one block, at a moment when forces do not balance.
+  Minimizer minimizer({.iterations = 5}, random_packing(1200, 0.9, 1));
+  ASSERT_TRUE(minimizer.advance());
+  ASSERT_EQ(minimizer.status(), MinimumStatus::unconverged);
+  std::vector<Contact> const contacts = find_contacts(minimizer.packing());
+  double mean_force = 0.0;
+  for (Contact const& contact : contacts) mean_force += force_of(contact, Potential::harmonic);
+  mean_force /= static_cast<double>(contacts.size());
+  double largest = 0.0;
+  for (Vector const force : forces_of(contacts, Potential::harmonic, 1200))
+    largest = std::max(largest, std::sqrt(squared_length(force)));
+  EXPECT_NEAR(minimizer.residual(), largest / mean_force, 1e-9 * largest / mean_force);
+}
+
+TEST(Minimizer, EndsWhereThePositionsOfATallBoxHaveNoMoreDigits) {
+  // Equal disks one above the other, the overlap of which is hardly more than the last digits of the highest.
+  for (bool const is_tall : {false, true}) {
+    std::size_t const disks = 48;
+    double const overlap = 1e-7;
+    Packing packing{.box = is_tall ? Box(4.0, 48.0, Edge::periodic) : Box(48.0, 4.0, Edge::periodic),
+                    .x = {},
+                    .y = {},
+                    .radius = std::vector<double>(disks, 0.5 / (1.0 - overlap))};
+    std::vector<double>& along = is_tall ? packing.y : packing.x;
+    for (std::size_t k = 0; k < disks; ++k) along.push_back(static_cast<double>(k) + 0.5);
+    (is_tall ? packing.x : packing.y).assign(disks, 2.0);
+    // The residual that is left is 2 · shift/overlap: below 2⁻⁵⁰ · 48/overlap, and above what a side of 4 allows.
+    along[7] += 0x1p-47;
+    Minimizer minimizer({.newton_residual = 0.0}, packing);
+    ASSERT_TRUE(minimizer.advance());
+    EXPECT_EQ(minimizer.status(), MinimumStatus::converged);
+    EXPECT_GT(minimizer.residual(), 1e-8);
+    EXPECT_EQ(minimizer.iterations(), 0U) << is_tall;
+  }
+}
+
+TEST(Minimizer, LeavesASaddleWhoseOnlyWayDownIsAlongXOrY) {
+  for (bool const is_tall : {false, true}) {
+    // A straight row through a periodic box: it can only buckle.
+    Packing packing{.box = is_tall ? Box(12.0, 6.0, Edge::periodic) : Box(6.0, 12.0, Edge::periodic),
+                    .x = {},
+                    .y = {},
+                    .radius = std::vector<double>(6, 0.51)};
+    for (std::size_t k = 0; k < 6; ++k) {
+      packing.x.push_back(is_tall ? 6.0 : static_cast<double>(k));
+      packing.y.push_back(is_tall ? static_cast<double>(k) : 6.0);
+    }
+    Minimizer minimizer({.iterations = 20'000}, packing);
+    ASSERT_TRUE(minimizer.advance());
+    EXPECT_EQ(minimizer.status(), MinimumStatus::unjammed) << is_tall;
+  }
+}
+
+TEST(SoftForces, SeeADiskThatComesFromAnyDirection) {
+  // Of the three disks one moves, a little at a time, from far away onto each of the others.
+  for (Vector const way : {Vector{0.5, 0.0}, Vector{0.0, 0.5}}) {
+    Packing packing{.box = Box(12.0, 9.0, Edge::periodic),
+                    .x = {6.0, 6.0 + 4.0 * way.x, 2.0},
+                    .y = {4.0, 4.0 + 4.0 * way.y, 4.0},
+                    .radius = {0.5, 0.5, 0.6}};
+    SoftForces forces(packing, Potential::harmonic, 1);
+    Columns const rest(3);
+    Columns found(3);
+    double most = 0.0;
+    for (int step = 0; step < 40; ++step) {
+      packing.x[1] -= 0.1 * way.x;
+      packing.y[1] -= 0.1 * way.y;
+      double const expected = energy_of(find_contacts(packing), Potential::harmonic);
+      EXPECT_NEAR(forces.evaluate(packing, rest, found).energy, expected, 1e-15) << step;
+      most = std::max(most, expected);
+    }
+    EXPECT_GT(most, 0.1);
   }
 }
 

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
@@ -83,6 +85,23 @@ TEST(PressureRamp, ReachesAPressureFromJustBelowJammingForMostStarts) {
   EXPECT_GE(reached, 18) << "disks that rearrange at once";
 }
 
+TEST(PressureRamp, ComesDownFromTooHighAPressureByAThirdAtATime) {
+  int comes_down = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    double const wanted = 1e-6;
+    PressureRamp ramp({.pressure = wanted, .step = 5e-3}, random_packing(32, 0.8, seed));
+    ASSERT_TRUE(ramp.advance());
+    std::vector<PressureLevel> const& levels = ramp.levels();
+    for (std::size_t k = 0; k + 1 < levels.size(); ++k) {
+      double const from = levels[k].pressure;
+      if (!(from > 12.0 * wanted)) continue;
+      ++comes_down;
+      EXPECT_GT(levels[k + 1].pressure, 0.09 * from) << "0.32 of it, and 0.3 of that at the least";
+    }
+  }
+  EXPECT_GT(comes_down, 3);
+}
+
 TEST(PressureRamp, ReachesHighPressuresAndTakesManySmallStepsToThem) {
   for (double const pressure : {1e-3, 2e-2, 0.3}) {
     PressureRamp ramp({.pressure = pressure}, random_packing(64, 0.5, 1));
@@ -111,6 +130,25 @@ TEST(PressureRamp, EndsWithinOnePercentOfItsPressure) {
     }
   }
   EXPECT_LE(missed, 2) << "disks that rearrange at once";
+}
+
+TEST(PressureRamp, HasTheDistanceOfItsLastTwoEstimatesAsTheError) {
+  int falls = 0;
+  int rises = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    PressureRamp ramp({.pressure = 1e-4}, random_packing(48, 0.9, seed));
+    ASSERT_TRUE(ramp.advance());
+    std::optional<double> const error = ramp.error_of_jamming_packing_fraction();
+    std::vector<PressureLevel> const& levels = ramp.levels();
+    double const last = levels.back().jamming_packing_fraction;
+    double const before = levels.size() < 2 ? std::nan("") : levels[levels.size() - 2].jamming_packing_fraction;
+    ASSERT_EQ(error.has_value(), std::isfinite(last - before));
+    if (!error) continue;
+    EXPECT_EQ(*error, std::abs(last - before));
+    ++(last < before ? falls : rises);
+  }
+  EXPECT_GT(falls, 0);
+  EXPECT_GT(rises, 0);
 }
 
 TEST(PressureRamp, ReachesAPackingFractionFromBothSides) {
@@ -145,6 +183,63 @@ TEST(PressureRamp, HasTheSameBitsWhenItIsInterruptedAndRestored) {
   }
   EXPECT_GT(pieces, 100);
   EXPECT_EQ(current.packing().x, whole.packing().x);
+}
+
+/// An archive that restores from another, but for one number.
+class WithNumber final : public Archive {
+ public:
+  WithNumber(Archive& archive, std::string_view name, std::uint64_t number)
+      : archive_(archive), name_(name), number_(number) {}
+
+  [[nodiscard]] bool is_restoring() const override { return archive_.is_restoring(); }
+  void enter(std::string_view name) override { archive_.enter(name); }
+  void leave() override { archive_.leave(); }
+  void visit(std::string_view name, std::uint64_t& value) override {
+    archive_.visit(name, value);
+    if (name == name_) value = number_;
+  }
+  void visit(std::string_view name, bool& value) override { archive_.visit(name, value); }
+  void visit(std::string_view name, double& value) override { archive_.visit(name, value); }
+  void visit(std::string_view name, std::string& value) override { archive_.visit(name, value); }
+  void visit(std::string_view name, std::vector<double>& values) override { archive_.visit(name, values); }
+  void visit(std::string_view name, std::vector<std::int32_t>& values) override { archive_.visit(name, values); }
+  void visit(std::string_view name, std::vector<std::uint32_t>& values) override { archive_.visit(name, values); }
+  void visit(std::string_view name, std::vector<std::uint64_t>& values) override { archive_.visit(name, values); }
+
+ private:
+  Archive& archive_;
+  std::string_view name_;
+  std::uint64_t number_;
+};
+
+TEST(PressureRamp, KnowsWhenItIsRestoredHowOftenItHasBeenNearItsEnd) {
+  // A ramp that has been near its end twenty times gives up at the next minimum that is near and not there.
+  int missed = 0;
+  int missed_at_once = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    Packing const start = random_packing(32, 0.9, seed);
+    PressureRampSettings const settings{.pressure = 1e-4};
+    PressureRamp current(settings, start);
+    std::size_t levels = 0;
+    for (bool is_done = false; !is_done;) {
+      is_done = current.advance([] { return false; });
+      // One look for each level; the last one leads to the end.
+      if (current.levels().size() == levels) continue;
+      levels = current.levels().size();
+      std::string const saved = to_checkpoint([&](Archive& archive) { current.serialize(archive); });
+      for (std::uint64_t const times : {0U, 20U}) {
+        PressureRamp restored(settings, start);
+        from_checkpoint(saved, "saved", [&](Archive& archive) {
+          WithNumber edited(archive, "minima_near_end", times);
+          restored.serialize(edited);
+        });
+        ASSERT_TRUE(restored.advance());
+        if (restored.status() == RampStatus::missed) ++(times == 0 ? missed_at_once : missed);
+      }
+    }
+  }
+  EXPECT_GT(missed, 0);
+  EXPECT_EQ(missed_at_once, 0);
 }
 
 TEST(PressureRamp, TellsWhereAMinimizationGaveUp) {
