@@ -12,20 +12,11 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/validate.hpp"
-#include "gridlock/lattice/start.hpp"
 #include "io/checkpoint.hpp"
+#include "unit/protocol/fluid.hpp"
 
 namespace gridlock {
 namespace {
-
-/// Few disks of two sizes in a fluid.
-State fluid(Edge edge = Edge::periodic) {
-  DisksSettings disks{.count = 36, .packing_fraction = 0.4, .start = StartKind::random};
-  disks.species = {{.fraction = 0.5, .size_ratio = 1.0}, {.fraction = 0.5, .size_ratio = 1.4}};
-  State state = make_start(Box(1.1, 0.9, edge), disks, 3);
-  draw_velocities(state, {.kind = VelocityKind::maxwell});
-  return state;
-}
 
 /// Every kind of stage, each short.
 ProtocolSettings all_stages(std::uint64_t threads = 1) {
@@ -67,6 +58,9 @@ TEST_P(ProtocolOf, CarriesOutItsStagesInOrder) {
   EXPECT_TRUE(*results[5].is_converged);
   EXPECT_LT(results[6].packing_fraction, results[5].packing_fraction);
   EXPECT_GT(state.clock.time, 0.01);
+  std::uint64_t work = 0;
+  for (StageResult const& result : results) work += result.work;
+  EXPECT_EQ(protocol.work(), work) << "of all stages";
   // What is left is one of hard disks.
   EXPECT_NO_THROW(validate(state));
 }
@@ -212,6 +206,11 @@ TEST(Protocol, RefusesStagesThatContradictThemselves) {
        "protocol[0].until_packing_fraction",
        "at a pressure and at a packing fraction"},
       {{{.kind = StageKind::quench}, {.kind = StageKind::run, .until_time = 1.0}}, "protocol[1]", "leaves overlaps"},
+      {{{.kind = StageKind::run, .until_time = 1.0},
+        {.kind = StageKind::quench},
+        {.kind = StageKind::run, .until_time = 1.0}},
+       "protocol[2]",
+       "leaves overlaps"},
   };
   for (Case const& one : cases) {
     std::vector<Problem> const problems = problems_of(one.stages);
