@@ -9,6 +9,7 @@
 
 #include "analysis/bessel_table.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/observe/estimate.hpp"
 
 namespace gridlock {
 namespace {
@@ -65,6 +66,58 @@ TEST(Dynamics, IsThatOfTheDefinitions) {
   }
 }
 
+TEST(Dynamics, HasErrorsFromTheScatterOfItsIndependentOrigins) {
+  constexpr std::size_t frames = 200;
+  constexpr std::size_t agents = 13;
+  RandomWalk const walk(frames, agents);
+  Dynamics const found = find_dynamics(walk.view(), {.wave_number = 0.9, .overlap_length = 1.5});
+  for (std::size_t const lag : {1UL, 3UL, 10UL}) {
+    // What each origin has: the means of Δr², Δr⁴, J₀ and of those that are near.
+    struct Means {
+      double second = 0.0, fourth = 0.0, scattering = 0.0, near = 0.0;
+    };
+    std::vector<Means> origins;
+    for (std::size_t from = 0; from + lag < frames; from += lag) {
+      Means& means = origins.emplace_back();
+      for (std::size_t agent = 0; agent < agents; ++agent) {
+        double const square = walk.squared(agent, from, from + lag);
+        means.second += square / agents;
+        means.fourth += square * square / agents;
+        means.scattering += ::j0(0.9 * std::sqrt(square)) / agents;
+        means.near += square <= 2.25 ? 1.0 / agents : 0.0;
+      }
+    }
+    double second = 0.0, fourth = 0.0;
+    for (std::size_t from = 0; from + lag < frames; ++from) {
+      for (std::size_t agent = 0; agent < agents; ++agent) {
+        double const square = walk.squared(agent, from, from + lag);
+        second += square / static_cast<double>(agents * (frames - lag));
+        fourth += square * square / static_cast<double>(agents * (frames - lag));
+      }
+    }
+    auto const error_of = [&](auto const& value) {
+      BlockAverage average;
+      for (Means const& means : origins) average.add(value(means));
+      return average.estimate().value().error.value();
+    };
+    // How α₂ changes with a small share of what an origin has more than the mean.
+    auto const change = [&](Means const& means) {
+      double const share = 1e-6;
+      double const s = second + share * (means.second - second);
+      double const f = fourth + share * (means.fourth - fourth);
+      return (f / (2.0 * s * s) - fourth / (2.0 * second * second)) / share;
+    };
+    DynamicsOfKind const& kind = found.kinds[0];
+    auto const expect_error = [&](Estimate const& estimate, double expected) {
+      EXPECT_NEAR(estimate.error.value(), expected, 1e-4 * expected) << "lag " << lag;
+    };
+    expect_error(kind.squared_displacement[lag - 1], error_of([](Means const& means) { return means.second; }));
+    expect_error(kind.non_gaussian[lag - 1], error_of(change));
+    expect_error(kind.scattering[lag - 1], error_of([](Means const& means) { return means.scattering; }));
+    expect_error(kind.overlap[lag - 1], error_of([](Means const& means) { return means.near; }));
+  }
+}
+
 TEST(Dynamics, HasTheScatteringOfDisplacementsBeyondTheTable) {
   // Some of eight neighbours in memory are beyond it, some are not.
   RandomWalk walk(2, 21);
@@ -99,7 +152,9 @@ TEST(Dynamics, DoesNotDependOnTheThreadsAndHasEveryKindByItself) {
 TEST(Dynamics, WithoutDriftDoesNotSeeThatAllMove) {
   RandomWalk const walk(10, 20);
   RandomWalk moving = walk;
-  for (std::size_t k = 0; k < moving.positions.size(); ++k) moving.positions[k] += 5.0 * static_cast<double>(k / 40);
+  // By more along x than along y.
+  for (std::size_t k = 0; k < moving.positions.size(); ++k)
+    moving.positions[k] += (k % 2 == 0 ? 5.0 : -2.0) * static_cast<double>(k / 40);
   Dynamics const still = find_dynamics(walk.view(), {.keeps_drift = false});
   Dynamics const moved = find_dynamics(moving.view(), {.keeps_drift = false});
   for (std::size_t l = 0; l < 9; ++l) {

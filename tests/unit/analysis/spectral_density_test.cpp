@@ -65,6 +65,34 @@ TEST(SpectralDensity, HasAllWavesOfWideAndOfTallBoxes) {
   }
 }
 
+TEST(SpectralDensity, OfWideAndTallBoxesIsTheSumOfItsDefinition) {
+  std::vector<double> const radius{0.2, 0.1, 0.2, 0.15, 0.1};
+  for (Box const& box : {Box(5.0, 2.0, Edge::periodic), Box(2.0, 5.0, Edge::periodic)}) {
+    RandomPoints const points(5, box.width(), box.height());
+    double const largest = 9.0;
+    double expected = 0.0;
+    double vectors = 0.0;
+    for (int m = -20; m <= 20; ++m) {
+      for (int n = -20; n <= 20; ++n) {
+        Vector const q{2.0 * std::numbers::pi * m / box.width(), 2.0 * std::numbers::pi * n / box.height()};
+        double const length = std::sqrt(squared_length(q));
+        if (!(length > 0.0) || length > largest) continue;
+        double real = 0.0;
+        double imaginary = 0.0;
+        for (std::size_t i = 0; i < 5; ++i) {
+          double const phase = q.x * points[i].x + q.y * points[i].y;
+          real += area_of_wave(radius[i], length) * std::cos(phase);
+          imaginary += area_of_wave(radius[i], length) * std::sin(phase);
+        }
+        expected += (real * real + imaginary * imaginary) / box.area();
+        vectors += 1.0;
+      }
+    }
+    SpectralDensity const found = find_spectral_density(box, points.view(), radius, largest, 1);
+    EXPECT_NEAR(found.density[0], expected / vectors, 1e-10 * expected / vectors);
+  }
+}
+
 TEST(SpectralDensity, OfDisksAtRandomIsThatOfAnIdealGasForAnyThreads) {
   Box const box(1.0, 2.0, Edge::periodic);
   RandomPoints const points(500, 1.0, 2.0);

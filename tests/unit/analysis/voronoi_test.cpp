@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/voronoi_polygon.hpp"
 #include "gridlock/core/error.hpp"
 #include "unit/analysis/points.hpp"
 
@@ -46,6 +47,35 @@ TEST(VoronoiCells, HoldExactlyThePlacesThatAreNearest) {
       share[nearest] += 1.0 / (side * side);
     }
     for (std::size_t i = 0; i < 12; ++i) EXPECT_NEAR(cells.areas[i], share[i], 1e-3);
+  }
+}
+
+TEST(VoronoiCells, OfFewPointsInBoxesOfAnyShapeAreCutByAllOthers) {
+  for (double const height : {0.07, 0.3, 0.5, 0.7, 1.4, 2.2, 3.5, 9.0}) {
+    for (std::size_t count = 2; count <= 24; ++count) {
+      for (Edge const edge : {Edge::periodic, Edge::wall}) {
+        Box const box(1.0, height, edge);
+        RandomPoints const points(count, 1.0, height);
+        VoronoiCells const cells = find_voronoi_cells(box, points.view());
+        int const images = edge == Edge::periodic ? 2 : 0;
+        for (std::size_t i = 0; i < count; ++i) {
+          VoronoiPolygon polygon;
+          Vector const half{0.5, 0.5 * height};
+          Vector const p = points[i];
+          edge == Edge::periodic ? polygon.begin(-1.0 * half, half, 0)
+                                 : polygon.begin(-1.0 * p, Vector{1.0, height} - p, VoronoiPolygon::nobody);
+          for (std::size_t other = 0; other < count; ++other) {
+            for (int m = -images; m <= images; ++m) {
+              for (int n = -images; n <= images; ++n) {
+                Vector const separation = points[other] + Vector{1.0 * m, height * n} - p;
+                if (squared_length(separation) > 0.0) polygon.cut(separation, 0);
+              }
+            }
+          }
+          ASSERT_NEAR(cells.areas[i], polygon.area(), 1e-9 * height) << count << " points, height " << height;
+        }
+      }
+    }
   }
 }
 
@@ -118,6 +148,16 @@ TEST(VoronoiCells, RefusePointsThatHaveNone) {
   EXPECT_NO_THROW(find_voronoi_cells(Box(1.0, 1.0, Edge::periodic), points.view()));
   points.values[0] = std::nan("");
   EXPECT_THROW(find_voronoi_cells(Box(1.0, 1.0, Edge::periodic), points.view()), Error);
+}
+
+TEST(LocalBondOrientation, LeavesOutThePointItself) {
+  // In a box of few points a point can be its own neighbour, to which there is no direction.
+  std::vector<double> const x{0.1, 0.6}, y{0.2, 0.3};
+  NeighbourLists const neighbours{.begin = {0, 2, 3}, .neighbours = {0, 1, 1}};
+  std::vector<double> const orders = local_bond_orientation_orders(
+      Box(1.5, 1.0, Edge::periodic), {.x = x.data(), .y = y.data(), .count = 2}, neighbours);
+  EXPECT_NEAR(orders[0], 1.0, 1e-12) << "one direction alone";
+  EXPECT_EQ(orders[1], 0.0) << "none at all";
 }
 
 TEST(LocalBondOrientation, OverVoronoiNeighboursIsOneInHexagonsAndSmallInSquares) {
