@@ -117,6 +117,13 @@ def test_structure_factor_is_that_of_the_definition():
     assert found.s[0] == pytest.approx(direct.mean(), rel=1e-12)
 
 
+def test_structure_factor_of_a_tall_box_is_that_of_the_wide_one_turned():
+    points = np.random.default_rng(9).random((40, 2)) * [5.0, 0.8]
+    wide = gridlock.structure_factor(points, (5.0, 0.8), largest_q=25.0, bins=7)
+    tall = gridlock.structure_factor(points[:, ::-1], (0.8, 5.0), largest_q=25.0, bins=7)
+    assert np.allclose(wide.q, tall.q, rtol=1e-12) and np.allclose(wide.s, tall.s, rtol=1e-9)
+
+
 @pytest.mark.parametrize("wanted", [
     {"largest_q": 1e6}, {"largest_q": 1e300}, {"largest_q": 20.0, "bins": 2**31 - 1},
     {"largest_q": 20.0, "bins": 10**6, "kinds": np.arange(50)}, {"box": (1e9, 1.0), "largest_q": 20.0},

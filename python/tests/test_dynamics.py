@@ -114,6 +114,17 @@ def test_diffusion_coefficient_of_a_line():
     assert result.error == pytest.approx(0.1 / 4) and result.unit == "length² / time"
 
 
+def test_points_of_a_diffusion_coefficient_count_by_their_errors():
+    random = np.random.default_rng(5)
+    lag = np.arange(1.0, 9.0)
+    error = 0.1 * lag**2
+    msd = 2.8 * lag + error * random.standard_normal(8)
+    result = gridlock.diffusion_coefficient(lag, msd, error)
+    slope = np.polyfit(lag, msd, 1, w=1 / error)[0]
+    assert result.value == pytest.approx(slope / 4, rel=1e-9)
+    assert gridlock.diffusion_coefficient(lag, msd).value == pytest.approx(np.polyfit(lag, msd, 1)[0] / 4, rel=1e-9)
+
+
 @pytest.mark.parametrize("call", [
     lambda: gridlock.dynamics([[1.0, 2.0]]),
     lambda: gridlock.dynamics(np.zeros((1, 3, 2))),

@@ -313,6 +313,13 @@ def test_a_dump_of_lammps_has_its_frames(tmp_path):
         assert "element" not in frame.columns
 
 
+def test_a_position_that_rounds_to_the_far_edge_lies_on_the_near_one():
+    inside, boxes = gridlock.formats.Side(-1.0, 4.0, True).put_inside(np.array([-1.0 - 1e-16, -1.0, 3.0, 2.5, 7.5]), "here")
+    assert inside.tolist() == [0.0, 0.0, 0.0, 3.5, 0.5] and boxes.tolist()[1:] == [0, 1, 0, 2]
+    inside, _ = gridlock.formats.Side(0.0, 4.0, True).put_inside(np.array([-1e-20]), "here")
+    assert inside.tolist() == [0.0]
+
+
 def test_unwrapped_positions_of_lammps_have_images(tmp_path):
     (tmp_path / "x.dump").write_text(DUMP.format("pp pp", "id xu yu") + "1 -1.5 2.5\n2 3 0\n")
     frame = gridlock.open(tmp_path / "x.dump")[0]

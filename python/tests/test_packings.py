@@ -188,6 +188,14 @@ def test_the_picture_has_all_disks_and_forces(pyplot):
     assert np.allclose(widths / widths.max(), np.minimum(found.forces / found.forces.mean(), 3.0) / 3.0, rtol=0.05)
     lengths = np.hypot(*(corners[:, 2] - corners[:, 1]).T)
     assert np.allclose(lengths, found.distances)
+    # From each of the two disks a line leads to the other or its image.
+    every = np.array([path.vertices[:4] for path in axes.collections[4].get_paths()])
+    begin, end = (every[:, [a, b]].mean(axis=1) for a, b in ((0, 1), (2, 3)))
+    count = len(found.pairs)
+    for starts, ends, (one, other) in ((begin[:count], end[:count], (0, 1)), (begin[count:], end[count:], (1, 0))):
+        assert np.allclose(starts, found.points[found.pairs[:, one]] % 1.0)
+        away = ends - found.points[found.pairs[:, other]]
+        assert np.allclose(away, np.round(away), atol=1e-9)
 
 
 def test_the_pictures_of_a_directory(pyplot, program, tmp_path):

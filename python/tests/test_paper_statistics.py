@@ -10,7 +10,7 @@ from gridlock.paper import figure_5, physics_or_step, step_cost, turn_order
 from gridlock.study import report, style
 from gridlock.study.chapter import Table
 from gridlock.study.statistics import (Crossing, Estimate, MeanOfRuns, Verdict, find_crossing, fit_power_law, joint_deviation,
-                                       mean_over_runs, three_sigma, verdict_on_fall)
+                                       mean_over_runs, tail_mean, three_sigma, verdict_on_fall)
 from gridlock.paper.theory import enskog_diffusion, mean_distance, mean_distance_after_diffusion, mean_distance_in_square
 
 
@@ -19,6 +19,14 @@ def test_means_over_runs_have_the_textbook_error():
     values = [3.0, 5.0, 4.0, 8.0]
     assert mean_over_runs(values) == (5.0, pytest.approx(np.std(values, ddof=1) / 2.0))
     assert mean_over_runs([2.0]) == (2.0, None)
+
+
+def test_the_mean_of_a_tail_leaves_out_the_start():
+    series = np.array([90.0, 1.0, 2.0, 3.0, 4.0, 5.0])  # a start and five samples
+    assert tail_mean(series, 0.5) == 4.5  # of two
+    assert tail_mean(series, 0.6) == 4.0
+    assert tail_mean(series, 1.0) == 3.0
+    assert tail_mean(series, 0.01) == tail_mean(series[-2:], 0.2) == 5.0  # at least one
 
 
 @pytest.mark.parametrize("estimate, text", [
@@ -95,6 +103,18 @@ def test_the_error_of_a_crossing_is_the_scatter_of_crossings_of_noisy_curves():
              for _ in range(4000)]
     # The scatter of 4000 curves is itself known to 1/√8000 = 1.1 %.
     assert find_crossing(exponential(xs, 0.02), 0.1).statistical == pytest.approx(np.std(found), rel=0.05)
+
+
+def test_the_nearer_point_counts_more_in_the_error_of_a_crossing():
+    # ln y falls by 4 over the interval and meets the level after a quarter of it: δx = (1 − ¼) e_1/4 or ¼ e_2/4.
+    def crossing(first, second):
+        level = 0.1
+        return find_crossing([(0.0, Estimate(level * math.e, first * level * math.e)),
+                              (1.0, Estimate(level * math.exp(-3.0), second * level * math.exp(-3.0)))], level)
+
+    assert crossing(0.02, 0.0).x == pytest.approx(0.25)
+    assert crossing(0.02, 0.0).statistical == pytest.approx(0.75 * 0.02 / 4.0)
+    assert crossing(0.0, 0.02).statistical == pytest.approx(0.25 * 0.02 / 4.0)
 
 
 def test_a_curve_that_does_not_cross_is_said_not_to():

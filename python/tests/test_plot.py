@@ -64,9 +64,9 @@ def test_a_snapshot_has_every_disk_at_its_size(simulation, tmp_path):
 
 
 def test_a_disk_cut_by_a_periodic_edge_shows_on_both_sides():
-    at_edges = frame([0.05, 1.0, 1.95], [0.5, 0.5, 0.02], periodic=True, radius=[0.1, 0.1, 0.1])
+    at_edges = frame([0.05, 1.0, 1.95, 1.0], [0.5, 0.5, 0.02, 0.97], periodic=True, radius=[0.1, 0.1, 0.1, 0.1])
     offsets = gridlock.plot.snapshot(at_edges).collections[0].get_offsets()
-    expected = {(0.05, 0.5), (2.05, 0.5), (1.0, 0.5), (1.95, 0.02), (-0.05, 0.02), (1.95, 1.02), (-0.05, 1.02)}
+    expected = {(0.05, 0.5), (2.05, 0.5), (1.0, 0.5), (1.95, 0.02), (-0.05, 0.02), (1.95, 1.02), (-0.05, 1.02), (1.0, 0.97), (1.0, -0.03)}
     assert {(round(x, 9), round(y, 9)) for x, y in offsets.tolist()} == expected
     walled = gridlock.plot.snapshot(frame([0.05], [0.5], radius=[0.05])).collections[0]
     assert walled.get_offsets().tolist() == [[0.05, 0.5]]
