@@ -3,7 +3,7 @@ import { describe, expect, test } from "vitest";
 import { Camera } from "../../src/drawing/camera.ts";
 import { neighbourhoodColour, paint, rangeOf } from "../../src/drawing/colouring.ts";
 import { markRadius, type Frame } from "../../src/drawing/frame.ts";
-import { shortNumber, ticks } from "../../src/drawing/overlay.ts";
+import { contactLines, shortNumber, ticks } from "../../src/drawing/overlay.ts";
 import { PackedAgents } from "../../src/drawing/packed_agents.ts";
 import {
   cividis,
@@ -24,6 +24,12 @@ const frameOf = (positions: number[], radius: number | number[], periodic = fals
   count: positions.length / 2,
   positions: Float64Array.from(positions),
   radius: typeof radius === "number" ? radius : Float64Array.from(radius),
+});
+
+/** Two agents in a box that is four times as wide as it is high, or the other way round. */
+const oblong = (isTall: boolean, positions: number[], radius = 0.05): Frame => ({
+  ...frameOf(isTall ? positions.map((_, i) => positions[i ^ 1] as number) : positions, radius),
+  box: { width: isTall ? 0.5 : 2, height: isTall ? 2 : 0.5, periodic: true },
 });
 
 const AROUND = [-1, 0, 1].flatMap((dx) => [-1, 0, 1].map((dy) => [dx, dy] as const)).filter(([dx, dy]) => dx !== 0 || dy !== 0);
@@ -91,6 +97,13 @@ describe("colours", () => {
     expect(palette.length).toBe(257);
   });
 
+  test("the cells of a grid are those of its columns and rows, in wide and in tall boxes", () => {
+    const wide = oblong(false, [0.1, 0.4, 1.9, 0.1]);
+    expect([...paint(wide, { by: "neighbourhood", columns: 8, rows: 2 }).places]).toEqual([3, 1]);
+    const tall = oblong(true, [0.1, 0.4, 1.9, 0.1]);
+    expect([...paint(tall, { by: "neighbourhood", columns: 2, rows: 8 }).places]).toEqual([1, 3]);
+  });
+
   test("as many values as agents are needed", () => {
     expect(() => paint(frameOf([0.1, 0.1], 0.01), { by: "kinds", label: "k", values: new Uint32Array(2) })).toThrow(RangeError);
   });
@@ -131,6 +144,65 @@ describe("places", () => {
     expect(camera.toBox({ x: 200, y: 300 }).x).toBeCloseTo(before.x, 12);
     camera.zoomAt({ x: 10, y: 10 }, 0.001, box);
     expect(camera.toPixels({ x: 0, y: 0 })).toEqual({ x: 0, y: 500 });
+  });
+
+  test("the box lies between the margins, in the middle of the room that they leave", () => {
+    for (const box of [{ width: 3, height: 0.7, periodic: true }, { width: 0.7, height: 3, periodic: true }]) {
+      const camera = new Camera();
+      camera.fit(box, 800, 600, { x: 8, top: 20, bottom: 50 }, true);
+      const [least, most] = [camera.toPixels({ x: 0, y: box.height }), camera.toPixels({ x: box.width, y: 0 })];
+      expect((least.x + most.x) / 2).toBeCloseTo(400, 9);
+      expect((least.y + most.y) / 2).toBeCloseTo(20 + (600 - 70) / 2, 9);
+      expect(Math.min(least.x - 8, least.y - 20)).toBeCloseTo(0, 9);
+    }
+  });
+
+  test("a place moves with the pointer that drags it", () => {
+    const box = { width: 3, height: 0.7, periodic: true };
+    const camera = new Camera();
+    camera.fit(box, 800, 600, { x: 8, top: 8, bottom: 50 }, true);
+    camera.zoomAt({ x: 400, y: 270 }, 20, box);
+    const place = { x: 1.5, y: 0.35 };
+    const before = camera.toPixels(place);
+    camera.pan(30, -10, box);
+    expect(camera.toPixels(place).x).toBeCloseTo(before.x + 30, 9);
+    expect(camera.toPixels(place).y).toBeCloseTo(before.y - 10, 9);
+  });
+
+  test("the shortest way in a wide or a tall box leads across the nearest edge", () => {
+    for (const isTall of [false, true]) {
+      const turned = (x: number, y: number): { x: number; y: number } => (isTall ? { x: y, y: x } : { x, y });
+      const frame = oblong(isTall, [0.02, 0.48, 1, 0.2]);
+      expect(distance(frame, turned(0.1, 0.05), turned(0.1, 0.45))).toBeCloseTo(0.1, 12);
+      expect(distance(frame, turned(0.1, 0.05), turned(1.9, 0.05))).toBeCloseTo(0.2, 12);
+      expect(agentAt(frame, turned(0.02, 0.01), 0)).toBe(0);
+      expect(agentAt(frame, turned(1.99, 0.48), 0)).toBe(0);
+    }
+  });
+
+  test("a contact has one line inside, and across an edge of a wide or a tall box one from each of its agents", () => {
+    for (const isTall of [false, true]) {
+      const camera = new Camera();
+      const lines = (...positions: number[]): number => {
+        const frame = oblong(isTall, positions);
+        camera.fit(frame.box, 400, 400, { x: 8, top: 8, bottom: 50 }, true);
+        return contactLines(camera, frame, 0, 1).length;
+      };
+      expect(lines(1, 0.2, 1, 0.3)).toBe(1);
+      expect(lines(1, 0.02, 1, 0.48)).toBe(2);
+      expect(lines(0.02, 0.2, 1.98, 0.2)).toBe(2);
+    }
+  });
+
+  test("disks cut by the edges of a wide or a tall box have one image each", () => {
+    for (const isTall of [false, true]) {
+      const packed = new PackedAgents();
+      const frame = oblong(isTall, [1, 0.48, 1.98, 0.2]);
+      packed.pack(frame, paint(frame, { by: "plain" }));
+      const images = Array.from({ length: packed.count }, (_, i) => [0, 1].map((k) => Number(packed.numbers[4 * i + k]?.toFixed(3)))).slice(2);
+      const expected = [[1, -0.02], [-0.02, 0.2]];
+      expect(images).toEqual(isTall ? expected.map(([x, y]) => [y, x]) : expected);
+    }
   });
 
   test("an agent is found at its place, across the edge of a periodic box too", () => {
@@ -221,6 +293,16 @@ test("an SVG file has every disk once, its images across the edges, and text tha
       height: 1,
     }),
   ).toThrow(/PNG/);
+});
+
+test("an SVG file has the cells of a search where the agents in them are", () => {
+  const frame = { ...oblong(false, [0.6, 0.1, 1, 0.2]) };
+  const camera = new Camera();
+  camera.fit(frame.box, 400, 400, { x: 0, top: 0, bottom: 0 }, true);
+  const block = { columns: 4, rows: 2, cells: [{ column: 1, row: 0 }], agents: [0], near: [] };
+  const svg = toSvg({ frame, paint: paint(frame, { by: "plain" }), camera, overlay: { block }, theme: LIGHT, width: 400, height: 400 });
+  // The box is 400 × 100 pixels in the middle, from y = 150 to 250: the lower row of cells is 200 to 250.
+  expect(svg).toContain('<rect x="100" y="200" width="100" height="50"');
 });
 
 function linear(part: number): number {

@@ -62,6 +62,32 @@ test("The sixfold order is one in a triangular lattice, whatever edges it crosse
   expect([...localBondOrientationOrders(frame([7], { x: new Float64Array([1]), y: new Float64Array([0.5]) }))]).toEqual([0]);
 });
 
+test("The sixfold order is that of all pairs in wide and in tall boxes", () => {
+  const count = 60;
+  const share = (k: number, step: number): number => (k * step) % 1; // even, and on no lattice
+  for (const periodic of [true, false]) {
+    for (const [width, height] of [[6, 1], [1, 6]] as const) {
+      const x = Float64Array.from({ length: count }, (_, k) => width * share(k, 0.6180339887));
+      const y = Float64Array.from({ length: count }, (_, k) => height * share(k, 0.7548776662));
+      const found = localBondOrientationOrders({
+        ...frame(Array.from({ length: count }, (_, k) => k), { x, y }), box: { width, height, periodic } });
+      const reach = Math.min(1.5 * Math.sqrt((2 / Math.sqrt(3)) * width * height / count), periodic ? 0.5 : Infinity);
+      for (let i = 0; i < count; ++i) {
+        let [real, imaginary, neighbours] = [0, 0, 0];
+        for (let j = 0; j < count; ++j) {
+          let [dx, dy] = [(x[j] as number) - (x[i] as number), (y[j] as number) - (y[i] as number)];
+          if (periodic) [dx, dy] = [dx - width * Math.round(dx / width), dy - height * Math.round(dy / height)];
+          if (j === i || Math.hypot(dx, dy) > reach) continue;
+          real += Math.cos(6 * Math.atan2(dy, dx));
+          imaginary += Math.sin(6 * Math.atan2(dy, dx));
+          ++neighbours;
+        }
+        expect(found[i], `${i} of ${width} × ${height}`).toBeCloseTo(neighbours === 0 ? 0 : Math.hypot(real, imaginary) / neighbours, 5);
+      }
+    }
+  }
+});
+
 test("The grid has cells no smaller than the largest agent", () => {
   const place = { x: new Float64Array([1, 1]), y: new Float64Array([0.2, 0.7]) };
   expect(gridOf(frame([1, 2], { ...place, radius: new Float64Array([0.1, 0.15]) }))).toEqual({ columns: 6, rows: 3 });

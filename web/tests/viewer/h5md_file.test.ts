@@ -130,6 +130,26 @@ describe("A trajectory of another program", () => {
     expect(Array.from(frame.columns["species"] as ArrayLike<number>)).toEqual([1, 2]);
   });
 
+  test("may have its edges as vectors, and steps and times that begin anywhere", async () => {
+    for (const [edges, shape] of [[[2, 0, 0, 3], [2, 2]], [[2, 0, 0, 0, 3, 0, 0, 0, 1], [3, 3]]] as const) {
+      const path = place.of(`vectors_${shape[0]}.h5`);
+      write(path, (file) => {
+        file.create_dataset({ name: "particles/all/box/edges", data: Float64Array.from(edges), shape: [...shape] });
+        file.create_dataset({ name: "particles/all/position/value", ...positions });
+        file.create_dataset({ name: "particles/all/position/step", data: new Int32Array([100]), shape: [] });
+        file.create_dataset({ name: "particles/all/position/time", data: new Float64Array([0.25]), shape: [] });
+        const offset = (name: string, value: number): void => (file.get(`particles/all/position/${name}`) as never as {
+          create_attribute(name: string, data: unknown): void }).create_attribute("offset", value);
+        offset("step", 5000);
+        offset("time", 12.5);
+      });
+      const file = opened(path);
+      expect((await file.frame(0)).box).toEqual({ width: 2, height: 3, periodic: false });
+      expect(file.description.steps).toEqual([5000, 5100]);
+      expect(file.description.times).toEqual([12.5, 12.75]);
+    }
+  });
+
   test("without a box gets the rectangle around its agents", async () => {
     write(place.of("boxless.h5"), (file) => {
       file.create_dataset({ name: "particles/all/position/value", ...positions });
