@@ -64,6 +64,8 @@ TEST(ContactNetwork, TakesRattlersAwayAgainAndAgain) {
   EXPECT_EQ(strip.backbone_disks, 16U);
   EXPECT_TRUE(strip.is_rattler[16] && strip.is_rattler[17]);
   EXPECT_EQ(strip.coordination[17], 0U);
+  EXPECT_DOUBLE_EQ(strip.mean_coordination(), 2.0 * static_cast<double>(strip.backbone_contacts) / 18.0)
+      << "over all disks, rattlers too";
   EXPECT_GT(strip.contacts.size(), strip.backbone_contacts) << "contacts of rattlers are contacts";
 }
 

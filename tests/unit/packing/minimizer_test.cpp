@@ -227,9 +227,32 @@ TEST(Minimizer, TakesNoneAndOneDisk) {
 }
 
 TEST(Minimizer, RefusesDisksTooLargeForThePeriodicBox) {
-  Packing packing{.box = Box(1.0, 1.0, Edge::periodic), .x = {0.2, 0.7}, .y = {0.5, 0.5}, .radius = {0.3, 0.3}};
-  Minimizer minimizer({}, packing);
-  EXPECT_THROW(minimizer.advance(), Error);
+  for (Box const& box : {Box(1.0, 1.0, Edge::periodic), Box(4.0, 1.0, Edge::periodic), Box(1.0, 4.0, Edge::periodic)}) {
+    Packing packing{.box = box, .x = {0.2, 0.7}, .y = {0.5, 0.5}, .radius = {0.3, 0.3}};
+    Minimizer minimizer({}, packing);
+    EXPECT_THROW(minimizer.advance(), Error) << box.width();
+    try {
+      find_contacts(packing);
+      ADD_FAILURE() << box.width();
+    } catch (Error const& error) {
+      EXPECT_NE(error.problems().front().what.find("two images of the same partner"), std::string::npos);
+    }
+  }
+}
+
+TEST(Minimizer, TakesBoxesHardlyAsFlatAsItsDisksAllow) {
+  for (bool const is_tall : {false, true}) {
+    // The list of pairs has less room than it would like: half the shorter side is hardly more than a contact.
+    std::vector<double> const along{0.2, 1.0, 1.7, 2.9};
+    std::vector<double> const across{0.1, 0.5, 0.9, 0.4};
+    Packing const packing{.box = is_tall ? Box(1.0, 4.0, Edge::periodic) : Box(4.0, 1.0, Edge::periodic),
+                          .x = is_tall ? across : along,
+                          .y = is_tall ? along : across,
+                          .radius = {0.23, 0.23, 0.23, 0.23}};
+    Minimizer minimizer({}, packing);
+    ASSERT_TRUE(minimizer.advance());
+    EXPECT_EQ(minimizer.status(), MinimumStatus::unjammed) << is_tall;
+  }
 }
 
 TEST(Minimizer, RefusesAResidualThatIsNone) {
@@ -273,6 +296,28 @@ TEST(SoftDisks, RefuseWhatIsNoPacking) {
   bad.box = Box(1.0, 1.0, Edge::wall);
   bad.y[0] = -0.1;
   expect_refused(bad);
+}
+
+TEST(SoftDisks, TouchTheWallsByTheirNumbers) {
+  // A disk at each wall, and one in a corner.
+  Packing const packing{.box = Box(4.0, 3.0, Edge::wall),
+                        .x = {0.4, 3.6, 2.0, 2.2, 3.7},
+                        .y = {1.5, 1.5, 0.4, 2.6, 2.7},
+                        .radius = {0.5, 0.5, 0.5, 0.5, 0.35}};
+  struct Touch {
+    std::uint32_t first;
+    std::uint32_t second;
+    Vector normal;
+  };
+  std::vector<Touch> const expected{{0, 5, {-1.0, 0.0}}, {1, 6, {1.0, 0.0}}, {2, 7, {0.0, -1.0}},
+                                    {3, 8, {0.0, 1.0}},  {4, 6, {1.0, 0.0}}, {4, 8, {0.0, 1.0}}};
+  std::vector<Contact> const contacts = find_contacts(packing);
+  ASSERT_EQ(contacts.size(), expected.size());
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    EXPECT_EQ(contacts[k].first, expected[k].first);
+    EXPECT_EQ(contacts[k].second, expected[k].second) << "left, right, bottom, top behind the disks";
+    EXPECT_EQ(contacts[k].normal, expected[k].normal);
+  }
 }
 
 TEST(SoftDisks, RefuseADiskThatTouchesItsOwnImages) {

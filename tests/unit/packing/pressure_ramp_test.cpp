@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/packing/elasticity.hpp"
 #include "io/checkpoint.hpp"
 #include "reference/random_packing.hpp"
+#include "unit/packing/same_levels.hpp"
 
 namespace gridlock {
 namespace {
@@ -58,6 +60,29 @@ TEST(PressureRamp, ReachesAPressureFromBelow) {
   ASSERT_EQ(ramp.status(), RampStatus::reached);
   EXPECT_EQ(ramp.levels().front().pressure, 0.0);
   EXPECT_NEAR(ramp.levels().back().pressure, 1e-4, 1e-6);
+  // Two minima that press have a slope; the first one has none with those before, which do not.
+  ASSERT_GT(ramp.levels()[1].pressure, 0.0);
+  EXPECT_TRUE(std::isnan(ramp.levels()[1].jamming_packing_fraction));
+  EXPECT_FALSE(std::isnan(ramp.levels().back().jamming_packing_fraction));
+}
+
+TEST(PressureRamp, HasLevelsThatAreWhatTheirPackingSays) {
+  PressureRamp ramp({.pressure = 1e-3}, random_packing(48, 0.95, 3));
+  ASSERT_TRUE(ramp.advance());
+  ContactNetwork const network = find_contact_network(ramp.packing(), Potential::harmonic);
+  ElasticModuli const moduli = find_elastic_moduli(ramp.packing(), network).value();
+  PressureLevel const& level = ramp.levels().back();
+  EXPECT_EQ(level.packing_fraction, packing_fraction(ramp.packing()));
+  EXPECT_EQ(level.pressure, network.pressure);
+  EXPECT_EQ(level.energy, network.energy);
+  EXPECT_EQ(level.residual, network.residual_force);
+  EXPECT_EQ(level.backbone_disks, network.backbone_disks);
+  EXPECT_EQ(level.backbone_contacts, network.backbone_contacts);
+  EXPECT_EQ(level.contact_number, network.contact_number());
+  EXPECT_EQ(level.excess_contacts, static_cast<double>(network.excess_contacts()));
+  EXPECT_EQ(level.bulk_modulus, moduli.bulk());
+  EXPECT_EQ(level.shear_modulus, moduli.shear());
+  EXPECT_EQ(level.least_shear_modulus, moduli.least_shear());
 }
 
 TEST(PressureRamp, ComesBackFromBelowToThePackingThatItLeft) {
@@ -161,8 +186,11 @@ TEST(PressureRamp, ReachesAPackingFractionFromBothSides) {
   }
 }
 
-TEST(PressureRamp, HasTheSameBitsWhenItIsInterruptedAndRestored) {
-  Packing const start = random_packing(64, 0.9, 4);
+class PressureRampFrom : public testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(BothSides, PressureRampFrom, testing::Values(0.8, 0.9));
+
+TEST_P(PressureRampFrom, HasTheSameBitsWhenItIsInterruptedAndRestored) {
+  Packing const start = random_packing(64, GetParam(), 4);
   PressureRampSettings const settings{.pressure = 1e-5};
   PressureRamp whole(settings, start);
   whole.advance();
@@ -177,9 +205,7 @@ TEST(PressureRamp, HasTheSameBitsWhenItIsInterruptedAndRestored) {
     restored.advance();
     ASSERT_EQ(restored.packing().x, whole.packing().x) << pieces;
     ASSERT_EQ(restored.packing().radius, whole.packing().radius);
-    ASSERT_EQ(restored.levels().size(), whole.levels().size());
-    ASSERT_EQ(restored.levels().back().jamming_packing_fraction, whole.levels().back().jamming_packing_fraction);
-    ASSERT_EQ(restored.levels().back().iterations, whole.levels().back().iterations);
+    expect_same(restored.levels(), whole.levels());
   }
   EXPECT_GT(pieces, 100);
   EXPECT_EQ(current.packing().x, whole.packing().x);
