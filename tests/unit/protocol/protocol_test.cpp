@@ -206,6 +206,8 @@ TEST(Protocol, RefusesStagesThatContradictThemselves) {
        "protocol[0].until_packing_fraction",
        "at a pressure and at a packing fraction"},
       {{{.kind = StageKind::quench}, {.kind = StageKind::run, .until_time = 1.0}}, "protocol[1]", "leaves overlaps"},
+      {{{.kind = StageKind::compress, .until_pressure = 1.0}}, "protocol[0].until_pressure", "at a pressure of 1"},
+      {{{.kind = StageKind::grow, .until_pressure = 1.0}}, "protocol[0].until_pressure", "at a pressure of 1"},
       {{{.kind = StageKind::run, .until_time = 1.0},
         {.kind = StageKind::quench},
         {.kind = StageKind::run, .until_time = 1.0}},
@@ -236,6 +238,9 @@ TEST(Protocol, RefusesAnEndOnTheOtherSideWhereTheStartOfTheStageIsKnown) {
   EXPECT_EQ(problems_of({{.kind = StageKind::run, .until_time = 1.0}, grow}, 0.5).size(), 1U);
   EXPECT_TRUE(problems_of({{.kind = StageKind::run, .until_time = 1.0}, grow}).empty()) << "the start is not known";
   EXPECT_TRUE(problems_of({quench, to_pressure, down}).empty()) << "the disks decide where a pressure is reached";
+  StageSettings const separate{.kind = StageKind::separate};
+  StageSettings const grow_to{.kind = StageKind::grow, .until_packing_fraction = 0.8};
+  EXPECT_TRUE(problems_of({quench, separate, grow_to}).empty()) << "the disks decide how far they shrink";
   StageSettings const same{.kind = StageKind::decompress, .until_packing_fraction = 0.9};
   EXPECT_TRUE(problems_of({quench, same}).empty());
 }

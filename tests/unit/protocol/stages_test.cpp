@@ -5,29 +5,17 @@
 #include <optional>
 #include <vector>
 
+#include "gridlock/engine/growth.hpp"
 #include "gridlock/engine/swap_monte_carlo.hpp"
 #include "gridlock/packing/contact_network.hpp"
 #include "gridlock/protocol/protocol.hpp"
 #include "io/checkpoint.hpp"
 #include "protocol/stage.hpp"
+#include "unit/packing/same_levels.hpp"
 #include "unit/protocol/fluid.hpp"
 
 namespace gridlock {
 namespace {
-
-void expect_same(PressureLevel const& a, PressureLevel const& b) {
-  // Not a number is the same as itself.
-  auto const is_same = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
-  for (double PressureLevel::*const member :
-       {&PressureLevel::packing_fraction, &PressureLevel::pressure, &PressureLevel::energy, &PressureLevel::residual,
-        &PressureLevel::contact_number, &PressureLevel::excess_contacts, &PressureLevel::bulk_modulus,
-        &PressureLevel::shear_modulus, &PressureLevel::least_shear_modulus, &PressureLevel::jamming_packing_fraction}) {
-    EXPECT_TRUE(is_same(a.*member, b.*member)) << a.*member << " and " << b.*member;
-  }
-  EXPECT_EQ(a.iterations, b.iterations);
-  EXPECT_EQ(a.backbone_disks, b.backbone_disks);
-  EXPECT_EQ(a.backbone_contacts, b.backbone_contacts);
-}
 
 void expect_same(SwapResult const& a, SwapResult const& b) {
   EXPECT_EQ(a.displacement_acceptance, b.displacement_acceptance);
@@ -57,26 +45,13 @@ void expect_same(StageResult const& a, StageResult const& b) {
   EXPECT_EQ(a.error_of_jamming_packing_fraction, b.error_of_jamming_packing_fraction);
   ASSERT_EQ(a.swap.has_value(), b.swap.has_value());
   if (a.swap) expect_same(*a.swap, *b.swap);
-  ASSERT_EQ(a.levels.size(), b.levels.size());
-  for (std::size_t k = 0; k < a.levels.size(); ++k) expect_same(a.levels[k], b.levels[k]);
+  expect_same(a.levels, b.levels);
 }
 
-TEST(Stages, KeepsTheResultsOfAllStagesWhereverItIsRestored) {
-  ProtocolSettings const settings{.stages = {{.kind = StageKind::swap, .sweeps = 600},
-                                             {.kind = StageKind::run, .collisions_per_disk = 300.0},
-                                             {.kind = StageKind::quench, .packing_fraction = 0.9},
-                                             {.kind = StageKind::decompress, .until_pressure = 1e-4},
-                                             {.kind = StageKind::separate},
-                                             {.kind = StageKind::run, .collisions_per_disk = 300.0}},
-                                  .time_step = 1e-4};
+/// The results of a protocol that is restored in each of its stages are those of the whole; these stages are interrupted in their middle.
+void expect_results_kept(ProtocolSettings const& settings, std::vector<StageResult> const& expected,
+                         std::vector<std::size_t> const& interrupted) {
   State state = fluid();
-  Protocol whole(settings, state);
-  ASSERT_TRUE(whole.advance(state));
-  std::vector<StageResult> const& expected = whole.results();
-  ASSERT_TRUE(expected[0].swap->bond_relaxation_time && expected[0].swap->overlap_relaxation_time);
-  ASSERT_GT(expected[1].pair_collisions, 0U);
-  ASSERT_TRUE(expected[3].error_of_jamming_packing_fraction.has_value());
-  state = fluid();
   Protocol protocol(settings, state);
   std::vector<int> pieces(settings.stages.size() + 1, 0);
   for (bool is_done = false; !is_done;) {
@@ -93,8 +68,35 @@ TEST(Stages, KeepsTheResultsOfAllStagesWhereverItIsRestored) {
       expect_same(resumed.results()[k], expected[k]);
     }
   }
-  EXPECT_GE(pieces[1], 2) << "in the middle of a run";
-  EXPECT_GE(pieces[5], 2);
+  for (std::size_t const stage : interrupted) EXPECT_GE(pieces[stage], 2) << "stage " << stage;
+}
+
+TEST(Stages, KeepTheirResultsWhereverTheProtocolIsRestored) {
+  ProtocolSettings const settings{.stages = {{.kind = StageKind::swap, .sweeps = 600},
+                                             {.kind = StageKind::run, .collisions_per_disk = 300.0},
+                                             {.kind = StageKind::quench, .packing_fraction = 0.9},
+                                             {.kind = StageKind::decompress, .until_pressure = 1e-4},
+                                             {.kind = StageKind::separate},
+                                             {.kind = StageKind::run, .collisions_per_disk = 300.0}},
+                                  .time_step = 1e-4};
+  State state = fluid();
+  Protocol whole(settings, state);
+  ASSERT_TRUE(whole.advance(state));
+  std::vector<StageResult> const& expected = whole.results();
+  ASSERT_TRUE(expected[0].swap->bond_relaxation_time && expected[0].swap->overlap_relaxation_time);
+  ASSERT_GT(expected[1].pair_collisions, 0U);
+  ASSERT_TRUE(expected[3].error_of_jamming_packing_fraction.has_value());
+  expect_results_kept(settings, expected, {0, 1, 2, 3, 5});
+}
+
+TEST(Stages, KeepTheResultsOfSlowGrowthWhereverItIsRestored) {
+  ProtocolSettings const settings{.stages = {{.kind = StageKind::grow, .rate = 2e-4, .until_packing_fraction = 0.5},
+                                             {.kind = StageKind::run, .collisions_per_disk = 10.0}}};
+  State state = fluid();
+  Protocol whole(settings, state);
+  ASSERT_TRUE(whole.advance(state));
+  ASSERT_TRUE(whole.results()[0].pressure.has_value());
+  expect_results_kept(settings, whole.results(), {0});
 }
 
 TEST(Stages, TakesOverWhereDisksJamOnlyWhereTheyStayAsTheyAre) {
@@ -107,7 +109,69 @@ TEST(Stages, TakesOverWhereDisksJamOnlyWhereTheyStayAsTheyAre) {
   ASSERT_TRUE(protocol.advance(state));
   ASSERT_TRUE(protocol.results()[1].jamming_packing_fraction.has_value());
   EXPECT_EQ(protocol.results()[2].jamming_packing_fraction, protocol.results()[1].jamming_packing_fraction);
+  ASSERT_TRUE(protocol.results()[1].error_of_jamming_packing_fraction.has_value());
+  EXPECT_EQ(protocol.results()[2].error_of_jamming_packing_fraction,
+            protocol.results()[1].error_of_jamming_packing_fraction);
   EXPECT_EQ(protocol.results()[3].jamming_packing_fraction, std::nullopt);
+}
+
+TEST(Stages, AreConvergedWhereNothingPressesAndNotWhereAPressureIsOutOfReach) {
+  State state = fluid();
+  Protocol protocol({.stages = {{.kind = StageKind::quench, .packing_fraction = 0.5},
+                                {.kind = StageKind::decompress, .until_pressure = 1e-4}}},
+                    state);
+  ASSERT_TRUE(protocol.advance(state));
+  EXPECT_EQ(protocol.results()[0].is_converged, true);
+  EXPECT_EQ(protocol.results()[0].pressure, 0.0);
+  EXPECT_EQ(protocol.results()[0].packing_fraction_without_minimum, std::nullopt);
+  EXPECT_EQ(protocol.results()[1].is_converged, false);
+}
+
+TEST(Stages, CountWhatTheEnginesCount) {
+  State state = fluid();
+  State grown = state;
+  Protocol protocol({.stages = {{.kind = StageKind::grow, .rate = 0.05, .until_packing_fraction = 0.5}}}, state);
+  ASSERT_TRUE(protocol.advance(state));
+  GrowthSettings settings{.packing_fraction = 0.5};
+  settings.rate = 0.05;
+  Growth growth(settings, grown);
+  Counters counters;
+  ASSERT_TRUE(growth.advance(grown, counters));
+  EXPECT_EQ(hash(state), hash(grown));
+  EXPECT_EQ(protocol.results()[0].pair_collisions, counters.pair_collisions);
+  EXPECT_EQ(protocol.results()[0].work, counters.moves);
+  EXPECT_EQ(protocol.results()[0].pressure, growth.reduced_pressure());
+}
+
+TEST(Stages, RunForTheirTimeOneAfterTheOther) {
+  State state = fluid();
+  state.clock.time = 5.0;
+  Protocol protocol(
+      {.stages = {{.kind = StageKind::run, .until_time = 0.03}, {.kind = StageKind::run, .until_time = 0.02}},
+       .time_step = 1e-3},
+      state);
+  ASSERT_TRUE(protocol.advance(state));
+  EXPECT_NEAR(state.clock.time, 5.05, 1e-12);
+}
+
+TEST(Stages, SeparateDisksByTheLastBit) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    State state = fluid(seed % 2 == 0 ? Edge::wall : Edge::periodic);
+    for (double& radius : state.agents.column<Radius>()) radius *= 1.0 + 0.01 * static_cast<double>(seed);
+    Protocol protocol({.stages = {{.kind = StageKind::separate}}}, state);
+    ASSERT_TRUE(protocol.advance(state));
+    EXPECT_TRUE(find_contacts(packing_of(state)).empty()) << seed;
+  }
+}
+
+TEST(Stages, NameTheirSettingsInWhatTheyRefuse) {
+  State const state = fluid();
+  try {
+    Protocol const protocol({.stages = {{.kind = StageKind::grow, .rate = 1e3, .until_packing_fraction = 0.6}}}, state);
+    ADD_FAILURE() << "so fast no disk grows";
+  } catch (Error const& error) {
+    EXPECT_EQ(error.problems().front().key, "protocol[0].rate");
+  }
 }
 
 TEST(Stages, ComesDownByLessThanATenthOfThePressure) {
