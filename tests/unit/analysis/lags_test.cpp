@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "gridlock/core/error.hpp"
@@ -32,6 +34,17 @@ TEST(Lags, OfUnevenFramesAreFoundWhereverTheyAre) {
   EXPECT_EQ(lags[0][1], (std::pair<std::size_t, std::size_t>(3, 4)));
   ASSERT_EQ(lags[6].size(), 3U);
   EXPECT_EQ(lags[6][2], (std::pair<std::size_t, std::size_t>(2, 5))) << "in the order of the origins";
+}
+
+TEST(Lags, OfManyUnevenFramesHaveTheirPairsInTheOrderOfTheirOrigins) {
+  std::vector<double> times;
+  for (int f = 0; f < 60; ++f) times.push_back(0.1 * f + (f % 3 == 2 ? 0.05 : 0.0));
+  std::size_t most = 0;
+  for (FramesOfLag const& frames : lags_between(times, 0)) {
+    most = std::max(most, frames.size());
+    for (std::size_t k = 1; k < frames.size(); ++k) EXPECT_LT(frames[k - 1].first, frames[k].first) << frames.lag();
+  }
+  EXPECT_GT(most, 20U);
 }
 
 TEST(Lags, ThatDifferByRoundingAreOne) {

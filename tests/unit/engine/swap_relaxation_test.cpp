@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <random>
 #include <vector>
 
@@ -71,6 +72,21 @@ TEST(SwapRelaxation, OfATallBoxIsThatOfTheWideOneTurned) {
     EXPECT_NEAR(found[0].bond_orientation, found[1].bond_orientation, 1e-12) << rows;
     EXPECT_LT(found[0].self_overlap, 1.0);
   }
+}
+
+TEST(SwapRelaxation, IsLookedAtAfterPowersOfTwoAndThreeTimesThem) {
+  State const start = jittered_lattice(6, 4, false);
+  SwapTrials const trials(start);
+  Relaxation relaxation(start, 1600);  // origins are 100 sweeps apart
+  for (std::uint64_t sweep = 0; sweep <= 300; ++sweep) relaxation.look_at(trials, sweep);
+  std::vector<std::uint64_t> lags;
+  std::vector<std::uint64_t> origins;
+  for (SwapCorrelation const& correlation : relaxation.correlations()) {
+    lags.push_back(correlation.lag);
+    origins.push_back(correlation.origins);
+  }
+  EXPECT_EQ(lags, (std::vector<std::uint64_t>{1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 100, 200, 300}));
+  EXPECT_EQ(origins, (std::vector<std::uint64_t>{3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 2, 1}));
 }
 
 TEST(SwapRelaxation, GoesOnFromACheckpoint) {
