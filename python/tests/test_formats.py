@@ -370,6 +370,9 @@ def test_what_is_written_as_gsd_is_read_back(tmp_path):
     for frame, expected in zip(gridlock.open(tmp_path / "x.gsd"), written):
         assert np.allclose(frame.unwrapped, expected.unwrapped, atol=1e-5)
         assert np.allclose(frame.radius, expected.radius) and frame.clock == expected.clock
+        for name in ("velocity_x", "velocity_y"):
+            assert np.allclose(frame.columns[name], expected.columns[name], atol=1e-6), name
+        assert np.allclose(frame.positions, expected.positions, atol=1e-5) and np.array_equal(frame.kinds, expected.kinds)
 
 
 def test_gsd_without_its_library_says_what_to_install(tmp_path, monkeypatch):

@@ -198,6 +198,20 @@ def test_the_picture_has_all_disks_and_forces(pyplot):
         assert np.allclose(away, np.round(away), atol=1e-9)
 
 
+@pytest.mark.parametrize("box", [(6.0, 2.0), (2.0, 6.0)])
+def test_disks_outside_an_oblong_box_are_drawn_inside(pyplot, box):
+    from gridlock.plot import packing
+
+    inside = np.array([[0.5, 0.5], [1.2, 0.5], [1.0, 1.5]])
+    axes = packing(gridlock.contacts(inside + [box[0], -2 * box[1]], 0.4, box), "coordination")
+    drawn = np.concatenate([disks.get_offsets() for disks in axes.collections[:2]])
+    assert {tuple(np.round(place, 9)) for place in inside.tolist()} <= {tuple(np.round(place, 9)) for place in drawn.tolist()}
+    assert np.allclose([axes.get_xlim(), axes.get_ylim()], [(0, box[0]), (0, box[1])])
+    starts = np.array([path.vertices[:2].mean(axis=0) for path in axes.collections[4].get_paths()])
+    assert len(starts) == 2 and np.allclose(sorted(starts[:, 0]), [0.5, 1.2]) and np.allclose(starts[:, 1], 0.5)
+    pyplot.close("all")
+
+
 def test_the_pictures_of_a_directory(pyplot, program, tmp_path):
     from gridlock.plot import pictures
 

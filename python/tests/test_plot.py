@@ -137,6 +137,13 @@ def test_colours_by_name_are_what_they_say(simulation):
     assert order.mean() == pytest.approx(measured.series["local_bond_orientation_order"][-1], rel=1e-9)
 
 
+def test_the_lines_of_a_grid_are_those_of_its_columns_and_rows():
+    axes = gridlock.plot.snapshot(frame([1.0], [0.5], radius=[0.1]), grid=(5, 2))
+    upright, level = ([[point.tolist() for point in line] for line in lines.get_segments()] for lines in axes.collections[-2:])
+    assert np.allclose(upright, [[[x, 0], [x, 1]] for x in (0.4, 0.8, 1.2, 1.6)])
+    assert np.allclose(level, [[[0, 0.5], [2, 0.5]]])
+
+
 @pytest.mark.parametrize("periodic", [False, True])
 @pytest.mark.parametrize("cells", [(4, 4), (5, 3), (1, 7), (6, 2)])
 def test_neighbouring_cells_differ_in_colour(cells, periodic):

@@ -3,7 +3,7 @@ import { describe, expect, test } from "vitest";
 import { Camera } from "../../src/drawing/camera.ts";
 import { neighbourhoodColour, paint, rangeOf } from "../../src/drawing/colouring.ts";
 import { markRadius, type Frame } from "../../src/drawing/frame.ts";
-import { contactLines, shortNumber, ticks } from "../../src/drawing/overlay.ts";
+import { contactLines, contactWidths, shortNumber, ticks } from "../../src/drawing/overlay.ts";
 import { PackedAgents } from "../../src/drawing/packed_agents.ts";
 import {
   cividis,
@@ -169,6 +169,45 @@ describe("places", () => {
     expect(camera.toPixels(place).y).toBeCloseTo(before.y - 10, 9);
   });
 
+  test("a picture that is zoomed in can be dragged to every edge of a wide or a tall box, and no further", () => {
+    for (const isTall of [false, true]) {
+      const { box } = oblong(isTall, []);
+      const camera = new Camera();
+      camera.fit(box, 400, 400, { x: 0, top: 0, bottom: 0 }, true);
+      camera.zoomAt({ x: 200, y: 200 }, 8, box);
+      const middle = (): [number, number] => {
+        const { x, y } = camera.toBox({ x: 200, y: 200 });
+        return [x / box.width, y / box.height];
+      };
+      // An eighth of each side is seen, so that its middle stays a sixteenth away from every edge.
+      camera.pan(-1e6, 1e6, box);
+      expect(middle()[0]).toBeCloseTo(15 / 16, 9);
+      expect(middle()[1]).toBeCloseTo(15 / 16, 9);
+      camera.pan(1e6, -1e6, box);
+      expect(middle()[0]).toBeCloseTo(1 / 16, 9);
+      expect(middle()[1]).toBeCloseTo(1 / 16, 9);
+    }
+  });
+
+  test("images of disks end at the edges of a periodic box, in pixels from above", () => {
+    const packed = new PackedAgents();
+    const frame = oblong(false, [1, 0.2, 0.5, 0.1]);
+    packed.pack(frame, paint(frame, { by: "plain" }));
+    const camera = new Camera();
+    camera.fit(frame.box, 400, 400, { x: 0, top: 0, bottom: 0 }, true);
+    expect(packed.clip(camera, 2)).toEqual({ left: 0, top: 300, right: 800, bottom: 500 });
+    packed.pack({ ...frame, box: { ...frame.box, periodic: false } }, paint(frame, { by: "plain" }));
+    expect(packed.clip(camera, 2)).toBeUndefined();
+  });
+
+  test("lines of contacts are as wide as their forces, up to three times the mean", () => {
+    const camera = new Camera();
+    const frame = oblong(false, [1, 0.2, 0.5, 0.1], 0.06);
+    camera.fit(frame.box, 400, 400, { x: 0, top: 0, bottom: 0 }, true); // 200 pixels per length
+    const widths = contactWidths(camera, frame, { rows: [], forces: [0, 1, 2, 17] });
+    expect(widths.map((width) => Number(width.toFixed(9)))).toEqual([0.75, 0.75, 0.8, 6]); // 200 · 0.06/6 = 2 for the mean of 5
+  });
+
   test("the shortest way in a wide or a tall box leads across the nearest edge", () => {
     for (const isTall of [false, true]) {
       const turned = (x: number, y: number): { x: number; y: number } => (isTall ? { x: y, y: x } : { x, y });
@@ -293,6 +332,23 @@ test("an SVG file has every disk once, its images across the edges, and text tha
       height: 1,
     }),
   ).toThrow(/PNG/);
+});
+
+test("an SVG file of a wide or a tall box has its grid and the images of its disks where they are", () => {
+  for (const isTall of [false, true]) {
+    const frame = oblong(isTall, [1, 0.48, 1.98, 0.2]);
+    const camera = new Camera();
+    camera.fit(frame.box, 400, 400, { x: 0, top: 0, bottom: 0 }, true); // 200 pixels per length, the box in the middle
+    const grid = isTall ? { columns: 2, rows: 4 } : { columns: 4, rows: 2 };
+    const svg = toSvg({ frame, paint: paint(frame, { by: "plain" }), camera, overlay: { grid }, theme: LIGHT, width: 400, height: 400 });
+    const [across, down] = isTall ? ["M200 0v400", "M150 100h100M150 200h100M150 300h100"] : ["M100 150v100M200 150v100M300 150v100", "M0 200h400"];
+    expect(svg).toContain(`<path d="${across}${down}"`);
+    const centres = [...svg.matchAll(/<circle cx="([-0-9.]+)" cy="([-0-9.]+)"/g)].map((found) => [Number(found[1]), Number(found[2])]);
+    const places = [[1, 0.48], [1, -0.02], [1.98, 0.2], [-0.02, 0.2]];
+    const expected = places.map(([x, y]) => camera.toPixels(isTall ? { x: y as number, y: x as number } : { x: x as number, y: y as number }));
+    const rounded = expected.map(({ x, y }) => [Number(x.toFixed(2)), Number(y.toFixed(2))]);
+    expect(centres.sort()).toEqual(rounded.sort());
+  }
 });
 
 test("an SVG file has the cells of a search where the agents in them are", () => {

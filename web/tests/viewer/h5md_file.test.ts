@@ -3,6 +3,7 @@ import { File, ready } from "h5wasm/node";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
 
 import { H5mdFile, useHdf5 } from "../../src/sources/h5md_file.ts";
+import { surround } from "../../src/sources/xyz_file.ts";
 import { SMALL_RUN, Workplace } from "./runs.ts";
 
 let place: Workplace;
@@ -161,6 +162,15 @@ describe("A trajectory of another program", () => {
         expect(value).toBeGreaterThan(0);
         expect(value).toBeLessThan(side);
       }
+    }
+  });
+
+  test("without a box has as much room on every side, whichever way its agents lie", () => {
+    for (const [width, height] of [[4, 0], [0, 4], [4, 1], [1, 4]] as const) {
+      const [x, y] = [Float64Array.of(-1, -1 + width), Float64Array.of(7, 7 + height)];
+      const box = surround(x, y);
+      expect([box.width, box.height]).toEqual([width + 0.16, height + 0.16]);
+      expect([...x, ...y].map((value) => Number(value.toFixed(9)))).toEqual([0.08, width + 0.08, 0.08, height + 0.08]);
     }
   });
 
