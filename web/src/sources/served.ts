@@ -47,7 +47,7 @@ export class Served {
     if (state !== undefined) return openServedFile(state.name, `${address}files/${encodeURIComponent(state.name)}`);
     throw new SourceError(
       info.status === "unfinished" ? "The run has written no frame yet." : "The run kept no frames.",
-      "A run keeps frames where its settings ask for them: --set trajectory.every=100, for example.");
+      "A run keeps none unless it is told to: run it again with --set trajectory.every=N for a frame every N steps.");
   }
 
   /** The outcome of the protocol of a run; undefined for a run without one, and where its files cannot be read. */
