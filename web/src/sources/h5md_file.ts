@@ -142,16 +142,21 @@ export class H5mdFile implements FrameReader {
 
   private notes(): string[] {
     const [alongX, alongY] = this.periodicity();
-    if (alongX === alongY) return [];
-    return [`The box is periodic in ${alongX ? "x" : "y"} alone. It is shown between walls: distances and neighbours do not reach through its edges.`];
+    const others = this.groupsWithPositions().slice(1);
+    const notes = others.length === 0 ? [] : [`The file also has ${others.join(", ")}; of several groups of agents the first is shown.`];
+    if (alongX === alongY) return notes;
+    return [...notes, `The box is periodic in ${alongX ? "x" : "y"} alone. It is shown between walls: distances and neighbours do not reach through its edges.`];
   }
 
   private agentsGroup(): string {
-    const particles = this.group("/particles");
-    const names = particles?.keys() ?? [];
-    const found = names.find((name) => this.dataset(`/particles/${name}/position/value`) !== undefined);
+    const [found] = this.groupsWithPositions();
     if (found === undefined) this.refuse("it is no trajectory in H5MD: it has no positions under /particles");
     return found as string;
+  }
+
+  private groupsWithPositions(): string[] {
+    const names = this.group("/particles")?.keys() ?? [];
+    return names.filter((name) => this.dataset(`/particles/${name}/position/value`) !== undefined);
   }
 
   private findElements(): Element[] {

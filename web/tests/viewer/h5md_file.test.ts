@@ -151,6 +151,17 @@ describe("A trajectory of another program", () => {
     }
   });
 
+  test("with several groups of agents shows the first, and a note names the others", async () => {
+    write(place.of("groups.h5"), (file) => {
+      file.create_dataset({ name: "particles/all/position/value", ...positions });
+      for (const group of ["particles/walls", "particles/walls/position", "particles/empty"]) file.create_group(group);
+      file.create_dataset({ name: "particles/walls/position/value", ...positions });
+    });
+    const { agents, notes } = opened(place.of("groups.h5")).description;
+    expect(agents).toBe("all");
+    expect(notes).toEqual(["The file also has walls; of several groups of agents the first is shown."]);
+  });
+
   test("without a box gets the rectangle around its agents", async () => {
     write(place.of("boxless.h5"), (file) => {
       file.create_dataset({ name: "particles/all/position/value", ...positions });
