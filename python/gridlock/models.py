@@ -219,7 +219,15 @@ class Model:
         seen = self._seen(core)
         if list(seen) != names:
             raise Error(f"observe() returned {', '.join(seen)} in place of {', '.join(names)}\n  hint: return the same names at every time")
-        return [as_observed(value, f"observe() of the model {self.name}: {name}")[0] for name, value in seen.items()]
+        return [self._observed_number(name, value) for name, value in seen.items()]
+
+    def _observed_number(self, name: str, value: Any) -> float:
+        what = f"observe() of the model {self.name}: {name}"
+        numbers = as_observed(value, what)
+        if len(numbers) != 1:
+            raise Error(f"{what} returned {len(numbers)} numbers\n"
+                        f"  hint: return one number for each name: {{\"{name}_x\": 0.5, \"{name}_y\": 0.25}}, or an average")
+        return numbers[0]
 
     def _seen(self, core: ModelWorld) -> Mapping[str, float]:
         world = World(core, self, is_read_only=True)

@@ -125,7 +125,8 @@ def test_masked_rows_remove_nobody():
 
 @pytest.mark.parametrize("seen, words", [(None, "returned nothing"), ({"order": None}, "order returned nothing"), ({"order": "high"}, "order returned 'high'"),
                                          ({"order": np.ma.masked}, "order returned an array with 1 masked"), ([], "returned list"),
-                                         ({"order": 1j}, "order returned 1j")])
+                                         ({"order": 1j}, "order returned 1j"), ({"order": np.array([0.5, 0.25])}, "order returned 2 numbers"),
+                                         ({"order": [1.0, 2.0, 3.0]}, "order returned 3 numbers"), ({"order": ()}, "order returned 0 numbers")])
 def test_an_observation_returns_numbers_by_name(seen, words):
     with pytest.raises((gridlock.Error, gridlock.RunFailure), match=rf"observe\(\) of the model test_refusals:? {words}"):
         simulation(observe=lambda self, world: seen).run(steps=1)
@@ -219,3 +220,117 @@ def test_names_of_values_are_short_texts(name):
 def test_no_column_is_called_as_files_call_something_else(name):
     with pytest.raises(gridlock.Error, match=f"has a column '{name}'\n  hint: choose another name"):
         gridlock.register_model(model(columns={name: float}))
+
+
+STEPS = {
+    "positions outside": (lambda world: world.x.__setitem__(0, 7.0), "outside the box"),
+    "not a number": (lambda world: world.y.__setitem__(0, np.nan), "outside the box"),
+    "long displacements": (lambda world: world.move(np.full((len(world), 2), 3.0)), "displacement"),
+    "infinite displacements": (lambda world: world.move(np.full((len(world), 2), np.inf)), "displacement"),
+    "shape of displacements": (lambda world: world.move(np.zeros(len(world))), "shape"),
+    "text displacements": (lambda world: world.move([["a", "b"]] * len(world)), "no array of numbers"),
+    "birth outside": (lambda world: world.add(x=1.6, y=0.5), "newborn"),
+    "birth without a place": (lambda world: world.add(age=1), "no place"),
+    "birth with another column": (lambda world: world.add(x=0.5, y=0.5, size=3), "size"),
+    "birth of many lengths": (lambda world: world.add(x=[0.1, 0.2, 0.3], y=[0.5, 0.1]), r"column y: .* shape \(2,\)"),
+    "birth of another type": (lambda world: world.add(x=0.5, y=0.5, age="old"), "column age: 'old' is no number"),
+    "birth with a fraction of age": (lambda world: world.add(x=0.5, y=0.5, age=0.5), "column age: 0.5 is no whole number"),
+    "death of nobody": (lambda world: world.remove([99]), "no agent in row 99"),
+    "death below": (lambda world: world.remove([-1]), "mask or by rows"),
+    "death by another mask": (lambda world: world.remove(np.zeros(3, dtype=bool)), "mask"),
+    "death by fractions": (lambda world: world.remove([0.5]), "mask or by rows"),
+    "unknown event": (lambda world: world.count("meetings"), "no event 'meetings'"),
+    "events of the past": (lambda world: world.count("births", -1), "whole number"),
+    "long cutoff": (lambda world: world.neighbors(0.7), "cutoff"),
+    "no cutoff": (lambda world: world.neighbors(float("nan")), "cutoff"),
+    "column that is not there": (lambda world: world.size, "no column 'size'"),
+    "assigned column that is not there": (lambda world: setattr(world, "size", 3), "no column 'size'"),
+    "purpose below": (lambda world: world.uniform(purpose=-1), "purpose"),
+    "complex displacements": (lambda world: world.move(np.zeros((len(world), 2), dtype=complex)), "complex"),
+    "shape of a column": (lambda world: setattr(world, "age", np.zeros(3)), "broadcast"),
+}
+
+
+@pytest.mark.parametrize("what", STEPS)
+def test_mistakes_of_a_step_are_failures_with_reasons(what):
+    act, words = STEPS[what]
+
+    class Mistaken(gridlock.Model):
+        name = "test_mistaken"
+        columns = {"age": np.uint32}
+        events = ("births",)
+
+        def start(self, start):
+            start.add(positions=start.anywhere(10))
+
+        def step(self, world):
+            act(world)
+
+    simulation = gridlock.Simulation(model=Mistaken, box=OBLONG)
+    before = simulation.state_hash
+    with pytest.raises(gridlock.RunFailure, match=words):
+        simulation.run(steps=1)
+    assert simulation.state_hash == before
+    assert simulation.clock.step == 0
+
+
+REFUSED = {
+    "no name": ({"name": ""}, "has the name"),
+    "a shipped model": ({"name": "flocking"}, "there is a model flocking already"),
+    "no start": ({"start": gridlock.Model.start}, "no start"),
+    "no step": ({"step": gridlock.Model.step}, "no step"),
+    "a type": ({"columns": {"age": np.float32}}, "type float32"),
+    "a column of the world": ({"columns": {"ids": float}}, "column 'ids'"),
+    "a column that is a word": ({"columns": {"class": float}}, "column 'class'"),
+    "a column of another type": ({"columns": {"velocity_x": np.int32}}, "observables take it for float64"),
+    "an event that is a column": ({"events": ("step",)}, "events"),
+    "events twice": ({"events": ("a", "a")}, "events"),
+    "values of nothing": ({"value_names": {"state": ("a", "b")}}, "names the values"),
+}
+
+
+@pytest.mark.parametrize("what", REFUSED)
+def test_models_that_cannot_be_are_refused(what):
+    changes, words = REFUSED[what]
+    body = {"name": "test_refused", "start": lambda self, start: None, "step": lambda self, world: None, **changes}
+    with pytest.raises(gridlock.Error, match=words):
+        gridlock.register_model(type("Refused", (gridlock.Model,), body))
+
+
+def test_starts_that_cannot_be_are_refused():
+    def simulation(start, **more):
+        body = {"name": "test_start", "start": start, "step": lambda self, world: None, **more}
+        return gridlock.Simulation(model=type("Starts", (gridlock.Model,), body))
+
+    with pytest.raises(gridlock.Error, match="outside the box"):
+        simulation(lambda self, start: start.add(x=3.0, y=0.5))
+    with pytest.raises(gridlock.Error, match="time step 0.0"):
+        simulation(lambda self, start: start.add(x=0.5, y=0.5), time_step=0.0)
+    with pytest.raises(ZeroDivisionError):
+        simulation(lambda self, start: 1 / 0)
+
+    def refuses(self, box):
+        raise gridlock.Error("the box is too small\n  hint: use a larger one")
+
+    with pytest.raises(gridlock.Error, match="test_start.*\n?.*the box is too small|the box is too small") as caught:
+        simulation(lambda self, start: start.add(x=0.5, y=0.5), check=refuses)
+    assert caught.value.problems[0]["hint"] == "use a larger one"
+    with pytest.warns(UserWarning, match="the start of the model test_start has no agents"):
+        nobody = simulation(lambda self, start: None)
+    nobody.run(steps=40)
+    assert len(nobody.agents) == 0
+
+
+@pytest.mark.parametrize("wrong", [{"default": 5.0, "least": 10.0}, {"default": float("nan")}, {"default": None}, {"default": ["a"]}, {"default": -1},
+                                   {"default": "a", "choices": ["b"]}])
+def test_settings_that_cannot_be_are_refused(wrong):
+    with pytest.raises(gridlock.Error, match="default"):
+        gridlock.Setting(**wrong)
+
+
+@pytest.mark.parametrize("seen, words", [(0.5, "returned float"), ({"step": 1.0}, "name 'step'"), ({"a b": 1.0}, "name 'a b'")])
+def test_observations_that_cannot_be_are_refused(seen, words):
+    body = {"name": "test_observes", "start": lambda self, start: start.add(x=0.5, y=0.5), "step": lambda self, world: None,
+            "observe": lambda self, world: seen}
+    with pytest.raises(gridlock.Error, match=words):
+        gridlock.Simulation(model=type("Observes", (gridlock.Model,), body))

@@ -1,54 +1,14 @@
-"""Agent models in Python: the same bits, files and refusals as those in C++."""
+"""Agent models in Python: the same bits as those in C++, and what a step may keep and change."""
 
-import concurrent.futures
 import gc
-import os
-import signal
-import subprocess
-import sys
-import textwrap
 import threading
-import warnings
 
 import numpy as np
 import pytest
 
 import gridlock
 from conftest import OBLONG
-
-
-@gridlock.register_model
-class Walkers(gridlock.Model):
-    """Points that walk at random, die, and have children."""
-
-    name = "test_walkers"
-    columns = {"age": np.uint32, "charge": np.int32, "mark": np.uint64}
-    events = ("births", "deaths")
-    value_names = {"charge": ("none", "one")}
-    observations = {"mean_age": "Mean age in steps."}
-    count = gridlock.Setting(200, "Agents.", least=1)
-    length = gridlock.Setting(0.01, "Of a step.", unit="length", least=0.0, most=0.4)
-    turnover = gridlock.Setting(0.02, "Deaths and births of each agent in a step.", least=0.0, most=1.0)
-    kind = gridlock.Setting("normal", "Of the steps.", choices=["normal", "uniform"])
-    is_charged = gridlock.Setting(False, "Whether agents have a charge.")
-    time_step = 0.5
-
-    def start(self, start):
-        start.add(positions=start.anywhere(self.count), charge=int(self.is_charged), mark=np.arange(self.count, dtype=np.uint64))
-
-    def step(self, world):
-        world.age += 1
-        steps = world.normal(2) if self.kind == "normal" else 2 * world.uniform(2) - 1
-        world.move(self.length * np.clip(steps, -3, 3))
-        dead = world.uniform(purpose=1) < self.turnover
-        world.remove(dead)
-        world.count("deaths", dead.sum())
-        parents = world.uniform(purpose=2) < self.turnover
-        world.add(positions=world.positions[parents], mark=world.ids[parents])
-        world.count("births", parents.sum())
-
-    def observe(self, world):
-        return {"mean_age": world.age.mean()}
+from walkers import SETTINGS, Walkers, made
 
 
 @gridlock.register_model
@@ -75,13 +35,6 @@ class Flock(gridlock.Model):
 
     def observe(self, world):
         return {"order": np.hypot(world.heading_x.mean(), world.heading_y.mean())}
-
-
-SETTINGS = {"model.kind": "test_walkers", "box": OBLONG, "observe.every": 10, "run.seed": 5}
-
-
-def made(**more):
-    return gridlock.Simulation(SETTINGS, **more)
 
 
 def test_the_state_hash_is_that_of_a_model_in_cpp_with_the_same_columns():
@@ -206,79 +159,6 @@ def test_the_flock_orders_as_that_in_cpp():
     assert 0.5 < here.mean() < 0.99
 
 
-def test_a_run_in_a_directory_is_continued_with_the_same_bits(tmp_path):
-    settings = {**SETTINGS, "trajectory.every": 10, "run.steps": 40}
-    gridlock.run(settings, tmp_path / "short")
-    gridlock.open(tmp_path / "short").resume(steps=100)
-    gridlock.run({**settings, "run.steps": 100}, tmp_path / "long")
-    short, long = gridlock.open(tmp_path / "short"), gridlock.open(tmp_path / "long")
-    assert short.state_hash == long.state_hash
-    assert short.final.columns.keys() == {"x", "y", "age", "charge", "mark"}
-    assert np.array_equal(short.series["mean_age"], long.series["mean_age"])
-    frames = [long.trajectory[k] for k in range(len(long.trajectory))]
-    assert [frame.clock.step for frame in frames] == list(range(0, 101, 10))
-    assert frames[3].age.dtype == np.uint32
-    assert np.array_equal(frames[-1].ids, long.final.ids) and np.array_equal(frames[-1].x, long.final.x)
-    in_memory = gridlock.Simulation(SETTINGS)
-    in_memory.run(steps=100)
-    assert in_memory.state_hash == long.state_hash
-
-
-def test_a_killed_run_is_resumed_with_the_same_bits(tmp_path):
-    script = tmp_path / "model.py"
-    script.write_text(textwrap.dedent("""
-        import os, signal, sys
-        import gridlock
-
-        @gridlock.register_model
-        class Killed(gridlock.Model):
-            name = "killed"
-            def start(self, start):
-                start.add(positions=start.anywhere(100))
-            def step(self, world):
-                if sys.argv[2] == "kill" and world.clock.step == 57:
-                    os.kill(os.getpid(), signal.SIGKILL)
-                world.move(0.01 * world.uniform(2))
-
-        directory = sys.argv[1]
-        settings = {"model.kind": "killed", "run.steps": 100, "box": {"edge": "periodic", "width": 1.5, "height": 0.6},
-                    "checkpoint.every_steps": 10, "observe.every": 10}
-        if sys.argv[2] == "resume":
-            gridlock.open(directory).resume()
-        else:
-            gridlock.run(settings, directory)
-    """))
-    run = lambda directory, what: subprocess.run(  # noqa: E731
-        [sys.executable, script, directory, what], env=os.environ, capture_output=True, text=True, timeout=120
-    )
-    assert run(tmp_path / "a", "kill").returncode == -signal.SIGKILL
-    outcome = run(tmp_path / "a", "resume")
-    assert outcome.returncode == 0, outcome.stderr
-    assert run(tmp_path / "b", "run").returncode == 0
-    assert gridlock.open(tmp_path / "a").state_hash == gridlock.open(tmp_path / "b").state_hash
-
-
-def test_the_program_says_who_can_resume(tmp_path, program):
-    gridlock.run({**SETTINGS, "run.steps": 20}, tmp_path / "run")
-    outcome = subprocess.run([program, "resume", tmp_path / "run", "--steps", "10"], capture_output=True, text=True, timeout=60)
-    assert outcome.returncode == 2
-    assert 'there is no model "test_walkers"' in outcome.stderr and "gridlock.open(DIR).resume()" in outcome.stderr
-    assert "own_model_python.md" in outcome.stderr
-
-
-@pytest.mark.parametrize("workers", [None, 2])
-def test_sweeps_run_models_on_threads_and_processes(tmp_path, workers):
-    executor = None if workers is None else concurrent.futures.ProcessPoolExecutor(workers)
-    made = gridlock.sweep(
-        {**SETTINGS, "run.steps": 30}, {"test_walkers.length": [0.01, 0.02], "run.seed": [1, 2]}, tmp_path / "sweep", executor=executor
-    )
-    for row in made.table:
-        alone = gridlock.Simulation({**SETTINGS, "test_walkers.length": row["test_walkers.length"], "run.seed": int(row["run.seed"])})
-        alone.run(steps=30)
-        assert row["state_hash"] == alone.state_hash
-    assert "mean_age" in made.means.dtype.names
-
-
 def test_settings_are_those_of_every_model():
     assert "Of a step." in gridlock.explain("test_walkers.length")
     with pytest.raises(gridlock.Error, match="test_walkers.length"):
@@ -298,90 +178,6 @@ def test_settings_are_those_of_every_model():
         Walkers(size=3)
     with pytest.raises(gridlock.Error, match="is no model"):
         gridlock.Simulation(model=3)
-
-
-def test_an_exception_is_the_cause_of_the_failure_and_the_state_is_whole():
-    class Raises(gridlock.Model):
-        name = "test_raises"
-        columns = {"age": float}
-
-        def start(self, start):
-            start.add(x=[0.5, 0.2], y=0.5)
-
-        def step(self, world):
-            world.age += 1
-            world.positions += 0.01
-            if world.clock.step == 3:
-                raise KeyError("nothing")
-
-    simulation = gridlock.Simulation(model=Raises, box=OBLONG)
-    words = r"step 3: the model test_raises raised KeyError: 'nothing' \(test_models.py, line \d+\)"
-    with pytest.raises(gridlock.RunFailure, match=words) as caught:
-        simulation.run(steps=10)
-    assert isinstance(caught.value.__cause__, KeyError)
-    assert simulation.clock.step == 3
-    assert set(simulation.agents.age) == {3.0}
-    assert np.allclose(np.sort(simulation.agents.x), [0.23, 0.53])
-
-
-def test_a_failure_is_recorded_in_the_directory(tmp_path):
-    class Fails(gridlock.Model):
-        name = "test_fails"
-
-        def start(self, start):
-            start.add(x=0.5, y=0.5)
-
-        def step(self, world):
-            raise ValueError("no")
-
-    gridlock.register_model(Fails)
-    with pytest.raises(gridlock.RunFailure, match="ValueError: no"):
-        gridlock.run({"model.kind": "test_fails", "run.steps": 5}, tmp_path / "run")
-    assert gridlock.open(tmp_path / "run").summary["status"] == "failed"
-    with pytest.raises(gridlock.RunFailure, match="2 runs failed"):
-        gridlock.sweep({"model.kind": "test_fails", "run.steps": 5}, {"run.seed": [1, 2]}, tmp_path / "sweep")
-
-
-def test_ctrl_c_within_a_step_is_heard_after_it():
-    class Interrupted(gridlock.Model):
-        name = "test_interrupted"
-        columns = {"age": float}
-
-        def start(self, start):
-            start.add(x=[0.5, 0.2], y=0.5)
-
-        def step(self, world):
-            world.age += 1
-            if world.clock.step == 5 and not heard:
-                heard.append(1)
-                signal.raise_signal(signal.SIGINT)
-
-    heard = []
-    simulation = gridlock.Simulation(model=Interrupted, box=OBLONG)
-    with pytest.raises(KeyboardInterrupt):
-        simulation.run(steps=5_000_000)
-    assert 6 <= simulation.clock.step < 5_000_000
-    assert set(simulation.agents.age) == {simulation.clock.step}
-    simulation.run(steps=2)
-
-
-def test_a_step_that_raises_ctrl_c_by_itself_ends_the_run():
-    class Raises(gridlock.Model):
-        name = "test_raises_ctrl_c"
-        columns = {"age": float}
-
-        def start(self, start):
-            start.add(x=0.5, y=0.5)
-
-        def step(self, world):
-            world.age += 1
-            if world.clock.step == 2:
-                raise KeyboardInterrupt
-
-    simulation = gridlock.Simulation(model=Raises)
-    with pytest.raises(KeyboardInterrupt):
-        simulation.run(steps=5)
-    assert simulation.clock.step == 2 and simulation.agents.age[0] == 2.0
 
 
 def test_arrays_taken_while_a_run_is_in_a_step_are_copies():
@@ -411,58 +207,6 @@ def test_arrays_taken_while_a_run_is_in_a_step_are_copies():
     assert len(kept) > 6 and all((heights == 1.0).all() and not heights.flags.writeable for heights in kept)
     simulation.agents.height[:] = 2.0
     assert simulation.agents.height.sum() == 2.0 * 500 * 2**6
-
-
-STEPS = {
-    "positions outside": (lambda world: world.x.__setitem__(0, 7.0), "outside the box"),
-    "not a number": (lambda world: world.y.__setitem__(0, np.nan), "outside the box"),
-    "long displacements": (lambda world: world.move(np.full((len(world), 2), 3.0)), "displacement"),
-    "infinite displacements": (lambda world: world.move(np.full((len(world), 2), np.inf)), "displacement"),
-    "shape of displacements": (lambda world: world.move(np.zeros(len(world))), "shape"),
-    "text displacements": (lambda world: world.move([["a", "b"]] * len(world)), "no array of numbers"),
-    "birth outside": (lambda world: world.add(x=1.6, y=0.5), "newborn"),
-    "birth without a place": (lambda world: world.add(age=1), "no place"),
-    "birth with another column": (lambda world: world.add(x=0.5, y=0.5, size=3), "size"),
-    "birth of many lengths": (lambda world: world.add(x=[0.1, 0.2, 0.3], y=[0.5, 0.1]), r"column y: .* shape \(2,\)"),
-    "birth of another type": (lambda world: world.add(x=0.5, y=0.5, age="old"), "column age: 'old' is no number"),
-    "birth with a fraction of age": (lambda world: world.add(x=0.5, y=0.5, age=0.5), "column age: 0.5 is no whole number"),
-    "death of nobody": (lambda world: world.remove([99]), "no agent in row 99"),
-    "death below": (lambda world: world.remove([-1]), "mask or by rows"),
-    "death by another mask": (lambda world: world.remove(np.zeros(3, dtype=bool)), "mask"),
-    "death by fractions": (lambda world: world.remove([0.5]), "mask or by rows"),
-    "unknown event": (lambda world: world.count("meetings"), "no event 'meetings'"),
-    "events of the past": (lambda world: world.count("births", -1), "whole number"),
-    "long cutoff": (lambda world: world.neighbors(0.7), "cutoff"),
-    "no cutoff": (lambda world: world.neighbors(float("nan")), "cutoff"),
-    "column that is not there": (lambda world: world.size, "no column 'size'"),
-    "assigned column that is not there": (lambda world: setattr(world, "size", 3), "no column 'size'"),
-    "purpose below": (lambda world: world.uniform(purpose=-1), "purpose"),
-    "complex displacements": (lambda world: world.move(np.zeros((len(world), 2), dtype=complex)), "complex"),
-    "shape of a column": (lambda world: setattr(world, "age", np.zeros(3)), "broadcast"),
-}
-
-
-@pytest.mark.parametrize("what", STEPS)
-def test_mistakes_of_a_step_are_failures_with_reasons(what):
-    act, words = STEPS[what]
-
-    class Mistaken(gridlock.Model):
-        name = "test_mistaken"
-        columns = {"age": np.uint32}
-        events = ("births",)
-
-        def start(self, start):
-            start.add(positions=start.anywhere(10))
-
-        def step(self, world):
-            act(world)
-
-    simulation = gridlock.Simulation(model=Mistaken, box=OBLONG)
-    before = simulation.state_hash
-    with pytest.raises(gridlock.RunFailure, match=words):
-        simulation.run(steps=1)
-    assert simulation.state_hash == before
-    assert simulation.clock.step == 0
 
 
 def test_an_observation_changes_nothing():
@@ -528,68 +272,6 @@ def test_what_is_kept_of_a_step_is_dead():
         Keeper().memory = 3
     with pytest.raises(gridlock.Error, match="cannot keep 'count'"):
         Walkers().count = 3
-
-
-REFUSED = {
-    "no name": ({"name": ""}, "has the name"),
-    "a shipped model": ({"name": "flocking"}, "there is a model flocking already"),
-    "no start": ({"start": gridlock.Model.start}, "no start"),
-    "no step": ({"step": gridlock.Model.step}, "no step"),
-    "a type": ({"columns": {"age": np.float32}}, "type float32"),
-    "a column of the world": ({"columns": {"ids": float}}, "column 'ids'"),
-    "a column that is a word": ({"columns": {"class": float}}, "column 'class'"),
-    "a column of another type": ({"columns": {"velocity_x": np.int32}}, "observables take it for float64"),
-    "an event that is a column": ({"events": ("step",)}, "events"),
-    "events twice": ({"events": ("a", "a")}, "events"),
-    "values of nothing": ({"value_names": {"state": ("a", "b")}}, "names the values"),
-}
-
-
-@pytest.mark.parametrize("what", REFUSED)
-def test_models_that_cannot_be_are_refused(what):
-    changes, words = REFUSED[what]
-    body = {"name": "test_refused", "start": lambda self, start: None, "step": lambda self, world: None, **changes}
-    with pytest.raises(gridlock.Error, match=words):
-        gridlock.register_model(type("Refused", (gridlock.Model,), body))
-
-
-def test_starts_that_cannot_be_are_refused():
-    def simulation(start, **more):
-        body = {"name": "test_start", "start": start, "step": lambda self, world: None, **more}
-        return gridlock.Simulation(model=type("Starts", (gridlock.Model,), body))
-
-    with pytest.raises(gridlock.Error, match="outside the box"):
-        simulation(lambda self, start: start.add(x=3.0, y=0.5))
-    with pytest.raises(gridlock.Error, match="time step 0.0"):
-        simulation(lambda self, start: start.add(x=0.5, y=0.5), time_step=0.0)
-    with pytest.raises(ZeroDivisionError):
-        simulation(lambda self, start: 1 / 0)
-
-    def refuses(self, box):
-        raise gridlock.Error("the box is too small\n  hint: use a larger one")
-
-    with pytest.raises(gridlock.Error, match="test_start.*\n?.*the box is too small|the box is too small") as caught:
-        simulation(lambda self, start: start.add(x=0.5, y=0.5), check=refuses)
-    assert caught.value.problems[0]["hint"] == "use a larger one"
-    with pytest.warns(UserWarning, match="the start of the model test_start has no agents"):
-        nobody = simulation(lambda self, start: None)
-    nobody.run(steps=40)
-    assert len(nobody.agents) == 0
-
-
-@pytest.mark.parametrize("wrong", [{"default": 5.0, "least": 10.0}, {"default": float("nan")}, {"default": None}, {"default": ["a"]}, {"default": -1},
-                                   {"default": "a", "choices": ["b"]}])
-def test_settings_that_cannot_be_are_refused(wrong):
-    with pytest.raises(gridlock.Error, match="default"):
-        gridlock.Setting(**wrong)
-
-
-@pytest.mark.parametrize("seen, words", [(0.5, "returned float"), ({"step": 1.0}, "name 'step'"), ({"a b": 1.0}, "name 'a b'")])
-def test_observations_that_cannot_be_are_refused(seen, words):
-    body = {"name": "test_observes", "start": lambda self, start: start.add(x=0.5, y=0.5), "step": lambda self, world: None,
-            "observe": lambda self, world: seen}
-    with pytest.raises(gridlock.Error, match=words):
-        gridlock.Simulation(model=type("Observes", (gridlock.Model,), body))
 
 
 def test_a_setting_has_one_name():
