@@ -2,16 +2,10 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <array>
-#include <chrono>
-#include <cmath>
 #include <functional>
 #include <new>
-#include <numbers>
-#include <set>
 #include <utility>
 
 #include "gridlock/core/detail/ranks.hpp"
@@ -26,26 +20,20 @@
 #include "simulation/expected_work.hpp"
 #include "simulation/settings_difference.hpp"
 #include "simulation/trajectory.hpp"
+#include "workspace/checkpoint_clock.hpp"
 #include "workspace/result_files.hpp"
 #include "workspace/run_files.hpp"
 #include "workspace/run_log.hpp"
+#include "workspace/run_results.hpp"
 #include "workspace/summary.hpp"
 
 namespace gridlock {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr char const* configuration_name = "config.resolved.toml";
 constexpr char const* trajectory_name = "trajectory.h5";
 constexpr char const* begun_trajectory_name = "trajectory.h5.part";
-
-Json to_json(std::vector<Count> const& counts) {
-  Json json = Json::object();
-  for (auto const& [name, value] : counts) json[name] = value;
-  return json;
-}
 
 /// What was audited; nothing where no audit was asked for.
 std::optional<Event> audit_event(Simulation const& simulation) {
@@ -56,126 +44,10 @@ std::optional<Event> audit_event(Simulation const& simulation) {
 
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
-Table to_table(Distribution const& distribution) {
-  Table table;
-  for (std::size_t k = 0; k < distribution.columns.size(); ++k) {
-    std::vector<double> const& values = distribution.columns_of_values[k];
-    if (distribution.columns[k].is_count) {
-      table.add_column(distribution.columns[k].name, std::vector<std::uint64_t>(values.begin(), values.end()));
-    } else {
-      table.add_column(distribution.columns[k].name, values);
-    }
-    if (k == 0 && !distribution.names.empty()) table.add_column("name", distribution.names);
-  }
-  return table;
-}
-
-/// The share of the box that agents with a radius cover; nothing for agents without.
-std::optional<double> packing_fraction_of(FrameSource const& frame) {
-  std::optional<std::size_t> const place = frame.find(Radius::name);
-  if (!place) return std::nullopt;
-  constexpr std::size_t rows_in_memory = 100'000;
-  double area = 0.0;
-  for_each_piece(frame.size(), rows_in_memory, [&](std::size_t first, std::size_t count) {
-    FrameValues const radii = frame.values(*place, first, count);
-    for (double const r : std::get<std::vector<double>>(radii)) area += std::numbers::pi * r * r;
-  });
-  return area / frame.box().area();
-}
-
-/// What the ranks of a run have sent, and how long each has waited.
-Json to_json(std::vector<Traffic> const& ranks) {
-  Json json = Json::array();
-  for (Traffic const& rank : ranks) {
-    json.push_back(
-        {{"messages_sent", rank.messages}, {"bytes_sent", rank.bytes}, {"seconds_waiting", rank.seconds_waiting}});
-  }
-  return json;
-}
-
 /// Nothing for a run of one process.
 std::vector<Traffic> traffic_of(Ranks const* ranks) {
   return ranks == nullptr ? std::vector<Traffic>() : ranks->traffic_of_ranks();
 }
-
-std::string summary_json(std::string const& versions, Configuration const& configuration, std::uint64_t start_hash,
-                         RunRecord const& record, FrameSource const& frame, std::vector<Traffic> const& ranks) {
-  Json json;
-  json["gridlock"] = versions;
-  json["status"] = to_text(record.status);
-  if (!record.failure.empty()) json["failure"] = record.failure;
-  json["start_hash"] = fmt::format("{:016x}", start_hash);
-  json["state_hash"] = fmt::format("{:016x}", record.state_hash);
-  json["seed"] = frame.seed();
-  json["model"] = configuration.model.kind;
-  for (auto const& [name, choice] : configuration.kind().choices(configuration)) json[name] = choice;
-  // "agents" is an average where they come and go.
-  json["agents_at_end"] = record.agents;
-  for (FrameColumn const& column : frame.columns()) {
-    auto const names = configuration.kind().value_names(column.name);
-    if (!names.empty()) json["value_names"][column.name] = names;
-  }
-  if (auto const packing_fraction = packing_fraction_of(frame)) json["packing_fraction"] = *packing_fraction;
-  json["steps"] = record.steps;
-  json["step"] = record.clock.step;
-  json["time"] = record.clock.time;
-  if (takes_steps(configuration)) json["time_step"] = record.time_step;
-  json["timing"] = {{"seconds", record.seconds},
-                    {"agent_steps_per_second", record.agent_steps_per_second()},
-                    {"target", to_text(target())}};
-  if (!ranks.empty()) json["timing"]["ranks"] = to_json(ranks);
-  json["counters"] = to_json(record.counts);
-  for (auto const& [name, estimate, unit] : record.results) {
-    // A model may call what it observes "time" or "seed".
-    Json& entry = json[json.contains(name) ? "mean_" + name : name];
-    entry["value"] = estimate.value;
-    entry["error"] = estimate.error ? Json(*estimate.error) : Json();
-    if (!unit.empty()) entry["unit"] = unit;
-  }
-  for (Event const& note : record.notes) json["notes"].push_back(to_text(note));
-  return json.dump(2) + '\n';
-}
-
-void write_results(std::filesystem::path const& directory, std::string const& versions,
-                   Configuration const& configuration, std::uint64_t start_hash, RunRecord const& record,
-                   FrameSource const& frame, std::vector<Traffic> const& ranks) {
-  // Last to come and first to go, so that a directory with a summary is a complete one.
-  std::error_code ignored;
-  std::filesystem::remove(directory / summary_name, ignored);
-  for (char const* name : {"series.csv", summary_name}) record_result(directory / name);
-  write_csv(record.series, directory / "series.csv");
-  for (Distribution const& distribution : record.distributions) {
-    record_result(directory / (distribution.name + ".csv"));
-    write_csv(to_table(distribution), directory / (distribution.name + ".csv"));
-  }
-  if (configuration.run.final_state) {
-    record_result(directory / "final.xyz");
-    write_xyz(frame, directory / "final.xyz");
-  }
-  write_file(directory / summary_name, summary_json(versions, configuration, start_hash, record, frame, ranks));
-}
-
-/// When the next checkpoint is due.
-class CheckpointClock {
- public:
-  explicit CheckpointClock(CheckpointSettings const& settings) : settings_(settings) {}
-
-  [[nodiscard]] bool is_due(std::uint64_t steps) const {
-    double const waited = std::chrono::duration<double>(Time::now() - last_).count();
-    return (settings_.every_seconds > 0.0 && waited >= settings_.every_seconds) ||
-           (settings_.every_steps > 0 && steps - last_steps_ >= settings_.every_steps);
-  }
-  void note(std::uint64_t steps) {
-    last_ = Time::now();
-    last_steps_ = steps;
-  }
-
- private:
-  using Time = std::chrono::steady_clock;
-  CheckpointSettings settings_;
-  Time::time_point last_ = Time::now();
-  std::uint64_t last_steps_ = 0;
-};
 
 /// A run at home in its directory.
 class RunInDirectory {
@@ -308,8 +180,8 @@ class RunInDirectory {
     if (status == RunStatus::interrupted) save();
     RunRecord record = run_.record();
     try {
-      write_results(directory_, versions_, setup_.configuration, start_hash_, record, *simulation_.frame_source(),
-                    traffic_of(hooks_.ranks));
+      write_run_results(directory_, versions_, setup_.configuration, start_hash_, record, *simulation_.frame_source(),
+                        traffic_of(hooks_.ranks));
     } catch (RunFailure const& failure) {
       // A full disk ends the run first and keeps its results out next: the first reason is the one to tell.
       if (record.failure.empty()) throw;

@@ -1,0 +1,128 @@
+#include "workspace/run_results.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cstddef>
+#include <numbers>
+#include <optional>
+#include <system_error>
+
+#include "gridlock/core/disks.hpp"
+#include "gridlock/core/target.hpp"
+#include "gridlock/io/table.hpp"
+#include "gridlock/io/xyz.hpp"
+#include "io/file.hpp"
+#include "simulation/expected_work.hpp"
+#include "workspace/result_files.hpp"
+#include "workspace/summary.hpp"
+
+namespace gridlock {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(std::vector<Count> const& counts) {
+  Json json = Json::object();
+  for (auto const& [name, value] : counts) json[name] = value;
+  return json;
+}
+
+Table to_table(Distribution const& distribution) {
+  Table table;
+  for (std::size_t k = 0; k < distribution.columns.size(); ++k) {
+    std::vector<double> const& values = distribution.columns_of_values[k];
+    if (distribution.columns[k].is_count) {
+      table.add_column(distribution.columns[k].name, std::vector<std::uint64_t>(values.begin(), values.end()));
+    } else {
+      table.add_column(distribution.columns[k].name, values);
+    }
+    if (k == 0 && !distribution.names.empty()) table.add_column("name", distribution.names);
+  }
+  return table;
+}
+
+/// The share of the box that agents with a radius cover; nothing for agents without.
+std::optional<double> packing_fraction_of(FrameSource const& frame) {
+  std::optional<std::size_t> const place = frame.find(Radius::name);
+  if (!place) return std::nullopt;
+  constexpr std::size_t rows_in_memory = 100'000;
+  double area = 0.0;
+  for_each_piece(frame.size(), rows_in_memory, [&](std::size_t first, std::size_t count) {
+    FrameValues const radii = frame.values(*place, first, count);
+    for (double const r : std::get<std::vector<double>>(radii)) area += std::numbers::pi * r * r;
+  });
+  return area / frame.box().area();
+}
+
+/// What the ranks of a run have sent, and how long each has waited.
+Json to_json(std::vector<Traffic> const& ranks) {
+  Json json = Json::array();
+  for (Traffic const& rank : ranks) {
+    json.push_back(
+        {{"messages_sent", rank.messages}, {"bytes_sent", rank.bytes}, {"seconds_waiting", rank.seconds_waiting}});
+  }
+  return json;
+}
+
+std::string summary_json(std::string const& versions, Configuration const& configuration, std::uint64_t start_hash,
+                         RunRecord const& record, FrameSource const& frame, std::vector<Traffic> const& ranks) {
+  Json json;
+  json["gridlock"] = versions;
+  json["status"] = to_text(record.status);
+  if (!record.failure.empty()) json["failure"] = record.failure;
+  json["start_hash"] = fmt::format("{:016x}", start_hash);
+  json["state_hash"] = fmt::format("{:016x}", record.state_hash);
+  json["seed"] = frame.seed();
+  json["model"] = configuration.model.kind;
+  for (auto const& [name, choice] : configuration.kind().choices(configuration)) json[name] = choice;
+  // "agents" is an average where they come and go.
+  json["agents_at_end"] = record.agents;
+  for (FrameColumn const& column : frame.columns()) {
+    auto const names = configuration.kind().value_names(column.name);
+    if (!names.empty()) json["value_names"][column.name] = names;
+  }
+  if (auto const packing_fraction = packing_fraction_of(frame)) json["packing_fraction"] = *packing_fraction;
+  json["steps"] = record.steps;
+  json["step"] = record.clock.step;
+  json["time"] = record.clock.time;
+  if (takes_steps(configuration)) json["time_step"] = record.time_step;
+  json["timing"] = {{"seconds", record.seconds},
+                    {"agent_steps_per_second", record.agent_steps_per_second()},
+                    {"target", to_text(target())}};
+  if (!ranks.empty()) json["timing"]["ranks"] = to_json(ranks);
+  json["counters"] = to_json(record.counts);
+  for (auto const& [name, estimate, unit] : record.results) {
+    // A model may call what it observes "time" or "seed".
+    Json& entry = json[json.contains(name) ? "mean_" + name : name];
+    entry["value"] = estimate.value;
+    entry["error"] = estimate.error ? Json(*estimate.error) : Json();
+    if (!unit.empty()) entry["unit"] = unit;
+  }
+  for (Event const& note : record.notes) json["notes"].push_back(to_text(note));
+  return json.dump(2) + '\n';
+}
+
+}  // namespace
+
+void write_run_results(std::filesystem::path const& directory, std::string const& versions,
+                       Configuration const& configuration, std::uint64_t start_hash, RunRecord const& record,
+                       FrameSource const& frame, std::vector<Traffic> const& ranks) {
+  // Last to come and first to go, so that a directory with a summary is a complete one.
+  std::error_code ignored;
+  std::filesystem::remove(directory / summary_name, ignored);
+  for (char const* name : {"series.csv", summary_name}) record_result(directory / name);
+  write_csv(record.series, directory / "series.csv");
+  for (Distribution const& distribution : record.distributions) {
+    record_result(directory / (distribution.name + ".csv"));
+    write_csv(to_table(distribution), directory / (distribution.name + ".csv"));
+  }
+  if (configuration.run.final_state) {
+    record_result(directory / "final.xyz");
+    write_xyz(frame, directory / "final.xyz");
+  }
+  write_file(directory / summary_name, summary_json(versions, configuration, start_hash, record, frame, ranks));
+}
+
+}  // namespace gridlock
