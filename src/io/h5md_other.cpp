@@ -11,6 +11,7 @@
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
 #include "io/h5md_layout.hpp"
+#include "io/h5md_quantity.hpp"
 #include "io/h5md_source.hpp"
 #include "io/xyz_header.hpp"
 
@@ -20,14 +21,6 @@ namespace {
 
 using hdf5::Handle;
 using hdf5::NumberKind;
-
-/// A quantity of each agent: numbers of every frame, or one for all.
-struct Quantity {
-  std::string name;
-  std::string path;  ///< of the dataset
-  bool is_fixed;     ///< in time
-  bool is_vector;    ///< of the dimensions of the positions
-};
 
 /// The range of the positions of one frame in one direction.
 struct Span {
@@ -109,11 +102,12 @@ class OtherTrajectory final : public Source {
   void surround();
 
   [[nodiscard]] H5mdFrame read_frame(std::size_t k) const;
-  [[nodiscard]] std::vector<double> clock_of(std::string const& element, char const* name, std::size_t count) const;
   [[nodiscard]] std::vector<std::size_t> row_index(std::size_t k, std::vector<Id>& ids) const;
   [[nodiscard]] std::pair<double, double> sides_at(std::size_t k) const;
   [[nodiscard]] std::vector<double> component(Quantity const& quantity, std::size_t k, std::size_t c) const;
-  [[nodiscard]] FrameValues values(Quantity const& quantity, std::size_t k, std::size_t c) const;
+  [[nodiscard]] FrameValues values(Quantity const& quantity, std::size_t k, std::size_t c) const {
+    return values_of(file_, quantity, {.frame = k, .component = c, .agents = agents_});
+  }
   void require_plane(std::size_t k) const;
   void put_inside(Frame& frame) const;
 
@@ -169,26 +163,10 @@ void OtherTrajectory::find_positions() {
   dimensions_ = extent[2];
 }
 
-/// Steps or times of an element: one for each frame, or the distance between them and where they begin. Empty where the file
-/// has none.
-std::vector<double> OtherTrajectory::clock_of(std::string const& element, char const* name, std::size_t count) const {
-  auto const dataset = hdf5::find_dataset(file_, element + "/" + name);
-  if (!dataset) return {};
-  std::vector<hsize_t> const extent = hdf5::extent_of(*dataset);
-  if (extent.size() == 1) return hdf5::read_as<double>(*dataset, {{0}, {std::min<hsize_t>(extent[0], count)}});
-  if (!extent.empty()) throw hdf5::Failure(fmt::format("{}/{} is not stored as it should be", element, name));
-  double const every = hdf5::read_as<double>(*dataset, {{}, {}}).front();
-  std::vector<double> const offset = hdf5::read_numbers(*dataset, "offset");
-  std::vector<double> found(count);
-  for (std::size_t k = 0; k < count; ++k)
-    found[k] = (offset.empty() ? 0.0 : offset.front()) + every * static_cast<double>(k);
-  return found;
-}
-
 void OtherTrajectory::read_clocks() {
   if (positions_.is_fixed) return;
-  std::vector<double> steps = clock_of(group_ + "/position", "step", clocks_.size());
-  std::vector<double> times = clock_of(group_ + "/position", "time", clocks_.size());
+  std::vector<double> steps = clock_of(file_, group_ + "/position", "step", clocks_.size());
+  std::vector<double> times = clock_of(file_, group_ + "/position", "time", clocks_.size());
   if (steps.empty()) {
     steps.resize(clocks_.size());
     std::iota(steps.begin(), steps.end(), 0.0);
@@ -239,7 +217,7 @@ std::optional<Quantity> OtherTrajectory::quantity_of(std::string const& name) co
   if (!is_fixed) {
     // A quantity may be measured more seldom than positions.
     if (extent.empty() || extent[0] < clocks_.size()) return std::nullopt;
-    std::vector<double> const steps = clock_of(path, "step", clocks_.size());
+    std::vector<double> const steps = clock_of(file_, path, "step", clocks_.size());
     for (std::size_t k = 0; k < steps.size() && k < clocks_.size(); ++k) {
       if (steps[k] != static_cast<double>(clocks_[k].step)) return std::nullopt;
     }
@@ -304,7 +282,7 @@ std::pair<double, double> OtherTrajectory::sides_at(std::size_t k) const {
     std::vector<hsize_t> count = hdf5::extent_of(*each);
     if (count.empty() || count[0] == 0 || count.size() > 3)
       throw hdf5::Failure(path + " is not stored as it should be");
-    std::vector<double> const steps = clock_of(path, "step", count[0]);
+    std::vector<double> const steps = clock_of(file_, path, "step", count[0]);
     auto const later = std::ranges::upper_bound(steps, static_cast<double>(clocks_[k].step));
     std::size_t const entry = steps.empty() || count[0] == clocks_.size()
                                   ? k
@@ -332,32 +310,6 @@ std::pair<double, double> OtherTrajectory::sides_at(std::size_t k) const {
 
 std::vector<double> OtherTrajectory::component(Quantity const& quantity, std::size_t k, std::size_t c) const {
   return std::get<std::vector<double>>(values(quantity, k, c));
-}
-
-/// Numbers of a component as a column of a frame has them; positions are real in any case.
-FrameValues OtherTrajectory::values(Quantity const& quantity, std::size_t k, std::size_t c) const {
-  Handle const dataset = hdf5::open_dataset(file_, quantity.path);
-  hdf5::Part part;
-  if (!quantity.is_fixed) part = {{k}, {1}};
-  part.start.push_back(0);
-  part.count.push_back(agents_);
-  if (quantity.is_vector) {
-    part.start.push_back(c);
-    part.count.push_back(1);
-  }
-  NumberKind const kind = quantity.name == "position" ? NumberKind::real : hdf5::kind_of_numbers(dataset);
-  bool const is_wide = hdf5::width_of_numbers(dataset) > sizeof(std::uint32_t);
-  if (kind == NumberKind::positive_whole && is_wide) return hdf5::read_as<std::uint64_t>(dataset, part);
-  if (kind == NumberKind::positive_whole) return hdf5::read_as<std::uint32_t>(dataset, part);
-  if (kind != NumberKind::whole) return hdf5::read_as<double>(dataset, part);
-  if (!is_wide) return hdf5::read_as<std::int32_t>(dataset, part);
-  std::vector<std::int32_t> narrow;
-  for (std::int64_t const value : hdf5::read_as<std::int64_t>(dataset, part)) {
-    if (value != static_cast<std::int32_t>(value))
-      throw hdf5::Failure(fmt::format("{} has the number {}", quantity.path, value));
-    narrow.push_back(static_cast<std::int32_t>(value));
-  }
-  return narrow;
 }
 
 std::vector<std::string> OtherTrajectory::column_names() const {
