@@ -91,19 +91,11 @@ void PixelCanvas::begin_clip(PixelRectangle const& r) {
 
 void PixelCanvas::end_clip() { cairo_restore(context_.get()); }
 
-void PixelCanvas::begin_circles(Stroke const& stroke) { circle_stroke_ = stroke; }
-
 void PixelCanvas::circle(Vector centre, double radius, Colour colour) {
   cairo_new_sub_path(context_.get());
   cairo_arc(context_.get(), centre.x, centre.y, radius, 0.0, 2.0 * pi);
   use(colour);
-  if (circle_stroke_.width > 0.0) {
-    cairo_fill_preserve(context_.get());
-    apply(circle_stroke_);
-    cairo_stroke(context_.get());
-  } else {
-    cairo_fill(context_.get());
-  }
+  cairo_fill(context_.get());
 }
 
 std::uint32_t PixelCanvas::width() const {

@@ -52,8 +52,6 @@ class Canvas {
   virtual void begin_clip(PixelRectangle const& rectangle) = 0;
   virtual void end_clip() = 0;
 
-  /// The outline of the circles that follow; a stroke of width 0 draws none.
-  virtual void begin_circles(Stroke const& stroke) = 0;
   virtual void circle(Vector centre, double radius, Colour colour) = 0;
 
  protected:
@@ -75,7 +73,6 @@ class PixelCanvas final : public Canvas {
   void text(Vector at, std::string_view text, Lettering const& lettering) override;
   void begin_clip(PixelRectangle const& rectangle) override;
   void end_clip() override;
-  void begin_circles(Stroke const& stroke) override;
   void circle(Vector centre, double radius, Colour colour) override;
 
   [[nodiscard]] std::uint32_t width() const;
@@ -94,7 +91,6 @@ class PixelCanvas final : public Canvas {
 
   std::unique_ptr<cairo_surface_t, Destroy> surface_;
   std::unique_ptr<cairo_t, Destroy> context_;
-  Stroke circle_stroke_;
 };
 
 }  // namespace gridlock

@@ -252,11 +252,8 @@ class Picture {
   }
 
   void draw_disks(Canvas& canvas) const {
-    double const outline = outline_width();
-    canvas.begin_circles({.colour = ink, .width = outline});
     for (std::size_t i = 0; i < state_.agents.size(); ++i) {
-      // The outline lies inside the disk, so that two disks in contact touch and do not overlap.
-      double const radius = state_.agents.column<Radius>()[i] * at_.pixels - 0.5 * outline;
+      double const radius = state_.agents.column<Radius>()[i] * at_.pixels;
       for_each_image(i, [&](Vector centre) { canvas.circle(to_pixels(centre), radius, colours_.of(i)); });
     }
   }
@@ -275,12 +272,6 @@ class Picture {
  private:
   [[nodiscard]] Vector to_pixels(Vector p) const {
     return {at_.box.x + p.x * at_.pixels, at_.box.y + at_.box.height - p.y * at_.pixels};
-  }
-
-  /// Thin against the disk, and none where it would be all there is to see.
-  [[nodiscard]] double outline_width() const {
-    double const smallest = radius_range(state_.agents).smallest * at_.pixels;
-    return smallest < 2.5 ? 0.0 : std::min(0.8 * at_.unit, 0.12 * smallest);
   }
 
   /// Calls visit(centre) for every periodic image of disk i that reaches into the box.

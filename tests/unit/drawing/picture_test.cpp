@@ -93,8 +93,7 @@ TEST(Picture, PutsDisksWhereTheyAreWithTheOriginAtTheLowerLeft) {
   double const pixels = 2.0 * (circles.at(1).centre.x - circles.at(0).centre.x);  // the side of the box
   EXPECT_GT(pixels, 0.9 * 720);
   EXPECT_NEAR(circles.at(0).centre.y - circles.at(1).centre.y, 0.25 * pixels, 1e-2);
-  // The outline of 0.8 pixels lies inside the disk.
-  EXPECT_NEAR(circles.at(0).radius, 0.2 * pixels - 0.4, 0.05);
+  EXPECT_NEAR(circles.at(0).radius, 0.2 * pixels, 1e-2);
 }
 
 RC_GTEST_PROP(NeighbourhoodColours, DifferBetweenAllAdjacentCellsAcrossPeriodicEdgesToo, ()) {
@@ -294,6 +293,25 @@ std::size_t pieces_of_edge(Edge edge) {
 TEST(Picture, OfPixelsHasAWholeLineForWallsAndADashedOneForPeriodicEdges) {
   EXPECT_EQ(pieces_of_edge(Edge::wall), 1U);
   EXPECT_GT(pieces_of_edge(Edge::periodic), 10U);
+}
+
+TEST(Picture, OfPixelsHasDisksWithoutOutlines) {
+  State state;
+  state.box = Box(1.5, 0.6, Edge::wall);
+  state.agents.add(0.75, 0.3, 0, 0, 0.2, 1, 0, 0);
+  auto const circle = drawn(state, {.width = 400}).circles.at(0);
+  PicturePixels const picture = picture_pixels(state, {.width = 400});
+  auto const brightness = [&](double x) {
+    std::uint32_t pixel = 0;
+    auto const place = std::size_t(circle.centre.y) * picture.width + std::size_t(x);
+    std::memcpy(&pixel, picture.bytes.data() + 4 * place, 4);
+    return (pixel >> 16U & 0xFFU) + (pixel >> 8U & 0xFFU) + (pixel & 0xFFU);
+  };
+  // From the middle to the outside nothing is darker than the disk itself.
+  for (double from_middle = 0.0; from_middle < 1.1 * circle.radius; from_middle += 0.5) {
+    EXPECT_GE(brightness(circle.centre.x + from_middle), brightness(circle.centre.x)) << from_middle;
+  }
+  EXPECT_GT(brightness(circle.centre.x + 1.1 * circle.radius), brightness(circle.centre.x));
 }
 
 TEST(Picture, IsTheSameEveryTime) {

@@ -38,7 +38,6 @@ class RecordingCanvas final : public Canvas {
   void text(Vector /*at*/, std::string_view text, Lettering const& /*lettering*/) override { texts.emplace_back(text); }
   void begin_clip(PixelRectangle const& /*rectangle*/) override {}
   void end_clip() override {}
-  void begin_circles(Stroke const& /*stroke*/) override {}
   void circle(Vector centre, double radius, Colour colour) override {
     circles.push_back({centre, radius, hex(colour)});
   }
