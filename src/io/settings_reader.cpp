@@ -345,10 +345,14 @@ Problem SettingsReader::unknown(TomlValue const& member, std::string const& name
   if (is_table && name == "sweep") {
     what = "a table [sweep] lists values for many runs";
     hint = "use gridlock sweep, or take [sweep] out";
-  } else if (!nearest.empty() && !(homes.size() == 1 && !is_table && frame.path.empty())) {
-    hint = fmt::format("did you mean {}?", nearest);
-  } else if (!homes.empty()) {
+  } else if (!homes.empty() && !is_table) {
+    // A name that another table has is no slip of the finger.
     hint = fmt::format("{} belongs in {}", name, listed(homes));
+    if (!frame.path.empty())
+      hint +=
+          fmt::format("; gridlock explain {} tells of the settings here", frame.kind.substr(0, frame.kind.find('[')));
+  } else if (!nearest.empty()) {
+    hint = fmt::format("did you mean {}?", nearest);
   } else if (!names.empty()) {
     hint = fmt::format("{} {}",
                        frame.path.empty() ? "the tables are" : fmt::format("the settings of [{}] are", frame.path),

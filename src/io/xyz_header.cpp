@@ -39,23 +39,32 @@ std::optional<std::uint64_t> whole_number(std::string_view word) {
   return static_cast<std::uint64_t>(*real);
 }
 
+/// Programs that turn a box leave rounding errors where zeros were.
+bool is_rounding(double value, double side) { return std::abs(value) <= 1e-12 * side; }
+
+/// Of a box that is skewed, or turned against x and y.
+[[noreturn]] void refuse_sides(Lines const& lines, Entry const& entry, std::vector<double> const& lattice) {
+  double const product = lattice[0] * lattice[3] + lattice[1] * lattice[4];
+  double const lengths = std::hypot(lattice[0], lattice[1]) * std::hypot(lattice[3], lattice[4]);
+  std::string const what = is_rounding(product, lengths)
+                               ? fmt::format("the sides ({}, {}) and ({}, {}) of the Lattice do not lie along x and y",
+                                             lattice[0], lattice[1], lattice[3], lattice[4])
+                               : fmt::format("the Lattice {} is not orthogonal", in_quotes(entry.value));
+  lines.refuse(what, "the box must be a rectangle with sides along x and y: width 0 0 0 height 0 0 0 1", entry.column);
+}
+
 Sides read_sides(Lines const& lines, Entry const& entry) {
   std::size_t const count = elements_of(entry.value).value_or(std::vector<std::string>()).size();
   if (count != 9 && count != 3) refuse_entry(lines, entry, "nine numbers");
   std::vector<double> lattice = numbers_of(entry.value);
   if (lattice.size() == 3) lattice = {lattice[0], 0, 0, 0, lattice[1], 0, 0, 0, lattice[2]};
   if (lattice.size() != 9) refuse_entry(lines, entry, "nine finite numbers");
+  double const longest = std::max(std::hypot(lattice[0], lattice[1]), std::hypot(lattice[3], lattice[4]));
+  if (!is_rounding(lattice[1], longest) || !is_rounding(lattice[3], longest)) refuse_sides(lines, entry, lattice);
   Sides sides{.width = lattice[0], .height = lattice[4]};
   if (!(sides.width > 0.0 && sides.height > 0.0)) {
     lines.refuse(fmt::format("the box of {} × {} has no area", sides.width, sides.height), "both sides must be above 0",
                  entry.column);
-  }
-  // Programs that turn a box leave rounding errors where zeros were.
-  auto const is_rounding = [](double value, double side) { return std::abs(value) <= 1e-12 * side; };
-  double const longest = std::max(sides.width, sides.height);
-  if (!is_rounding(lattice[1], longest) || !is_rounding(lattice[3], longest)) {
-    lines.refuse(fmt::format("the Lattice {} is not orthogonal", in_quotes(entry.value)),
-                 "the box must be a rectangle with sides along x and y: width 0 0 0 height 0 0 0 1", entry.column);
   }
   for (std::size_t const i : {2, 5, 6, 7}) {
     if (!is_rounding(lattice[i], std::max(longest, std::abs(lattice[8])))) sides.leans = true;

@@ -62,6 +62,12 @@ void refuse_tables_of_others(Configuration const& configuration, IsGiven const& 
   if (!problems.empty()) throw Error(std::move(problems));
 }
 
+/// A file without a name is a slip of a script, unless the start is said too, as in the resolved settings of a run.
+void require_name_of_file(Configuration const& configuration, IsGiven const& is_given) {
+  if (!configuration.disks.file.empty() || !is_given("disks.file") || is_given("disks.start")) return;
+  throw Error({.what = "disks.file is empty", .hint = "name a file, or leave the setting out", .key = "disks.file"});
+}
+
 /// The ends of a run that are known beforehand, from its start.
 struct End {
   double step = std::numeric_limits<double>::infinity();
@@ -101,6 +107,7 @@ void note_frames_beyond(char const* key, char const* unit, std::vector<double> c
 
 void check(Configuration const& configuration, IsGiven const& is_given, Ranks const* ranks) {
   refuse_tables_of_others(configuration, is_given);
+  require_name_of_file(configuration, is_given);
   configuration.kind().check(configuration);
   require_memory(configuration, ranks);
 }
