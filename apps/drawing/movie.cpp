@@ -211,9 +211,9 @@ RunStatus make_movie(H5mdReader const& trajectory, MovieSettings const& settings
   require_place(settings.file);
   format_of(settings);
   protect_files({.results = {settings.file},
-                 .inputs = {},
+                 .inputs = {settings.source},
                  .maker = maker,
-                 .hint = "name another file with -o, or add --overwrite",
+                 .hint = "name another file, or replace it: --overwrite, in Python overwrite=True",
                  .overwrites = settings.overwrites});
   if (trajectory.frame_count() == 0) throw Error(Problem{.what = "the trajectory has no frames"});
   return Movie(trajectory, settings, on_progress).make();

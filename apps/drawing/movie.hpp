@@ -13,11 +13,12 @@ namespace gridlock {
 
 /// How a trajectory becomes a movie.
 struct MovieSettings {
-  std::filesystem::path file;  ///< ending in .mp4, .mov, .mkv (H.264), .webm (VP9) or .gif
+  std::filesystem::path file;         ///< ending in .mp4, .mov, .mkv (H.264), .webm (VP9) or .gif
+  std::filesystem::path source = {};  ///< of the trajectory, which is never replaced; empty where it has none
   /// "displacement" from the first frame, "psi6" (the angle-free order |ψ6| around each disk), "speed", "direction" (of
   /// velocities or headings), "neighbourhood" (the grid cell), "radius", or the name of a column; empty: displacement for
   /// disks, for other agents their last column of whole numbers, or the direction.
-  std::string colour;
+  std::string colour = {};
   std::uint32_t width = 720;  ///< pixels
   std::uint64_t rate = 25;    ///< frames a second
   std::size_t every = 1;      ///< every how many frames of the trajectory one is shown; not 0 (asserted)

@@ -34,6 +34,14 @@ std::uint64_t steps_between_frames(fs::path const& settings) {
   }
 }
 
+/// Files of VTK lie in a directory beside the one that is named.
+void require_name_of_file(fs::path const& file) {
+  if (!descriptor_named(file)) return;
+  throw Error({.what = fmt::format("{} takes one file, and VTK is one for each frame", file.string()),
+               .hint = "name a file, such as -o frames.pvd",
+               .key = "-o"});
+}
+
 }  // namespace
 
 fs::path trajectory_file(std::string const& path) {
@@ -49,11 +57,9 @@ fs::path trajectory_file(std::string const& path) {
   return file;
 }
 
-void require_other_file(fs::path const& file, fs::path const& trajectory) {
-  std::error_code ignored;
-  if (!fs::equivalent(trajectory, file, ignored)) return;
-  throw gridlock::Error(
-      {.what = fmt::format("{} is the trajectory itself", file.string()), .hint = "name another file", .key = "-o"});
+void print_note_on_left_out(fs::path const& source, gridlock::H5mdReader const& trajectory) {
+  std::string const note = gridlock::note_on_left_out(source, trajectory.settings());
+  if (!note.empty()) fmt::print(stderr, "note: {}\n", note);
 }
 
 void add_export(CLI::App& app, ExitCode& exit_code) {
@@ -82,19 +88,20 @@ void add_export(CLI::App& app, ExitCode& exit_code) {
     fs::path const source = trajectory_file(options->path);
     fs::path const file =
         options->output.empty() ? fs::path(source).replace_extension(extension) : fs::path(options->output);
-    require_other_file(file, source);
+    if (format == gridlock::ExportFormat::vtk) require_name_of_file(file);
     gridlock::H5mdReader const trajectory(source);
+    print_note_on_left_out(source, trajectory);
     gridlock::ExportSettings const settings{.format = format, .file = file, .every = options->every};
     std::vector<fs::path> const exported = gridlock::exported_files(trajectory, settings);
     gridlock::protect_files({.results = exported,
                              .inputs = {source},
                              .maker = "export",
-                             .hint = "name another file with -o, or add --overwrite",
+                             .hint = "name another file with -o, or replace it: --overwrite",
                              .overwrites = options->overwrites});
     gridlock::remove_leftovers(fs::absolute(file).parent_path());
     gridlock::record_further_results(exported, "export");
     auto const files = gridlock::export_trajectory(trajectory, settings);
-    fmt::print("{}\n", files.front().string());
+    if (!gridlock::descriptor_named(file)) fmt::print("{}\n", files.front().string());
     exit_code = ExitCode::good;
   });
 }

@@ -24,8 +24,9 @@ ExitCode make_movie(MovieOptions const& options) {
   gridlock::MovieSettings settings = options.movie;
   settings.file = options.output.empty() ? std::filesystem::path(source).replace_extension(".mp4")
                                          : std::filesystem::path(options.output);
-  require_other_file(settings.file, source);
+  settings.source = source;
   gridlock::H5mdReader const trajectory(source);
+  print_note_on_left_out(source, trajectory);
   StopSignals const signals;
   gridlock::RunStatus status = gridlock::RunStatus::finished;
   {

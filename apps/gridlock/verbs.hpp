@@ -13,6 +13,10 @@
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/workspace/sweep.hpp"
 
+namespace gridlock {
+class H5mdReader;
+}  // namespace gridlock
+
 namespace gridlock::cli {
 
 /// Exit code of a command.
@@ -74,9 +78,8 @@ CLI::Validator not_empty();
 /// Errors: Error for a directory of a run that kept no frames.
 std::filesystem::path trajectory_file(std::string const& path);
 
-/// Refuses to write a file in the place of the trajectory that it is made from, also by a link.
-/// Errors: Error under the key "-o".
-void require_other_file(std::filesystem::path const& file, std::filesystem::path const& trajectory);
+/// Tells on the error stream what the trajectory of another program has and H5mdReader does not read.
+void print_note_on_left_out(std::filesystem::path const& source, gridlock::H5mdReader const& trajectory);
 
 /// A configuration file and the `--set` options on top of it: what run, sweep and check have in common.
 struct ConfigurationOptions {

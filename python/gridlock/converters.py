@@ -116,10 +116,11 @@ def to_mdanalysis(frames: Sequence[Frame], *, unwrapped: bool = True) -> Any:
     return universe
 
 
-def protect(path: str | os.PathLike[str], maker: str, overwrite: bool) -> None:
-    """Refuses to replace a file that ``maker`` has not listed as its own in the directory of a run, unless ``overwrite``; results
-    of a run in any case."""
-    _core.protect_files([os.fspath(path)], maker, "name another file, or say overwrite=True", overwrite)
+def protect(path: str | os.PathLike[str], maker: str, overwrite: bool, inputs: Sequence[str | os.PathLike[str]] = ()) -> None:
+    """Refuses to replace a file that ``maker`` has not listed as its own in the directory of a run, unless ``overwrite``; inputs and
+    results of a run in any case."""
+    hint = "name another file, or say overwrite=True"
+    _core.protect_files([os.fspath(path)], maker, hint, overwrite, [os.fspath(read) for read in inputs])
 
 
 def to_gsd(frames: Iterable[Frame], path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
@@ -130,9 +131,7 @@ def to_gsd(frames: Iterable[Frame], path: str | os.PathLike[str], *, overwrite: 
     """
     gsd = library("gsd.hoomd", "gsd")
     source = getattr(frames, "path", None)
-    if source is not None and os.path.exists(path) and os.path.samefile(source, path):
-        raise Error(f"{os.fspath(path)} is the file that the frames are read from\n  hint: name another file")
-    protect(path, "gridlock.Trajectory.to_gsd", overwrite)
+    protect(path, "gridlock.Trajectory.to_gsd", overwrite, [] if source is None else [source])
     with gsd.open(os.fspath(path), "w") as file:
         for frame in frames:
             file.append(_gsd_frame(gsd, frame))

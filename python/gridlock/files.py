@@ -9,6 +9,7 @@ import operator
 import os
 import pathlib
 import sys
+import warnings
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple, SupportsIndex, overload
 
@@ -155,7 +156,21 @@ def read_xyz(path: str | os.PathLike[str], *, frame: int | None = None) -> Frame
     :param frame: of a file with several, from 0, or from -1 for the last.
     :raises Error: with line and column for anything damaged, and for a file of several frames where none is chosen.
     """
-    return _frame(_core.read_xyz(os.fspath(path), frame))
+    found = _frame(_core.read_xyz(os.fspath(path), frame))
+    if (_core.recognize_format(os.fspath(path)) or ("",))[0] == "hdf5":
+        _warn_of_left_out(_core.Trajectory(os.fspath(path)))
+    return found
+
+
+def _warn_of_left_out(frames: Any) -> None:
+    """Warns of what a trajectory has and its frames have not, at the line of the user that opens it."""
+    note = frames.note_on_left_out()
+    if not note:
+        return
+    level, caller = 1, sys._getframe()
+    while caller is not None and caller.f_code.co_filename == __file__:
+        level, caller = level + 1, caller.f_back  # type: ignore[assignment]
+    warnings.warn(note, stacklevel=level)
 
 
 class Trajectory:
@@ -175,6 +190,7 @@ class Trajectory:
         self.path = pathlib.Path(path)
         self._core: Any = formats.frames_of(os.fspath(path))
         self._frames = range(self._core.size())
+        _warn_of_left_out(self._core)
 
     def __len__(self) -> int:
         return len(self._frames)

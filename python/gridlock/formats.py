@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import gzip
 import os
+import weakref
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
@@ -34,6 +35,7 @@ class Frames(Protocol):
     def frame(self, k: int) -> Any: ...
     def contacts(self) -> Any: ...
     def value_names(self) -> dict[str, list[str]]: ...
+    def note_on_left_out(self) -> str: ...
 
 
 def frames_of(path: str) -> Frames:
@@ -112,6 +114,10 @@ class OtherFrames:
     _steps: list[int]
     _times: list[float]
 
+    def _close_in_the_end(self, file: Any) -> None:
+        """Frames are read one at a time, so that the file stays open as long as they can be asked for."""
+        weakref.finalize(self, file.close)
+
     def size(self) -> int:
         return len(self._steps)
 
@@ -127,6 +133,9 @@ class OtherFrames:
     def value_names(self) -> dict[str, list[str]]:
         return {}
 
+    def note_on_left_out(self) -> str:
+        return ""
+
 
 class LammpsDump(OtherFrames):
     """A dump of LAMMPS in text, packed by gzip or not; LAMMPS calls it ``dump custom`` or ``dump atom``."""
@@ -134,6 +143,7 @@ class LammpsDump(OtherFrames):
     def __init__(self, path: str) -> None:
         self.path = path
         self._file: Any = gzip.open(path) if _is_gzip(path) else open(path, "rb")
+        self._close_in_the_end(self._file)
         self._places: list[int] = []  #: of the first line of each frame
         self._steps, self._times = [], []
         time: float | None = None  # LAMMPS writes it before the step, some others behind it
@@ -259,6 +269,7 @@ class GsdFile(OtherFrames):
         self.path = path
         try:
             self._file = gsd.open(os.fspath(path), "r")
+            self._close_in_the_end(self._file)
         except Exception as error:
             raise Error(f"cannot read {path}: {error}\n  hint: is it whole?") from None
         count = len(self._file)

@@ -338,9 +338,9 @@ class Simulation:
     def write(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> None:
         """Writes the agents as extended XYZ.
 
-        :raises Error: where the file is there already, unless ``overwrite``.
+        :raises Error: where the file is there already, unless ``overwrite``, and where the simulation was made from it.
         """
-        converters.protect(path, "gridlock.Simulation.write", overwrite)
+        converters.protect(path, "gridlock.Simulation.write", overwrite, self._core.inputs())
         self._core.write_state(os.fspath(path))
 
     def _bound(self, function: Callable[[Simulation], Any], *, is_observable: bool = False) -> Callable[[], Any]:

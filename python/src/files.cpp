@@ -178,9 +178,10 @@ FrameValuesOfPython read_xyz_frame(std::string const& path, std::optional<std::i
 /// A trajectory that is open.
 class PythonTrajectory {
  public:
-  explicit PythonTrajectory(std::string const& path) : reader_(path) {}
+  explicit PythonTrajectory(std::string const& path) : path_(path), reader_(path) {}
 
   [[nodiscard]] std::size_t size() const { return reader_.frame_count(); }
+  [[nodiscard]] std::string note_on_left_out() const { return gridlock::note_on_left_out(path_, reader_.settings()); }
   [[nodiscard]] auto steps() const {
     std::vector<std::uint64_t> steps;
     for (Clock const& clock : reader_.clocks()) steps.push_back(clock.step);
@@ -219,6 +220,7 @@ class PythonTrajectory {
   }
 
  private:
+  std::filesystem::path path_;
   H5mdReader reader_;
 };
 
@@ -231,9 +233,12 @@ std::optional<std::pair<std::string, std::string>> format_of(std::string const& 
 
 /// Refuses what protect_files() refuses, and lists the files of a maker where its directory has a list.
 void protect_paths(std::vector<std::string> const& paths, std::string const& maker, std::string const& hint,
-                   bool overwrites) {
-  protect_files(
-      {.results = {paths.begin(), paths.end()}, .inputs = {}, .maker = maker, .hint = hint, .overwrites = overwrites});
+                   bool overwrites, std::vector<std::string> const& inputs) {
+  protect_files({.results = {paths.begin(), paths.end()},
+                 .inputs = {inputs.begin(), inputs.end()},
+                 .maker = maker,
+                 .hint = hint,
+                 .overwrites = overwrites});
   if (maker.empty()) return;
   for (std::string const& path : paths) record_further_result(path, maker);
 }
@@ -279,10 +284,11 @@ void bind_files(nb::module_& module) {
       "record_result", [](std::string const& path) { record_result(path); }, nb::arg("path"));
   module.def("recognize_format", &format_of, nb::arg("path"));
   module.def("protect_files", &protect_paths, nb::arg("paths"), nb::arg("maker"), nb::arg("hint"),
-             nb::arg("overwrites"));
+             nb::arg("overwrites"), nb::arg("inputs"));
   nb::class_<PythonTrajectory>(module, "Trajectory")
       .def(nb::init<std::string const&>(), nb::arg("path"))
       .def("size", &PythonTrajectory::size)
+      .def("note_on_left_out", &PythonTrajectory::note_on_left_out)
       .def("steps", &PythonTrajectory::steps)
       .def("times", &PythonTrajectory::times)
       .def("frame", &PythonTrajectory::frame, nb::arg("k"))

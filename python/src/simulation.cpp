@@ -103,6 +103,8 @@ class PythonSimulation {
     for (char const* table : {"trajectory", "checkpoint"}) {
       if (settings.is_given(table)) unused_tables_.emplace_back(table);
     }
+    if (file) inputs_.push_back(*file);
+    inputs_.push_back(setup_.start_file.string());
     plan_ = plan_of(setup_);
     if (!has_end_) {
       plan_.stop_condition = {};
@@ -278,6 +280,7 @@ class PythonSimulation {
     for (Count const& count : simulation().counts()) counts[count.name.c_str()] = count.value;
     return counts;
   }
+  [[nodiscard]] std::vector<std::string> const& inputs() const { return inputs_; }
   void write_state(std::string const& path) {
     Use const use(*this);
     check_changes();
@@ -341,6 +344,7 @@ class PythonSimulation {
   pid_t process_;
   std::thread::id user_;
   Setup setup_;
+  std::vector<std::string> inputs_;  ///< files it was made from
   RunPlan plan_;
   bool has_end_ = false;
   bool ends_with_protocol_ = false;
@@ -392,6 +396,7 @@ void bind_simulation(nb::module_& module) {
       .def("results", &PythonSimulation::results)
       .def("distributions", &PythonSimulation::distributions)
       .def("counts", &PythonSimulation::counts)
+      .def("inputs", &PythonSimulation::inputs)
       .def("write_state", &PythonSimulation::write_state);
   module.def("explain", &explain_setting);
   module.def("setting_keys", &keys_of_settings);

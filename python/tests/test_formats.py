@@ -1,10 +1,13 @@
 """Files of other programs: trajectories in H5MD, GSD and dumps of LAMMPS, and formats that are named and refused."""
 
+import gc
 import gzip
 import json
+import os
 import re
 import subprocess
 import sys
+import warnings
 
 import gsd.hoomd
 import h5py
@@ -218,6 +221,22 @@ def test_what_mdanalysis_writes_is_read(tmp_path):
         assert (frame.box.width, frame.box.height, frame.box.periodic) == (WIDTH, HEIGHT, True)
 
 
+def test_what_is_left_out_of_h5md_is_named(program, tmp_path):
+    path = write_h5md(tmp_path / "x.h5md", positions()[:1], group="beads")
+    with h5py.File(path, "a") as file:
+        file["particles/walls/position/value"] = positions()[:1]
+        file["particles/beads/radius"] = np.full(COUNT, 0.01)
+        file["particles/beads/name"] = [b"a"] * COUNT
+    (tmp_path / "run.toml").write_text('disks.file = "x.h5md"\nrun.steps = 5\n')
+    for command in (["export", "x.h5md", "--to", "csv"], ["movie", "x.h5md", "-q", "--width", "64"], ["contacts", "x.h5md"], ["check", "run.toml"]):
+        told = ran(program, *command, folder=tmp_path)
+        assert "/particles/walls" in told.stderr and "/particles/beads/name" in told.stderr, (command, told.stdout, told.stderr)
+    for read in (gridlock.open, gridlock.read_xyz):
+        with pytest.warns(UserWarning, match="not read of .*: /particles/walls, /particles/beads/name; of several groups of agents") as told:
+            read(path)
+        assert [warning.filename for warning in told] == [__file__]
+
+
 def ran(program, *words, folder):
     return subprocess.run([program, *map(str, words)], cwd=folder, capture_output=True, text=True)
 
@@ -282,6 +301,33 @@ def test_a_dump_of_lammps_has_its_time_before_its_step(tmp_path):
         trajectory[1]
 
 
+@pytest.mark.parametrize("name", ["x.lammpstrj", "x.lammpstrj.gz", "cut.lammpstrj", "x.gsd", "x.h5md"])
+def test_no_file_is_left_open(tmp_path, name):
+    text = DUMP.format("pp pp", "id x y") + "1 0 0\n2 1 0\n"
+    (tmp_path / "x.lammpstrj").write_text(text)
+    (tmp_path / "x.lammpstrj.gz").write_bytes(gzip.compress(text.encode()))
+    (tmp_path / "cut.lammpstrj").write_text(text[:-6])
+    with gsd.hoomd.open(tmp_path / "x.gsd", "w") as file:
+        frame = gsd.hoomd.Frame()
+        frame.configuration.box = [WIDTH, HEIGHT, 0, 0, 0, 0]
+        frame.particles.N = 2
+        frame.particles.position = [[-1, 0, 0], [1, 0.5, 0]]
+        file.append(frame)
+    write_h5md(tmp_path / "x.h5md", positions())
+    opened = set(os.listdir("/proc/self/fd"))
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        try:
+            trajectory = gridlock.open(tmp_path / name)
+            assert len(trajectory[0]) > 0 and trajectory[0].box.width > 0
+            del trajectory
+        except gridlock.Error as error:
+            assert name.startswith("cut") and "is cut off" in str(error)
+        gc.collect()
+    assert [str(warning.message) for warning in told if warning.category is ResourceWarning] == []
+    assert set(os.listdir("/proc/self/fd")) == opened
+
+
 def test_no_trajectory_is_written_over_the_file_it_is_read_from(tmp_path):
     pytest.importorskip("gsd")
     gridlock.run({"disks.count": 9, "trajectory.every": 1, "run.steps": 2}, tmp_path / "run")
@@ -289,7 +335,7 @@ def test_no_trajectory_is_written_over_the_file_it_is_read_from(tmp_path):
     before = (tmp_path / "a.gsd").read_bytes()
     (tmp_path / "link.gsd").symlink_to("a.gsd")
     for name in ("a.gsd", "link.gsd"):
-        with pytest.raises(gridlock.Error, match="is the file that the frames are read from"):
+        with pytest.raises(gridlock.Error, match="is read here, and would be replaced"):
             gridlock.open(tmp_path / "a.gsd").to_gsd(tmp_path / name, overwrite=True)
     assert (tmp_path / "a.gsd").read_bytes() == before
 
@@ -412,6 +458,36 @@ def test_every_reader_names_the_format_of_a_file_that_is_none_of_its(program, tm
         assert re.search(words, ended.stderr) and "hint:" in ended.stderr, (command, ended.stderr)
 
 
+TEXTS = {
+    "x.xyz": (b'1\nLattice="3 0 0 0 2 0 0 0 1" Properties=pos:R:2\n0.5 0.5\n', "is extended XYZ"),
+    "x.toml": (b"disks.count = 9\nrun.steps = 5\n", "is a text file"), "notes": ("überlegt\n".encode(), "is a text file"),
+    "latin.txt": (b"\xfcberlegt\r\n", "is a text file"), "x.txt.gz": (gzip.compress(b"words"), "is a file that gzip packed"),
+    "bytes.h5": (bytes(range(64)), "it is no HDF5 file"), "zeros.h5": (bytes(4096), "it is no HDF5 file"),
+}
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_a_file_that_is_no_trajectory_is_named_by_what_it_is(program, tmp_path, name):
+    content, words = TEXTS[name]
+    (tmp_path / name).write_bytes(content)
+    for command in (["export", name, "--to", "csv"], ["movie", name, "-o", "x.mp4"]):
+        ended = ran(program, *command, folder=tmp_path)
+        assert ended.returncode == 2 and words in ended.stderr and "hint:" in ended.stderr, ended.stderr
+        assert "cannot open" not in ended.stderr and "signature" not in ended.stderr
+
+
+def test_no_line_is_quoted_from_a_file_without_lines(program, tmp_path):
+    write_h5md(tmp_path / "x.h5md", positions())
+    (tmp_path / "run.toml").write_text('disks.file = "x.h5md"\nrun.steps = 5\n')
+    for command, choice in ((["contacts", "x.h5md"], "--frame"), (["check", "run.toml"], "disks.frame")):
+        ended = ran(program, *command, folder=tmp_path)
+        assert ended.returncode == 2 and "it holds 3 frames" in ended.stderr and f"choose one: {choice} from 0 to 2" in ended.stderr
+        assert "x.h5md:" not in ended.stderr and "Lattice" not in ended.stderr, ended.stderr
+    with pytest.raises(gridlock.Error, match="it holds 3 frames") as refused:
+        gridlock.read_xyz(tmp_path / "x.h5md")
+    assert "Lattice" not in str(refused.value)
+
+
 @pytest.mark.parametrize("ending", [".extxyz", ".exyz", ".xyz", ".xyz.gz"])
 def test_extended_xyz_has_every_ending_that_it_is_given(program, tmp_path, ending):
     gridlock.Simulation(disks={"count": 9, "packing_fraction": 0.3}).write(tmp_path / "x.xyz")
@@ -431,7 +507,7 @@ def user_file(path):
 def test_a_run_from_python_replaces_no_file_of_the_user(tmp_path, name):
     mine = user_file(tmp_path / name)
     settings = {"disks": {"count": 9, "packing_fraction": 0.3}, "run.steps": 5}
-    with pytest.raises(gridlock.Error, match="--overwrite"):
+    with pytest.raises(gridlock.Error, match=r"in Python overwrite=True"):
         gridlock.run(settings, tmp_path)
     assert mine.read_text() == "mine"
     (tmp_path / "notes.txt").write_text("mine")
@@ -445,11 +521,39 @@ def test_a_sweep_from_python_replaces_no_file_of_the_user(tmp_path, name):
     (tmp_path / "runs/seed=1").mkdir(parents=True)
     mine = user_file(tmp_path / name)
     settings, seeds = {"disks": {"count": 9, "packing_fraction": 0.3}, "run.steps": 5}, {"run.seed": [1, 2]}
-    with pytest.raises(gridlock.Error, match="--overwrite"):
+    with pytest.raises(gridlock.Error, match=r"in Python overwrite=True"):
         gridlock.sweep(settings, seeds, tmp_path)
     assert mine.read_text() == "mine"
     gridlock.sweep(settings, seeds, tmp_path, overwrite=True)
     assert mine.read_bytes() != b"mine"
+
+
+def test_no_simulation_is_written_over_what_it_was_made_from(tmp_path):
+    gridlock.Simulation(disks={"count": 9, "packing_fraction": 0.3}, box={"width": 1.5, "height": 0.6}).write(tmp_path / "start.xyz")
+    (tmp_path / "run.toml").write_text('disks.file = "start.xyz"\nrun.steps = 5\n')
+    (tmp_path / "link.xyz").symlink_to("start.xyz")
+    before = (tmp_path / "start.xyz").read_bytes()
+    simulation = gridlock.Simulation(tmp_path / "run.toml")
+    for name in ("start.xyz", "link.xyz", "run.toml"):
+        with pytest.raises(gridlock.Error, match="is read here, and would be replaced"):
+            simulation.write(tmp_path / name, overwrite=True)
+    assert (tmp_path / "start.xyz").read_bytes() == before
+    simulation.write(tmp_path / "end.xyz")
+    assert len(gridlock.read_xyz(tmp_path / "end.xyz")) == 9
+
+
+def test_a_directory_in_the_way_is_to_be_moved_and_not_overwritten(program, tmp_path):
+    settings = {"disks": {"count": 9, "packing_fraction": 0.3}, "run.steps": 5}
+    (tmp_path / "out/final.xyz").mkdir(parents=True)
+    for overwrite in (False, True):
+        with pytest.raises(gridlock.Error, match="final.xyz is a directory") as refused:
+            gridlock.run(settings, tmp_path / "out", overwrite=overwrite)
+        assert "move that directory away" in str(refused.value) and "overwrite" not in str(refused.value)
+    gridlock.run(settings | {"trajectory.every": 5}, tmp_path / "run")
+    (tmp_path / "x.csv").mkdir()
+    for words in ([], ["--overwrite"]):
+        ended = ran(program, "export", "run", "--to", "csv", "-o", "x.csv", *words, folder=tmp_path)
+        assert ended.returncode == 2 and "move that directory away" in ended.stderr and "overwrite" not in ended.stderr
 
 
 def test_functions_that_write_one_file_replace_none_without_the_word(tmp_path):

@@ -43,7 +43,8 @@ constexpr char letter_of<std::uint64_t>() {
 }
 
 [[noreturn]] void refuse(std::string const& name, std::string const& why, std::string hint);
-inline constexpr char const* again_hint = "put back a copy of the file, or start the run again with --overwrite";
+inline constexpr char const* again_hint =
+    "put back a copy of the file, or start the run again: --overwrite, in Python overwrite=True";
 
 /// Members by name, to be written in the order of their names.
 class Members {

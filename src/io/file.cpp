@@ -16,6 +16,7 @@
 #include "gridlock/core/error.hpp"
 #include "io/descriptor.hpp"
 #include "io/file_lock.hpp"
+#include "io/text.hpp"
 
 namespace gridlock {
 
@@ -103,9 +104,29 @@ bool has_no_end(struct stat const& status) {
 
 }  // namespace
 
+std::optional<int> descriptor_named(std::filesystem::path const& path) {
+  constexpr int max_links = 8;
+  std::string const own_process = fmt::format("/proc/{}/fd", getpid());
+  std::filesystem::path place = path.lexically_normal();
+  for (int link = 0; link < max_links; ++link) {
+    std::filesystem::path const parent = place.parent_path();
+    if (parent == "/dev/fd" || parent == "/proc/self/fd" || parent == own_process) {
+      return parse_number<int>(place.filename().string());
+    }
+    std::error_code error;
+    std::filesystem::path const next = std::filesystem::read_symlink(place, error);
+    if (error) return std::nullopt;
+    place = (parent / next).lexically_normal();
+  }
+  return std::nullopt;
+}
+
 AtomicFile::AtomicFile(std::filesystem::path path, AtName at_name)
     : path_(std::move(path)), target_(at_name == AtName::replaced ? path_ : follow_links(path_)) {
-  if (at_name == AtName::written_through && is_written_directly(target_)) {
+  if (auto const named = at_name == AtName::written_through ? descriptor_named(path_) : std::nullopt) {
+    // What was written to it before stays: opened anew, a file would be written from its beginning.
+    descriptor_ = fcntl(*named, F_DUPFD_CLOEXEC, 0);
+  } else if (at_name == AtName::written_through && is_written_directly(target_)) {
     descriptor_ = open(target_.c_str(), O_WRONLY | O_CLOEXEC);
   } else {
     std::error_code ignored;
@@ -251,7 +272,7 @@ std::string read_file(std::filesystem::path const& path, std::uint64_t largest) 
 void make_output_directory(std::filesystem::path const& path) {
   auto const refuse = [&](std::string const& why) {
     throw Error(Problem{.what = fmt::format("cannot write into the directory {}: {}", path.string(), why),
-                        .hint = "name another directory with -o",
+                        .hint = "name another directory",
                         .key = "-o"});
   };
   if (path.empty()) refuse("its name is empty");

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,10 +12,13 @@
 
 namespace gridlock {
 
+/// The open descriptor of this process that a path names, itself or by links: 1 for /dev/stdout; nothing for other paths.
+std::optional<int> descriptor_named(std::filesystem::path const& path);
+
 /// What a file does with something other than a file that has its name.
 enum class AtName {
-  written_through,  ///< a link stays, and the file it leads to is written; a device or pipe is written directly
-  replaced,         ///< a link, device or pipe is replaced
+  written_through,  ///< a link stays, and the file it leads to is written; a device, a pipe or an open descriptor is written directly
+  replaced,  ///< a link, device or pipe is replaced
 };
 
 /// A file that appears under its name complete or not at all.

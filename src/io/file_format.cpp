@@ -7,6 +7,8 @@
 #include <fstream>
 #include <system_error>
 
+#include "io/gzip.hpp"
+
 namespace gridlock {
 
 namespace {
@@ -60,6 +62,41 @@ constexpr std::array marks{
     Mark{"# vtk DataFile"sv, 0, {"vtk", "a file of VTK", to_xyz}},
     Mark{"LAMMPS data"sv, 0, {"lammps_data", "a data file of LAMMPS", to_xyz}}};
 
+/// Whether there are no control characters but those between words and lines: not even the one that HDF5 files begin with, so
+/// that what is left of one is no text.
+bool is_text(std::string_view bytes) {
+  unsigned char before = 0;
+  for (char const byte : bytes) {
+    auto const code = static_cast<unsigned char>(byte);
+    bool const is_low = code < 0x20 && (code < '\t' || code > '\r');
+    // Behind another byte of this half it is a part of a character in UTF-8.
+    bool const is_high = code >= 0x7F && code < 0xA0 && before < 0x80;
+    if (is_low || is_high) return false;
+    before = code;
+  }
+  return !bytes.empty();
+}
+
+bool is_extended_xyz(std::string_view text) {
+  std::size_t const end = text.find('\n');
+  if (end == std::string_view::npos) return false;
+  std::string_view const first = text.substr(0, end);
+  std::string_view const second = text.substr(end + 1, text.find('\n', end + 1) - end - 1);
+  return first.find_first_not_of(" \t\r0123456789") == std::string_view::npos &&
+         (second.find("Lattice") != std::string_view::npos || second.find("Properties") != std::string_view::npos);
+}
+
+/// As many first bytes of a file as recognize_format() looks at; nothing where it is missing, or no regular file.
+std::string first_bytes_of(fs::path const& path) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) return "";
+  std::ifstream file(path, std::ios::binary);
+  std::string first(bytes_of_format, '\0');
+  file.read(first.data(), static_cast<std::streamsize>(first.size()));
+  first.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+  return first;
+}
+
 }  // namespace
 
 std::optional<FileFormat> recognize_format(std::string_view first_bytes) {
@@ -70,13 +107,17 @@ std::optional<FileFormat> recognize_format(std::string_view first_bytes) {
 }
 
 std::optional<FileFormat> recognize_format(fs::path const& path) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(path, ignored)) return std::nullopt;
-  std::ifstream file(path, std::ios::binary);
-  std::string first(bytes_of_format, '\0');
-  file.read(first.data(), static_cast<std::streamsize>(first.size()));
-  first.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
-  return recognize_format(std::string_view(first));
+  return recognize_format(std::string_view(first_bytes_of(path)));
+}
+
+std::optional<FileFormat> recognize_text(fs::path const& path) {
+  std::string const first = first_bytes_of(path);
+  if (is_gzip(first)) return FileFormat{"gzip", "a file that gzip packed", "unpack it first"};
+  if (!is_text(first)) return std::nullopt;
+  if (is_extended_xyz(first)) {
+    return FileFormat{"xyz", "extended XYZ", "gridlock info, gridlock contacts and gridlock.read_xyz() read it"};
+  }
+  return FileFormat{"text", "a text file", "name the directory of a run, or the file trajectory.h5 in it"};
 }
 
 Error wrong_format(FileFormat const& format, std::string const& file, std::string_view wanted) {

@@ -231,7 +231,8 @@ bool is_own(std::filesystem::path const& path) {
 }
 
 std::unique_ptr<h5md::Source> source_of(std::filesystem::path const& path) {
-  auto const format = recognize_format(path);
+  auto format = recognize_format(path);
+  if (!format) format = recognize_text(path);
   if (format && format->id != "hdf5") throw wrong_format(*format, path.string(), "a trajectory in H5MD");
   if (is_own(path)) return std::make_unique<OwnTrajectory>(path);
   return h5md::open_other(path);
@@ -248,6 +249,18 @@ void refuse(std::filesystem::path const& path, std::string const& reason) {
 }
 
 }  // namespace h5md
+
+std::string note_on_left_out(std::filesystem::path const& path, H5mdSettings const& settings) {
+  if (settings.left_out.empty()) return "";
+  constexpr std::string_view groups = "/particles/";
+  bool const is_another_group = std::ranges::any_of(settings.left_out, [&](std::string const& name) {
+    return name.starts_with(groups) && name.find('/', groups.size()) == std::string::npos;
+  });
+  return fmt::format("not read of {}: {}{}", path.string(), fmt::join(settings.left_out, ", "),
+                     is_another_group ? "; of several groups of agents the first is read, so copy another into a file "
+                                        "of its own"
+                                      : "");
+}
 
 H5mdReader::H5mdReader(std::filesystem::path path) : source_(source_of(path)) {}
 H5mdReader::~H5mdReader() = default;

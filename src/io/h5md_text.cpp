@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/io/h5md.hpp"
@@ -11,15 +12,15 @@
 
 namespace gridlock {
 
-ReadBytes text_of_trajectory(std::filesystem::path const& path) {
+TrajectoryText text_of_trajectory(std::filesystem::path const& path) {
   auto const trajectory = std::make_shared<H5mdReader>(path);
   if (trajectory->frame_count() == 0) {
     throw Error({.what = fmt::format("{} is a trajectory without frames", path.string()),
                  .hint = "wait for the first, or name another file",
                  .file = path.string()});
   }
-  return [trajectory, text = std::string(), place = std::size_t{0},
-          next = std::size_t{0}](std::span<char> into) mutable -> std::size_t {
+  ReadBytes bytes = [trajectory, text = std::string(), place = std::size_t{0},
+                     next = std::size_t{0}](std::span<char> into) mutable -> std::size_t {
     if (place == text.size()) {
       if (next == trajectory->frame_count()) return 0;
       text = xyz_text(*frame_source_of(trajectory->frame(next++).frame));
@@ -29,6 +30,7 @@ ReadBytes text_of_trajectory(std::filesystem::path const& path) {
     place += count;
     return count;
   };
+  return {.bytes = std::move(bytes), .left_out = trajectory->settings().left_out};
 }
 
 }  // namespace gridlock

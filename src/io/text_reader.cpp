@@ -48,7 +48,10 @@ void TextReader::open_file() {
     // HDF5 jumps to and fro in a file.
     if (format->id != "hdf5" || !file->is_regular()) throw wrong_format(*format, name_, "extended XYZ");
     packed_.reset();
-    bytes_ = text_of_trajectory(path_);
+    TrajectoryText trajectory = text_of_trajectory(path_);
+    bytes_ = std::move(trajectory.bytes);
+    left_out_ = std::move(trajectory.left_out);
+    is_of_text_ = false;
     constexpr std::uint64_t usually_deflated = 4;
     likely_size_ = usually_deflated * file->size();
     return;

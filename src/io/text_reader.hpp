@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "io/gzip.hpp"
 
@@ -26,6 +27,12 @@ class TextReader {
   /// How many bytes it has in about, as far as that is known beforehand.
   [[nodiscard]] std::uint64_t likely_size() const { return likely_size_; }
 
+  /// Whether the file itself has the lines, so that errors may quote them.
+  [[nodiscard]] bool is_of_text() const { return is_of_text_; }
+
+  /// Names of what a trajectory of another program has besides, and its text has not.
+  [[nodiscard]] std::vector<std::string> const& left_out() const { return left_out_; }
+
   /// Fills the beginning of `into`, and returns how many bytes have come: 0 at the end. Errors: Error where the file cannot be
   /// read, or where what gzip packed is damaged.
   std::size_t read(std::span<char> into);
@@ -41,6 +48,8 @@ class TextReader {
   std::filesystem::path path_;  ///< empty where it is in memory
   std::string_view text_;       ///< where it is in memory
   bool can_begin_again_ = true;
+  bool is_of_text_ = true;
+  std::vector<std::string> left_out_;
   std::uint64_t likely_size_ = 0;
   ReadBytes bytes_;
   std::optional<GzipReader> packed_;

@@ -116,12 +116,16 @@ void Lines::go_behind_the_last() {
 }
 
 void Lines::refuse(std::string what, std::string hint, int column) const {
-  throw Error(Problem{.what = std::move(what),
-                      .hint = hint.empty() ? "correct the line, or write the file again" : std::move(hint),
-                      .file = text_.name(),
-                      .line = number_,
-                      .column = column,
-                      .source_line = shown_line(line())});
+  Problem problem{.what = std::move(what), .hint = std::move(hint), .file = text_.name()};
+  if (problem.hint.empty()) {
+    problem.hint = text_.is_of_text() ? "correct the line, or write the file again" : "write the file again";
+  }
+  if (text_.is_of_text()) {
+    problem.line = number_;
+    problem.column = column;
+    problem.source_line = shown_line(line());
+  }
+  throw Error(std::move(problem));
 }
 
 }  // namespace gridlock::xyz

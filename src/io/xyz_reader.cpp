@@ -134,6 +134,13 @@ std::uint64_t Reader::likely_count() const {
   return std::min<std::uint64_t>(count_, lines_.text().likely_size() / (2 * columns().roles.size()) + 1);
 }
 
+std::vector<std::string> Reader::unused() const {
+  std::vector<std::string> names = columns().unused();
+  std::vector<std::string> const& left_out = lines_.text().left_out();
+  names.insert(names.end(), left_out.begin(), left_out.end());
+  return names;
+}
+
 bool Reader::read(std::size_t most, Rows& rows) {
   std::uint64_t const end = next_row_ + std::min<std::uint64_t>(most, count_ - next_row_);
   bool const has_some = next_row_ < end;

@@ -75,6 +75,8 @@ class Reader {
   [[nodiscard]] std::uint64_t count() const { return count_; }
   [[nodiscard]] Header const& header() const { return header_; }
   [[nodiscard]] Columns const& columns() const { return *header_.columns; }
+  /// Names in the file that disks do not have.
+  [[nodiscard]] std::vector<std::string> unused() const;
   [[nodiscard]] Box const& box() const { return box_; }
   /// How many rows so far were outside the box, and have come through its edges.
   [[nodiscard]] std::uint64_t folded() const { return folded_; }

@@ -139,7 +139,7 @@ std::vector<Event> notes_of_start(xyz::Reader const& reader, VelocitySettings co
     add(EventKind::velocities_drawn, Severity::note, {{"velocities", kind}});
   }
   if (columns.has_momenta && !columns.has(xyz::Role::mass)) add(EventKind::masses_assumed, Severity::note, {});
-  if (auto const unused = columns.unused(); !unused.empty()) {
+  if (auto const unused = reader.unused(); !unused.empty()) {
     add(EventKind::columns_unused, Severity::note, {{"names", fmt::format("{}", fmt::join(unused, ", "))}});
   }
   std::vector<std::string> entries = reader.header().unused_entries;

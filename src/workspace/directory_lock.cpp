@@ -40,12 +40,12 @@ DirectoryLock::DirectoryLock(std::filesystem::path const& directory, Sharing sha
     if (descriptor_ < 0) {
       refuse(fmt::format("cannot write into the directory {}: {}", directory.string(),
                          std::generic_category().message(errno)),
-             "name another directory with -o");
+             "name another directory");
     }
     if (!lock_file(descriptor_, sharing == Sharing::alone ? LOCK_EX : LOCK_SH)) {
       close(descriptor_);
       refuse(fmt::format("another process is working in {}", directory.string()),
-             "wait until it has ended, or name another directory with -o");
+             "wait until it has ended, or name another directory");
     }
     if (is_still_named(descriptor_, path_)) return;
     close(descriptor_);

@@ -115,8 +115,10 @@ void remove_runs(fs::path const& directory) {
   fs::remove(directory, ignored);
 }
 
-/// Whether a file would be lost if one of that name were written. Devices and pipes take what is written into them.
+/// Whether a file would be lost if one of that name were written. Devices, pipes and open descriptors take what is written
+/// into them.
 bool is_in_the_way(fs::path const& file) {
+  if (descriptor_named(file)) return false;
   std::error_code ignored;
   using enum fs::file_type;
   fs::file_type const type = fs::symlink_status(file, ignored).type();
@@ -156,8 +158,8 @@ bool is_made_by(std::string const& maker, fs::path const& file) {
 }
 
 [[noreturn]] void refuse_input(fs::path const& input, char const* fate) {
-  throw Error({.what = fmt::format("{} is what this command reads, and would be {}", input.string(), fate),
-               .hint = "write into another place with -o",
+  throw Error({.what = fmt::format("{} is read here, and would be {}", input.string(), fate),
+               .hint = "name another file or directory to write",
                .key = "-o",
                .file = input.string()});
 }
@@ -202,13 +204,13 @@ void protect_files(PlannedFiles const& planned) {
   std::map<fs::path, std::set<std::string>> known;  // one list has the names of thousands of frames
   std::vector<fs::path> foreign;
   for (fs::path const& file : planned.results) {
+    if (is_in_the_way(file)) require_no_input(file, planned.inputs);
     if (!planned.maker.empty()) require_no_other_result(file, planned.maker);
     if (!is_in_the_way(file)) continue;
-    require_no_input(file, planned.inputs);
     std::error_code ignored;
     if (fs::is_directory(file, ignored)) {
       throw Error({.what = fmt::format("{} is a directory, and a file of that name is to be written", file.string()),
-                   .hint = planned.hint,
+                   .hint = "move that directory away, or write elsewhere",
                    .key = "-o",
                    .file = file.string()});
     }

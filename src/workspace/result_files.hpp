@@ -38,7 +38,7 @@ struct PlannedFiles {
 /// Refused are always an input of the command, a directory, and a result that another command has made on demand or a
 /// run has written where `maker` is given. Refused without `overwrites` is every file that is not listed in its directory:
 /// Gridlock has not written it. With `overwrites` such files are listed: they are results from then on.
-/// Devices and pipes are written into and never refused.
+/// Devices, pipes and open descriptors such as /dev/stdout are written into and never refused.
 /// Errors: Error under the key "-o".
 void protect_files(PlannedFiles const& planned);
 

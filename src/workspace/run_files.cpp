@@ -29,8 +29,9 @@ void require_unused(fs::path const& directory) {
       !fs::exists(directory / summary_name, ignored) && fs::exists(directory / "config.resolved.toml", ignored);
   throw Error({.what = fmt::format("{} holds {} already", directory.string(), is_unfinished ? "a run" : "results"),
                .hint = is_unfinished
-                           ? "continue it with gridlock resume, name another directory with -o, or add --overwrite"
-                           : "name another directory with -o, or add --overwrite",
+                           ? "continue it with gridlock resume, name another directory, or replace it: --overwrite, "
+                             "in Python overwrite=True"
+                           : "name another directory, or replace them: --overwrite, in Python overwrite=True",
                .key = "-o"});
 }
 

@@ -9,9 +9,9 @@
 
 namespace gridlock {
 
-/// How a command with -o DIR and --overwrite is told where to go, in place of files of the user.
+/// How a command with -o DIR and --overwrite, and a function of Python, is told where to go, in place of files of the user.
 inline constexpr char const* hint_of_directories =
-    "move what is in the way, name another directory with -o, or add --overwrite";
+    "move what is in the way, name another directory, or replace it: --overwrite, in Python overwrite=True";
 
 /// Every file that a run of this configuration may write into its directory, parts of checkpoints left out. A run has these
 /// names to itself, also those that it does not write this time: `final.xyz` beside `summary.json` is the end of that run.

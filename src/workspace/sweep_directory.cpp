@@ -19,7 +19,7 @@ namespace {
 
 Error in_the_way(std::string what) {
   return Error({.what = std::move(what),
-                .hint = "name another directory with -o, or add --overwrite to run everything again",
+                .hint = "name another directory, or run everything again: --overwrite, in Python overwrite=True",
                 .key = "-o"});
 }
 

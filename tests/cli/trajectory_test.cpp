@@ -139,8 +139,34 @@ TEST(Trajectories, AreNotOverwrittenByTheirOwnExport) {
   std::string const before = text_of(workplace / "run/trajectory.h5");
   Outcome const outcome = gridlock_in(workplace, {"export", "run", "--to", "csv", "-o", "run/trajectory.h5"});
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_NE(outcome.err.find("run/trajectory.h5 is the trajectory itself"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("run/trajectory.h5 is read here, and would be replaced"), std::string::npos)
+      << outcome.err;
   EXPECT_EQ(text_of(workplace / "run/trajectory.h5"), before);
+}
+
+TEST(Trajectories, AreExportedToStandardOutputWhateverThatIs) {
+  Workplace const workplace;
+  write(workplace / "run.toml", "disks.count = 9\nrun.steps = 4\ntrajectory.every = 2\n");
+  ASSERT_EQ(gridlock_in(workplace, {"run", "run.toml", "-o", "run", "-q"}).exit_code, 0);
+  ASSERT_EQ(symlink("/dev/stdout", (workplace / "link.csv").c_str()), 0);
+  for (std::string const format : {"csv", "xyz"}) {
+    std::string const file = "x." + format;
+    ASSERT_EQ(gridlock_in(workplace, {"export", "run", "--to", format, "-o", file}).exit_code, 0);
+    for (std::string const name : {"/dev/stdout", "/dev/fd/1", "link.csv"}) {
+      // The standard output is a file here.
+      Outcome const outcome = gridlock_in(workplace, {"export", "run", "--to", format, "-o", name});
+      EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+      EXPECT_EQ(outcome.out, text_of(workplace / file)) << name;
+    }
+  }
+  std::string const export_to_pipe = std::string(GRIDLOCK_PROGRAM) + " export run --to csv -o /dev/stdout | cat";
+  EXPECT_EQ(Process("/bin/sh", {"-c", export_to_pipe}, workplace.path()).wait().out, text_of(workplace / "x.csv"));
+  std::string const append = "echo before; " + std::string(GRIDLOCK_PROGRAM) + " export run --to csv -o /dev/stdout";
+  EXPECT_EQ(Process("/bin/sh", {"-c", append}, workplace.path()).wait().out, "before\n" + text_of(workplace / "x.csv"));
+  Outcome const frames = gridlock_in(workplace, {"export", "run", "--to", "vtk", "-o", "/dev/stdout"});
+  EXPECT_EQ(frames.exit_code, 2);
+  EXPECT_NE(frames.err.find("/dev/stdout takes one file, and VTK is one for each frame"), std::string::npos)
+      << frames.err;
 }
 
 TEST(Trajectories, AreExportedOverTheirFormerExportsAndOverNoOtherResult) {

@@ -41,7 +41,7 @@ std::optional<std::size_t> GzipReader::read(std::span<char> /*into*/) { return s
 
 // Trajectories in H5MD are read by h5wasm.
 
-ReadBytes text_of_trajectory(std::filesystem::path const& path) {
+TrajectoryText text_of_trajectory(std::filesystem::path const& path) {
   throw Error({.what = path.string() + " is a trajectory in H5MD, and extended XYZ is read here",
                .hint = "gridlock export FILE --to xyz makes extended XYZ of it"});
 }

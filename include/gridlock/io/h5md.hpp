@@ -45,7 +45,7 @@ struct H5mdSettings {
   /// Of the start, where it is a packing; not read back, see H5mdReader::contacts().
   std::optional<FrameContacts> contacts = {};
   std::string creator = "gridlock";        ///< the program that has written it; empty where it does not say
-  std::vector<std::string> left_out = {};  ///< quantities of another program's file that are not read
+  std::vector<std::string> left_out = {};  ///< of another program's file: groups and quantities that are not read
 };
 
 /// The agents at one time of a trajectory.
@@ -150,6 +150,10 @@ class H5mdReader {
  private:
   std::unique_ptr<h5md::Source> source_;
 };
+
+/// A note on what H5mdReader leaves out of the trajectory of another program, by name, and how to come to another group of
+/// agents; empty where it reads all.
+std::string note_on_left_out(std::filesystem::path const& path, H5mdSettings const& settings);
 
 /// What a trajectory is turned into.
 enum class ExportFormat {

@@ -53,8 +53,8 @@ class _Artist:
         """``draw`` is given the axes of a figure of that size in inches."""
         files = [self.directory / (name + extension) for extension in self._extensions]
         try:
-            hint = f"move it away, or draw with gridlock plot {self.directory} --overwrite"
-            _core.protect_files([str(file) for file in files], "", hint, self._overwrite)
+            hint = f"move it away, or replace it: gridlock plot {self.directory} --overwrite, in Python overwrite=True"
+            _core.protect_files([str(file) for file in files], "", hint, self._overwrite, [])
             for file in files:
                 _core.record_result(str(file))
                 file.unlink(missing_ok=True)  # one of older data
