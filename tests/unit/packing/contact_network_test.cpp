@@ -208,6 +208,7 @@ TEST(ContactNetwork, WithAToleranceSaysNothingOfJamming) {
   ContactNetwork const network = find_contact_network(packing, Potential::harmonic, 1e-2);
   EXPECT_GT(network.backbone_contacts, 119U);
   EXPECT_EQ(network.pressure, find_contact_network(packing, Potential::harmonic).pressure) << "gaps carry no force";
+  EXPECT_EQ(network.mean_force, find_contact_network(packing, Potential::harmonic).mean_force);
   EXPECT_EQ(network.is_jammed(usual_largest_residual, 1.0), std::nullopt);
 }
 

@@ -83,6 +83,9 @@ TEST(PressureRamp, HasLevelsThatAreWhatTheirPackingSays) {
   EXPECT_EQ(level.bulk_modulus, moduli.bulk());
   EXPECT_EQ(level.shear_modulus, moduli.shear());
   EXPECT_EQ(level.least_shear_modulus, moduli.least_shear());
+  std::uint64_t iterations = 0;
+  for (PressureLevel const& each : ramp.levels()) iterations += each.iterations;
+  EXPECT_EQ(iterations, ramp.minimizer().iterations());
 }
 
 TEST(PressureRamp, ComesBackFromBelowToThePackingThatItLeft) {

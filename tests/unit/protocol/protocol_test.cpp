@@ -237,6 +237,8 @@ TEST(Protocol, RefusesAnEndOnTheOtherSideWhereTheStartOfTheStageIsKnown) {
   }
   EXPECT_EQ(problems_of({{.kind = StageKind::run, .until_time = 1.0}, grow}, 0.5).size(), 1U);
   EXPECT_TRUE(problems_of({{.kind = StageKind::run, .until_time = 1.0}, grow}).empty()) << "the start is not known";
+  StageSettings const below{.kind = StageKind::grow, .until_packing_fraction = 0.3};
+  EXPECT_THROW(Protocol({.stages = {{.kind = StageKind::run, .until_time = 1.0}, below}}, fluid()), Error);
   EXPECT_TRUE(problems_of({quench, to_pressure, down}).empty()) << "the disks decide where a pressure is reached";
   StageSettings const separate{.kind = StageKind::separate};
   StageSettings const grow_to{.kind = StageKind::grow, .until_packing_fraction = 0.8};

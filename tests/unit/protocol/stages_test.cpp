@@ -231,6 +231,8 @@ TEST(Stages, TakesTheMeanOverlapOverTheContactsOfRattlersToo) {
   double sum = 0.0;
   for (Contact const& contact : contacts) sum += contact.overlap();
   EXPECT_NEAR(*result.mean_overlap, sum / 73.0, 1e-12);
+  EXPECT_GT(result.softest_mode.value(), 0.0);
+  EXPECT_EQ(result.is_jammed, true);
 }
 
 TEST(Stages, WritesDisksBackFromSeveralBoxesAway) {

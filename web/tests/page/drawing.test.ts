@@ -104,6 +104,14 @@ describe("colours", () => {
     expect([...paint(tall, { by: "neighbourhood", columns: 2, rows: 8 }).places]).toEqual([1, 3]);
   });
 
+  test("directions go once around the circle of colours, from −π to π", () => {
+    const angles = Float64Array.of(-Math.PI, -Math.PI / 2, 0, Math.PI / 2, 3, 3 * Math.PI, NaN);
+    const frame = frameOf(Array.from(angles).flatMap(() => [0.1, 0.1]), 0.01);
+    const { places, legend } = paint(frame, { by: "directions", label: "direction", values: angles });
+    expect([...places]).toEqual([0, 64, 128, 192, Math.floor((3 / (2 * Math.PI) + 0.5) * 256), 0, 256]);
+    expect(legend.kind).toBe("circle");
+  });
+
   test("as many values as agents are needed", () => {
     expect(() => paint(frameOf([0.1, 0.1], 0.01), { by: "kinds", label: "k", values: new Uint32Array(2) })).toThrow(RangeError);
   });
@@ -349,6 +357,15 @@ test("an SVG file of a wide or a tall box has its grid and the images of its dis
     const rounded = expected.map(({ x, y }) => [Number(x.toFixed(2)), Number(y.toFixed(2))]);
     expect(centres.sort()).toEqual(rounded.sort());
   }
+});
+
+test("an SVG file has darts that point where their agents go", () => {
+  const frame: Frame = { box: { width: 2, height: 1, periodic: false }, count: 2, positions: Float64Array.of(0.5, 0.25, 1.5, 0.75), heading: Float64Array.of(Math.PI / 2, -Math.PI / 4) };
+  const camera = new Camera();
+  camera.fit(frame.box, 400, 400, { x: 0, top: 0, bottom: 0 }, true);
+  const svg = toSvg({ frame, paint: paint(frame, { by: "plain" }), camera, overlay: {}, theme: LIGHT, width: 400, height: 400 });
+  // Pixels count downwards, so that a turn to the left is a negative one.
+  expect([...svg.matchAll(/transform="([^"]+)"/g)].map((found) => found[1])).toEqual(["translate(100 250) rotate(-90)", "translate(300 150) rotate(45)"]);
 });
 
 test("an SVG file has the cells of a search where the agents in them are", () => {
