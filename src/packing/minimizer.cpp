@@ -13,19 +13,15 @@
 #include "gridlock/core/error.hpp"
 #include "gridlock/packing/contact_network.hpp"
 #include "packing/eigen.hpp"
+#include "packing/fire.hpp"
 #include "packing/hessian.hpp"
 #include "packing/quasi_newton.hpp"
 #include "packing/soft_forces.hpp"
+#include "packing/steepest_descent.hpp"
 
 namespace gridlock {
 
 namespace {
-
-constexpr double first_time_step = 0.1;  // √(m D²/ε), as the next
-constexpr double longest_time_step = 0.45;
-constexpr double shortest_time_step = 0.002;
-constexpr std::uint64_t delay = 20;
-constexpr double first_mixing = 0.25;
 
 constexpr double least_shift = 1e-9;  // ε/D², as the next
 constexpr double most_shift = 1e3;
@@ -38,6 +34,9 @@ constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
 
 constexpr double first_quasi_newton_scale = 0.2;  // D²/ε
 constexpr double least_decrease = 1e-4;           // of what the slope promises
+
+/// ε a disk; below it disks either move apart or hardly press, whatever the way.
+constexpr double least_energy_of_descent = 1e-8;
 
 constexpr double displacement_from_saddle = 1e-4;  // D
 constexpr double curvature_of_saddle = -1e-7;      // ε/D²
@@ -78,13 +77,16 @@ class Minimizer::Search {
       : settings_(settings),
         forces_(packing, settings.potential, settings.threads),
         diameter_(smallest_diameter(packing)),
-        velocity_(packing.size()),
         force_(packing.size()),
         step_(packing.size()),
+        descent_(packing.size()),
+        fire_(packing.size()),
         quasi_newton_(packing.size(), first_quasi_newton_scale * diameter_ * diameter_),
         quasi_newton_residual_(settings.quasi_newton_residual),
-        newton_residual_(settings.newton_residual),
-        time_step_(first_time_step * diameter_) {}
+        newton_residual_(settings.newton_residual) {
+    descent_.restart(diameter_);
+    fire_.start(diameter_);
+  }
 
   [[nodiscard]] double diameter() const { return diameter_; }
 
@@ -99,6 +101,8 @@ class Minimizer::Search {
   void restart(Packing const& packing) {
     diameter_ = smallest_diameter(packing);
     start_fire();
+    descent_.restart(diameter_);
+    is_descending_ = true;
     iterations_ = 0;
     saddles_ = 0;
     quasi_newton_residual_ = settings_.quasi_newton_residual;
@@ -112,6 +116,7 @@ class Minimizer::Search {
   /// Begins with Newton's method: a few contacts that open or close do not lead it astray.
   void begin_near_minimum() {
     if (settings_.newton_residual == 0.0) return;
+    is_descending_ = false;
     is_near_minimum_ = true;
     newton_residual_ = std::numeric_limits<double>::max();
     newton_again_at_ = never;
@@ -125,6 +130,12 @@ class Minimizer::Search {
     double const overlap = diameter_ * sums.overlaps / contacts;
     double const rounding = 0x1p-50 * std::max(box.width(), box.height()) / overlap;
     return sums.residual() <= std::max(settings_.residual, rounding);
+  }
+  /// Whether the search still follows the steepest way down; once it has left that it does not come back.
+  [[nodiscard]] bool is_for_descent(ForceSums const& sums) {
+    is_descending_ = is_descending_ && sums.residual() > settings_.descent_residual &&
+                     sums.energy > least_energy_of_descent * static_cast<double>(force_.x.size());
+    return is_descending_;
   }
   [[nodiscard]] bool is_for_newton(ForceSums const& sums) const {
     return sums.contacts > 0 && sums.residual() <= newton_residual_;
@@ -155,45 +166,21 @@ class Minimizer::Search {
     newton_residual_ *= 0.1;
   }
 
+  void descent_step(Packing& packing) {
+    ++iterations_;
+    sums_ = descent_.step(packing, forces_, settings_.potential, fire_.velocity(), force_);
+  }
+
   void fire_step(Packing& packing, ForceSums const& sums) {
     count_iteration();
-    if (sums.power > 0.0) {
-      if (++downhill_ > delay) {
-        time_step_ = std::min(time_step_ * 1.1, longest_time_step * diameter_);
-        mixing_ *= 0.99;
-      }
-    } else {
-      downhill_ = 0;
-      if (iterations_ > delay) {
-        time_step_ = std::max(time_step_ * 0.5, shortest_time_step * diameter_);
-        mixing_ = first_mixing;
-      }
-      for (std::size_t i = 0; i < packing.size(); ++i) {
-        packing.x[i] -= 0.5 * time_step_ * velocity_.x[i];
-        packing.y[i] -= 0.5 * time_step_ * velocity_.y[i];
-        velocity_.x[i] = 0.0;
-        velocity_.y[i] = 0.0;
-      }
-    }
-    // After the half step back the forces are others; with the old ones the next step would go uphill at a steep place.
-    ForceSums const here = sums.power > 0.0 ? sums : evaluate(packing);
     sums_.reset();
-    double const dt = time_step_;
-    double const squared_speed = here.speed_squares + 2.0 * dt * here.power + dt * dt * here.force_squares;
-    double const along = here.force_squares > 0.0 ? mixing_ * std::sqrt(squared_speed / here.force_squares) : 0.0;
-    double const kept = 1.0 - mixing_;
-    for (std::size_t i = 0; i < packing.size(); ++i) {
-      velocity_.x[i] = kept * (velocity_.x[i] + dt * force_.x[i]) + along * force_.x[i];
-      velocity_.y[i] = kept * (velocity_.y[i] + dt * force_.y[i]) + along * force_.y[i];
-      packing.x[i] += dt * velocity_.x[i];
-      packing.y[i] += dt * velocity_.y[i];
-    }
+    fire_.step(packing, forces_, sums, force_, iterations_);
   }
 
   /// Where the energy does not fall along the step FIRE takes over, down to a tenth of the residual.
   void quasi_newton_step(Packing& packing, ForceSums const& sums) {
     count_iteration();
-    stop();
+    fire_.stop();
     // On the way the residual rises at times.
     quasi_newton_residual_ = std::numeric_limits<double>::max();
     double const slope = quasi_newton_.find_direction(force_, step_, forces_.pool());
@@ -210,7 +197,7 @@ class Minimizer::Search {
   /// Hessian of a moment says little.
   void newton_step(Packing& packing, ForceSums const& sums) {
     ++iterations_;
-    stop();
+    fire_.stop();
     SparseMatrix const hessian = analyzed_hessian(packing);
     Eigen::VectorXd right(hessian.rows());
     for (std::size_t i = 0; i < packing.size(); ++i) {
@@ -238,47 +225,35 @@ class Minimizer::Search {
   }
 
   void serialize(Archive& archive) {
-    archive.visit("velocity_x", velocity_.x);
-    archive.visit("velocity_y", velocity_.y);
-    archive.require(velocity_.x.size() == force_.x.size() && velocity_.y.size() == force_.y.size(),
-                    "a minimization has another number of velocities than of disks");
-    archive.visit("time_step", time_step_);
-    archive.visit("mixing", mixing_);
-    archive.visit("downhill", downhill_);
+    serialize_inside(archive, "fire", [&] { fire_.serialize(archive); });
     archive.visit("iterations", iterations_);
     archive.visit("saddles", saddles_);
     archive.visit("quasi_newton_residual", quasi_newton_residual_);
     archive.visit("newton_residual", newton_residual_);
+    archive.visit("is_descending", is_descending_);
     archive.visit("is_near_minimum", is_near_minimum_);
     archive.visit("newton_again_at", newton_again_at_);
     archive.visit("slow_newton_steps_left", slow_newton_steps_left_);
     archive.visit("shift", shift_);
     archive.visit("diameter", diameter_);
+    serialize_inside(archive, "descent", [&] { descent_.serialize(archive); });
     quasi_newton_.serialize(archive);
     sums_.reset();
   }
 
  private:
-  ForceSums evaluate(Packing const& packing) { return forces_.evaluate(packing, velocity_, force_); }
+  ForceSums evaluate(Packing const& packing) { return forces_.evaluate(packing, fire_.velocity(), force_); }
 
   /// The next search begins with the steps of FIRE, or of QuasiNewton that knows nothing yet.
   void start_fire() {
     sums_.reset();
     quasi_newton_.forget(first_quasi_newton_scale * diameter_ * diameter_);
-    stop();
-    time_step_ = first_time_step * diameter_;
-    mixing_ = first_mixing;
-    downhill_ = 0;
+    fire_.start(diameter_);
   }
 
   /// Of the methods that take over from Newton's.
   void count_iteration() {
     if (++iterations_ == newton_again_at_) begin_near_minimum();
-  }
-
-  void stop() {
-    std::ranges::fill(velocity_.x, 0.0);
-    std::ranges::fill(velocity_.y, 0.0);
   }
 
   void leave_newton(ForceSums const& sums) {
@@ -344,26 +319,25 @@ class Minimizer::Search {
   MinimizerSettings settings_;
   SoftForces forces_;
   double diameter_;
-  Columns velocity_;
   Columns force_;
   std::optional<ForceSums> sums_;  ///< of force_, where that is known
   Columns step_;
   Columns before_;  ///< positions before a step, as the next
   Columns force_before_;
+  SteepestDescent descent_;
+  Fire fire_;
   QuasiNewton quasi_newton_;
   Eigen::SimplicialLLT<SparseMatrix> factors_;
   std::vector<int> outer_;  ///< the pattern that factors_ knows, with the next
   std::vector<int> inner_;
   double quasi_newton_residual_;
   double newton_residual_;
-  double time_step_;
-  double mixing_ = first_mixing;
   double shift_ = least_shift;
+  bool is_descending_ = true;
   bool is_near_minimum_ = false;              ///< by what it was begun with
   std::uint64_t newton_again_at_ = never;     ///< iterations_ after which Newton's method begins anew
   std::uint64_t slow_newton_steps_left_ = 0;  ///< that may gain little, before Newton's method is left
-  std::uint64_t downhill_ = 0;
-  std::uint64_t iterations_ = 0;  ///< of this search, as the next
+  std::uint64_t iterations_ = 0;              ///< of this search, as the next
   std::uint64_t saddles_ = 0;
 };
 
@@ -392,10 +366,14 @@ bool Minimizer::advance(std::function<bool()> const& should_continue) {
         } else {
           status_ = MinimumStatus::converged;
         }
+      } else if (search_->is_for_descent(sums)) {
+        search_->descent_step(packing_);
+        ++descent_iterations_;
+        k = iterations_per_look;  // it takes as long as up to 200 of the others
       } else if (search_->is_for_newton(sums)) {
         search_->newton_step(packing_, sums);
         ++newton_iterations_;
-        k = iterations_per_look;  // it takes as long as a hundred of the others
+        k = iterations_per_look;  // it takes as long as a hundred of them
       } else if (search_->is_for_quasi_newton(sums)) {
         search_->quasi_newton_step(packing_, sums);
         ++quasi_newton_iterations_;
@@ -441,6 +419,7 @@ void Minimizer::serialize(Archive& archive) {
   if (archive.is_restoring()) require_valid(packing_);
   archive.visit("energy", energy_);
   archive.visit("residual", residual_);
+  archive.visit("descent_iterations", descent_iterations_);
   archive.visit("fire_iterations", fire_iterations_);
   archive.visit("quasi_newton_iterations", quasi_newton_iterations_);
   archive.visit("newton_iterations", newton_iterations_);

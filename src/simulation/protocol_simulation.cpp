@@ -462,6 +462,7 @@ std::optional<FrameContacts> ProtocolSimulation::contacts() const {
     return std::nullopt;
   }
   ContactNetwork const network = find_contact_network(packing_of(state_), soft_.potential);
+  if (!presses(protocol_.results().back())) return FrameContacts{.clock = start_clock_, .ids = {}, .forces = {}};
   if (!network.is_converged(soft_.residual)) return std::nullopt;
   std::vector<Id> ids(state_.agents.ids().begin(), state_.agents.ids().end());
   std::ranges::sort(ids);

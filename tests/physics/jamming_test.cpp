@@ -34,19 +34,26 @@ double standard_error(std::vector<double> const& values) {
   return std::sqrt(sum / (n * (n - 1.0)));
 }
 
+/// One packing in a hundred rearranges at once on the way and falls apart; it has no jamming packing fraction, and is left out.
 Jammed quenched_and_decompressed(std::size_t disks, std::uint64_t starts) {
   Jammed jammed;
+  std::uint64_t fallen_apart = 0;
   for (std::uint64_t seed = 1; seed <= starts; ++seed) {
     Minimizer quench({}, reference::random_packing(disks, 0.86, seed, Edge::periodic, 1.0));
     quench.advance();
     PressureRamp ramp({}, quench.packing());
     ramp.advance();
+    if (ramp.status() == RampStatus::unjammed) {
+      ++fallen_apart;
+      continue;
+    }
     EXPECT_EQ(ramp.status(), RampStatus::reached) << disks << " disks, seed " << seed;
     PressureLevel const& last = ramp.levels().back();
     jammed.packing_fractions.push_back(last.jamming_packing_fraction);
     jammed.slopes.push_back(last.pressure / (last.packing_fraction - last.jamming_packing_fraction));
     jammed.excess.push_back(last.excess_contacts);
   }
+  EXPECT_LE(fallen_apart, starts / 20);
   return jammed;
 }
 
@@ -115,6 +122,21 @@ TEST(JammingPhysics, MeanJammingPackingFractionOf256DisksIsThatOfAnIndependentPr
   EXPECT_NEAR(mean(jammed.packing_fractions), 0.84231, 4.0 * error);
   EXPECT_NEAR(mean(jammed.slopes), 0.2613, 0.05 * 0.2613);
   expect_isostatic(jammed);
+}
+
+TEST(JammingPhysics, TheShareOfJammedQuenchesIsThatOfSteepestDescent) {
+  // 3 · 10⁴ starts of steepest descent with an error of at most 0.001 and 0.01 D a step, followed down to residuals of 0.001 and 0.01:
+  // .433(3). By FIRE, and L-BFGS from a residual of 1, it is .388(5).
+  int const starts = 3000;
+  int jammed = 0;
+  for (std::uint64_t seed = 1; seed <= starts; ++seed) {
+    Minimizer quench({}, reference::random_packing(64, 0.8325, seed, Edge::periodic, 1.0));
+    quench.advance();
+    if (quench.status() == MinimumStatus::converged) ++jammed;
+  }
+  double const share = static_cast<double>(jammed) / starts;
+  double const error = std::hypot(std::sqrt(share * (1.0 - share) / starts), 0.003);
+  EXPECT_NEAR(share, 0.433, 3.0 * error);
 }
 
 /// Hard disks grown to a reduced pressure, then polished as soft disks: pressed together a little, and decompressed.

@@ -58,7 +58,8 @@ TEST(PressureRamp, ReachesAPressureFromBelow) {
   PressureRamp ramp({.pressure = 1e-4}, random_packing(64, 0.7, 1));
   ASSERT_TRUE(ramp.advance());
   ASSERT_EQ(ramp.status(), RampStatus::reached);
-  EXPECT_EQ(ramp.levels().front().pressure, 0.0);
+  // Disks count as apart where overlaps of 1e-8 may be left.
+  EXPECT_LT(ramp.levels().front().pressure, 1e-8);
   EXPECT_NEAR(ramp.levels().back().pressure, 1e-4, 1e-6);
   // Two minima that press have a slope; the first one has none with those before, which do not.
   ASSERT_GT(ramp.levels()[1].pressure, 0.0);

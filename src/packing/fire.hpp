@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "gridlock/core/archive.hpp"
+#include "packing/soft_forces.hpp"
+
+namespace gridlock {
+
+/// FIRE 2.0: disks roll downhill, each steered along its force, and are stopped wherever they begin to roll uphill.
+/// Source: J. Guénolé et al. (2020), doi:10.1016/j.commatsci.2020.109584.
+class Fire {
+ public:
+  explicit Fire(std::size_t disks) : velocity_(disks) {}
+
+  /// Begins anew, at rest.
+  void start(double diameter);
+  void stop();
+  [[nodiscard]] Columns const& velocity() const { return velocity_; }
+
+  /// Moves the disks. `force` and `sums` are those where they are, and not those where they come to. In the first
+  /// iterations of a search the time step is not shortened.
+  void step(Packing& packing, SoftForces& forces, ForceSums const& sums, Columns& force, std::uint64_t iteration);
+
+  void serialize(Archive& archive);
+
+ private:
+  Columns velocity_;
+  double diameter_ = 1.0;
+  double time_step_ = 0.0;
+  double mixing_ = 0.0;
+  std::uint64_t downhill_ = 0;
+};
+
+}  // namespace gridlock
