@@ -1,5 +1,4 @@
 // A quantity of your own, measured along a run like those that Gridlock has: the speed of the fastest disk.
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -19,10 +18,8 @@ class LargestSpeed final : public gridlock::AveragingObservable {
   void sample(gridlock::Snapshot const& now, std::span<double> row, bool counts_for_average) override {
     auto const x = now.agents.column<gridlock::VelocityX>();
     auto const y = now.agents.column<gridlock::VelocityY>();
-    double largest = 0.0;
-    for (std::size_t i = 0; i < x.size(); ++i) largest = std::max(largest, std::hypot(x[i], y[i]));
-    row[0] = largest;
-    if (counts_for_average) average(0, largest);
+    row[0] = now.max([&](std::size_t i) { return std::hypot(x[i], y[i]); });
+    if (counts_for_average) average(0, row[0]);
   }
 };
 

@@ -163,8 +163,8 @@ struct ColloidInOrder {
   static double radius_of(auto const& disk) { return disk.template get<Radius>(); }
   static RadiusRange radii_of(AgentSums<Self> const& all) {
     if (all.size() == 0) return {};
-    return {.smallest = all.least([](auto const& disk) { return radius_of(disk); }),
-            .largest = all.largest([](auto const& disk) { return radius_of(disk); })};
+    return {.smallest = all.min([](auto const& disk) { return radius_of(disk); }),
+            .largest = all.max([](auto const& disk) { return radius_of(disk); })};
   }
   /// Σ π R².
   static double area_of(AgentSums<Self> const& all) {

@@ -69,7 +69,7 @@ EndedWorld<Model> advance(Model const& model, World<Model> world, StopCondition 
 
 /// The agents whose home is on a rank.
 template <class Model>
-World<Model> part_of(World<Model> const& world, Ranks const& ranks) {
+World<Model> part_of(World<Model> const& world, Communicator const& ranks) {
   AgentRows<typename World<Model>::Agents> rows;
   for (std::size_t row = 0; row < world.agents.size(); ++row) {
     if (home_of(world.agents.ids()[row], ranks.count()) != ranks.rank()) continue;
@@ -90,13 +90,13 @@ void continue_on_ranks(Model const& model, EndedWorld<Model>& ended, StopConditi
   std::vector<World<Model>> parts(ranks.count());
   EndedWorld<Model> const before =
       std::exchange(ended, {.world = {}, .counters = ended.counters, .failure = {}, .names = ended.names});
-  ranks.run_on_all([&](Ranks& here) {
+  ranks.run_on_all([&](Communicator& here) {
     World<Model>& own = parts[here.rank()] = part_of(before.world, here);
     StepsOfModel const steps = steps_of(here, model, own);
     std::size_t agents = before.world.agents.size();
     if (here.rank() > 0) {
       // Nothing comes where there is nothing to do.
-      Ranks::Bytes const bytes = here.receive(0);
+      Message const bytes = here.receive(0);
       MessageReader message(bytes);
       if (message.next<TaskOfRanks>() == TaskOfRanks::leave) return;
       follow_steps_from_homes(here, model, steps.cells, message, own, agents);

@@ -13,7 +13,9 @@
 #include <utility>
 #include <vector>
 
-#include "gridlock/core/detail/ranks.hpp"
+#include "gridlock/core/detail/message.hpp"
+#include "gridlock/parallel/communicator.hpp"
+#include "gridlock/parallel/detail/tasks.hpp"
 #include "simulation/help.hpp"
 
 namespace gridlock::test {
@@ -24,7 +26,7 @@ class ThreadRanks {
   explicit ThreadRanks(std::size_t count) : count_(count) {}
 
   /// Calls lead(ranks) for rank 0, while the others help.
-  void run(std::function<void(Ranks&)> const& lead) {
+  void run(std::function<void(Communicator&)> const& lead) {
     std::vector<std::thread> threads;
     for (std::size_t rank = 1; rank < count_; ++rank) {
       threads.emplace_back([this, rank] {
@@ -45,7 +47,7 @@ class ThreadRanks {
   }
 
   /// Calls work(ranks) for every rank. An exception of one ends the program.
-  void run_on_all(std::function<void(Ranks&)> const& work) {
+  void run_on_all(std::function<void(Communicator&)> const& work) {
     std::vector<std::thread> threads;
     for (std::size_t rank = 0; rank < count_; ++rank) {
       threads.emplace_back([this, rank, &work] {
@@ -61,13 +63,13 @@ class ThreadRanks {
   [[nodiscard]] std::size_t messages() const { return messages_; }
 
  private:
-  class OneRank final : public Ranks {
+  class OneRank final : public Communicator {
    public:
     OneRank(ThreadRanks& all, std::size_t rank) : all_(all), rank_(rank) {}
     [[nodiscard]] std::size_t rank() const override { return rank_; }
     [[nodiscard]] std::size_t count() const override { return all_.count_; }
-    void send(std::size_t to, Bytes message) override { all_.put(rank_, to, std::move(message)); }
-    Bytes receive(std::size_t from) override { return all_.take(from, rank_); }
+    void send(std::size_t to, Message message) override { all_.put(rank_, to, std::move(message)); }
+    Message receive(std::size_t from) override { return all_.take(from, rank_); }
     [[nodiscard]] Traffic traffic() const override { return {}; }
     [[nodiscard]] double seconds() const override {
       return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -82,7 +84,7 @@ class ThreadRanks {
     std::size_t rank_;
   };
 
-  void put(std::size_t from, std::size_t to, Ranks::Bytes message) {
+  void put(std::size_t from, std::size_t to, Message message) {
     {
       std::scoped_lock const lock(mutex_);
       ++messages_;
@@ -90,11 +92,11 @@ class ThreadRanks {
     }
     has_come_.notify_all();
   }
-  Ranks::Bytes take(std::size_t from, std::size_t to) {
+  Message take(std::size_t from, std::size_t to) {
     std::unique_lock lock(mutex_);
-    std::deque<Ranks::Bytes>& box = boxes_[{from, to}];
+    std::deque<Message>& box = boxes_[{from, to}];
     has_come_.wait(lock, [&] { return !box.empty(); });
-    Ranks::Bytes message = std::move(box.front());
+    Message message = std::move(box.front());
     box.pop_front();
     return message;
   }
@@ -102,7 +104,7 @@ class ThreadRanks {
   std::size_t count_;
   std::mutex mutex_;
   std::condition_variable has_come_;
-  std::map<std::pair<std::size_t, std::size_t>, std::deque<Ranks::Bytes>> boxes_;
+  std::map<std::pair<std::size_t, std::size_t>, std::deque<Message>> boxes_;
   std::size_t messages_ = 0;
 };
 

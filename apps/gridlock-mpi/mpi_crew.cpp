@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "gridlock/core/error.hpp"
+#include "gridlock/parallel/detail/tasks.hpp"
 #include "simulation/help.hpp"
 #include "slots.hpp"
 
@@ -284,7 +285,8 @@ void MpiCrew::form_groups() {
 }
 
 void MpiCrew::part() {
-  if (ranks() != nullptr && ranks()->rank() == 0) release_helpers(*ranks());
+  Communicator& ranks = processes().communicator();
+  if (ranks.rank() == 0) release_helpers(ranks);
   is_working_ = false;
 }
 
@@ -297,8 +299,9 @@ void MpiCrew::lead(CrewLead const& lead) {
 }
 
 void MpiCrew::help(MakeRun const& make) {
-  if (ranks() != nullptr && ranks()->rank() > 0) {
-    gridlock::help(*ranks());
+  Communicator& ranks = processes().communicator();
+  if (ranks.rank() > 0) {
+    gridlock::help(ranks);
     part();
     return;
   }

@@ -34,7 +34,7 @@ class MpiCrew final : public SweepCrew {
   [[nodiscard]] bool leads() const override { return rank_ == 0; }
   [[nodiscard]] std::size_t processes_on_machine() const override { return ranks_here_; }
   [[nodiscard]] std::size_t ranks_of_run() const override { return static_cast<std::size_t>(ranks_of_run_); }
-  [[nodiscard]] Ranks* ranks() override { return group_ && group_->count() > 1 ? &*group_ : nullptr; }
+  [[nodiscard]] AllProcesses processes() override { return group_ ? AllProcesses(*group_) : AllProcesses(); }
   void meet(std::uint64_t plan_hash, std::string const& failure) override;
   void part() override;
   void lead(CrewLead const& lead) override;

@@ -83,7 +83,7 @@ void MpiRanks::forget_sent() {
   }
 }
 
-void MpiRanks::send(std::size_t to, Bytes message) {
+void MpiRanks::send(std::size_t to, Message message) {
   note_work(0, message.size());
   forget_sent();
   Patience patience;
@@ -109,14 +109,14 @@ void MpiRanks::send(std::size_t to, Bytes message) {
   sending_.push_back({.request = request, .message = std::move(message)});
 }
 
-Ranks::Bytes MpiRanks::receive(std::size_t from) {
+Message MpiRanks::receive(std::size_t from) {
   Receiving& next = receiving_[from];
   if (next.first_part == nullptr) {
     next.first_part = std::make_unique_for_overwrite<std::byte[]>(bytes_of_first_part);
     post_receive(from);
   }
   double const begin = MPI_Wtime();
-  Bytes message(wait_for_first_part(next.request));
+  Message message(wait_for_first_part(next.request));
   if (!message.empty()) std::memcpy(message.data(), next.first_part.get(), message.size());
   post_receive(from);
   if (message.size() == bytes_of_first_part) receive_rest(from, message);
@@ -149,7 +149,7 @@ std::size_t MpiRanks::wait_for_first_part(MPI_Request& request) const {
 }
 
 /// What follows the first part, which has been sent with it.
-void MpiRanks::receive_rest(std::size_t from, Bytes& message) const {
+void MpiRanks::receive_rest(std::size_t from, Message& message) const {
   auto const source = static_cast<int>(from);
   MPI_Status status;
   MPI_Probe(source, tag_of_rest, ranks_communicator_, &status);

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "gridlock/core/detail/ranks.hpp"
+#include "gridlock/parallel/communicator.hpp"
 
 namespace gridlock::mpi {
 
@@ -24,15 +24,15 @@ struct RanksHooks {
 };
 
 /// The ranks of a communicator, for runs that they share. Messages have a communicator of their own.
-class MpiRanks final : public Ranks {
+class MpiRanks final : public Communicator {
  public:
   MpiRanks(MPI_Comm communicator, std::size_t count_on_machine, RanksHooks hooks);
   ~MpiRanks() override;
 
   [[nodiscard]] std::size_t rank() const override { return rank_; }
   [[nodiscard]] std::size_t count() const override { return count_; }
-  void send(std::size_t to, Bytes message) override;
-  Bytes receive(std::size_t from) override;
+  void send(std::size_t to, Message message) override;
+  Message receive(std::size_t from) override;
   void note_turns(std::uint64_t turns) override { note_work(turns, 0); }
   [[nodiscard]] Traffic traffic() const override { return traffic_; }
   [[nodiscard]] double seconds() const override { return MPI_Wtime(); }
@@ -44,7 +44,7 @@ class MpiRanks final : public Ranks {
  private:
   struct Sending {
     MPI_Request request;
-    Bytes message;  ///< none where another part of it follows
+    Message message;  ///< none where another part of it follows
   };
   struct Receiving {
     std::unique_ptr<std::byte[]> first_part;  ///< of the next message; none for a rank that has sent nothing yet
@@ -57,7 +57,7 @@ class MpiRanks final : public Ranks {
   void forget_sent();
   void post_receive(std::size_t from);
   [[nodiscard]] std::size_t wait_for_first_part(MPI_Request& request) const;
-  void receive_rest(std::size_t from, Bytes& message) const;
+  void receive_rest(std::size_t from, Message& message) const;
 
   MPI_Comm ranks_communicator_ = MPI_COMM_NULL;
   std::size_t rank_ = 0;

@@ -23,14 +23,14 @@ class Lead {
 
 }  // namespace
 
-ExitCode carry_out(CrewOptions const* options, std::function<ExitCode(Ranks*)> const& work) {
-  if (options == nullptr) return work(nullptr);
+ExitCode carry_out(CrewOptions const* options, std::function<ExitCode(AllProcesses)> const& work) {
+  if (options == nullptr) return work({});
   options->set_ranks_of_run(std::numeric_limits<std::size_t>::max());
   SweepCrew& crew = options->crew;
   crew.meet(options->command_hash, "");
   if (crew.leads()) {
     Lead const lead(crew);
-    return work(crew.ranks());
+    return work(crew.processes());
   }
   // The leader answers a request to stop.
   StopSignals const signals;

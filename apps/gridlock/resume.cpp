@@ -19,10 +19,10 @@ struct ResumeOptions {
   RunOutput run_output;
 };
 
-ExitCode resume(ResumeOptions& options, Ranks* ranks) {
+ExitCode resume(ResumeOptions& options, AllProcesses processes) {
   gridlock::RunHooks hooks = options.run_output.hooks();
   hooks.threads = options.threads;
-  hooks.ranks = ranks;
+  hooks.processes = processes;
   gridlock::RunLength const& length = options.length;
   bool const lengthens = length.steps || length.time || length.collisions_per_disk;
   return options.run_output.finish(lengthens ? gridlock::lengthen_in(options.directory, length, hooks)
@@ -52,7 +52,7 @@ void add_resume(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew) {
       ->type_name("C");
   options->run_output.add_to(*verb);
   verb->callback([options, &exit_code, crew] {
-    exit_code = carry_out(crew, [&](Ranks* ranks) { return resume(*options, ranks); });
+    exit_code = carry_out(crew, [&](AllProcesses processes) { return resume(*options, processes); });
   });
 }
 

@@ -22,7 +22,7 @@ struct RunOptions {
   std::optional<unsigned> threads;
 };
 
-ExitCode run(RunOptions& options, Ranks* ranks) {
+ExitCode run(RunOptions& options, AllProcesses processes) {
   gridlock::SettingsFile settings = options.configuration.read();
   if (options.threads) {
     std::string const number = std::to_string(*options.threads);
@@ -37,12 +37,12 @@ ExitCode run(RunOptions& options, Ranks* ranks) {
                            seconds);
                        return true;
                      },
-                 .ranks = ranks});
+                 .processes = processes});
   auto const directory =
       options.output.directory_for(std::filesystem::path(options.configuration.file).stem().string());
   gridlock::open_run_directory(directory, setup, options.output.overwrites, options.configuration.file);
   gridlock::RunHooks hooks = options.run_output.hooks();
-  hooks.ranks = ranks;
+  hooks.processes = processes;
   return options.run_output.finish(gridlock::run_in(directory, std::move(setup), hooks), directory);
 }
 
@@ -61,8 +61,9 @@ void add_run(CLI::App& app, ExitCode& exit_code, CrewOptions const* crew) {
                        : "Threads of each rank, as engine.threads; 0: the cores divided among the ranks of a machine")
       ->check(whole_number(0, 1024));
   options->run_output.add_to(*verb);
-  verb->callback(
-      [options, &exit_code, crew] { exit_code = carry_out(crew, [&](Ranks* ranks) { return run(*options, ranks); }); });
+  verb->callback([options, &exit_code, crew] {
+    exit_code = carry_out(crew, [&](AllProcesses processes) { return run(*options, processes); });
+  });
 }
 
 }  // namespace gridlock::cli

@@ -28,11 +28,11 @@
 
 namespace {
 
-void lead(gridlock::Ranks& ranks, std::size_t disks, std::uint64_t steps) {
+void lead(gridlock::Communicator& ranks, std::size_t disks, std::uint64_t steps) {
   gridlock::State state = gridlock::make_start(gridlock::Box(1.0, 1.0, gridlock::Edge::periodic),
                                                {.count = disks, .packing_fraction = 0.7}, 20);
   gridlock::draw_velocities(state, {});
-  gridlock::EngineSettings const settings{.kind = "tiled", .threads = 1, .ranks = &ranks};
+  gridlock::EngineSettings const settings{.kind = "tiled", .threads = 1, .processes = ranks};
   auto const engine = gridlock::make_engine(settings, state);
   // The leader looks up when all ranks have taken their first step, and then now and then.
   double first_seconds = 0.0;
@@ -84,10 +84,10 @@ double balance_of(double disks, std::size_t ranks) {
 }
 
 /// Takes part in the steps of the leader, until it lets all go.
-void follow(gridlock::Ranks& ranks) {
+void follow(gridlock::Communicator& ranks) {
   gridlock::State own;
   while (true) {
-    gridlock::Ranks::Bytes const bytes = ranks.receive(0);
+    gridlock::Message const bytes = ranks.receive(0);
     gridlock::MessageReader message(bytes);
     if (message.next<gridlock::TaskOfRanks>() == gridlock::TaskOfRanks::leave) return;
     gridlock::tiled::take_part(ranks, message, own);

@@ -77,7 +77,7 @@ EngineRecord tiled_record() {
               },
           .cost_of_move = [](EngineSettings const& /*settings*/, State const& /*state*/) { return 1.0; },
           .make = [](EngineSettings const& settings, State const& state) -> std::unique_ptr<Engine> {
-            if (settings.ranks != nullptr) return std::make_unique<TiledOnRanks>(settings, state);
+            if (settings.processes.count() > 1) return std::make_unique<TiledOnRanks>(settings, state);
             return std::make_unique<TiledEngine>(settings, state);
           }};
 }

@@ -1,7 +1,7 @@
 #include "gridlock/grid/detail/tile_division.hpp"
 
-#include "core/add_up_over_ranks.hpp"
 #include "grid/division.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
 
 namespace gridlock {
 
@@ -49,8 +49,9 @@ std::vector<Tiling::Rectangle> divide_tiles(Tiling const& tiling, std::span<std:
   });
 }
 
-std::vector<Tiling::Rectangle> divide_tiles(Ranks& ranks, Tiling const& tiling, std::vector<std::uint64_t> own_agents) {
-  add_up_over_ranks(ranks, own_agents);
+std::vector<Tiling::Rectangle> divide_tiles(Communicator& ranks, Tiling const& tiling,
+                                            std::vector<std::uint64_t> own_agents) {
+  all_sum(ranks, own_agents);
   return divide_tiles(tiling, own_agents, ranks.count());
 }
 

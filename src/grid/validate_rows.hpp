@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "gridlock/core/detail/ranks.hpp"
+#include "gridlock/core/detail/message.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
 

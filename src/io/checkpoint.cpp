@@ -10,8 +10,8 @@
 #include <set>
 #include <utility>
 
-#include "gridlock/core/detail/row_division.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/parallel/detail/row_division.hpp"
 #include "io/checkpoint_file.hpp"
 #include "io/file.hpp"
 

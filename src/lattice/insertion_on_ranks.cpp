@@ -8,11 +8,12 @@
 #include <numbers>
 #include <optional>
 
-#include "core/add_up_over_ranks.hpp"
 #include "gridlock/core/detail/exact_sum.hpp"
-#include "gridlock/core/detail/exchange.hpp"
+#include "gridlock/core/detail/message.hpp"
 #include "gridlock/core/random.hpp"
 #include "gridlock/grid/cell_layout.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
+#include "gridlock/parallel/detail/exchange.hpp"
 #include "lattice/random_insertion.hpp"
 
 // One process takes the disks in an order, the largest first, and gives each the first of its points that overlaps no disk before it. Here a batch
@@ -386,7 +387,7 @@ class Seeker {
 /// The part of one rank.
 class PartOfInsertion {
  public:
-  PartOfInsertion(Ranks& ranks, Box const& box, double largest_radius, std::uint64_t count, std::uint64_t seed)
+  PartOfInsertion(Communicator& ranks, Box const& box, double largest_radius, std::uint64_t count, std::uint64_t seed)
       : ranks_(ranks),
         box_(box),
         seed_(seed),
@@ -435,7 +436,7 @@ class PartOfInsertion {
           give(rows.rank_of(disks_[k].place.row), Site{.row = disks_[k].place.row, .site = disks_[k].site});
         },
         [&](Site const& site) { result.sites[site.row - rows.first(ranks_.rank())] = site.site; });
-    add_up_over_ranks(ranks_, std::span(&covered, 1));
+    all_sum(ranks_, std::span(&covered, 1));
     result.packing_fraction = covered.value() / box_.area();
     return result;
   }
@@ -450,7 +451,7 @@ class PartOfInsertion {
   void begin_batch() {
     PlaceInOrder last = after_all;
     if (next_ + share_ <= disks_.size()) last = disks_[next_ + share_ - 1].place;
-    add_up_over_ranks(ranks_, std::span(&last, 1), [](PlaceInOrder& first, PlaceInOrder const& other) {
+    all_combine(ranks_, std::span(&last, 1), [](PlaceInOrder& first, PlaceInOrder const& other) {
       if (is_before(other, first)) first = other;
     });
     std::size_t end = next_;
@@ -552,7 +553,7 @@ class PartOfInsertion {
       sums[failures] += seeker.failures();
       sums[kept] += seeker.kept();
     }
-    add_up_over_ranks(ranks_, std::span<std::uint64_t>(sums));
+    all_sum(ranks_, std::span<std::uint64_t>(sums));
     return sums;
   }
 
@@ -568,7 +569,7 @@ class PartOfInsertion {
       if (seeker.failures() > 0) own.push_back({.place = seeker.place(), .failures = seeker.failures()});
     }
     std::vector<Failed> all;
-    for (Ranks::Bytes const& bytes : ranks_.gather_for_all(message_of_all(std::span<Failed const>(own)))) {
+    for (Message const& bytes : all_gather(ranks_, message_of_all(std::span<Failed const>(own)))) {
       std::vector<Failed> const some = MessageReader(bytes).rest<Failed>();
       all.insert(all.end(), some.begin(), some.end());
     }
@@ -609,7 +610,7 @@ class PartOfInsertion {
   /// Points that a rank draws at once.
   static constexpr std::uint64_t most_points_of_round = std::uint64_t{1} << 16;
 
-  Ranks& ranks_;
+  Communicator& ranks_;
   Box box_;
   std::uint64_t seed_;
   std::uint64_t count_;  ///< of disks on all ranks
@@ -629,10 +630,10 @@ class PartOfInsertion {
 
 }  // namespace
 
-InsertedRows insert_on_ranks(Ranks& ranks, Box const& box, std::span<double const> radii_of_own_rows,
+InsertedRows insert_on_ranks(Communicator& ranks, Box const& box, std::span<double const> radii_of_own_rows,
                              RowDivision const& rows, std::uint64_t seed) {
   double const own_largest = radii_of_own_rows.empty() ? 0.0 : *std::ranges::max_element(radii_of_own_rows);
-  double const largest = -least_over_ranks(ranks, -own_largest);
+  double const largest = -all_min(ranks, -own_largest);
   if (AllowedCentres(box, largest).are_none()) {
     return {.sites = std::vector<Vector>(radii_of_own_rows.size()), .placed = 0, .packing_fraction = 0.0};
   }

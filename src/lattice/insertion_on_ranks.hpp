@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "gridlock/core/box.hpp"
-#include "gridlock/core/detail/ranks.hpp"
-#include "gridlock/core/detail/row_division.hpp"
 #include "gridlock/core/vector.hpp"
+#include "gridlock/parallel/communicator.hpp"
+#include "gridlock/parallel/detail/row_division.hpp"
 
 namespace gridlock {
 
@@ -23,7 +23,7 @@ struct InsertedRows {
 /// Cost: up to twice the attempts of one process, divided among the ranks, and some messages of each rank to each in about 10 rounds for
 /// each batch, of which dense disks need many: 10⁶ disks on two ranks take 1.4 times as long as in one process at a packing fraction of 0.3, and 1.7
 /// times at 0.45. Memory: 90 bytes for each own disk; no rank has all.
-InsertedRows insert_on_ranks(Ranks& ranks, Box const& box, std::span<double const> radii_of_own_rows,
+InsertedRows insert_on_ranks(Communicator& ranks, Box const& box, std::span<double const> radii_of_own_rows,
                              RowDivision const& rows, std::uint64_t seed);
 
 }  // namespace gridlock

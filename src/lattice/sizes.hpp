@@ -4,8 +4,8 @@
 #include <functional>
 #include <vector>
 
-#include "gridlock/core/share_of_rows.hpp"
 #include "gridlock/lattice/start.hpp"
+#include "gridlock/parallel/share_of_rows.hpp"
 
 namespace gridlock {
 

@@ -239,7 +239,7 @@ constexpr double always_reached = 0.4;
 InsertedRows insert(Box const& box, DisksSettings const& settings, Kinds const& kinds, double radius,
                     std::uint64_t seed, ShareOfRows const& share) {
   if (share.size() < kinds.count() && kinds.count() > InsertionTrial::most_disks) {
-    return insert_on_ranks(*share.ranks(), box, radii_of(kinds, radius, share), share.division(), seed);
+    return insert_on_ranks(share.processes(), box, radii_of(kinds, radius, share), share.division(), seed);
   }
   ShareOfRows const all(kinds.count());
   RandomInsertion insertion = share.size() < all.size()

@@ -6,10 +6,10 @@
 #include <limits>
 #include <utility>
 
-#include "core/add_up_over_ranks.hpp"
 #include "core/sorted.hpp"
 #include "grid/division.hpp"
 #include "gridlock/grid/detail/stored_cells.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
 
 namespace gridlock {
 
@@ -178,10 +178,9 @@ std::vector<Tiling::Rectangle> divide_among_ranks(Box const& box, CellLayout con
   return divided(box, cells, x, y, ranks, [](std::span<std::uint64_t> /*counts*/) {});
 }
 
-std::vector<Tiling::Rectangle> divide_among_ranks(Ranks& ranks, Box const& box, CellLayout const& cells,
+std::vector<Tiling::Rectangle> divide_among_ranks(Communicator& ranks, Box const& box, CellLayout const& cells,
                                                   std::span<double const> x, std::span<double const> y) {
-  return divided(box, cells, x, y, ranks.count(),
-                 [&](std::span<std::uint64_t> counts) { add_up_over_ranks(ranks, counts); });
+  return divided(box, cells, x, y, ranks.count(), [&](std::span<std::uint64_t> counts) { all_sum(ranks, counts); });
 }
 
 bool is_crowd(CellLayout const& layout, std::span<double const> x, std::span<double const> y) {

@@ -9,8 +9,8 @@
 #include <numbers>
 #include <vector>
 
-#include "observe/exact_sums.hpp"
-#include "observe/region.hpp"
+#include "gridlock/observe/pairs.hpp"
+#include "gridlock/parallel/communicator.hpp"
 
 namespace gridlock {
 
@@ -68,9 +68,9 @@ class BondSums {
 };
 
 /// The bonds of each agent with its neighbours k, exp(6 i θ_jk), whose mean is its ψ6.
-BondSums bonds_of(Region const& region, std::size_t all) {
-  BondSums bonds(region.size(), all);
-  region.for_each_pair([&](std::size_t i, std::size_t j, Vector separation) {
+BondSums bonds_of(LocalPoints const& points, std::size_t all) {
+  BondSums bonds(points.size(), all);
+  points.for_each_pair([&](std::size_t i, std::size_t j, Vector separation) {
     if (squared_length(separation) > 0.0) bonds.add(i, j, sixth_power_of_direction(separation));
   });
   return bonds;
@@ -78,18 +78,17 @@ BondSums bonds_of(Region const& region, std::size_t all) {
 
 }  // namespace
 
-std::optional<BondOrientationOrder> bond_orientation_order(Box const& box, AgentsView const& agents,
-                                                           OtherAgents const* others) {
-  std::size_t const all = count_of_all(agents, others);
+std::optional<BondOrientationOrder> bond_orientation_order(Snapshot const& now) {
+  std::size_t const all = now.count();
   if (all == 0) return std::nullopt;
-  Region const region(box, agents, others, neighbour_distance(box, all));
-  BondSums const bonds = bonds_of(region, all);
+  LocalPoints const points(now, neighbour_distance(now.box, all));
+  BondSums const bonds = bonds_of(points, all);
   std::array<ExactSum, 3> sums;
-  add_terms(sums, region.own(), [&](std::size_t i) {
+  add_terms(sums, points.own(), [&](std::size_t i) {
     std::complex<double> const order = bonds.mean(i);
     return std::array{order.real(), order.imag(), magnitude(order)};
   });
-  if (others != nullptr) others->add_up(sums);
+  now.sum(sums);
   auto const count = static_cast<double>(all);
   std::complex<double> const global(sums[0].value(), sums[1].value());
   return BondOrientationOrder{.global_order = magnitude(global) / count, .local_order = sums[2].value() / count};
@@ -98,8 +97,9 @@ std::optional<BondOrientationOrder> bond_orientation_order(Box const& box, Agent
 std::vector<double> local_bond_orientation_orders(Box const& box, AgentsView const& agents) {
   std::vector<double> values;
   if (agents.empty()) return values;
-  Region const region(box, agents, nullptr, neighbour_distance(box, agents.size()));
-  BondSums const bonds = bonds_of(region, agents.size());
+  LocalPoints const points(box, agents.column<X>(), agents.column<Y>(), neighbour_distance(box, agents.size()),
+                           Communicator::alone(), agents.size());
+  BondSums const bonds = bonds_of(points, agents.size());
   for (std::size_t i = 0; i < agents.size(); ++i) values.push_back(magnitude(bonds.mean(i)));
   return values;
 }
@@ -113,7 +113,7 @@ void BondOrientation::begin(Snapshot const&) {
 void BondOrientation::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {
   std::ranges::fill(row, no_value);
   if (!schedule_.is_due(counts_for_average)) return;
-  auto const order = bond_orientation_order(now.box, now.agents, now.others);
+  auto const order = bond_orientation_order(now);
   if (!order) return;
   row[0] = order->global_order;
   row[1] = order->local_order;

@@ -32,12 +32,10 @@ struct BondOrientationOrder {
 /// Source: D. R. Nelson & B. I. Halperin (1979), doi:10.1103/PhysRevB.19.2457.
 /// Bonds are added as whole numbers, so that ψ6 depends on no order: a component of exp(6 i θ) is rounded to N·2⁻⁶¹ or less, 1e-12 of a
 /// million agents at most, and even N bonds do not overflow.
-/// On ranks, where `others` have agents too, all ranks call it together.
 /// Contract: the agents have x and y.
-std::optional<BondOrientationOrder> bond_orientation_order(Box const& box, AgentsView const& agents,
-                                                           OtherAgents const* others = nullptr);
+std::optional<BondOrientationOrder> bond_orientation_order(Snapshot const& now);
 inline std::optional<BondOrientationOrder> bond_orientation_order(State const& state) {
-  return bond_orientation_order(state.box, state.agents);
+  return bond_orientation_order(Snapshot(state, Counters()));
 }
 
 /// |ψ6(j)| of each agent, in the order of the rows. Contract: the agents have x and y.

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/unwrapped.hpp"
-#include "observe/exact_sums.hpp"
 
 namespace gridlock {
 
@@ -42,17 +41,12 @@ Requirements Displacement::requirements(Box const& box) const {
 }
 
 void Displacement::begin(Snapshot const& start) {
-  auto const ids = start.agents.ids();
   auto const x = start.agents.column<X>();
   auto const y = start.agents.column<Y>();
   Crossings<ImageX> const image_x(start.agents);
   Crossings<ImageY> const image_y(start.agents);
-  rows_ = IdIndex(ids);
-  blocks_ = IdBlocks(start, rows_);
-  sites_.assign(ids.size(), {});
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    sites_[rows_.place_of(ids[i], i)] = {x[i], y[i], image_x[i], image_y[i]};
-  }
+  sites_ = start.attached<Site>([&](std::size_t i) { return Site{x[i], y[i], image_x[i], image_y[i]}; });
+  blocks_ = IdBlocks(start, sites_.agents());
   length_ = {};
   squared_length_ = {};
   centre_ = {};
@@ -70,20 +64,19 @@ void Displacement::sample(Snapshot const& now, std::span<double> row, bool) {
   SumsOfBlocks<agent_blocks, sums> terms;
   std::array<std::uint64_t, agent_blocks> counts{};
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    std::size_t const place = rows_.place_of(ids[i], i);
-    if (place == IdIndex::not_found) continue;
-    Site const& from = sites_[place];
-    double const crossed_x = static_cast<double>(image_x[i]) - static_cast<double>(from.image_x);
-    double const crossed_y = static_cast<double>(image_y[i]) - static_cast<double>(from.image_y);
-    Vector const moved = unwrapped_displacement(box, {from.x, from.y}, {x[i], y[i]}, {crossed_x, crossed_y});
+    Site const* const from = sites_.find(ids[i], i);
+    if (from == nullptr) continue;
+    double const crossed_x = static_cast<double>(image_x[i]) - static_cast<double>(from->image_x);
+    double const crossed_y = static_cast<double>(image_y[i]) - static_cast<double>(from->image_y);
+    Vector const moved = unwrapped_displacement(box, {from->x, from->y}, {x[i], y[i]}, {crossed_x, crossed_y});
     double const squared = squared_length(moved);
     std::size_t const block = blocks_.block_of(ids[i]);
     terms.add(block, {std::sqrt(squared) / side, squared, moved.x, moved.y});
     ++counts[block];
   }
   std::vector<ExactSum> of_blocks = terms.take_all();
-  now.add_up(of_blocks);
-  now.add_up(counts);
+  now.sum(of_blocks);
+  now.counts(counts);
   ExactSum x_of_all;
   ExactSum y_of_all;
   double count = 0.0;

@@ -7,9 +7,9 @@
 
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/disks.hpp"
+#include "gridlock/observe/detail/id_index.hpp"
 #include "gridlock/observe/observable.hpp"
 #include "observe/id_blocks.hpp"
-#include "observe/id_index.hpp"
 
 namespace gridlock {
 
@@ -56,9 +56,8 @@ class Displacement final : public Observable {
     std::int32_t image_y;
   };
 
-  IdIndex rows_;
+  Attached<Site> sites_;  ///< at begin()
   IdBlocks blocks_;
-  std::vector<Site> sites_;
   std::array<Block, agent_blocks> length_{};          ///< Σ |u| of the last sample, in units of the side
   std::array<Block, agent_blocks> squared_length_{};  ///< Σ u² of the last sample
   Block centre_;                                      ///< |Σ u| of the last sample, in units of the side

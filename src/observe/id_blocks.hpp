@@ -4,19 +4,19 @@
 #include <cstddef>
 
 #include "gridlock/core/population.hpp"
+#include "gridlock/observe/detail/id_index.hpp"
 #include "gridlock/observe/observable.hpp"
-#include "observe/id_index.hpp"
 
 namespace gridlock {
 
-/// Sixteen runs of neighbouring Ids, of all agents of all ranks in Id order, equal in size to one agent: the agent in place p of N is in
-/// run 16 p / N, rounded down.
+/// Sixteen blocks of neighbouring Ids, of all agents in Id order, equal in size to one agent: the agent in place p of N is in
+/// block 16 p / N, rounded down.
 class IdBlocks {
  public:
   static constexpr std::size_t count = 16;  ///< a power of two
 
   IdBlocks() = default;
-  /// Of the agents in an index, on ranks in those of all ranks, which make them together. Cost: 64 rounds of messages.
+  /// `index` has the agents of this process; all processes make theirs together. Cost on several: 64 rounds of messages.
   IdBlocks(Snapshot const& now, IdIndex const& index);
 
   /// Of an agent in the index.

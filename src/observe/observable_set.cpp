@@ -49,8 +49,8 @@ void ObservableSet::serialize(Archive& archive) {
   }
 }
 
-void ObservableSet::bring_home(OtherAgents const& others) {
-  for (Entry const& entry : entries_) entry.observable->bring_home(others);
+void ObservableSet::migrate(Communicator& processes) {
+  for (Entry const& entry : entries_) entry.observable->migrate(processes);
 }
 
 }  // namespace gridlock

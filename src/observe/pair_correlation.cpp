@@ -7,8 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "gridlock/core/detail/exact_sum.hpp"
-#include "observe/region.hpp"
+#include "gridlock/observe/pairs.hpp"
 
 namespace gridlock {
 
@@ -18,10 +17,8 @@ namespace {
 double mean_radius(Snapshot const& now) {
   auto const count = static_cast<double>(now.count());
   if (!now.agents.has<Radius>()) return 0.5 * std::sqrt(now.box.area() / count);
-  std::array<ExactSum, 1> sum;
-  sum[0].add(now.agents.column<Radius>());
-  now.add_up(sum);
-  return sum[0].value() / count;
+  auto const radius = now.agents.column<Radius>();
+  return now.sum([&](std::size_t i) { return radius[i]; }) / count;
 }
 
 /// The part of the box that centres can reach; absent for no agents and where the walls leave no area.
@@ -66,14 +63,11 @@ void PairCorrelation::sample(Snapshot const& now, std::span<double>, bool counts
   if (!domain || n < 2.0 || range > 0.5 * std::min(domain->width(), domain->height()) * (1.0 + 1e-12)) return;
 
   std::ranges::fill(counts_, 0);
-  Region const region(now.box, now.agents, now.others, range);
-  // A pair of agents of two ranks is found by both.
-  std::size_t const own = region.own();
-  region.for_each_pair([&](std::size_t i, std::size_t j, Vector separation) {
-    auto const bin = static_cast<std::size_t>(std::sqrt(squared_length(separation)) / bin_width_);
-    counts_[std::min(bin, counts_.size() - 1)] += (i < own ? 1U : 0U) + (j < own ? 1U : 0U);
+  now.pairs(range, [&](NearPair const& pair) {
+    auto const bin = static_cast<std::size_t>(std::sqrt(squared_length(pair.separation)) / bin_width_);
+    counts_[std::min(bin, counts_.size() - 1)] += pair.own;
   });
-  now.add_up(counts_);
+  now.counts(counts_);
   double const pairs = 0.5 * n * (n - 1.0);
   for (std::size_t b = 0; b < counts_.size(); ++b) {
     double const expected = pairs * (probability_of_nearer_points(*domain, static_cast<double>(b + 1) * bin_width_) -

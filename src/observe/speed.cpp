@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
+#include <span>
 #include <utility>
 
-#include "observe/exact_sums.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
 #include "observe/motion.hpp"
 
 namespace gridlock {
@@ -16,17 +18,47 @@ namespace {
 constexpr std::size_t speed_column = 0;
 constexpr std::size_t ratio_column = 1;
 
+/// A mass and the number of agents that have it.
+struct CountedMass {
+  double mass = 0.0;
+  std::uint64_t agents = 0;
+};
+
+/// Adds a mass that is not below the last one.
+void add_counted(std::vector<CountedMass>& masses, CountedMass const& next) {
+  if (!masses.empty() && masses.back().mass == next.mass) {
+    masses.back().agents += next.agents;
+  } else {
+    masses.push_back(next);
+  }
+}
+
+/// The masses of all processes in rising order, each once. Contract: those given are in rising order.
+std::vector<CountedMass> merged(Communicator& processes, std::vector<CountedMass> const& masses) {
+  Message const all =
+      all_reduce(processes, message_of_all(std::span(masses)), [](Message const& left, Message const& right) {
+        auto const first = MessageReader(left).rest<CountedMass>();
+        auto const second = MessageReader(right).rest<CountedMass>();
+        std::vector<CountedMass> sorted;
+        std::ranges::merge(first, second, std::back_inserter(sorted), {}, &CountedMass::mass, &CountedMass::mass);
+        std::vector<CountedMass> merged;
+        for (CountedMass const& next : sorted) add_counted(merged, next);
+        return message_of_all(std::span<CountedMass const>(merged));
+      });
+  return MessageReader(all).rest<CountedMass>();
+}
+
 /// The different masses in rising order; where they are many, those to sixteen binary digits, which move Maxwell's curve by less than
-/// 1e-5 of itself: no rank is to have a mass for each agent.
-std::vector<CountedValue> masses_of(Snapshot const& now) {
+/// 1e-5 of itself: no process is to have a mass for each agent.
+std::vector<CountedMass> masses_of(Snapshot const& now) {
   constexpr std::size_t many = std::size_t{1} << 16U;
   auto const column = now.agents.column<Mass>();
   std::vector<double> masses(column.begin(), column.end());
   std::ranges::sort(masses);
-  std::vector<CountedValue> counted;
+  std::vector<CountedMass> counted;
   for (double const mass : masses) add_counted(counted, {mass, 1});
   auto const round = [&] {
-    std::vector<CountedValue> rounded;
+    std::vector<CountedMass> rounded;
     for (auto const& [mass, agents] : counted) {
       int exponent = 0;
       double const fraction = std::frexp(mass, &exponent);
@@ -34,11 +66,11 @@ std::vector<CountedValue> masses_of(Snapshot const& now) {
     }
     counted = std::move(rounded);
   };
-  std::array<std::uint64_t, 1> ranks_with_many{counted.size() > many ? 1U : 0U};
-  now.add_up(ranks_with_many);
-  if (ranks_with_many[0] > 0) round();
-  if (now.others != nullptr) counted = now.others->merge(std::move(counted));
-  if (ranks_with_many[0] == 0 && counted.size() > many) round();
+  std::array<std::uint64_t, 1> processes_with_many{counted.size() > many ? 1U : 0U};
+  now.counts(processes_with_many);
+  if (processes_with_many[0] > 0) round();
+  counted = merged(now.processes.communicator(), counted);
+  if (processes_with_many[0] == 0 && counted.size() > many) round();
   return counted;
 }
 
@@ -48,7 +80,7 @@ void Speed::begin(Snapshot const& start) {
   reset({{"mean_speed", "length / time", "Mean speed of the agents."},
          {"speed_moment_ratio", "", "⟨v⁴⟩/⟨v²⟩², with energies for unequal masses; 2 in thermal equilibrium."}});
   auto const n = static_cast<double>(start.count());
-  std::vector<CountedValue> const masses = masses_of(start);
+  std::vector<CountedMass> const masses = masses_of(start);
   masses_.clear();
   for (auto const& [mass, agents] : masses) masses_.push_back({mass, static_cast<double>(agents) / n});
   double const energy = measured_kinetic_energy(start);
@@ -68,8 +100,7 @@ void Speed::sample(Snapshot const& now, std::span<double> row, bool counts_for_a
   std::ranges::fill(counts_, 0);
   double const bins_per_speed = bin_width_ > 0.0 ? 1.0 / bin_width_ : 0.0;
   auto const bins = static_cast<double>(counts_.size());
-  std::array<ExactSum, 3> sums;
-  add_terms(sums, agents.size(), [&](std::size_t i) {
+  auto const [speeds, energies, squared_energies] = now.sum([&](std::size_t i) {  // energies are twice the kinetic ones
     double const squared_speed = velocity_x[i] * velocity_x[i] + velocity_y[i] * velocity_y[i];
     double const speed = std::sqrt(squared_speed);
     double const energy = mass[i] * squared_speed;
@@ -77,11 +108,7 @@ void Speed::sample(Snapshot const& now, std::span<double> row, bool counts_for_a
     if (bin < bins) ++counts_[static_cast<std::size_t>(bin)];
     return std::array{speed, energy, energy * energy};
   });
-  now.add_up(sums);
-  now.add_up(counts_);
-  double const speeds = sums[0].value();
-  double const energies = sums[1].value();  // twice the kinetic ones
-  double const squared_energies = sums[2].value();
+  now.counts(counts_);
   bool const is_moving = energies > 0.0;
   row[speed_column] = n > 0.0 ? speeds / n : no_value;
   row[ratio_column] = is_moving ? n * squared_energies / (energies * energies) : no_value;

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "observe/exact_sums.hpp"
+#include "observe/migrate.hpp"
 
 namespace gridlock {
 
@@ -17,26 +17,20 @@ std::vector<ColumnInfo> VelocityAutocorrelation::columns() const {
 
 void VelocityAutocorrelation::begin(Snapshot const&) {
   has_origin_ = false;
-  rows_ = {};
+  velocities_ = {};
   blocks_.reset();
-  velocities_.clear();
   curve_.clear();
   over_origins_.clear();
 }
 
 void VelocityAutocorrelation::set_origin(Snapshot const& now) {
-  auto const ids = now.agents.ids();
   auto const velocity_x = now.agents.column<VelocityX>();
   auto const velocity_y = now.agents.column<VelocityY>();
   has_origin_ = true;
   samples_since_origin_ = 0;
   origin_time_ = now.clock.time;
-  rows_ = IdIndex(ids);
+  velocities_ = now.attached<Vector>([&](std::size_t i) { return Vector{velocity_x[i], velocity_y[i]}; });
   blocks_.reset();
-  velocities_.assign(ids.size(), {});
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    velocities_[rows_.place_of(ids[i], i)] = {velocity_x[i], velocity_y[i]};
-  }
 }
 
 void VelocityAutocorrelation::sample(Snapshot const& now, std::span<double> row, bool counts_for_average) {
@@ -44,7 +38,7 @@ void VelocityAutocorrelation::sample(Snapshot const& now, std::span<double> row,
   if (!has_origin_ && !counts_for_average) return;
   bool const is_origin_due = !has_origin_ || (origin_every_ > 0 && samples_since_origin_ == origin_every_);
   if (is_origin_due) set_origin(now);
-  if (!blocks_) blocks_ = IdBlocks(now, rows_);
+  if (!blocks_) blocks_ = IdBlocks(now, velocities_.agents());
   std::size_t const point = samples_since_origin_++;
   auto const ids = now.agents.ids();
   auto const velocity_x = now.agents.column<VelocityX>();
@@ -52,13 +46,12 @@ void VelocityAutocorrelation::sample(Snapshot const& now, std::span<double> row,
   // With the squares at the origin as weights, the ratio of sums is the normalised correlation.
   SumsOfBlocks<agent_blocks, 2> terms;
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    std::size_t const place = rows_.place_of(ids[i], i);
-    if (place == IdIndex::not_found) continue;
-    Vector const then = velocities_[place];
-    terms.add(blocks_->block_of(ids[i]), {dot(then, {velocity_x[i], velocity_y[i]}), squared_length(then)});
+    Vector const* const then = velocities_.find(ids[i], i);
+    if (then == nullptr) continue;
+    terms.add(blocks_->block_of(ids[i]), {dot(*then, {velocity_x[i], velocity_y[i]}), squared_length(*then)});
   }
   std::vector<ExactSum> sums = terms.take_all();
-  now.add_up(sums);
+  now.sum(sums);
   std::array<Block, agent_blocks> blocks{};
   for (std::size_t b = 0; b < agent_blocks; ++b) blocks[b] = {sums[2 * b].value(), sums[2 * b + 1].value()};
   auto const correlation = estimate_from(blocks);
@@ -96,25 +89,13 @@ std::vector<Distribution> VelocityAutocorrelation::distributions() const {
            .columns_of_values = {std::move(lag), std::move(correlation), std::move(error)}}};
 }
 
-void VelocityAutocorrelation::serialize_velocities(Archive& archive, char const* name, double Vector::*component) {
-  std::vector<double> values;
-  for (std::size_t row = 0; row < velocities_.size(); ++row) {
-    values.push_back(velocities_[rows_.place_of_row(row)].*component);
-  }
-  archive.visit_rows(name, values);
-  if (!archive.is_restoring()) return;
-  archive.require(values.size() == velocities_.size(), "not every agent has a velocity");
-  for (std::size_t row = 0; row < values.size(); ++row) velocities_[rows_.place_of_row(row)].*component = values[row];
-}
-
 void VelocityAutocorrelation::serialize(Archive& archive) {
   archive.visit("has_origin", has_origin_);
   archive.visit("samples_since_origin", samples_since_origin_);
   archive.visit("origin_time", origin_time_);
-  serialize_inside(archive, "origin", [&] { rows_.serialize(archive); });
-  if (archive.is_restoring()) velocities_.resize(rows_.size());
-  serialize_velocities(archive, VelocityX::name, &Vector::x);
-  serialize_velocities(archive, VelocityY::name, &Vector::y);
+  serialize_inside(archive, "origin", [&] { velocities_.serialize_ids(archive); });
+  velocities_.serialize_member(archive, VelocityX::name, &Vector::x);
+  velocities_.serialize_member(archive, VelocityY::name, &Vector::y);
   if (archive.is_restoring()) blocks_.reset();
   // An error that is absent is written as NaN.
   std::vector<double> curve;
@@ -135,19 +116,8 @@ void VelocityAutocorrelation::serialize(Archive& archive) {
   gridlock::serialize(archive, "over_origins", over_origins_);
 }
 
-void VelocityAutocorrelation::bring_home(OtherAgents const& others) {
-  std::vector<NotedVector> noted;
-  noted.reserve(rows_.size());
-  for (std::size_t place = 0; place < rows_.size(); ++place) noted.push_back({rows_.id_at(place), velocities_[place]});
-  noted = others.at_home(std::move(noted));
-  std::ranges::sort(noted, {}, &NotedVector::id);
-  std::vector<Id> ids;
-  velocities_.clear();
-  for (NotedVector const& agent : noted) {
-    ids.push_back(agent.id);
-    velocities_.push_back(agent.value);
-  }
-  rows_ = IdIndex(ids);
+void VelocityAutocorrelation::migrate(Communicator& processes) {
+  velocities_.migrate(processes);
   blocks_.reset();
 }
 

@@ -7,10 +7,10 @@
 
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/vector.hpp"
+#include "gridlock/observe/detail/id_index.hpp"
 #include "gridlock/observe/estimate.hpp"
 #include "gridlock/observe/observable.hpp"
 #include "observe/id_blocks.hpp"
-#include "observe/id_index.hpp"
 
 namespace gridlock {
 
@@ -41,12 +41,10 @@ class VelocityAutocorrelation final : public Observable {
   [[nodiscard]] std::vector<NamedEstimate> results() const override { return {}; }
   [[nodiscard]] std::vector<Distribution> distributions() const override;
   void serialize(Archive& archive) override;
-  void bring_home(OtherAgents const& others) override;
+  void migrate(Communicator& processes) override;
 
  private:
   void set_origin(Snapshot const& now);
-  /// One component of each, in the order of the rows at the origin.
-  void serialize_velocities(Archive& archive, char const* name, double Vector::*component);
 
   struct Point {
     double lag;
@@ -58,9 +56,8 @@ class VelocityAutocorrelation final : public Observable {
   bool has_origin_ = false;
   std::uint64_t samples_since_origin_ = 0;
   double origin_time_ = 0.0;
-  IdIndex rows_;
+  Attached<Vector> velocities_;     ///< at the origin
   std::optional<IdBlocks> blocks_;  ///< of the agents at the origin; absent when they have just been restored
-  std::vector<Vector> velocities_;  ///< at the origin, in Id order
   std::vector<Point> curve_;
   std::vector<BlockAverage> over_origins_;  ///< of the points of the curve, where there is more than one origin
 };

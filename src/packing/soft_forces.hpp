@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/packing/soft_disks.hpp"
+#include "gridlock/parallel/detail/thread_pool.hpp"
 
 namespace gridlock {
 

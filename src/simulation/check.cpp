@@ -105,11 +105,11 @@ void note_frames_beyond(char const* key, char const* unit, std::vector<double> c
 
 }  // namespace
 
-void check(Configuration const& configuration, IsGiven const& is_given, Ranks const* ranks) {
+void check(Configuration const& configuration, IsGiven const& is_given, AllProcesses processes) {
   refuse_tables_of_others(configuration, is_given);
   require_name_of_file(configuration, is_given);
   configuration.kind().check(configuration);
-  require_memory(configuration, ranks);
+  require_memory(configuration, processes);
 }
 
 void require_use_of_ranks(Configuration const& configuration, std::size_t ranks) {

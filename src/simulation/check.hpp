@@ -5,13 +5,14 @@
 #include <string_view>
 #include <vector>
 
+#include "gridlock/parallel/detail/all_processes.hpp"
 #include "gridlock/simulation/setup.hpp"
 
 namespace gridlock {
 
 /// Refuses what is wrong with a configuration before anything is made of it: tables of models that are not run, settings
 /// with which no run is possible, more memory than there is. Errors: Error.
-void check(Configuration const& configuration, IsGiven const& is_given, Ranks const* ranks);
+void check(Configuration const& configuration, IsGiven const& is_given, AllProcesses processes);
 
 /// Refuses a run that so many ranks cannot share. Errors: Error.
 void require_use_of_ranks(Configuration const& configuration, std::size_t ranks);

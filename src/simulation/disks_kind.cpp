@@ -178,7 +178,8 @@ std::optional<Event> nothing_moves(DisksOverview const& disks, VelocitySettings 
 }
 
 /// In equilibrium one disk in 10¹³ is four times as fast as the speed that an engine has its time step from.
-std::optional<Event> fast_on_ranks(Ranks const& ranks, EngineSettings const& engine, DisksOverview const& disks) {
+std::optional<Event> fast_on_ranks(Communicator const& ranks, EngineSettings const& engine,
+                                   DisksOverview const& disks) {
   double const speed = engine.speed.value_or(1.0);
   if (ranks.count() == 1 || !(speed > 0.0) || !(disks.largest_speed > 4.0 * speed)) return std::nullopt;
   return Event{.kind = EventKind::fast_on_ranks,
@@ -302,7 +303,7 @@ class DisksKind final : public ModelKind {
     return bytes;
   }
 
-  [[nodiscard]] std::unique_ptr<AgentsOfRank> agents_of_rank(Ranks& ranks,
+  [[nodiscard]] std::unique_ptr<AgentsOfRank> agents_of_rank(Communicator& ranks,
                                                              Configuration const& configuration) const override;
   void check(Configuration const& configuration) const override {
     static_cast<void>(engine_record(configuration.engine.kind));
@@ -470,46 +471,48 @@ void build_divided(Setup& setup, SetupOptions const& options) {
   StartOfRanks start = start_of_ranks(setup, options);
   resolve(configuration);
   EngineSettings settings = configuration.engine;
-  settings.threads = threads_of(configuration, options.threads, options.ranks);
-  settings.ranks = options.ranks;
+  settings.threads = threads_of(configuration, options.threads, options.processes);
+  settings.processes = options.processes;
   if (start.whole) {
     // Without disks there are no settings that others could read.
     require_disks(start.whole->agents.size());
     require_collisions(configuration.run, *start.whole);
     require_hard_start(configuration.disks, *start.whole);
   }
-  DividedSimulation::announce(*options.ranks, configuration);
+  DividedSimulation::announce(options.processes.communicator(), configuration);
   auto disks = blaming_file(setup.start_file, [&] {
     if (!start.file) {
-      return std::make_unique<DisksOfRank>(*options.ranks, configuration, start.whole ? &*start.whole : nullptr);
+      return std::make_unique<DisksOfRank>(options.processes.communicator(), configuration,
+                                           start.whole ? &*start.whole : nullptr);
     }
     StartFile const file{.reader = *start.file, .take_summary = [&](StartFileSummary const& summary) {
                            take_summary(configuration, summary, options.is_given);
                          }};
-    return std::make_unique<DisksOfRank>(*options.ranks, configuration, nullptr, &file);
+    return std::make_unique<DisksOfRank>(options.processes.communicator(), configuration, nullptr, &file);
   });
   if (start.file)
     std::ranges::move(notes_of_start(*start.file, configuration.velocities), std::back_inserter(setup.notes));
   start = {};
   DisksOfRank& own = *disks;
-  auto simulation = std::make_unique<DividedSimulation>(*options.ranks, std::move(disks));
+  auto simulation = std::make_unique<DividedSimulation>(options.processes.communicator(), std::move(disks));
   if (has_speed) require_bounded_step(configuration.engine, own.all());
   check_disks(setup, settings, own.box(), own.clock(), own.all());
-  if (auto note = fast_on_ranks(*options.ranks, settings, own.all())) setup.notes.push_back(*std::move(note));
+  if (auto note = fast_on_ranks(options.processes.communicator(), settings, own.all()))
+    setup.notes.push_back(*std::move(note));
   if (!configuration.run.steps && !configuration.run.time && !(own.all().largest_speed > 0.0)) refuse_rest();
   blaming_file(setup.start_file, [&] { own.begin(settings, configuration.run); });
   simulation->observe(configuration.observe);
   setup.simulation = std::move(simulation);
 }
 
-std::unique_ptr<AgentsOfRank> DisksKind::agents_of_rank(Ranks& ranks, Configuration const& configuration) const {
+std::unique_ptr<AgentsOfRank> DisksKind::agents_of_rank(Communicator& ranks, Configuration const& configuration) const {
   return std::make_unique<DisksOfRank>(ranks, configuration);
 }
 
 void DisksKind::build(Setup& setup, SetupOptions const& options) const {
   Configuration& configuration = setup.configuration;
   RunSettings const& run = configuration.run;
-  if (options.ranks != nullptr && is_divided_among_ranks(configuration)) {
+  if (options.processes.count() > 1 && is_divided_among_ranks(configuration)) {
     build_divided(setup, options);
     return;
   }

@@ -4,8 +4,11 @@
 #include <utility>
 
 #include "engine/stepped.hpp"
-#include "gridlock/core/detail/agreement.hpp"
+#include "gridlock/core/detail/message.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
+#include "gridlock/parallel/detail/agreement.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
+#include "gridlock/parallel/detail/tasks.hpp"
 #include "simulation/disk_rows.hpp"
 #include "simulation/patient_engine.hpp"
 
@@ -21,7 +24,8 @@ enum class StartOfRows : std::uint64_t { made_by_each, handed_out, of_file };
 
 }  // namespace
 
-DisksOfRank::DisksOfRank(Ranks& ranks, Configuration const& configuration, State const* whole, StartFile const* file)
+DisksOfRank::DisksOfRank(Communicator& ranks, Configuration const& configuration, State const* whole,
+                         StartFile const* file)
     : ranks_(ranks) {
   struct Head {
     StartOfRows start;
@@ -29,7 +33,7 @@ DisksOfRank::DisksOfRank(Ranks& ranks, Configuration const& configuration, State
   } head{.start = StartOfRows::made_by_each, .rows = count_of(configuration.disks)};
   if (whole != nullptr) head = {.start = StartOfRows::handed_out, .rows = whole->agents.size()};
   if (file != nullptr) head = {.start = StartOfRows::of_file, .rows = file->reader.count()};
-  head = MessageReader(hand_down(ranks_, message_of(head))).next<Head>();
+  head = MessageReader(broadcast(ranks_, message_of(head))).next<Head>();
   rows_ = RowDivision::even(head.rows, ranks_.count());
   if (head.start == StartOfRows::of_file) {
     read_rows(configuration, file);
@@ -40,7 +44,7 @@ DisksOfRank::DisksOfRank(Ranks& ranks, Configuration const& configuration, State
                                             : receive_rows();
   }
   own_.seed = configuration.run.seed;
-  for (Ranks::Bytes const& bytes : ranks_.gather_for_all(message_of(overview_of(own_.agents)))) {
+  for (Message const& bytes : all_gather(ranks_, message_of(overview_of(own_.agents)))) {
     all_.add(MessageReader(bytes).next<DisksOverview>());
   }
   RowProblems const problems = problems_of_rows();
@@ -72,7 +76,7 @@ RowProblems DisksOfRank::problems_of_rows() const {
   MessageWriter own;
   RowProblems(own_).write(own);
   RowProblems problems;
-  for (Ranks::Bytes const& bytes : ranks_.gather_for_all(own.take())) {
+  for (Message const& bytes : all_gather(ranks_, own.take())) {
     MessageReader message(bytes);
     problems.add(RowProblems(message));
   }
@@ -106,7 +110,7 @@ void DisksOfRank::receive_rows() {
   std::size_t const rows = rows_.rows_of(ranks_.rank());
   ComingRows own(rows);
   for (std::size_t come = 0; come < rows;) {
-    Ranks::Bytes const bytes = ranks_.receive(0);
+    Message const bytes = ranks_.receive(0);
     std::vector<DiskRow> const disks = MessageReader(bytes).rest<DiskRow>();
     for (DiskRow const& disk : disks) own.add(disk);
     come += disks.size();
@@ -115,7 +119,7 @@ void DisksOfRank::receive_rows() {
 }
 
 double DisksOfRank::patience() const {
-  return patience_for(own_, all_, [&](auto const& add) { return add_in_order(ranks_, SpeedSums{}, add); });
+  return patience_for(own_, all_, [&](auto const& add) { return ordered_reduce(ranks_, SpeedSums{}, add); });
 }
 
 void DisksOfRank::begin(EngineSettings const& settings, RunSettings const& run) {

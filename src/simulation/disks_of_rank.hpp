@@ -8,8 +8,10 @@
 #include "core/disks_overview.hpp"
 #include "engine/tiled/on_ranks.hpp"
 #include "grid/validate_rows.hpp"
-#include "gridlock/core/detail/ranks.hpp"
-#include "gridlock/core/detail/row_division.hpp"
+#include "gridlock/core/detail/message.hpp"
+#include "gridlock/parallel/communicator.hpp"
+#include "gridlock/parallel/detail/row_division.hpp"
+#include "gridlock/parallel/detail/tasks.hpp"
 #include "gridlock/simulation/configuration.hpp"
 #include "gridlock/simulation/detail/agents_of_rank.hpp"
 #include "simulation/start_on_ranks.hpp"
@@ -21,7 +23,7 @@ class DisksOfRank final : public AgentsOfRank {
  public:
   /// All call it. The disks are those of a start that each rank makes by itself, or some that the leader has, all of them or their file.
   /// Errors: Error, on all ranks, where the settings or a row cannot be.
-  DisksOfRank(Ranks& ranks, Configuration const& configuration, State const* whole = nullptr,
+  DisksOfRank(Communicator& ranks, Configuration const& configuration, State const* whole = nullptr,
               StartFile const* file = nullptr);
 
   /// For the checks of a set-up.
@@ -37,8 +39,8 @@ class DisksOfRank final : public AgentsOfRank {
   [[nodiscard]] AgentsView view() const override { return own_.agents; }
   [[nodiscard]] std::vector<NamedColumn> columns() override { return columns_of(own_.agents); }
   [[nodiscard]] std::shared_ptr<void> release_columns() override { return own_.agents.release(); }
-  [[nodiscard]] Snapshot snapshot(Counters const& counters, OtherAgents const* others) const override {
-    return {own_, counters, others};
+  [[nodiscard]] Snapshot snapshot(Counters const& counters, Communicator& processes) const override {
+    return {own_, counters, processes, count()};
   }
   [[nodiscard]] std::uint64_t sum_of_hashes() const override { return gridlock::sum_of_hashes(own_.agents); }
   [[nodiscard]] std::size_t count() const override { return all_.count; }
@@ -69,7 +71,7 @@ class DisksOfRank final : public AgentsOfRank {
   /// patience_for() all disks. All ranks call it.
   [[nodiscard]] double patience() const;
 
-  Ranks& ranks_;
+  Communicator& ranks_;
   RowDivision rows_;
   State own_;
   DisksOverview all_;

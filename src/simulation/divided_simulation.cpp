@@ -10,9 +10,12 @@
 #include <variant>
 
 #include "engine/tiled/on_ranks.hpp"
-#include "gridlock/core/detail/agreement.hpp"
+#include "gridlock/core/detail/message.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/frame_source.hpp"
+#include "gridlock/parallel/detail/agreement.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
+#include "gridlock/parallel/detail/tasks.hpp"
 
 namespace gridlock {
 
@@ -59,20 +62,18 @@ CheckpointPart next_part(MessageReader& message) {
 }  // namespace
 
 void RunOfRank::observe(ObserveSettings const& settings) {
-  AgentsOnRanks const all = others();
-  for (auto& observable : agents_->make_observables(settings, agents_->snapshot(counters_, &all))) {
+  for (auto& observable : agents_->make_observables(settings, agents_->snapshot(counters_, ranks_))) {
     observables_.add(std::move(observable));
   }
 }
 
 void RunOfRank::sample(std::span<double> row, bool counts_for_average) {
-  AgentsOnRanks const all = others();
-  observables_.sample(agents_->snapshot(counters_, &all), row, counts_for_average);
+  observables_.sample(agents_->snapshot(counters_, ranks_), row, counts_for_average);
 }
 
 std::uint64_t RunOfRank::state_hash() const {
   std::uint64_t sum = 0;
-  for (Ranks::Bytes const& bytes : gather_for_leader(ranks_, message_of(agents_->sum_of_hashes()))) {
+  for (Message const& bytes : gather(ranks_, message_of(agents_->sum_of_hashes()))) {
     sum += MessageReader(bytes).next<std::uint64_t>();
   }
   if (ranks_.rank() > 0) return 0;
@@ -107,7 +108,7 @@ std::vector<CheckpointPart> RunOfRank::write_part(std::filesystem::path const& d
   answer.add_text(failure);
   std::vector<CheckpointPart> parts;
   std::string first_failure;
-  for (Ranks::Bytes const& bytes : gather_for_leader(ranks_, answer.take())) {
+  for (Message const& bytes : gather(ranks_, answer.take())) {
     MessageReader message(bytes);
     parts.push_back(next_part(message));
     std::string const next_failure = message.next_text();
@@ -122,7 +123,7 @@ std::optional<Restored> RunOfRank::restore(std::filesystem::path const& director
       directory, serialize, share(), [&](std::string const& text) { return first_text_of_all(ranks_, text); });
   if (!restored || agents_->rows() != nullptr) return restored;
   agents_->bring_home();
-  observables_.bring_home(others());
+  observables_.migrate(ranks_);
   return restored;
 }
 
@@ -135,7 +136,7 @@ void RunOfRank::serialize(Archive& archive) {
 /// The rows of all ranks.
 class DividedSimulation::Source final : public FrameSource {
  public:
-  Source(Ranks& ranks, DividedSimulation const& simulation, std::uint64_t number, ArrangedAgents arranged)
+  Source(Communicator& ranks, DividedSimulation const& simulation, std::uint64_t number, ArrangedAgents arranged)
       : FrameSource(head_of(simulation), simulation.agents()),
         ranks_(ranks),
         number_(number),
@@ -182,19 +183,19 @@ class DividedSimulation::Source final : public FrameSource {
       message.add(TaskOfRanks::give_rows);
       message.add(RowsOrder{.frame = number_, .column = column, .first = begin, .count = end - row});
       ranks_.send(rank, message.take());
-      Ranks::Bytes const bytes = ranks_.receive(rank);
+      Message const bytes = ranks_.receive(rank);
       std::vector<Value> const piece = MessageReader(bytes).rest<Value>();
       values.insert(values.end(), piece.begin(), piece.end());
       row = end;
     }
   }
 
-  Ranks& ranks_;
+  Communicator& ranks_;
   std::uint64_t number_;
   ArrangedAgents arranged_;
 };
 
-void DividedSimulation::announce(Ranks& ranks, Configuration const& configuration) {
+void DividedSimulation::announce(Communicator& ranks, Configuration const& configuration) {
   Configuration described = configuration;
   send_task(ranks, TaskOfRanks::begin_run, to_toml(describing(described)));
 }

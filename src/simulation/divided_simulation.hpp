@@ -9,13 +9,14 @@
 #include <span>
 #include <vector>
 
-#include "gridlock/core/detail/ranks.hpp"
+#include "gridlock/core/detail/message.hpp"
 #include "gridlock/observe/detail/observable_set.hpp"
+#include "gridlock/parallel/communicator.hpp"
+#include "gridlock/parallel/detail/tasks.hpp"
 #include "gridlock/simulation/configuration.hpp"
 #include "gridlock/simulation/detail/agents_of_rank.hpp"
 #include "gridlock/simulation/simulation.hpp"
 #include "io/checkpoint.hpp"
-#include "observe/agents_on_ranks.hpp"
 
 namespace gridlock {
 
@@ -23,7 +24,7 @@ namespace gridlock {
 /// those of the others.
 class RunOfRank {
  public:
-  RunOfRank(Ranks& ranks, std::unique_ptr<AgentsOfRank> agents) : ranks_(ranks), agents_(std::move(agents)) {}
+  RunOfRank(Communicator& ranks, std::unique_ptr<AgentsOfRank> agents) : ranks_(ranks), agents_(std::move(agents)) {}
 
   [[nodiscard]] AgentsOfRank& agents() { return *agents_; }
   [[nodiscard]] AgentsOfRank const& agents() const { return *agents_; }
@@ -48,10 +49,9 @@ class RunOfRank {
   void serialize(Archive& archive);
 
  private:
-  [[nodiscard]] AgentsOnRanks others() const { return {ranks_, agents_->count()}; }
   [[nodiscard]] CheckpointShare share() const;
 
-  Ranks& ranks_;
+  Communicator& ranks_;
   std::unique_ptr<AgentsOfRank> agents_;
   Counters counters_;
   ObservableSet observables_;
@@ -62,14 +62,14 @@ class RunOfRank {
 class DividedSimulation final : public Simulation {
  public:
   /// The other ranks make theirs after announce().
-  DividedSimulation(Ranks& ranks, std::unique_ptr<AgentsOfRank> agents)
+  DividedSimulation(Communicator& ranks, std::unique_ptr<AgentsOfRank> agents)
       : ranks_(ranks), run_(ranks, std::move(agents)) {}
   DividedSimulation(DividedSimulation const&) = delete;
   DividedSimulation& operator=(DividedSimulation const&) = delete;
   ~DividedSimulation() override;
 
   /// Tells the other ranks to make their agents of such a run, which the caller then does too.
-  static void announce(Ranks& ranks, Configuration const& configuration);
+  static void announce(Communicator& ranks, Configuration const& configuration);
 
   /// Begins to measure.
   void observe(ObserveSettings const& settings);
@@ -106,7 +106,7 @@ class DividedSimulation final : public Simulation {
   [[nodiscard]] AgentsOfRank const& own() const { return run_.agents(); }
   [[nodiscard]] AgentsOfRank& own() { return run_.agents(); }
 
-  Ranks& ranks_;
+  Communicator& ranks_;
   RunOfRank run_;
   mutable std::uint64_t frames_ = 0;  ///< handed out so far
 };
@@ -114,7 +114,7 @@ class DividedSimulation final : public Simulation {
 /// What every other rank does for a DividedSimulation of the leader.
 class RunHelper {
  public:
-  explicit RunHelper(Ranks& ranks) : ranks_(ranks) {}
+  explicit RunHelper(Communicator& ranks) : ranks_(ranks) {}
 
   void carry_out(TaskOfRanks task, MessageReader& message);
 
@@ -123,7 +123,7 @@ class RunHelper {
   void sample(MessageReader& message);
   void give_rows(MessageReader& message) const;
 
-  Ranks& ranks_;
+  Communicator& ranks_;
   Configuration configuration_;
   std::optional<RunOfRank> run_;
   std::map<std::uint64_t, ArrangedAgents> frames_;  ///< that the leader hands out, by number

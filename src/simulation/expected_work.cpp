@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "core/resources.hpp"
-#include "gridlock/core/detail/ranks.hpp"
+#include "gridlock/parallel/communicator.hpp"
 #include "simulation/memory.hpp"
 
 namespace gridlock {
@@ -30,11 +30,11 @@ bool takes_steps(Configuration const& configuration) {
 bool uses_threads(Configuration const& configuration) { return configuration.kind().uses_threads(configuration); }
 
 std::uint64_t threads_of(Configuration const& configuration, std::optional<std::uint64_t> asked_for,
-                         Ranks const* ranks) {
+                         AllProcesses processes) {
   if (!uses_threads(configuration)) return 1;
   std::uint64_t const threads = asked_for.value_or(configuration.engine.threads);
   if (threads > 0) return threads;
-  return std::max<std::uint64_t>(1, usable_cores() / (ranks == nullptr ? 1 : ranks->count_on_machine()));
+  return std::max<std::uint64_t>(1, usable_cores() / processes.communicator().count_on_machine());
 }
 
 Expectation expectation_of(Setup const& setup) {

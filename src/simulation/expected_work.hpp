@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "gridlock/parallel/detail/all_processes.hpp"
 #include "gridlock/simulation/setup.hpp"
 
 namespace gridlock {
@@ -23,6 +24,6 @@ bool uses_threads(Configuration const& configuration);
 
 /// The threads a run is carried out by in each of its processes, where it may be asked for others than the configured ones.
 std::uint64_t threads_of(Configuration const& configuration, std::optional<std::uint64_t> asked_for = std::nullopt,
-                         Ranks const* ranks = nullptr);
+                         AllProcesses processes = {});
 
 }  // namespace gridlock

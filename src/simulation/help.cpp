@@ -4,11 +4,11 @@
 
 namespace gridlock {
 
-void help(Ranks& ranks) {
+void help(Communicator& ranks) {
   do_or_abandon(ranks, [&] {
     RunHelper run(ranks);
     while (true) {
-      Ranks::Bytes const bytes = ranks.receive(0);
+      Message const bytes = ranks.receive(0);
       MessageReader message(bytes);
       auto const task = message.next<TaskOfRanks>();
       if (task == TaskOfRanks::leave) return;

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "gridlock/core/detail/ranks.hpp"
+#include "gridlock/parallel/communicator.hpp"
 
 namespace gridlock {
 
 /// What every rank but the leader does: its part of what the leader asks for, until it releases it.
-void help(Ranks& ranks);
+void help(Communicator& ranks);
 
 }  // namespace gridlock

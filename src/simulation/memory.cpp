@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/resources.hpp"
-#include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/parallel/communicator.hpp"
 
 namespace gridlock {
 
@@ -78,10 +78,12 @@ double expected_memory(Configuration const& configuration, std::size_t agents) {
   return series_of(configuration).bytes + configuration.kind().expected_bytes(configuration, agents);
 }
 
-void require_memory(Configuration const& configuration, Ranks const* ranks) {
+void require_memory(Configuration const& configuration, AllProcesses processes) {
   std::vector<MemoryDemand> demands = configuration.kind().memory(configuration);
-  if (ranks != nullptr && configuration.kind().is_divided_among_ranks(configuration)) {
-    double const share = static_cast<double>(ranks->count_on_machine()) / static_cast<double>(ranks->count());
+  if (configuration.kind().is_divided_among_ranks(configuration)) {
+    Communicator const& communicator = processes.communicator();
+    double const share =
+        static_cast<double>(communicator.count_on_machine()) / static_cast<double>(communicator.count());
     for (MemoryDemand& demand : demands) demand.bytes *= std::min(1.0, share);
   }
   demands.push_back(series_of(configuration));

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <string>
 
+#include "gridlock/parallel/detail/all_processes.hpp"
 #include "gridlock/simulation/configuration.hpp"
 
 namespace gridlock {
@@ -14,7 +15,7 @@ namespace gridlock {
 ///
 /// Counts what can become large: the agents, the cells of the grid, the rows of the series. Of agents that ranks divide the share of
 /// those on this machine. An estimate, on the low side.
-void require_memory(Configuration const& configuration, Ranks const* ranks);
+void require_memory(Configuration const& configuration, AllProcesses processes);
 
 /// The bytes a run needs by the same estimate; more closely where it is known how many agents there are.
 double expected_memory(Configuration const& configuration);

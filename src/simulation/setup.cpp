@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "core/saturating.hpp"
-#include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/simulation/world_simulation.hpp"
 #include "simulation/check.hpp"
@@ -47,13 +46,13 @@ Setup set_up(SettingsFile const& file, SetupOptions const& options) {
 }
 
 Setup set_up(Configuration configuration, SetupOptions const& options) {
-  check(configuration, options.is_given, options.ranks);
+  check(configuration, options.is_given, options.processes);
   Setup setup;
   setup.notes = unused_settings(configuration, options.is_given);
   setup.configuration = std::move(configuration);
   // What is run is decided: the settings of other models would only fill its resolved configuration.
   setup.configuration.models.keep_only(setup.configuration.model.kind);
-  require_use_of_ranks(setup.configuration, options.ranks == nullptr ? 1 : options.ranks->count());
+  require_use_of_ranks(setup.configuration, options.processes.count());
   RunSettings& run = setup.configuration.run;
   if (!run.steps && !run.time && !run.collisions_per_disk) {
     run.steps = setup.configuration.protocol.empty() ? default_steps : 0;

@@ -8,10 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include "core/sort_among_ranks.hpp"
-#include "gridlock/core/detail/agreement.hpp"
-#include "gridlock/core/detail/exchange.hpp"
+#include "gridlock/core/detail/message.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/parallel/detail/agreement.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
+#include "gridlock/parallel/detail/exchange.hpp"
+#include "gridlock/parallel/detail/tasks.hpp"
+#include "parallel/sort_among_ranks.hpp"
 #include "simulation/disk_rows.hpp"
 
 namespace gridlock {
@@ -71,7 +74,7 @@ std::size_t rank_of_slot(std::uint64_t slot, std::size_t ranks) {
 /// The part of one rank.
 class PartOfStart {
  public:
-  PartOfStart(Ranks& ranks, FileHead const& head, AskedRadii asked)
+  PartOfStart(Communicator& ranks, FileHead const& head, AskedRadii asked)
       : ranks_(ranks), head_(head), asked_(std::move(asked)), rows_(RowDivision::even(head.count, ranks.count())) {
     disks_.reserve(std::min(rows_.rows_of(ranks.rank()), head.likely_count));
   }
@@ -91,7 +94,7 @@ class PartOfStart {
   /// Whether all have come.
   bool receive() {
     while (true) {
-      Ranks::Bytes const bytes = ranks_.receive(0);
+      Message const bytes = ranks_.receive(0);
       MessageReader message(bytes);
       auto const piece = message.next<PieceOfFile>();
       if (piece != PieceOfFile::rows) return piece == PieceOfFile::end;
@@ -126,7 +129,7 @@ class PartOfStart {
                             .radii = radius_range(own.agents),
                             .are_as_asked = asked_.are_of(own.agents) ? std::uint64_t{1} : 0};
     bool is_first = true;
-    for (Ranks::Bytes const& bytes : ranks_.gather_for_all(message_of(radii))) {
+    for (Message const& bytes : all_gather(ranks_, message_of(radii))) {
       auto const next = MessageReader(bytes).next<RadiiOfRank>();
       if (next.count == 0) continue;
       summary.radii = {
@@ -136,7 +139,7 @@ class PartOfStart {
       is_first = false;
     }
     // In the order of one process: sums of floating-point numbers depend on it.
-    double const squares = add_in_order(ranks_, 0.0, [&](double& sum) {
+    double const squares = ordered_reduce(ranks_, 0.0, [&](double& sum) {
       for (double const radius : own.agents.column<Radius>()) sum += radius * radius;
     });
     summary.covered_area = std::numbers::pi * squares;
@@ -188,7 +191,7 @@ class PartOfStart {
       own.last = disks_.back().id;
     }
     std::optional<OrderOfRows> before;
-    for (Ranks::Bytes const& bytes : ranks_.gather_for_all(message_of(own))) {
+    for (Message const& bytes : all_gather(ranks_, message_of(own))) {
       auto const next = MessageReader(bytes).next<OrderOfRows>();
       if (next.count == 0) continue;
       if (next.ascends == 0 || (before && before->last >= next.first)) return false;
@@ -213,7 +216,7 @@ class PartOfStart {
     std::vector<xyz::WrongId> own;
     if (auto const wrong = xyz::find_wrong_id(ids, head_.count)) own.push_back(*wrong);
     std::optional<xyz::WrongId> lowest;
-    for (Ranks::Bytes const& bytes : ranks_.gather_for_all(message_of_all(std::span<xyz::WrongId const>(own)))) {
+    for (Message const& bytes : all_gather(ranks_, message_of_all(std::span<xyz::WrongId const>(own)))) {
       for (xyz::WrongId const& wrong : MessageReader(bytes).rest<xyz::WrongId>()) {
         if (!lowest || xyz::slot_of(wrong.id) < xyz::slot_of(lowest->id)) lowest = wrong;
       }
@@ -221,7 +224,7 @@ class PartOfStart {
     return lowest;
   }
 
-  Ranks& ranks_;
+  Communicator& ranks_;
   FileHead head_;
   AskedRadii asked_;
   RowDivision rows_;            ///< before they are sorted the rows of the file, then those of the Ids
@@ -230,10 +233,10 @@ class PartOfStart {
 
 }  // namespace
 
-RowsOfFile read_on_ranks(Ranks& ranks, DisksSettings const& settings, StartFile const* file) {
-  Ranks::Bytes head;
+RowsOfFile read_on_ranks(Communicator& ranks, DisksSettings const& settings, StartFile const* file) {
+  Message head;
   if (file != nullptr) head = message_of(head_of(file->reader));
-  PartOfStart part(ranks, MessageReader(hand_down(ranks, std::move(head))).next<FileHead>(), AskedRadii(settings));
+  PartOfStart part(ranks, MessageReader(broadcast(ranks, std::move(head))).next<FileHead>(), AskedRadii(settings));
   bool const is_whole = file != nullptr ? part.hand_out(file->reader, settings) : part.receive();
   auto const wrong = is_whole ? part.sort() : std::nullopt;
   if (wrong && file != nullptr) file->reader.refuse(*wrong);

@@ -2,10 +2,10 @@
 
 #include <functional>
 
-#include "gridlock/core/detail/ranks.hpp"
-#include "gridlock/core/detail/row_division.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/lattice/start.hpp"
+#include "gridlock/parallel/communicator.hpp"
+#include "gridlock/parallel/detail/row_division.hpp"
 #include "io/xyz_reader.hpp"
 #include "simulation/start_file.hpp"
 
@@ -27,6 +27,6 @@ struct RowsOfFile {
 
 /// The leader, which alone has the file, reads it piece by piece and hands it out: nobody ever has all rows. The Ids may be in any order; ranks
 /// sort them. All call it. Errors: Error on all of them; the leader's are those of read_xyz(), with their place, and of take_summary.
-RowsOfFile read_on_ranks(Ranks& ranks, DisksSettings const& settings, StartFile const* file);
+RowsOfFile read_on_ranks(Communicator& ranks, DisksSettings const& settings, StartFile const* file);
 
 }  // namespace gridlock

@@ -8,12 +8,12 @@
 #include <new>
 #include <utility>
 
-#include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/target.hpp"
 #include "gridlock/core/version.hpp"
 #include "gridlock/io/settings_file.hpp"
 #include "gridlock/io/xyz.hpp"
+#include "gridlock/parallel/communicator.hpp"
 #include "io/checkpoint.hpp"
 #include "io/file.hpp"
 #include "simulation/divided_simulation.hpp"
@@ -43,11 +43,6 @@ std::optional<Event> audit_event(Simulation const& simulation) {
 }
 
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
-
-/// Nothing for a run of one process.
-std::vector<Traffic> traffic_of(Ranks const* ranks) {
-  return ranks == nullptr ? std::vector<Traffic>() : ranks->traffic_of_ranks();
-}
 
 /// A run at home in its directory.
 class RunInDirectory {
@@ -181,7 +176,7 @@ class RunInDirectory {
     RunRecord record = run_.record();
     try {
       write_run_results(directory_, versions_, setup_.configuration, start_hash_, record, *simulation_.frame_source(),
-                        traffic_of(hooks_.ranks));
+                        hooks_.processes.communicator().traffic_of_ranks());
     } catch (RunFailure const& failure) {
       // A full disk ends the run first and keeps its results out next: the first reason is the one to tell.
       if (record.failure.empty()) throw;
@@ -245,13 +240,13 @@ class RunInDirectory {
     Event event{.kind = EventKind::threads_chosen,
                 .severity = Severity::info,
                 .step = simulation_.clock().step,
-                .values = {{"threads", threads_of(setup_.configuration, hooks_.threads, hooks_.ranks)}}};
-    if (hooks_.ranks != nullptr) event.values.emplace_back("ranks", std::uint64_t{hooks_.ranks->count()});
+                .values = {{"threads", threads_of(setup_.configuration, hooks_.threads, hooks_.processes)}}};
+    if (hooks_.processes.count() > 1) event.values.emplace_back("ranks", std::uint64_t{hooks_.processes.count()});
     return event;
   }
 
   void log_traffic() {
-    std::vector<Traffic> const ranks = traffic_of(hooks_.ranks);
+    std::vector<Traffic> const ranks = hooks_.processes.communicator().traffic_of_ranks();
     for (std::size_t rank = 0; rank < ranks.size(); ++rank) {
       log_.write({.kind = EventKind::traffic_counted,
                   .severity = Severity::info,
@@ -387,7 +382,7 @@ RunRecord continue_in(std::filesystem::path const& directory, std::optional<RunL
     if (!is_finished && are_same(old.run, *length)) length.reset();
   }
   if (length) set_length(file, *length);
-  Setup setup = set_up(file, {.threads = hooks.threads, .ranks = hooks.ranks});
+  Setup setup = set_up(file, {.threads = hooks.threads, .processes = hooks.processes});
   Configuration configuration = setup.configuration;
   bool const starts_from_file = !setup.start_file.empty();
   std::vector<std::filesystem::path> files = run_files(directory, configuration);

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/frame_source.hpp"
+#include "gridlock/parallel/communicator.hpp"
 #include "gridlock/simulation/simulate.hpp"
 
 namespace gridlock {

@@ -6,11 +6,10 @@
 #include <optional>
 #include <string>
 
+#include "gridlock/parallel/detail/all_processes.hpp"
 #include "workspace/sweep_setup.hpp"
 
 namespace gridlock {
-
-class Ranks;
 
 /// A run for one of the processes of a crew to make.
 struct CrewJob {
@@ -43,8 +42,8 @@ class SweepCrew {
 
   /// How many processes share each run; the last group may have fewer.
   [[nodiscard]] virtual std::size_t ranks_of_run() const { return 1; }
-  /// Those that share runs with this process, after meet(); none where it makes them alone.
-  [[nodiscard]] virtual Ranks* ranks() { return nullptr; }
+  /// Those that share runs with this process, after meet().
+  [[nodiscard]] virtual AllProcesses processes() { return {}; }
 
   /// Every process calls it once, when it is ready for runs of the plan with this hash, or when it cannot take part: `failure` then says why.
   /// Returns where all are ready for the same plan. Errors: RunFailure for another's failure; Error, in all processes, for another plan.

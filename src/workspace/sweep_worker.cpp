@@ -36,7 +36,7 @@ std::optional<SweepOutcome> SweepWorker::make(std::size_t run, Prospect const& p
   RunHooks const hooks{.on_progress = [&](Progress const& progress) { return report(progress.fraction); },
                        .on_event = {},
                        .threads = prospect.threads,
-                       .ranks = settings_.crew == nullptr ? nullptr : settings_.crew->ranks()};
+                       .processes = settings_.crew == nullptr ? AllProcesses() : settings_.crew->processes()};
   try {
     // Others that share the directory may have been faster.
     if (auto const summary = directory_.recorded(run); summary && is_finished(outcome_of(*summary))) {
@@ -48,7 +48,8 @@ std::optional<SweepOutcome> SweepWorker::make(std::size_t run, Prospect const& p
     SettingsFile settings = plan_.runs[run].settings;
     // What is recorded is what is used.
     if (prospect.takes_threads) settings.set(fmt::format("engine.threads={}", prospect.threads));
-    return outcome_of_record(run_in(directory_.directory_of(run), set_up(settings, {.ranks = hooks.ranks}), hooks));
+    return outcome_of_record(
+        run_in(directory_.directory_of(run), set_up(settings, {.processes = hooks.processes}), hooks));
   } catch (std::exception const& error) {
     return SweepOutcome{.has_begun = true,
                         .status = RunStatus::failed,

@@ -1,7 +1,7 @@
 // Who may include whom, as ARCHITECTURE.md says:
 //
-//     core ← grid ← { lattice, engine, observe, model, packing } ← simulation ← workspace ← drawing ← apps
-//     core ← io ← simulation
+//     core ← parallel ← grid ← { lattice, engine, observe, model, packing } ← simulation ← workspace ← drawing ← apps
+//     parallel ← io ← simulation
 //     observe ← analysis
 //
 // The siblings in braces do not include one another, save for engine/engine.hpp.
@@ -22,22 +22,23 @@ namespace fs = std::filesystem;
 
 std::map<std::string, std::set<std::string>> const allowed{
     {"core", {"core"}},
-    {"grid", {"core", "grid"}},
-    {"io", {"core", "io"}},
-    {"lattice", {"core", "grid", "lattice"}},
-    {"engine", {"core", "grid", "engine"}},
-    {"observe", {"core", "grid", "observe"}},
-    {"analysis", {"core", "grid", "observe", "analysis"}},
-    {"model", {"core", "grid", "model"}},
-    {"packing", {"core", "grid", "packing"}},
+    {"parallel", {"core", "parallel"}},
+    {"grid", {"core", "parallel", "grid"}},
+    {"io", {"core", "parallel", "io"}},
+    {"lattice", {"core", "parallel", "grid", "lattice"}},
+    {"engine", {"core", "parallel", "grid", "engine"}},
+    {"observe", {"core", "parallel", "grid", "observe"}},
+    {"analysis", {"core", "parallel", "grid", "observe", "analysis"}},
+    {"model", {"core", "parallel", "grid", "model"}},
+    {"packing", {"core", "parallel", "grid", "packing"}},
     {"protocol", {"core", "grid", "engine", "packing", "protocol"}},
-    {"models", {"core", "grid", "lattice", "model", "models"}},
+    {"models", {"core", "parallel", "grid", "lattice", "model", "models"}},
     {"simulation",
-     {"core", "grid", "io", "lattice", "engine", "observe", "model", "models", "packing", "protocol", "simulation"}},
-    {"workspace", {"core", "grid", "io", "lattice", "engine", "observe", "model", "simulation", "workspace"}},
+     {"core", "parallel", "grid", "io", "lattice", "engine", "observe", "model", "models", "packing", "protocol", "simulation"}},
+    {"workspace", {"core", "parallel", "grid", "io", "lattice", "engine", "observe", "model", "simulation", "workspace"}},
     {"drawing", {"core", "io", "observe", "simulation", "workspace", "drawing"}},
     {"apps",
-     {"core", "grid", "io", "lattice", "engine", "observe", "model", "packing", "analysis", "simulation", "workspace",
+     {"core", "parallel", "grid", "io", "lattice", "engine", "observe", "model", "packing", "analysis", "simulation", "workspace",
       "drawing", "apps"}},
 };
 

@@ -50,8 +50,8 @@ Hashes run(Scene const& scene, std::string const& engine, Variant const& variant
   settings.threads = variant.threads;
   settings.grid = variant.grid;
   Counters counters;
-  test::ThreadRanks(variant.ranks).run([&](Ranks& ranks) {
-    settings.ranks = &ranks;
+  test::ThreadRanks(variant.ranks).run([&](Communicator& ranks) {
+    settings.processes = ranks;
     make_engine(settings, state)->advance(state, counters, {.time = scene.time});
   });
   EXPECT_NO_THROW(validate(state));

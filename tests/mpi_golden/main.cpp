@@ -13,6 +13,8 @@
 #include "golden/model_scenes.hpp"
 #include "golden/scenes.hpp"
 #include "gridlock-mpi/mpi_ranks.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
+#include "gridlock/parallel/detail/tasks.hpp"
 #include "gridlock/simulation/detail/model_of_rank.hpp"
 #include "simulation/help.hpp"
 
@@ -20,14 +22,14 @@ namespace {
 
 /// For the leader.
 template <class Model>
-std::string hash_of_all(gridlock::Ranks& ranks, gridlock::ModelOfRank<Model> const& own) {
-  std::uint64_t const sum = gridlock::sum_over_ranks(ranks, own.sum_of_hashes());
+std::string hash_of_all(gridlock::Communicator& ranks, gridlock::ModelOfRank<Model> const& own) {
+  std::uint64_t const sum = gridlock::all_sum(ranks, own.sum_of_hashes());
   return fmt::format("{:016x}", gridlock::hash_of_world(own.box(), own.clock(), own.seed(), own.count(), sum));
 }
 
 /// All ranks call it; the leader prints.
 template <class Model>
-void run_model(gridlock::Ranks& ranks, std::string const& scene, Model const& model, gridlock::Box const& box,
+void run_model(gridlock::Communicator& ranks, std::string const& scene, Model const& model, gridlock::Box const& box,
                std::uint64_t steps, std::uint64_t threads) {
   gridlock::ModelOfRank<Model> own(ranks, model, box, gridlock::golden::seed_of_models, threads,
                                    [](auto const& act) { act(); });
@@ -36,7 +38,7 @@ void run_model(gridlock::Ranks& ranks, std::string const& scene, Model const& mo
   if (ranks.rank() == 0) {
     own.advance(counters, {.step = steps});
   } else {
-    gridlock::Ranks::Bytes const bytes = ranks.receive(0);
+    gridlock::Message const bytes = ranks.receive(0);
     gridlock::MessageReader message(bytes);
     own.carry_out(message.next<gridlock::TaskOfRanks>(), message);
   }
@@ -66,7 +68,7 @@ int main(int argc, char** argv) {
         gridlock::EngineSettings settings = scene.engine;
         settings.kind = "tiled";
         settings.threads = std::stoul(argv[1]);
-        settings.ranks = &ranks;
+        settings.processes = ranks;
         gridlock::Counters counters;
         gridlock::make_engine(settings, state)->advance(state, counters, {.time = scene.time});
         fmt::print("{} tiled {} {}\n", scene.name, start, gridlock::golden::hash_text(state));

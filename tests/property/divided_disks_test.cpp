@@ -247,11 +247,11 @@ TEST_F(DividedDisksTest, StartFromAPackedFileAndAfterOneThatWasRefused) {
   ASSERT_EQ(std::system(("gzip -k " + file.string()).c_str()), 0);
   std::string const text = run_of_file(file.string() + ".gz");
   carry_out(text, temporary_ / "one", 0);
-  test::ThreadRanks(3).run([&](Ranks& leader) {
-    SetupOptions const options{.threads = 1, .ranks = &leader};
+  test::ThreadRanks(3).run([&](Communicator& leader) {
+    SetupOptions const options{.threads = 1, .processes = leader};
     EXPECT_THROW(set_up(SettingsFile::from_text(run_of_file(file, "count = 7\n"), "wrong.toml"), options), Error);
     RunHooks hooks;
-    hooks.ranks = &leader;
+    hooks.processes = leader;
     hooks.threads = 1;
     run_in(temporary_ / "many", set_up(SettingsFile::from_text(text, "run.toml"), options), hooks);
   });

@@ -202,7 +202,7 @@ TEST(DividedModels, RefuseWhatOneProcessRefuses) {
 template <class Model>
 std::vector<std::size_t> agents_of_ranks(Model const& model, std::size_t ranks, std::uint64_t steps) {
   std::vector<std::size_t> agents(ranks);
-  ThreadRanks(ranks).run_on_all([&](Ranks& here) {
+  ThreadRanks(ranks).run_on_all([&](Communicator& here) {
     ModelOfRank<Model> own(here, model, Box(1.25, 0.8, Edge::periodic), 5, 1, [](auto const& act) { act(); });
     Counters counters;
     if (here.rank() == 0) {
@@ -210,7 +210,7 @@ std::vector<std::size_t> agents_of_ranks(Model const& model, std::size_t ranks, 
       send_task(here, TaskOfRanks::leave);
     } else {
       for (auto task = TaskOfRanks::steps_from_homes; task != TaskOfRanks::leave;) {
-        Ranks::Bytes const bytes = here.receive(0);
+        Message const bytes = here.receive(0);
         MessageReader message(bytes);
         task = message.next<TaskOfRanks>();
         own.carry_out(task, message);

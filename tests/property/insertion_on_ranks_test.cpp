@@ -26,7 +26,7 @@ std::uint64_t expect_insertion_of_one_process(Box const& box, std::vector<double
   for (std::size_t const count : numbers_of_ranks) {
     RowDivision const rows = RowDivision::even(radii.size(), count);
     std::vector<InsertedRows> of_ranks(count);
-    test::ThreadRanks(count).run_on_all([&](Ranks& here) {
+    test::ThreadRanks(count).run_on_all([&](Communicator& here) {
       auto const own = std::span(radii).subspan(rows.first(here.rank()), rows.rows_of(here.rank()));
       of_ranks[here.rank()] = insert_on_ranks(here, box, own, rows, seed);
     });

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -13,15 +14,19 @@
 #include <utility>
 #include <vector>
 
-#include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/random.hpp"
-#include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/observe/observable.hpp"
+#include "gridlock/observe/pairs.hpp"
+#include "gridlock/parallel/communicator.hpp"
 #include "io/checkpoint.hpp"
-#include "observe/agents_on_ranks.hpp"
 #include "reference/shuffled_rows.hpp"
 #include "thread_ranks.hpp"
+
+// The example of the page, without its program.
+#define main example_program
+#include "examples/own_observable.cpp"
+#undef main
 
 namespace gridlock {
 namespace {
@@ -223,17 +228,16 @@ std::vector<Numbers> measured_on_ranks(Case const& c, std::size_t ranks, std::ui
   State const start = shuffle_seed == 0 ? start_of(c) : reference::with_rows_shuffled(start_of(c), shuffle_seed);
   std::vector<std::size_t> const cuts = random_cuts(c.count, ranks, c.seed);
   std::vector<Numbers> results(ranks);
-  test::ThreadRanks(ranks).run_on_all([&](Ranks& here) {
+  test::ThreadRanks(ranks).run_on_all([&](Communicator& here) {
     std::size_t const rank = here.rank();
     State state = rows_of(start, cuts[rank], cuts[rank + 1]);
     Counters const counters;
-    AgentsOnRanks const others(here, c.count);
     State const own_start = state;
-    Recorder recorder({state, counters, &others});
+    Recorder recorder({state, counters, here, c.count});
     for (std::uint64_t sample = 1; sample <= samples; ++sample) {
       fly(state, 0.05);
-      if (sample == resumed_at) recorder.resume({own_start, counters, &others});
-      recorder.sample({state, counters_at(sample), &others}, sample > 1);
+      if (sample == resumed_at) recorder.resume({own_start, counters, here, c.count});
+      recorder.sample({state, counters_at(sample), here, c.count}, sample > 1);
     }
     results[rank] = recorder.finish();
   });
@@ -259,21 +263,75 @@ TEST(ObservablesOnRanks, MeasureTheBitsOfOneProcessWhereMassesAreTooManyToKeep) 
   for (Numbers const& numbers : measured_on_ranks(c, 3, 0)) ASSERT_EQ(numbers, expected);
 }
 
+TEST(ObservablesOnRanks, OfThePageMeasureTheFastestOfAllDisks) {
+  Case const c{.count = 41, .width = 2.0, .seed = 8};
+  State const start = start_of(c);
+  double expected = 0.0;
+  for (std::size_t i = 0; i < c.count; ++i) {
+    expected = std::max(expected, std::hypot(start.agents.column<VelocityX>()[i], start.agents.column<VelocityY>()[i]));
+  }
+  for (std::size_t const ranks : {1U, 2U, 3U, 5U}) {
+    std::vector<std::size_t> const cuts = random_cuts(c.count, ranks, 21);
+    test::ThreadRanks(ranks).run_on_all([&](Communicator& here) {
+      State const state = rows_of(start, cuts[here.rank()], cuts[here.rank() + 1]);
+      Counters const counters;
+      Snapshot const now(state, counters, here, c.count);
+      LargestSpeed observable;
+      observable.begin(now);
+      std::vector<double> row(1);
+      observable.sample(now, row, true);
+      EXPECT_EQ(row[0], expected) << "rank " << here.rank() << " of " << ranks;
+    });
+  }
+}
+
+/// A snapshot's functions are told apart by their results alone: an agent counts once, wherever it is.
+TEST(ObservablesOnRanks, SnapshotsCountEachAgentAndEachPairOnce) {
+  Case const c{.edge = Edge::wall, .count = 60, .width = 3.0, .seed = 9};
+  State const start = start_of(c);
+  double const cutoff = 0.3;
+  std::uint64_t twice_pairs = 0;
+  for (std::size_t i = 0; i < c.count; ++i) {
+    for (std::size_t j = 0; j < c.count; ++j) {
+      Vector const from{start.agents.column<X>()[i], start.agents.column<Y>()[i]};
+      Vector const to{start.agents.column<X>()[j], start.agents.column<Y>()[j]};
+      if (i != j && squared_length(start.box.displacement(from, to)) < cutoff * cutoff) ++twice_pairs;
+    }
+  }
+  ASSERT_GT(twice_pairs, 0U);
+  for (std::size_t const ranks : {1U, 2U, 5U}) {
+    std::vector<std::size_t> const cuts = random_cuts(c.count, ranks, 33);
+    test::ThreadRanks(ranks).run_on_all([&](Communicator& here) {
+      State const state = rows_of(start, cuts[here.rank()], cuts[here.rank() + 1]);
+      Counters const counters;
+      Snapshot const now(state, counters, here, c.count);
+      EXPECT_EQ(now.sum([](std::size_t) { return 1.0; }), static_cast<double>(c.count));
+      std::array<std::uint64_t, 1> found{};
+      now.pairs(cutoff, [&](NearPair const& pair) {
+        EXPECT_LT(squared_length(pair.separation), cutoff * cutoff);
+        found[0] += pair.own;
+      });
+      now.counts(found);
+      EXPECT_EQ(found[0], twice_pairs) << ranks;
+      double const min_x = now.min([&](std::size_t i) { return state.agents.column<X>()[i]; });
+      EXPECT_EQ(min_x, std::ranges::min(start.agents.column<X>()));
+    });
+  }
+}
+
 TEST(ObservablesOnRanks, SearchSlabsThatHoldEachPointOnceAndAboutAsManyEach) {
   Case const c{.count = 20'000, .crowd = 0.5, .seed = 5};
   State const start = start_of(c);
   constexpr std::size_t ranks = 4;
   std::vector<std::size_t> own(ranks);
   std::vector<std::size_t> all(ranks);
-  test::ThreadRanks(ranks).run_on_all([&](Ranks& here) {
+  test::ThreadRanks(ranks).run_on_all([&](Communicator& here) {
     std::size_t const rank = here.rank();
     State const state = rows_of(start, rank * c.count / ranks, (rank + 1) * c.count / ranks);
-    AgentsOnRanks const others(here, c.count);
-    double const cutoff = 0.01;
-    PointsOfCells const points = others.points_of_cells(layout_for_cutoff(state.box, cutoff, c.count), cutoff,
-                                                        state.agents.column<X>(), state.agents.column<Y>());
-    own[rank] = points.own;
-    all[rank] = points.x.size();
+    Counters const counters;
+    LocalPoints const points(Snapshot(state, counters, here, c.count), 0.01);
+    own[rank] = points.own();
+    all[rank] = points.size();
   });
   std::size_t sum = 0;
   for (std::size_t rank = 0; rank < ranks; ++rank) {

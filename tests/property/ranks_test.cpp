@@ -24,8 +24,8 @@ using test::ThreadRanks;
 Ended advance_on_ranks(EngineSettings settings, std::size_t ranks, std::uint64_t threads, State& state,
                        std::uint64_t step) {
   Ended ended;
-  ThreadRanks(ranks).run([&](Ranks& leader) {
-    settings.ranks = &leader;
+  ThreadRanks(ranks).run([&](Communicator& leader) {
+    settings.processes = leader;
     ended = reference::advance(settings, threads, state, step);
   });
   return ended;
@@ -67,8 +67,8 @@ Ended advance_in_parts(EngineSettings settings, std::vector<std::size_t> const& 
                        std::uint64_t step) {
   Ended ended;
   for (std::size_t part = 0; part < ranks_of_parts.size(); ++part) {
-    ThreadRanks(ranks_of_parts[part]).run([&](Ranks& leader) {
-      settings.ranks = &leader;
+    ThreadRanks(ranks_of_parts[part]).run([&](Communicator& leader) {
+      settings.processes = leader;
       settings.threads = 1;
       make_engine(settings, state)->advance(state, ended.counters, {.step = step * (part + 1) / ranks_of_parts.size()});
     });
@@ -105,8 +105,8 @@ TEST(TiledOnRanks, StopsAtTheStepThatHasEnoughCollisions) {
   Counters one;
   make_engine(s.engine, one_state)->advance(one_state, one, enough);
   Counters many;
-  ThreadRanks(3).run([&](Ranks& leader) {
-    s.engine.ranks = &leader;
+  ThreadRanks(3).run([&](Communicator& leader) {
+    s.engine.processes = leader;
     make_engine(s.engine, state)->advance(state, many, enough);
   });
   EXPECT_GE(one.pair_collisions, 500U);
@@ -123,8 +123,8 @@ TEST(TiledOnRanks, EndsWhereItIsAskedToOrTheQuestionFails) {
     State state = start;
     Counters counters;
     int asked = 0;
-    auto const advance = [&](Ranks& leader) {
-      s.engine.ranks = &leader;
+    auto const advance = [&](Communicator& leader) {
+      s.engine.processes = leader;
       make_engine(s.engine, state)->advance(state, counters, {.step = 1'000'000, .should_continue = [&] {
                                                                 if (++asked == 3 && throws)
                                                                   throw std::runtime_error("no more paper");
@@ -157,8 +157,8 @@ TEST(TiledOnRanks, SendsNoMessageThatGrowsWithTheBoxBehindItsRim) {
     s.engine = {.kind = "tiled", .time_step = 0.05, .threads = 1};
     State state = s.start();
     ThreadRanks ranks(2);
-    ranks.run([&](Ranks& leader) {
-      s.engine.ranks = &leader;
+    ranks.run([&](Communicator& leader) {
+      s.engine.processes = leader;
       Counters counters;
       make_engine(s.engine, state)->advance(state, counters, {.step = steps});
     });

@@ -24,22 +24,22 @@ namespace gridlock::test {
 inline RunStatus carry_out(std::string const& text, std::filesystem::path const& directory, std::size_t ranks,
                            std::uint64_t stop_at = 0) {
   RunStatus status = RunStatus::failed;
-  auto const work = [&](Ranks* leader) {
+  auto const work = [&](AllProcesses processes) {
     RunHooks hooks;
-    hooks.ranks = leader;
+    hooks.processes = processes;
     hooks.threads = 1;
     if (stop_at > 0) hooks.on_progress = [&](Progress const& progress) { return progress.steps < stop_at; };
     if (std::filesystem::exists(directory / "config.resolved.toml")) {
       status = resume_in(directory, hooks).status;
     } else {
-      Setup setup = set_up(SettingsFile::from_text(text, "run.toml"), {.threads = 1, .ranks = leader});
+      Setup setup = set_up(SettingsFile::from_text(text, "run.toml"), {.threads = 1, .processes = processes});
       status = run_in(directory, std::move(setup), hooks).status;
     }
   };
   if (ranks == 0) {
-    work(nullptr);
+    work({});
   } else {
-    ThreadRanks(ranks).run([&](Ranks& leader) { work(&leader); });
+    ThreadRanks(ranks).run([&](Communicator& root) { work(root); });
   }
   return status;
 }

@@ -80,7 +80,7 @@ void expect_rows_of_one_process(std::string const& name, DisksSettings const& di
   draw_velocities(whole, velocities);
   RowDivision const rows = RowDivision::even(count_of(disks), ranks);
   std::vector<State> parts(ranks);
-  test::ThreadRanks(ranks).run_on_all([&](Ranks& here) {
+  test::ThreadRanks(ranks).run_on_all([&](Communicator& here) {
     ShareOfRows const share(here, rows);
     State own = make_start(box, disks, seed, share);
     draw_velocities(own, velocities, share);
@@ -134,7 +134,7 @@ TEST(SharedStart, RefusesOnAllRanksWhatOneProcessRefuses) {
   std::string const expected = refusal_of(ShareOfRows(3000));
   EXPECT_NE(expected, "");
   std::vector<std::string> refusals(3);
-  test::ThreadRanks(3).run_on_all([&](Ranks& here) {
+  test::ThreadRanks(3).run_on_all([&](Communicator& here) {
     refusals[here.rank()] = refusal_of({here, RowDivision::even(3000, 3)});
   });
   EXPECT_EQ(refusals, std::vector<std::string>(3, expected));
@@ -143,16 +143,16 @@ TEST(SharedStart, RefusesOnAllRanksWhatOneProcessRefuses) {
 /// Of a start, and of the state after the steps of its run; `ranks` is 0 in one process.
 std::vector<std::uint64_t> hashes_of_run(std::string const& text, std::size_t ranks) {
   std::vector<std::uint64_t> hashes;
-  auto const work = [&](Ranks* leader) {
-    Setup const setup = set_up(SettingsFile::from_text(text, "run.toml"), {.threads = 1, .ranks = leader});
+  auto const work = [&](AllProcesses processes) {
+    Setup const setup = set_up(SettingsFile::from_text(text, "run.toml"), {.threads = 1, .processes = processes});
     hashes.push_back(setup.simulation->state_hash());
     Run(*setup.simulation, plan_of(setup)).advance();
     hashes.push_back(setup.simulation->state_hash());
   };
   if (ranks == 0) {
-    work(nullptr);
+    work({});
   } else {
-    test::ThreadRanks(ranks).run([&](Ranks& leader) { work(&leader); });
+    test::ThreadRanks(ranks).run([&](Communicator& root) { work(root); });
   }
   return hashes;
 }

@@ -28,6 +28,7 @@
 #include "gridlock/core/counters.hpp"
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/setting.hpp"
+#include "gridlock/parallel/detail/all_processes.hpp"
 
 namespace gridlock {
 
@@ -94,9 +95,6 @@ enum class CollisionRule { always, approaching };
 /// into cache lines. Both give the same bits.
 enum class GridKind { linked, packed };
 
-/// Processes that share a run, of which this one leads; see core/detail/ranks.hpp.
-class Ranks;
-
 /// The settings `[engine]`.
 struct EngineSettings {
   std::string kind = "stepped";
@@ -107,8 +105,8 @@ struct EngineSettings {
   CollisionRule contact = CollisionRule::always;
   std::uint64_t audit_every = 0;  ///< pair collisions between two audits of the exact engine; 0: never
   GridKind grid = GridKind::packed;
-  std::uint64_t threads = 0;  ///< of the engines exact and tiled; 0: all cores
-  Ranks* ranks = nullptr;     ///< that share the steps of tiled with this process; nothing that a file can set
+  std::uint64_t threads = 0;    ///< of the engines exact and tiled; 0: all cores
+  AllProcesses processes = {};  ///< that share the steps of tiled with this one; nothing that a file can set
 };
 void describe(EngineSettings& settings, SettingVisitor& visitor);
 /// Of them the threads alone, which is all that other models use.

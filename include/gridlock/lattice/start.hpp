@@ -16,8 +16,8 @@
 
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/setting.hpp"
-#include "gridlock/core/share_of_rows.hpp"
 #include "gridlock/core/vector.hpp"
+#include "gridlock/parallel/share_of_rows.hpp"
 
 namespace gridlock {
 

@@ -12,10 +12,10 @@
 #include "gridlock/core/disks.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/core/setting.hpp"
-#include "gridlock/core/share_of_rows.hpp"
 #include "gridlock/core/vector.hpp"
 #include "gridlock/model/agent_sums.hpp"
 #include "gridlock/model/model_engine.hpp"
+#include "gridlock/parallel/share_of_rows.hpp"
 
 namespace gridlock {
 
@@ -115,13 +115,13 @@ consteval bool can_be_divided() {
 
 /// What a model says of a start: where its results will mislead.
 template <class Model>
-std::vector<std::string> notes_of(Model const& model, World<Model> const& world, SumsOfAll const& of_all = {}) {
+std::vector<std::string> notes_of(Model const& model, World<Model> const& world, AllProcesses processes = {}) {
   constexpr bool asks_world = requires { model.notes(world); };
   constexpr bool asks_agents = requires { model.notes(AgentSums<Model>(world)); };
   if constexpr (asks_world) {
     return model.notes(world);
   } else if constexpr (asks_agents) {
-    return model.notes(AgentSums<Model>(world, of_all));
+    return model.notes(AgentSums<Model>(world, processes));
   } else {
     return {};
   }

@@ -32,7 +32,6 @@
 
 #include "gridlock/core/detail/counters_of_step.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
-#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
@@ -43,6 +42,7 @@
 #include "gridlock/model/detail/turns_in_tiles.hpp"
 #include "gridlock/model/mutable_world.hpp"
 #include "gridlock/model/turn.hpp"
+#include "gridlock/parallel/detail/thread_pool.hpp"
 
 namespace gridlock {
 

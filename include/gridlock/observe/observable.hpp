@@ -30,50 +30,10 @@
 #include "gridlock/core/setting.hpp"
 #include "gridlock/core/world.hpp"
 #include "gridlock/engine/engine.hpp"
-#include "gridlock/observe/detail/other_agents.hpp"
 #include "gridlock/observe/estimate.hpp"
+#include "gridlock/observe/snapshot.hpp"
 
 namespace gridlock {
-
-/// What several observables measure of the velocities, see src/observe/motion.hpp.
-struct MeasuredMotion {
-  double kinetic_energy = 0.0;
-  std::optional<double> temperature;
-};
-
-/// What an observable sees of a world of any model: the agents now, and what happened since the start of the run.
-///
-/// Where the agents of a world are divided among ranks, each rank has a snapshot of its own, who stay with it, and of the
-/// `others`. All ranks begin, sample and restore the same observables together, and get the same numbers.
-struct Snapshot {
-  template <class Model>
-  Snapshot(World<Model> const& world, Counters const& what_happened, OtherAgents const* agents_of_other_ranks = nullptr)
-      : box(world.box),
-        clock(world.clock),
-        agents(world.agents),
-        counters(what_happened),
-        others(agents_of_other_ranks) {}
-
-  /// How many agents there are, on all ranks.
-  [[nodiscard]] std::size_t count() const { return count_of_all(agents, others); }
-
-  /// Each number becomes the sum of those of all ranks; with one process it is that already.
-  void add_up(std::span<ExactSum> sums) const {
-    if (others != nullptr) others->add_up(sums);
-  }
-  void add_up(std::span<std::uint64_t> counts) const {
-    if (others != nullptr) others->add_up(counts);
-  }
-  /// The least of such values of all ranks.
-  [[nodiscard]] double least(double value) const { return others != nullptr ? others->least(value) : value; }
-
-  Box const& box;
-  Clock clock;
-  AgentsView agents;
-  Counters const& counters;                           ///< of all ranks
-  OtherAgents const* others;                          ///< none in one process
-  mutable std::optional<MeasuredMotion> motion = {};  ///< kept for the next observable that asks
-};
 
 /// What a world must have for an observable to be defined.
 struct Requirements {
@@ -111,6 +71,8 @@ inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 ///
 /// The run calls begin() once, then sample() at every sampled time in order (the start may be one), then
 /// results() and distributions(). The state may be reordered between samples; Ids keep their meaning.
+/// Where several processes share the run, each has the same observables and calls them together: what is measured of all agents
+/// is written with the functions of Snapshot, and no observable can tell one process from many.
 class Observable {
  public:
   Observable() = default;
@@ -144,8 +106,8 @@ class Observable {
   /// never stopped.
   virtual void serialize(Archive& archive) = 0;
 
-  /// Where agents that come and go are divided among ranks: what was restored for single agents goes to the ranks that have them.
-  virtual void bring_home(OtherAgents const& /*others*/) {}
+  /// Values attached to agents go to the processes that have the agents now, see Attached.
+  virtual void migrate(Communicator& /*processes*/) {}
 };
 
 /// The settings `[observe]`.
@@ -188,7 +150,7 @@ std::vector<ColumnInfo> observed_columns();
 ///   Requirements requirements(Box const&) const override { return {}; }
 ///   void begin(Snapshot const&) override { reset({{"crowding", "1/length²", "Agents per area."}}); }
 ///   void sample(Snapshot const& now, std::span<double> row, bool counts_for_average) override {
-///     row[0] = static_cast<double>(now.agents.size()) / now.box.area();
+///     row[0] = static_cast<double>(now.count()) / now.box.area();
 ///     if (counts_for_average) average(0, row[0]);
 ///   }
 /// };

@@ -67,10 +67,7 @@ class ModelObservations final : public AveragingObservable {
  private:
   [[nodiscard]] std::vector<Observations::Entry> observe(Snapshot const& now) const {
     Observations seen;
-    SumsOfAll of_all{.add_up = [&](std::span<ExactSum> sums) { now.add_up(sums); },
-                     .add_up_counts = [&](std::span<std::uint64_t> counts) { now.add_up(counts); },
-                     .least = [&](double value) { return now.least(value); }};
-    AgentSums<Model> const agents(world_, std::move(of_all));
+    AgentSums<Model> const agents(world_, now.processes);
     if constexpr (requires { model_.observe(agents, seen); }) {
       model_.observe(agents, seen);
     } else if constexpr (requires { model_.observe(world_, seen); }) {

@@ -68,7 +68,7 @@ class AgentsKind : public ModelKind {
   [[nodiscard]] double expected_bytes(Configuration const& configuration, std::size_t agents) const override;
   [[nodiscard]] std::optional<Problem> not_shared_by_ranks(Configuration const& configuration) const override;
   [[nodiscard]] bool is_divided_among_ranks(Configuration const& configuration) const override;
-  [[nodiscard]] std::unique_ptr<AgentsOfRank> agents_of_rank(Ranks& ranks,
+  [[nodiscard]] std::unique_ptr<AgentsOfRank> agents_of_rank(Communicator& ranks,
                                                              Configuration const& configuration) const override;
   void build(Setup& setup, SetupOptions const& options) const override;
 
@@ -80,8 +80,8 @@ class AgentsKind : public ModelKind {
   virtual void describe_model(SettingVisitor& visitor) = 0;
   [[nodiscard]] virtual bool can_be_divided_among_ranks() const { return false; }
   /// Contract: can_be_divided_among_ranks(). All ranks call it. Appends to `notes` as make(). Errors: Error, on all ranks.
-  [[nodiscard]] virtual std::unique_ptr<AgentsOfRank> make_agents(Ranks& ranks, Box const& box, std::uint64_t seed,
-                                                                  std::uint64_t threads,
+  [[nodiscard]] virtual std::unique_ptr<AgentsOfRank> make_agents(Communicator& ranks, Box const& box,
+                                                                  std::uint64_t seed, std::uint64_t threads,
                                                                   std::vector<std::string>& notes) const;
   /// How many agents the model starts with, where it says so before, and the bytes that each of them takes at least.
   [[nodiscard]] virtual std::uint64_t agents_at_start() const = 0;
@@ -127,7 +127,7 @@ class ModelKindOf final : public AgentsKind {
     if constexpr (requires { model_.describe(visitor); }) model_.describe(visitor);
   }
   [[nodiscard]] bool can_be_divided_among_ranks() const override { return can_be_divided<Model>(); }
-  [[nodiscard]] std::unique_ptr<AgentsOfRank> make_agents(Ranks& ranks, Box const& box, std::uint64_t seed,
+  [[nodiscard]] std::unique_ptr<AgentsOfRank> make_agents(Communicator& ranks, Box const& box, std::uint64_t seed,
                                                           std::uint64_t threads,
                                                           std::vector<std::string>& notes) const override {
     if constexpr (can_be_divided<Model>()) {

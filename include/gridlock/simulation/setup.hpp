@@ -21,6 +21,7 @@
 #include "gridlock/core/disks.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/io/settings_file.hpp"
+#include "gridlock/parallel/detail/all_processes.hpp"
 #include "gridlock/simulation/configuration.hpp"
 #include "gridlock/simulation/event.hpp"
 #include "gridlock/simulation/run.hpp"
@@ -49,7 +50,7 @@ struct SetupOptions {
   /// is checked, and noted. Empty: every start is made.
   OnSlowStart on_slow_start = {};
   std::optional<std::uint64_t> threads = {};  ///< in place of engine.threads, which stays what is recorded
-  Ranks* ranks = nullptr;                     ///< processes that share the run with this one; none: it is alone
+  AllProcesses processes = {};                ///< those that share the run; this one alone, as a rule
   std::optional<State> start = {};            ///< disks start from it, in place of what [disks] asks for
   std::filesystem::path directory = {};       ///< of relative file names; set_up() of a file knows it
   IsGiven is_given = [](std::string_view) { return false; };  ///< set_up() of a file knows it

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "gridlock/parallel/detail/all_processes.hpp"
 #include "gridlock/simulation/simulate.hpp"
 
 namespace gridlock {
@@ -57,7 +58,7 @@ struct RunHooks {
   OnProgress on_progress;
   std::function<void(Event const&)> on_event;  ///< called for every line of run.log
   std::optional<std::uint64_t> threads;        ///< in place of engine.threads; left out: as configured
-  Ranks* ranks = nullptr;                      ///< those of the set-up, SetupOptions::ranks
+  AllProcesses processes = {};                 ///< those of the set-up, SetupOptions::processes
 };
 
 /// Runs a set-up in a directory of its own, which holds from the first step on

@@ -10,9 +10,12 @@
 #include "engine/stepped.hpp"
 #include "engine/tiled/share.hpp"
 #include "grid/validate_rows.hpp"
-#include "gridlock/core/detail/exchange.hpp"
+#include "gridlock/core/detail/message.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/grid/detail/packed_layout.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
+#include "gridlock/parallel/detail/exchange.hpp"
+#include "gridlock/parallel/detail/tasks.hpp"
 
 namespace gridlock {
 
@@ -63,13 +66,13 @@ struct Answer {
   bool is_stop_asked = false;
   std::vector<CountersOfStep> counters;  ///< of each step
 
-  [[nodiscard]] Ranks::Bytes message() const {
+  [[nodiscard]] Message message() const {
     MessageWriter message;
     message.add(is_stop_asked);
     for (CountersOfStep const& of_step : counters) of_step.write(message);
     return message.take();
   }
-  static Answer read(Ranks::Bytes const& bytes) {
+  static Answer read(Message const& bytes) {
     MessageReader message(bytes);
     Answer answer{.is_stop_asked = message.next<bool>(), .counters = {}};
     while (!message.is_at_end()) answer.counters.push_back(CountersOfStep::read(message));
@@ -78,22 +81,21 @@ struct Answer {
 };
 
 /// This rank and all others say what they have counted in the last steps. All call it; for the leader.
-Answer gather_answers(Ranks& ranks, Share& share) {
+Answer gather_answers(Communicator& ranks, Share& share) {
   Answer const own{.is_stop_asked = ranks.is_stop_asked(), .counters = share.take_counters()};
-  Ranks::Bytes const all =
-      merge_for_leader(ranks, own.message(), [](Ranks::Bytes const& left, Ranks::Bytes const& right) {
-        Answer sum = Answer::read(left);
-        Answer const others = Answer::read(right);
-        sum.is_stop_asked = sum.is_stop_asked || others.is_stop_asked;
-        for (std::size_t k = 0; k < sum.counters.size(); ++k) sum.counters[k].add(others.counters[k]);
-        return sum.message();
-      });
+  Message const all = reduce(ranks, own.message(), [](Message const& left, Message const& right) {
+    Answer sum = Answer::read(left);
+    Answer const others = Answer::read(right);
+    sum.is_stop_asked = sum.is_stop_asked || others.is_stop_asked;
+    for (std::size_t k = 0; k < sum.counters.size(); ++k) sum.counters[k].add(others.counters[k]);
+    return sum.message();
+  });
   return ranks.rank() == 0 ? Answer::read(all) : own;
 }
 
 /// Each rank sends its disks to where they belong.
 template <class DiskOf, class RankOf, class Take>
-void exchange_disks(Ranks& ranks, std::size_t count, DiskOf disk_of, RankOf rank_of, Take take) {
+void exchange_disks(Communicator& ranks, std::size_t count, DiskOf disk_of, RankOf rank_of, Take take) {
   exchange_values<DiskInTurn>(
       ranks, count,
       [&](std::size_t k, auto give) {
@@ -104,7 +106,7 @@ void exchange_disks(Ranks& ranks, std::size_t count, DiskOf disk_of, RankOf rank
 }
 
 /// Adds up counts that two ranks have. An empty message has none.
-Ranks::Bytes add_counts(Ranks::Bytes left, Ranks::Bytes right) {
+Message add_counts(Message left, Message right) {
   if (left.empty()) return right;
   if (right.empty()) return left;
   std::vector<std::uint64_t> sums = MessageReader(left).rest<std::uint64_t>();
@@ -117,7 +119,7 @@ Ranks::Bytes add_counts(Ranks::Bytes left, Ranks::Bytes right) {
 class PartOfRank {
  public:
   /// Hands the disks out. Their values in the state may go then.
-  PartOfRank(Ranks& ranks, Order const& order, RowDivision const& rows, State const& own)
+  PartOfRank(Communicator& ranks, Order const& order, RowDivision const& rows, State const& own)
       : ranks_(ranks), order_(order), rows_(rows), layout_(order.layout()), tiling_(layout_), own_(own) {
     hand_out();
   }
@@ -162,7 +164,7 @@ class PartOfRank {
 
   /// The Ids of rows, whoever has them; for the leader, who alone knows the rows.
   [[nodiscard]] std::vector<Id> ids_of(std::vector<std::uint32_t> rows) {
-    Ranks::Bytes const message = message_of_all(std::span<std::uint32_t const>(rows));
+    Message const message = message_of_all(std::span<std::uint32_t const>(rows));
     if (ranks_.rank() == 0) {
       send_to_others(ranks_, message);
     } else {
@@ -229,7 +231,7 @@ class PartOfRank {
       }
       message.add_all(std::span<Tiling::Rectangle const>(division));
     }
-    Ranks::Bytes const bytes = hand_down(ranks_, message.take());
+    Message const bytes = broadcast(ranks_, message.take());
     MessageReader reader(bytes);
     disks_of_tiles_ = reader.next_values<std::uint64_t>(ranks_.count())[ranks_.rank()];
     division_ = reader.rest<Tiling::Rectangle>();
@@ -240,12 +242,12 @@ class PartOfRank {
     std::vector<std::uint64_t> own(tiling_.tiles().size(), 0);
     for (std::size_t i = 0; i < own_.agents.size(); ++i) ++own[finder.tile_of(position(own_.agents, i))];
     bool const has_none = own_.agents.empty();
-    Ranks::Bytes const all = merge_for_leader(
-        ranks_, has_none ? Ranks::Bytes() : message_of_all(std::span<std::uint64_t const>(own)), add_counts);
+    Message const all =
+        reduce(ranks_, has_none ? Message() : message_of_all(std::span<std::uint64_t const>(own)), add_counts);
     return all.empty() ? own : MessageReader(all).rest<std::uint64_t>();
   }
 
-  Ranks& ranks_;
+  Communicator& ranks_;
   Order order_;
   RowDivision const& rows_;
   CellLayout layout_;
@@ -258,7 +260,7 @@ class PartOfRank {
 };
 
 /// All others learn what to do.
-void send_order(Ranks& ranks, Order const& order, RowDivision const& rows) {
+void send_order(Communicator& ranks, Order const& order, RowDivision const& rows) {
   MessageWriter message;
   message.add(TaskOfRanks::steps_of_disks);
   message.add(order);
@@ -269,7 +271,7 @@ void send_order(Ranks& ranks, Order const& order, RowDivision const& rows) {
 /// The leader's side of one advance().
 class Leading {
  public:
-  Leading(Ranks& ranks, Order const& order, RowDivision const& rows, State& own, Counters& counters)
+  Leading(Communicator& ranks, Order const& order, RowDivision const& rows, State& own, Counters& counters)
       : ranks_(ranks), order_(order), state_(own), counters_(counters), part_(ranks, order, rows, own) {
     own.agents.forget_values();
     part_.begin();
@@ -290,10 +292,10 @@ class Leading {
       }
       looks.end(done);
     }
-    static_cast<void>(hand_down(ranks_, message_of(std::uint64_t{0})));
+    static_cast<void>(broadcast(ranks_, message_of(std::uint64_t{0})));
     part_.bring_home(state_);
     long_substep_ = part_.long_substep(order_.radii.smallest);
-    std::vector<Ranks::Bytes> const traffic = gather_for_leader(ranks_, message_of(ranks_.traffic()));
+    std::vector<Message> const traffic = gather(ranks_, message_of(ranks_.traffic()));
     for (std::size_t rank = 0; rank < traffic.size(); ++rank) {
       ranks_.note_traffic(rank, MessageReader(traffic[rank]).next<Traffic>());
     }
@@ -327,7 +329,7 @@ class Leading {
 
   /// Returns how many steps were taken.
   std::uint64_t take_steps(std::uint64_t steps) {
-    static_cast<void>(hand_down(ranks_, message_of(steps)));
+    static_cast<void>(broadcast(ranks_, message_of(steps)));
     std::uint64_t done = 0;
     while (done < steps && !share().jump()) {
       share().take_step();
@@ -349,7 +351,7 @@ class Leading {
     for (CountersOfStep const& of_step : all.counters) of_step.add_to(counters_);
   }
 
-  Ranks& ranks_;
+  Communicator& ranks_;
   Order order_;
   State& state_;
   Counters& counters_;
@@ -358,21 +360,21 @@ class Leading {
   std::optional<LongSubstep> long_substep_;
 };
 
-void take_steps(Ranks& ranks, PartOfRank& part, State& own, double smallest_radius) {
+void take_steps(Communicator& ranks, PartOfRank& part, State& own, double smallest_radius) {
   Share& share = part.share();
   while (true) {
-    auto const steps = MessageReader(hand_down(ranks, {})).next<std::uint64_t>();
+    auto const steps = MessageReader(broadcast(ranks, {})).next<std::uint64_t>();
     if (steps == 0) break;
     for (std::uint64_t n = 0; n < steps && !share.jump(); ++n) share.take_step();
     static_cast<void>(gather_answers(ranks, share));
   }
   part.bring_home(own);
   static_cast<void>(part.long_substep(smallest_radius));
-  static_cast<void>(gather_for_leader(ranks, message_of(ranks.traffic())));
+  static_cast<void>(gather(ranks, message_of(ranks.traffic())));
 }
 
 /// Tells the leader how many overlaps this rank has found, and the first of them.
-void tell_of_overlaps(Ranks& ranks, PartOfRank& part, double tolerance) {
+void tell_of_overlaps(Communicator& ranks, PartOfRank& part, double tolerance) {
   std::vector<Overlap> const overlaps = part.share().find_overlaps(tolerance);
   MessageWriter answer;
   answer.add(std::uint64_t{overlaps.size()});
@@ -382,11 +384,11 @@ void tell_of_overlaps(Ranks& ranks, PartOfRank& part, double tolerance) {
 }
 
 /// What is wrong with all disks.
-std::vector<Problem> gather_overlaps(Ranks& ranks, PartOfRank& part, double tolerance) {
+std::vector<Problem> gather_overlaps(Communicator& ranks, PartOfRank& part, double tolerance) {
   std::vector<Overlap> overlaps = part.share().find_overlaps(tolerance);
   std::size_t count = overlaps.size();
   for (std::size_t rank = 1; rank < ranks.count(); ++rank) {
-    Ranks::Bytes const bytes = ranks.receive(rank);
+    Message const bytes = ranks.receive(rank);
     MessageReader message(bytes);
     count += message.next<std::uint64_t>();
     std::ranges::copy(message.rest<Overlap>(), std::back_inserter(overlaps));
@@ -403,7 +405,7 @@ std::vector<Problem> gather_overlaps(Ranks& ranks, PartOfRank& part, double tole
 
 }  // namespace
 
-void take_part(Ranks& ranks, MessageReader& message, State& own) {
+void take_part(Communicator& ranks, MessageReader& message, State& own) {
   auto const order = message.next<Order>();
   RowDivision const rows(message.rest<std::uint64_t>());
   PartOfRank part(ranks, order, rows, own);
@@ -427,7 +429,7 @@ CellLayout tiled_layout(EngineSettings const& settings, Box const& box, DisksOve
 
 TiledOnRanks::TiledOnRanks(EngineSettings const& settings, State const& state)
     : TiledOnRanks(settings, state.box, overview_of(state.agents),
-                   RowDivision::of_leader(state.agents.size(), settings.ranks->count())) {
+                   RowDivision::of_leader(state.agents.size(), settings.processes.count())) {
   require_room_for_turns(settings, state);
 }
 
@@ -450,16 +452,16 @@ void TiledOnRanks::advance(State& own, Counters& counters, StopCondition const& 
   box_ = own.box;
   tiled::Order const order = tiled::order_of(rule(), tiled_layout(settings_, box_, all_), settings_.threads);
   std::optional<tiled::Leading> leading;
-  do_or_abandon(*settings_.ranks, [&] {
-    tiled::send_order(*settings_.ranks, order, rows_);
-    leading.emplace(*settings_.ranks, order, rows_, own, counters);
+  do_or_abandon(settings_.processes.communicator(), [&] {
+    tiled::send_order(settings_.processes.communicator(), order, rows_);
+    leading.emplace(settings_.processes.communicator(), order, rows_, own, counters);
     leading->run(stop_condition);
   });
   leading->require_good_end();
 }
 
 void TiledOnRanks::require_no_overlaps(State const& own) const {
-  Ranks& ranks = *settings_.ranks;
+  Communicator& ranks = settings_.processes.communicator();
   tiled::Order order = tiled::order_of(rule(), tiled_layout(settings_, box_, all_), settings_.threads);
   order.is_search = 1;
   order.tolerance = rounding_of_contact(box_, all_.radii.smallest);

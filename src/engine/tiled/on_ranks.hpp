@@ -5,10 +5,12 @@
 
 #include "core/disks_overview.hpp"
 #include "engine/tiled/steps.hpp"
-#include "gridlock/core/detail/ranks.hpp"
-#include "gridlock/core/detail/row_division.hpp"
+#include "gridlock/core/detail/message.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/grid/cell_layout.hpp"
+#include "gridlock/parallel/communicator.hpp"
+#include "gridlock/parallel/detail/row_division.hpp"
+#include "gridlock/parallel/detail/tasks.hpp"
 
 namespace gridlock {
 
@@ -46,7 +48,7 @@ class TiledOnRanks final : public Engine {
 namespace tiled {
 
 /// What every other rank does after TaskOfRanks::steps_of_disks: its part in TiledOnRanks::advance() and require_no_overlaps().
-void take_part(Ranks& ranks, MessageReader& message, State& own);
+void take_part(Communicator& ranks, MessageReader& message, State& own);
 
 }  // namespace tiled
 

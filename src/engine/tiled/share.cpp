@@ -8,6 +8,7 @@
 
 #include "core/sorted.hpp"
 #include "grid/validate_rows.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
 
 namespace gridlock::tiled {
 
@@ -50,8 +51,8 @@ std::array<std::uint64_t, 8> bits_of(DiskInTurn const& disk) {
 
 }  // namespace
 
-Share::Share(Ranks& ranks, TurnRule const& rule, CellLayout const& layout, std::vector<Tiling::Rectangle> division,
-             std::uint64_t threads, LargeArray<DiskInTurn>&& disks)
+Share::Share(Communicator& ranks, TurnRule const& rule, CellLayout const& layout,
+             std::vector<Tiling::Rectangle> division, std::uint64_t threads, LargeArray<DiskInTurn>&& disks)
     : ranks_(ranks),
       rule_(rule),
       layout_(layout),
@@ -338,7 +339,7 @@ std::vector<LateDisk> Share::late_of_all(int& needed_reach) {
   std::vector<LateDisk> all;
   needed_reach = 0;
   may_jump_ = false;
-  for (Ranks::Bytes const& bytes : ranks_.gather_for_all(message.take())) {
+  for (Message const& bytes : all_gather(ranks_, message.take())) {
     MessageReader reader(bytes);
     auto const of_rank = reader.next<LateHead>();
     needed_reach = std::max(needed_reach, of_rank.needed_reach);
@@ -418,7 +419,7 @@ void Share::find_jump() {
     message.add(Jump{.tile = tiles()[k], .row_in_state = disk->row_in_state, .displacement = disk->displacement});
     break;
   }
-  for (Ranks::Bytes const& bytes : ranks_.gather_for_all(message.take())) {
+  for (Message const& bytes : all_gather(ranks_, message.take())) {
     for (Jump const& jump : MessageReader(bytes).rest<Jump>()) {
       if (!jump_ || jump.tile < jump_->tile) jump_ = jump;
     }
@@ -517,7 +518,7 @@ void Share::send(std::size_t to, CellsMessage const& cells) {
 }
 
 void Share::receive_cells(std::size_t from) {
-  Ranks::Bytes const bytes = ranks_.receive(from);
+  Message const bytes = ranks_.receive(from);
   MessageReader message(bytes);
   auto& [heads, disks, has_turned] = message_;
   heads.resize(message.next<std::uint64_t>());

@@ -11,9 +11,9 @@
 #include "engine/tiled/late_turns.hpp"
 #include "engine/tiled/steps.hpp"
 #include "gridlock/core/detail/counters_of_step.hpp"
-#include "gridlock/core/detail/ranks.hpp"
-#include "gridlock/core/detail/thread_pool.hpp"
 #include "gridlock/grid/detail/tile_division.hpp"
+#include "gridlock/parallel/communicator.hpp"
+#include "gridlock/parallel/detail/thread_pool.hpp"
 
 namespace gridlock::tiled {
 
@@ -60,7 +60,7 @@ struct CellsMessage {
 class Share {
  public:
   /// `disks` are those in the rectangle of this rank, with room_for_rim() of them.
-  Share(Ranks& ranks, TurnRule const& rule, CellLayout const& layout, std::vector<Tiling::Rectangle> division,
+  Share(Communicator& ranks, TurnRule const& rule, CellLayout const& layout, std::vector<Tiling::Rectangle> division,
         std::uint64_t threads, LargeArray<DiskInTurn>&& disks);
 
   void take_step();
@@ -137,7 +137,7 @@ class Share {
   void send(std::size_t to, CellsMessage const& cells);
   void receive_cells(std::size_t from);
 
-  Ranks& ranks_;
+  Communicator& ranks_;
   TurnRule rule_;
   CellLayout layout_;
   Tiling tiling_;

@@ -75,7 +75,7 @@ TEST(CountersOfStep, HasTheBitsOfAnyDivisionAmongRanks) {
     for (CountersOfStep const& of_rank : of_ranks) {
       MessageWriter message;
       of_rank.write(message);
-      Ranks::Bytes const bytes = message.take();
+      Message const bytes = message.take();
       MessageReader reader(bytes);
       all.add(CountersOfStep::read(reader));
       EXPECT_TRUE(reader.is_at_end());

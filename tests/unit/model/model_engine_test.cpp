@@ -12,6 +12,7 @@
 
 #include "gridlock/core/error.hpp"
 #include "gridlock/model/model.hpp"
+#include "thread_ranks.hpp"
 
 namespace gridlock {
 namespace {
@@ -331,20 +332,20 @@ TEST(AgentSums, AreExactWhateverTheOrderOfTheAgents) {
 TEST(AgentSums, AreThoseOfAllProcesses) {
   World<Grains> world{.box = Box(1.0, 1.0, Edge::wall)};
   for (double const x : {0.25, 0.5}) world.agents.add(x, 0.5, 1);
-  // Another one has an agent of each kind.
-  auto const add_up = [](std::span<ExactSum> sums) {
-    for (ExactSum& sum : sums) sum.add(10.0);
-  };
-  auto const add_up_counts = [](std::span<std::uint64_t> counts) {
-    for (std::uint64_t& count : counts) ++count;
-  };
-  AgentSums<Grains> const agents(world, {.add_up = add_up, .add_up_counts = add_up_counts});
-  EXPECT_EQ(agents.size(), 3U);
-  EXPECT_EQ(agents.sum([](auto const& agent) { return agent.template get<X>(); }), 10.75);
-  Observations seen;
-  seen.add_counts<Kind>(agents, {"zeros", "ones"});
-  EXPECT_EQ(seen.entries()[0].value, 1.0);
-  EXPECT_EQ(seen.entries()[1].value, 3.0);
+  World<Grains> elsewhere{.box = Box(1.0, 1.0, Edge::wall)};
+  elsewhere.agents.add(10.0, 0.5, 0);
+  test::ThreadRanks(2).run_on_all([&](Communicator& here) {
+    AgentSums<Grains> const agents(here.rank() == 0 ? world : elsewhere, here);
+    auto const x = [](auto const& agent) { return agent.template get<X>(); };
+    EXPECT_EQ(agents.size(), 3U);
+    EXPECT_EQ(agents.sum(x), 10.75);
+    EXPECT_EQ(agents.min(x), 0.25);
+    EXPECT_EQ(agents.max(x), 10.0);
+    Observations seen;
+    seen.add_counts<Kind>(agents, {"zeros", "ones"});
+    EXPECT_EQ(seen.entries()[0].value, 1.0);
+    EXPECT_EQ(seen.entries()[1].value, 2.0);
+  });
 }
 
 TEST(Motion, AWallMirrorsTheWayBeyondItAndSaysWhichDirectionTurned) {

@@ -1,4 +1,4 @@
-#include "observe/id_index.hpp"
+#include "gridlock/observe/detail/id_index.hpp"
 
 #include <gtest/gtest.h>
 

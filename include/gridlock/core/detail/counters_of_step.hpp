@@ -5,7 +5,7 @@
 
 #include "gridlock/core/counters.hpp"
 #include "gridlock/core/detail/exact_sum.hpp"
-#include "gridlock/core/detail/ranks.hpp"
+#include "gridlock/core/detail/message.hpp"
 
 namespace gridlock {
 

@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/vector.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/grid/detail/cell_window.hpp"
 #include "gridlock/grid/detail/tiling.hpp"
+#include "gridlock/parallel/communicator.hpp"
 
 namespace gridlock {
 
@@ -18,7 +18,8 @@ std::vector<Tiling::Rectangle> divide_tiles(Tiling const& tiling, std::span<std:
                                             std::size_t ranks);
 
 /// The same where each rank has some of the agents, so many in each tile. All call it, and get the same.
-std::vector<Tiling::Rectangle> divide_tiles(Ranks& ranks, Tiling const& tiling, std::vector<std::uint64_t> own_agents);
+std::vector<Tiling::Rectangle> divide_tiles(Communicator& ranks, Tiling const& tiling,
+                                            std::vector<std::uint64_t> own_agents);
 
 /// The cells of a rectangle of tiles and `margin` more to each side, as far as the box has them.
 CellWindow window_around(CellLayout const& layout, Tiling const& tiling, Tiling::Rectangle const& rectangle,

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "gridlock/core/detail/large_array.hpp"
-#include "gridlock/core/detail/ranks.hpp"
+#include "gridlock/core/detail/message.hpp"
 #include "gridlock/core/population.hpp"
 
 namespace gridlock {
@@ -36,7 +36,7 @@ class ArrivedAgents {
  public:
   using AllValues = typename Agents::AllValues;
 
-  void add(Ranks::Bytes const& bytes) {
+  void add(Message const& bytes) {
     MessageReader message(bytes);
     append_agents(message, message.next<std::uint64_t>(), ids_, values_);
   }

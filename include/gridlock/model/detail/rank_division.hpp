@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/population.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/grid/detail/cell_window.hpp"
 #include "gridlock/grid/detail/tiling.hpp"
+#include "gridlock/parallel/communicator.hpp"
 
 namespace gridlock {
 
@@ -110,7 +110,7 @@ std::vector<Tiling::Rectangle> divide_among_ranks(Box const& box, CellLayout con
                                                   std::span<double const> y, std::size_t ranks);
 
 /// The same where each rank has some of the agents, those of (x[i], y[i]). All call it, and get the same.
-std::vector<Tiling::Rectangle> divide_among_ranks(Ranks& ranks, Box const& box, CellLayout const& cells,
+std::vector<Tiling::Rectangle> divide_among_ranks(Communicator& ranks, Box const& box, CellLayout const& cells,
                                                   std::span<double const> x, std::span<double const> y);
 
 /// Whether points crowd, in cells of which all are stored; see is_crowd().

@@ -13,12 +13,14 @@
 #include <vector>
 
 #include "gridlock/core/detail/counters_of_step.hpp"
-#include "gridlock/core/detail/ranks.hpp"
+#include "gridlock/core/detail/message.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/model/detail/agents_in_cell_order.hpp"
 #include "gridlock/model/detail/agents_message.hpp"
 #include "gridlock/model/detail/rank_division.hpp"
+#include "gridlock/parallel/communicator.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
 
 namespace gridlock {
 
@@ -87,8 +89,8 @@ class AgentsOfShare {
     bool has_failure = false;
   };
 
-  AgentsOfShare(Ranks& ranks, Model const& model, ShareOrder const& order, RankDivision division, LargeArray<Id>&& ids,
-                AllValues&& values, NameBirths name_births)
+  AgentsOfShare(Communicator& ranks, Model const& model, ShareOrder const& order, RankDivision division,
+                LargeArray<Id>&& ids, AllValues&& values, NameBirths name_births)
       : ranks_(ranks),
         model_(model),
         cutoff_(order.cutoff),
@@ -183,7 +185,7 @@ class AgentsOfShare {
       }
     }
     Told told;
-    std::vector<Ranks::Bytes> const of_all = ranks_.gather_for_all(own.take());
+    std::vector<Message> const of_all = all_gather(ranks_, own.take());
     for (std::size_t rank = 0; rank < of_all.size(); ++rank) {
       MessageReader message(of_all[rank]);
       auto const head = message.next<TellHead>();
@@ -202,7 +204,7 @@ class AgentsOfShare {
     std::vector<Id> names;
     if (name_births_) names = name_births_(dead.sorted(), told.parents.size());
     if (told.parents.empty()) return;
-    names = MessageReader(hand_down(ranks_, message_of_all(std::span<Id const>(names)))).rest<Id>();
+    names = MessageReader(broadcast(ranks_, message_of_all(std::span<Id const>(names)))).rest<Id>();
     std::size_t const own = ids_.size() - first_newborn;
     std::size_t next = 0;
     for (std::uint32_t const birth : rows_in_order(told.parents)) {
@@ -289,7 +291,7 @@ class AgentsOfShare {
     values.resize(own);
   }
 
-  Ranks& ranks_;
+  Communicator& ranks_;
   Model model_;
   double cutoff_;
   double time_step_;
@@ -332,7 +334,7 @@ class ModelShare final : public AgentsOfShare<Model> {
   using typename Base::AllValues;
 
   /// `ids` and `values` are those of the agents in the rectangle of this rank.
-  ModelShare(Ranks& ranks, Model const& model, ShareOrder const& order, std::vector<Tiling::Rectangle> division,
+  ModelShare(Communicator& ranks, Model const& model, ShareOrder const& order, std::vector<Tiling::Rectangle> division,
              LargeArray<Id>&& ids, AllValues&& values, NameBirths name_births = {})
       : Base(ranks, model, order, division_of(order, std::move(division), ranks.rank()), std::move(ids),
              std::move(values), std::move(name_births)) {
@@ -466,7 +468,7 @@ class ModelShare final : public AgentsOfShare<Model> {
     own.add_all(counts.shared());
     std::uint64_t pairs = 0;
     std::vector<CellCounts::SharedCell> shared;
-    for (Ranks::Bytes const& bytes : ranks_.gather_for_all(own.take())) {
+    for (Message const& bytes : all_gather(ranks_, own.take())) {
       MessageReader message(bytes);
       pairs += message.next<std::uint64_t>();
       std::ranges::copy(message.rest<CellCounts::SharedCell>(), std::back_inserter(shared));

@@ -7,10 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include "gridlock/core/detail/agent_homes.hpp"
 #include "gridlock/core/detail/free_names.hpp"
+#include "gridlock/core/detail/message.hpp"
 #include "gridlock/grid/detail/tile_division.hpp"
 #include "gridlock/model/detail/steps_on_ranks.hpp"
+#include "gridlock/parallel/detail/agent_homes.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
+#include "gridlock/parallel/detail/tasks.hpp"
 
 namespace gridlock {
 
@@ -23,11 +26,10 @@ struct StepsOfModel {
 
 /// All ranks call it; `world` has the agents of this one.
 template <class Model>
-StepsOfModel steps_of(Ranks& ranks, Model const& model, World<Model> const& world) {
-  SumsOfAll const of_all = SumsOfAll::over(ranks);
-  return {.cutoff = cutoff_of(model, world, of_all),
-          .time_step = time_step_of(model, world, of_all),
-          .cells = cells_of(model, world, of_all)};
+StepsOfModel steps_of(Communicator& ranks, Model const& model, World<Model> const& world) {
+  return {.cutoff = cutoff_of(model, world, ranks),
+          .time_step = time_step_of(model, world, ranks),
+          .cells = cells_of(model, world, ranks)};
 }
 
 /// The part of one rank in the steps of agents that ranks divide among them: the agents go from their homes to the rectangles in which they
@@ -39,8 +41,8 @@ class StepsFromHomes {
   using Share = ShareOf<Model>;
 
   /// Takes the agents out of `home`. The cells of the order are chosen here, unless the model fixes them.
-  StepsFromHomes(Ranks& ranks, Model const& model, ShareOrder order, std::optional<CellLayout> const& fixed_cells,
-                 Agents& home, NameBirths name_births = {})
+  StepsFromHomes(Communicator& ranks, Model const& model, ShareOrder order,
+                 std::optional<CellLayout> const& fixed_cells, Agents& home, NameBirths name_births = {})
       : ranks_(ranks) {
     home.become(rows_.ids, rows_.values);
     CellsOfStep const cells = cells_of_step(order.box(), order.cutoff, order.agents);
@@ -110,10 +112,10 @@ class StepsFromHomes {
     CellCounts const counts(RankDivision(layout, division, rim_of(layout, order.cutoff), ranks_.rank()), layout,
                             rows_.values.template values<X>(), rows_.values.template values<Y>(),
                             [](std::size_t /*row*/) { return true; });
-    return is_crowd(sum_over_ranks(ranks_, counts.pairs()), order.agents);
+    return is_crowd(all_sum(ranks_, counts.pairs()), order.agents);
   }
 
-  Ranks& ranks_;
+  Communicator& ranks_;
   AgentRows<Agents> rows_;  ///< before there is a share
   std::optional<Share> share_;
   // After them:
@@ -139,9 +141,9 @@ struct EndOfSteps {
 /// Moves agents on that ranks divide among them, of which this one leads: `own` has those whose home is here, `agents` is the number of
 /// all. The bits are those of one process. Errors: as ModelEngine::advance().
 template <class Model>
-void lead_steps_from_homes(Ranks& ranks, Model const& model, StepsOfModel const& steps_of_model, std::uint64_t threads,
-                           World<Model>& own, Counters& counters, std::size_t& agents, FreeNames& names,
-                           StopCondition const& stop_condition) {
+void lead_steps_from_homes(Communicator& ranks, Model const& model, StepsOfModel const& steps_of_model,
+                           std::uint64_t threads, World<Model>& own, Counters& counters, std::size_t& agents,
+                           FreeNames& names, StopCondition const& stop_condition) {
   require_good_step(own.clock.step, steps_of_model.cutoff, steps_of_model.time_step);
   if (stop_condition.is_reached(own.clock, counters.pair_collisions)) return;
   std::optional<StepsFromHomes<Model>> steps;
@@ -167,7 +169,7 @@ void lead_steps_from_homes(Ranks& ranks, Model const& model, StepsOfModel const&
     steps->bring_home(leading->does_last_step_count(), own.agents);
     agents = steps->population();
     EndOfSteps<Model> const end{.traffic = ranks.traffic(), .events = steps->events()};
-    std::vector<Ranks::Bytes> const of_ranks = gather_for_leader(ranks, message_of(end));
+    std::vector<Message> const of_ranks = gather(ranks, message_of(end));
     for (std::size_t rank = 0; rank < of_ranks.size(); ++rank) {
       auto const of_rank = MessageReader(of_ranks[rank]).template next<EndOfSteps<Model>>();
       ranks.note_traffic(rank, of_rank.traffic);
@@ -179,7 +181,7 @@ void lead_steps_from_homes(Ranks& ranks, Model const& model, StepsOfModel const&
 
 /// The part of every other rank in it, after the task in the message.
 template <class Model>
-void follow_steps_from_homes(Ranks& ranks, Model const& model, std::optional<CellLayout> const& fixed_cells,
+void follow_steps_from_homes(Communicator& ranks, Model const& model, std::optional<CellLayout> const& fixed_cells,
                              MessageReader& message, World<Model>& own, std::size_t& agents) {
   auto const order = message.next<ShareOrder>();
   own.clock = order.clock;
@@ -187,7 +189,7 @@ void follow_steps_from_homes(Ranks& ranks, Model const& model, std::optional<Cel
   steps.bring_home(follow_steps(ranks, steps.share()), own.agents);
   agents = steps.population();
   EndOfSteps<Model> const end{.traffic = ranks.traffic(), .events = steps.events()};
-  static_cast<void>(gather_for_leader(ranks, message_of(end)));
+  static_cast<void>(gather(ranks, message_of(end)));
 }
 
 }  // namespace gridlock

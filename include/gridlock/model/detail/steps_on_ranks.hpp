@@ -10,11 +10,14 @@
 #include <vector>
 
 #include "gridlock/core/detail/counters_of_step.hpp"
-#include "gridlock/core/detail/ranks.hpp"
+#include "gridlock/core/detail/message.hpp"
 #include "gridlock/core/error.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/model/detail/share.hpp"
 #include "gridlock/model/detail/tiled_share.hpp"
+#include "gridlock/parallel/communicator.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
+#include "gridlock/parallel/detail/tasks.hpp"
 
 namespace gridlock {
 
@@ -35,7 +38,7 @@ struct AnswerOfShare {
     for (std::size_t step = 0; step < counters.size(); ++step) counters[step].add(others.counters[step]);
   }
 
-  [[nodiscard]] Ranks::Bytes message() const {
+  [[nodiscard]] Message message() const {
     MessageWriter message;
     message.add(is_stop_asked);
     message.add(failure.has_value());
@@ -47,7 +50,7 @@ struct AnswerOfShare {
     for (CountersOfStep const& of_step : counters) of_step.write(message);
     return message.take();
   }
-  static AnswerOfShare read(Ranks::Bytes const& bytes) {
+  static AnswerOfShare read(Message const& bytes) {
     MessageReader message(bytes);
     AnswerOfShare answer{.is_stop_asked = message.next<bool>(), .failure = {}, .counters = {}};
     if (message.next<bool>()) {
@@ -67,17 +70,16 @@ struct AnswerOfShare {
 /// Takes so many steps together with all other ranks, or as many as there are before a turn fails. Returns how many were begun, and what
 /// all ranks say of them, for the leader.
 template <class Share>
-std::pair<std::uint64_t, AnswerOfShare> take_steps(Ranks& ranks, Share& share, std::uint64_t steps) {
+std::pair<std::uint64_t, AnswerOfShare> take_steps(Communicator& ranks, Share& share, std::uint64_t steps) {
   std::uint64_t begun = 0;
   while (begun < steps && share.take_step()) ++begun;
   AnswerOfShare const own{
       .is_stop_asked = ranks.is_stop_asked(), .failure = share.failure(), .counters = share.take_counters()};
-  Ranks::Bytes const all =
-      merge_for_leader(ranks, own.message(), [](Ranks::Bytes const& left, Ranks::Bytes const& right) {
-        AnswerOfShare answer = AnswerOfShare::read(left);
-        answer.add(AnswerOfShare::read(right));
-        return answer.message();
-      });
+  Message const all = reduce(ranks, own.message(), [](Message const& left, Message const& right) {
+    AnswerOfShare answer = AnswerOfShare::read(left);
+    answer.add(AnswerOfShare::read(right));
+    return answer.message();
+  });
   return {begun, ranks.rank() == 0 ? AnswerOfShare::read(all) : own};
 }
 
@@ -91,7 +93,7 @@ struct NextSteps {
 template <class Share>
 class LeadingSteps {
  public:
-  LeadingSteps(Ranks& ranks, Share& share, Clock& clock, double time_step, Counters& counters)
+  LeadingSteps(Communicator& ranks, Share& share, Clock& clock, double time_step, Counters& counters)
       : ranks_(ranks), share_(share), clock_(clock), time_step_(time_step), counters_(counters) {}
 
   /// All ranks are back from their steps when it returns, whatever the stop condition has thrown.
@@ -121,7 +123,7 @@ class LeadingSteps {
   }
 
  private:
-  void tell(NextSteps const& next) { static_cast<void>(hand_down(ranks_, message_of(next))); }
+  void tell(NextSteps const& next) { static_cast<void>(broadcast(ranks_, message_of(next))); }
 
   /// How many steps may be taken before a look at the stop condition.
   [[nodiscard]] std::uint64_t steps_until(StopCondition const& stop, std::uint64_t most) const {
@@ -154,7 +156,7 @@ class LeadingSteps {
     return whole;
   }
 
-  Ranks& ranks_;
+  Communicator& ranks_;
   Share& share_;
   Clock& clock_;
   double time_step_;
@@ -165,9 +167,9 @@ class LeadingSteps {
 
 /// The part of every other rank in them. Returns whether the last step counts.
 template <class Share>
-bool follow_steps(Ranks& ranks, Share& share) {
+bool follow_steps(Communicator& ranks, Share& share) {
   while (true) {
-    auto const next = MessageReader(hand_down(ranks, {})).template next<NextSteps>();
+    auto const next = MessageReader(broadcast(ranks, {})).template next<NextSteps>();
     if (next.steps == 0) return next.does_last_count != 0;
     take_steps(ranks, share, next.steps);
   }

@@ -12,12 +12,14 @@
 #include <utility>
 #include <vector>
 
-#include "gridlock/core/detail/ranks.hpp"
+#include "gridlock/core/detail/message.hpp"
 #include "gridlock/grid/detail/packed_grid.hpp"
 #include "gridlock/grid/detail/tile_division.hpp"
 #include "gridlock/model/detail/agents_message.hpp"
 #include "gridlock/model/detail/share.hpp"
 #include "gridlock/model/detail/turns_in_tiles.hpp"
+#include "gridlock/parallel/communicator.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
 
 namespace gridlock {
 
@@ -45,8 +47,9 @@ class TiledModelShare final : public AgentsOfShare<Model> {
   using typename Base::AllValues;
 
   /// `division` has the tiles of each rank; `ids` and `values` are those of the agents in the tiles of this rank.
-  TiledModelShare(Ranks& ranks, Model const& model, ShareOrder const& order, std::vector<Tiling::Rectangle> division,
-                  LargeArray<Id>&& ids, AllValues&& values, NameBirths name_births = {})
+  TiledModelShare(Communicator& ranks, Model const& model, ShareOrder const& order,
+                  std::vector<Tiling::Rectangle> division, LargeArray<Id>&& ids, AllValues&& values,
+                  NameBirths name_births = {})
       : Base(ranks, model, order, division_of(order, division, ranks.rank()), std::move(ids), std::move(values),
              std::move(name_births)),
         tiles_of_ranks_(std::move(division)) {
@@ -238,7 +241,7 @@ class TiledModelShare final : public AgentsOfShare<Model> {
 
   // Cells in messages.
 
-  [[nodiscard]] Ranks::Bytes message_of_cells(std::span<int const> some) const {
+  [[nodiscard]] Message message_of_cells(std::span<int const> some) const {
     MessageWriter message;
     add_cells(message, some);
     return message.take();
@@ -259,7 +262,7 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     add_agents(message, world_.agents.ids().data(), world_.agents.values(), rows);
   }
 
-  void take_cells(Ranks::Bytes const& bytes) {
+  void take_cells(Message const& bytes) {
     MessageReader message(bytes);
     take_cells(message);
   }
@@ -339,7 +342,7 @@ class TiledModelShare final : public AgentsOfShare<Model> {
     }
     std::vector<std::pair<std::uint32_t, std::size_t>> all;  // tiles and their ranks
     bool have_failed = false;
-    std::vector<Ranks::Bytes> const of_ranks = ranks_.gather_for_all(own.take());
+    std::vector<Message> const of_ranks = all_gather(ranks_, own.take());
     for (std::size_t rank = 0; rank < of_ranks.size(); ++rank) {
       MessageReader message(of_ranks[rank]);
       have_failed = have_failed || message.next<std::uint64_t>() != 0;
@@ -415,7 +418,7 @@ class TiledModelShare final : public AgentsOfShare<Model> {
   /// Lends cells to a rank whose late agents take their turns, until they have. Returns whether a turn has failed.
   bool follow(std::size_t rank) {
     while (true) {
-      Ranks::Bytes const bytes = ranks_.receive(rank);
+      Message const bytes = ranks_.receive(rank);
       MessageReader message(bytes);
       if (message.next<LateMessage>() == LateMessage::send_cells) {
         ranks_.send(rank, message_of_cells(message.rest<int>()));

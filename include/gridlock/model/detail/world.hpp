@@ -4,10 +4,10 @@
 #include <tuple>
 
 #include "gridlock/core/disks.hpp"
-#include "gridlock/core/share_of_rows.hpp"
 #include "gridlock/core/world.hpp"
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/model/agent_sums.hpp"
+#include "gridlock/parallel/share_of_rows.hpp"
 
 namespace gridlock {
 
@@ -44,41 +44,41 @@ consteval bool has_shared_start() {
 }
 
 /// How far an agent of the model searches: a number of the model alone, of its world, or of all agents. Where ranks divide the agents,
-/// `world` has those of this rank, `of_all` makes sums of them those of all, and all ranks call it.
+/// `world` has those of this rank, and all ranks call it together.
 template <class Model>
-double cutoff_of(Model const& model, World<Model> const& world, SumsOfAll const& of_all = {}) {
+double cutoff_of(Model const& model, World<Model> const& world, AllProcesses processes = {}) {
   constexpr bool asks_world = requires { model.cutoff(world); };
   constexpr bool asks_agents = requires { model.cutoff(AgentSums<Model>(world)); };
   if constexpr (asks_world) {
     return model.cutoff(world);
   } else if constexpr (asks_agents) {
-    return model.cutoff(AgentSums<Model>(world, of_all));
+    return model.cutoff(AgentSums<Model>(world, processes));
   } else {
     return model.cutoff();
   }
 }
 /// The physical time of a step; the same.
 template <class Model>
-double time_step_of(Model const& model, World<Model> const& world, SumsOfAll const& of_all = {}) {
+double time_step_of(Model const& model, World<Model> const& world, AllProcesses processes = {}) {
   constexpr bool asks_world = requires { model.time_step(world); };
   constexpr bool asks_agents = requires { model.time_step(AgentSums<Model>(world)); };
   if constexpr (asks_world) {
     return model.time_step(world);
   } else if constexpr (asks_agents) {
-    return model.time_step(AgentSums<Model>(world, of_all));
+    return model.time_step(AgentSums<Model>(world, processes));
   } else {
     return model.time_step();
   }
 }
 /// The cells that the model fixes, if it does; the same.
 template <class Model>
-std::optional<CellLayout> cells_of(Model const& model, World<Model> const& world, SumsOfAll const& of_all = {}) {
+std::optional<CellLayout> cells_of(Model const& model, World<Model> const& world, AllProcesses processes = {}) {
   constexpr bool asks_world = requires { model.cells(world); };
   constexpr bool asks_agents = requires { model.cells(AgentSums<Model>(world)); };
   if constexpr (asks_world) {
     return model.cells(world);
   } else if constexpr (asks_agents) {
-    return model.cells(AgentSums<Model>(world, of_all));
+    return model.cells(AgentSums<Model>(world, processes));
   } else {
     return {};
   }

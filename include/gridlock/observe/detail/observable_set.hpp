@@ -21,8 +21,8 @@ class ObservableSet {
   [[nodiscard]] std::vector<NamedEstimate> results() const;
   [[nodiscard]] std::vector<Distribution> distributions() const;
   void serialize(Archive& archive);
-  /// See Observable::bring_home().
-  void bring_home(OtherAgents const& others);
+  /// See Observable::migrate().
+  void migrate(Communicator& processes);
 
  private:
   struct Entry {

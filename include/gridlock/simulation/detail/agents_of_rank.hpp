@@ -7,10 +7,11 @@
 
 #include "gridlock/core/agents_view.hpp"
 #include "gridlock/core/archive.hpp"
-#include "gridlock/core/detail/ranks.hpp"
-#include "gridlock/core/detail/row_division.hpp"
+#include "gridlock/core/detail/message.hpp"
 #include "gridlock/engine/engine.hpp"
 #include "gridlock/observe/observable.hpp"
+#include "gridlock/parallel/detail/row_division.hpp"
+#include "gridlock/parallel/detail/tasks.hpp"
 
 namespace gridlock {
 
@@ -39,7 +40,7 @@ class AgentsOfRank {
   [[nodiscard]] virtual AgentsView view() const = 0;
   [[nodiscard]] virtual std::vector<NamedColumn> columns() = 0;
   [[nodiscard]] virtual std::shared_ptr<void> release_columns() = 0;
-  [[nodiscard]] virtual Snapshot snapshot(Counters const& counters, OtherAgents const* others) const = 0;
+  [[nodiscard]] virtual Snapshot snapshot(Counters const& counters, Communicator& processes) const = 0;
   [[nodiscard]] virtual std::uint64_t sum_of_hashes() const = 0;
   /// Of all ranks.
   [[nodiscard]] virtual std::size_t count() const = 0;

@@ -18,7 +18,7 @@ struct Configuration;
 struct Setup;
 struct SetupOptions;
 class AgentsOfRank;
-class Ranks;
+class Communicator;
 
 /// A table of settings, `[name]`.
 struct SettingTable {
@@ -67,7 +67,7 @@ class ModelKind {
   [[nodiscard]] virtual bool is_divided_among_ranks(Configuration const& /*configuration*/) const { return false; }
   /// What another process than the leader has of such a run, see DividedSimulation. Contract: is_divided_among_ranks().
   /// Errors: Error, on all ranks.
-  [[nodiscard]] virtual std::unique_ptr<AgentsOfRank> agents_of_rank(Ranks& ranks,
+  [[nodiscard]] virtual std::unique_ptr<AgentsOfRank> agents_of_rank(Communicator& ranks,
                                                                      Configuration const& configuration) const = 0;
   /// Whether a run can end within a step.
   [[nodiscard]] virtual bool ends_within_steps(Configuration const& /*configuration*/) const { return false; }

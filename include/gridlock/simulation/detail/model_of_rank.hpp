@@ -10,11 +10,14 @@
 #include <utility>
 #include <vector>
 
-#include "gridlock/core/detail/agent_homes.hpp"
-#include "gridlock/core/detail/agreement.hpp"
 #include "gridlock/core/detail/free_names.hpp"
+#include "gridlock/core/detail/message.hpp"
 #include "gridlock/model/detail/steps_from_homes.hpp"
 #include "gridlock/model/model.hpp"
+#include "gridlock/parallel/detail/agent_homes.hpp"
+#include "gridlock/parallel/detail/agreement.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
+#include "gridlock/parallel/detail/tasks.hpp"
 #include "gridlock/simulation/detail/agents_of_rank.hpp"
 #include "gridlock/simulation/model_simulation.hpp"
 
@@ -29,7 +32,7 @@ class ModelOfRank final : public AgentsOfRank {
   /// Makes the start, each rank its own agents where they are functions of their numbers, or those of a share; else the leader makes all, hands
   /// them out and forgets them. All ranks call it. `blame(act)` calls act and says what of the settings is wrong.
   /// Errors: Error, on all ranks.
-  ModelOfRank(Ranks& ranks, Model const& model, Box const& box, std::uint64_t seed, std::uint64_t threads,
+  ModelOfRank(Communicator& ranks, Model const& model, Box const& box, std::uint64_t seed, std::uint64_t threads,
               std::function<void(std::function<void()> const&)> const& blame)
       : ranks_(ranks), model_(model), threads_(threads), own_{.box = box, .agents = {}, .clock = {}, .seed = seed} {
     agree_on_errors(ranks_, [&] { blame([&] { make_start(); }); });
@@ -37,7 +40,7 @@ class ModelOfRank final : public AgentsOfRank {
     require_inside(blame);
     look_at_all_agents();
     require_cutoff_fits(box, steps_.cutoff, Model::name);
-    notes_ = notes_of(model_, own_, SumsOfAll::over(ranks_));
+    notes_ = notes_of(model_, own_, ranks_);
   }
 
   /// What the model says of its start.
@@ -50,8 +53,8 @@ class ModelOfRank final : public AgentsOfRank {
   [[nodiscard]] AgentsView view() const override { return own_.agents; }
   [[nodiscard]] std::vector<NamedColumn> columns() override { return columns_of(own_.agents); }
   [[nodiscard]] std::shared_ptr<void> release_columns() override { return own_.agents.release(); }
-  [[nodiscard]] Snapshot snapshot(Counters const& counters, OtherAgents const* others) const override {
-    return {own_, counters, others};
+  [[nodiscard]] Snapshot snapshot(Counters const& counters, Communicator& processes) const override {
+    return {own_, counters, processes, count()};
   }
   [[nodiscard]] std::uint64_t sum_of_hashes() const override { return gridlock::sum_of_hashes(own_.agents); }
   [[nodiscard]] std::size_t count() const override { return agents_; }
@@ -101,7 +104,7 @@ class ModelOfRank final : public AgentsOfRank {
     auto const agents = std::make_shared<Agents>();
     agents->become(rows.ids, rows.values);
     std::vector<std::uint64_t> begins{0};
-    for (Ranks::Bytes const& bytes : ranks_.gather_for_all(message_of(std::uint64_t{agents->size()}))) {
+    for (Message const& bytes : all_gather(ranks_, message_of(std::uint64_t{agents->size()}))) {
       begins.push_back(begins.back() + MessageReader(bytes).next<std::uint64_t>());
     }
     return {.rows = RowDivision(std::move(begins)), .own = std::as_const(*agents), .memory = agents};
@@ -156,7 +159,7 @@ class ModelOfRank final : public AgentsOfRank {
     std::size_t const row = find_outside(own_.box, own_.agents.template column<X>(), own_.agents.template column<Y>());
     Id const own = row < own_.agents.size() ? own_.agents.ids()[row] : nobody;
     Id first = nobody;
-    for (Ranks::Bytes const& bytes : ranks_.gather_for_all(message_of(own))) {
+    for (Message const& bytes : all_gather(ranks_, message_of(own))) {
       first = std::min(first, MessageReader(bytes).next<Id>());
     }
     agree_on_errors(ranks_, [&] {
@@ -165,7 +168,7 @@ class ModelOfRank final : public AgentsOfRank {
   }
 
   void look_at_all_agents() {
-    agents_ = sum_over_ranks(ranks_, own_.agents.size());
+    agents_ = all_sum(ranks_, own_.agents.size());
     steps_ = steps_of(ranks_, model_, own_);
   }
 
@@ -176,7 +179,7 @@ class ModelOfRank final : public AgentsOfRank {
     own_.agents.become(rows.ids, rows.values);
   }
 
-  Ranks& ranks_;
+  Communicator& ranks_;
   Model model_;
   std::uint64_t threads_;
   World<Model> own_;

@@ -6,16 +6,17 @@
 #include <span>
 #include <vector>
 
-#include "gridlock/core/detail/ranks.hpp"
+#include "gridlock/core/detail/message.hpp"
+#include "gridlock/parallel/communicator.hpp"
 
 namespace gridlock {
 
-/// Ranks send values to each other, each to where it belongs. All call it, each with `count` values to give: `give_one(k, give)` calls
+/// Communicator send values to each other, each to where it belongs. All call it, each with `count` values to give: `give_one(k, give)` calls
 /// give(rank, value) for number k, once for each rank that is to have it, and take(value) is called for what has come, from whatever rank,
 /// this one included. In rounds of so many numbers k of each rank, so that messages stay short however much there is to send, and nobody waits for
 /// someone who waits for him to receive.
 template <class Value, class GiveOne, class Take>
-void exchange_values(Ranks& ranks, std::size_t count, GiveOne give_one, Take take) {
+void exchange_values(Communicator& ranks, std::size_t count, GiveOne give_one, Take take) {
   constexpr std::size_t numbers_of_round = std::size_t{1} << 16;
   std::size_t const self = ranks.rank();
   std::vector<std::vector<Value>> leaving(ranks.count());
@@ -41,7 +42,7 @@ void exchange_values(Ranks& ranks, std::size_t count, GiveOne give_one, Take tak
     }
     for (std::size_t rank = 0; rank < ranks.count(); ++rank) {
       if (rank == self || is_done[rank]) continue;
-      Ranks::Bytes const bytes = ranks.receive(rank);
+      Message const bytes = ranks.receive(rank);
       MessageReader message(bytes);
       is_done[rank] = message.next<std::uint64_t>() != 0;
       for (Value const& value : message.rest<Value>()) take(value);

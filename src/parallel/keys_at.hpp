@@ -1,13 +1,10 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
-
-#include "gridlock/core/detail/ranks.hpp"
 
 namespace gridlock {
 
@@ -27,14 +24,6 @@ std::vector<std::uint64_t> keys_at(std::span<std::uint64_t const> places, std::u
     }
   }
   return keys;
-}
-
-/// The highest bit of the largest key of all ranks, 0 where that is 0. All call it, each with its largest.
-inline std::uint64_t highest_bit_of_all(Ranks& ranks, std::uint64_t largest) {
-  for (Ranks::Bytes const& bytes : ranks.gather_for_all(message_of(largest))) {
-    largest = std::max(largest, MessageReader(bytes).next<std::uint64_t>());
-  }
-  return std::bit_floor(largest);
 }
 
 }  // namespace gridlock

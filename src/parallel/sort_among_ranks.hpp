@@ -7,25 +7,25 @@
 #include <utility>
 #include <vector>
 
-#include "core/add_up_over_ranks.hpp"
-#include "core/keys_at.hpp"
-#include "gridlock/core/detail/exchange.hpp"
-#include "gridlock/core/detail/ranks.hpp"
-#include "gridlock/core/detail/row_division.hpp"
+#include "gridlock/parallel/communicator.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
+#include "gridlock/parallel/detail/exchange.hpp"
+#include "gridlock/parallel/detail/row_division.hpp"
+#include "parallel/keys_at.hpp"
 
 namespace gridlock {
 
 /// Where a rank cuts its sorted values so that the first pieces of all ranks are the rows of rank 0 in the order of the keys, the second those of
 /// rank 1: the end of each piece. No key is there twice. All call it. Cost: a round of messages for each bit of the largest key.
 template <class Value, class KeyOf>
-std::vector<std::size_t> cuts_of_sorted(Ranks& ranks, std::vector<Value> const& values, RowDivision const& rows,
+std::vector<std::size_t> cuts_of_sorted(Communicator& ranks, std::vector<Value> const& values, RowDivision const& rows,
                                         KeyOf key_of) {
   auto const count_below = [&](std::uint64_t key) {
     return std::ranges::lower_bound(values, key, {}, key_of) - values.begin();
   };
   std::vector<std::uint64_t> const behind_cuts =
       keys_at(rows.begins().subspan(1), highest_bit_of_all(ranks, values.empty() ? 0 : key_of(values.back())),
-              count_below, [&](std::span<std::uint64_t> counts) { add_up_over_ranks(ranks, counts); });
+              count_below, [&](std::span<std::uint64_t> counts) { all_sum(ranks, counts); });
   std::size_t const cuts = rows.ranks();
   std::vector<std::size_t> ends(cuts);
   for (std::size_t cut = 0; cut < cuts; ++cut) ends[cut] = static_cast<std::size_t>(count_below(behind_cuts[cut]));
@@ -38,7 +38,7 @@ std::vector<std::size_t> cuts_of_sorted(Ranks& ranks, std::vector<Value> const& 
 /// Puts the values of all ranks in the order of their keys, of which no two are equal: each rank gets its rows of the division. All call it.
 /// Memory: the values of a rank once more.
 template <class Value, class KeyOf>
-void sort_among_ranks(Ranks& ranks, std::vector<Value>& values, RowDivision const& rows, KeyOf key_of) {
+void sort_among_ranks(Communicator& ranks, std::vector<Value>& values, RowDivision const& rows, KeyOf key_of) {
   std::ranges::sort(values, {}, key_of);
   std::vector<std::size_t> const ends = cuts_of_sorted(ranks, values, rows, key_of);
   std::vector<Value> come;

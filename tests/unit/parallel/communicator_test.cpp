@@ -1,4 +1,4 @@
-#include "gridlock/core/detail/ranks.hpp"
+#include "gridlock/parallel/communicator.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "gridlock/core/detail/message.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
 #include "thread_ranks.hpp"
 
 namespace gridlock {
@@ -23,16 +25,16 @@ std::string text_of_rank(std::size_t rank) {
   return text;
 }
 
-Ranks::Bytes message_with(std::string_view text) { return message_of_all(std::span<char const>(text)); }
+Message message_with(std::string_view text) { return message_of_all(std::span<char const>(text)); }
 
-std::string text_in(Ranks::Bytes const& message) {
+std::string text_in(Message const& message) {
   std::vector<char> const letters = MessageReader(message).rest<char>();
   return {letters.begin(), letters.end()};
 }
 
-std::vector<std::string> texts_in(std::vector<Ranks::Bytes> const& messages) {
+std::vector<std::string> texts_in(std::vector<Message> const& messages) {
   std::vector<std::string> texts;
-  for (Ranks::Bytes const& message : messages) texts.push_back(text_in(message));
+  for (Message const& message : messages) texts.push_back(text_in(message));
   return texts;
 }
 
@@ -49,7 +51,7 @@ std::string one_text_of(std::size_t ranks) {
 }
 
 /// The order of the ranks shows.
-Ranks::Bytes joined(Ranks::Bytes left, Ranks::Bytes const& right) {
+Message joined(Message left, Message const& right) {
   left.insert(left.end(), right.begin(), right.end());
   return left;
 }
@@ -62,12 +64,12 @@ INSTANTIATE_TEST_SUITE_P(Counts, TreeOfRanks, testing::Values(1, 2, 3, 4, 5, 6, 
 TEST_P(TreeOfRanks, GathersForAllWhatEachGives) {
   std::size_t const count = GetParam();
   ThreadRanks all(count);
-  all.run_on_all([&](Ranks& ranks) {
+  all.run_on_all([&](Communicator& ranks) {
     for (int n = 0; n < 3; ++n) {
       std::string const own = text_of_rank(ranks.rank()) + std::to_string(n);
       std::vector<std::string> expected = texts_of(count);
       for (std::string& text : expected) text += std::to_string(n);
-      EXPECT_EQ(texts_in(ranks.gather_for_all(message_with(own))), expected) << "rank " << ranks.rank();
+      EXPECT_EQ(texts_in(all_gather(ranks, message_with(own))), expected) << "rank " << ranks.rank();
     }
   });
   EXPECT_EQ(all.messages(), 3 * count * static_cast<std::size_t>(std::bit_width(count - 1))) << "⌈log₂ count⌉ of each";
@@ -75,8 +77,8 @@ TEST_P(TreeOfRanks, GathersForAllWhatEachGives) {
 
 TEST_P(TreeOfRanks, GathersForTheLeaderAlone) {
   ThreadRanks all(GetParam());
-  all.run_on_all([&](Ranks& ranks) {
-    std::vector<std::string> const texts = texts_in(gather_for_leader(ranks, message_with(text_of_rank(ranks.rank()))));
+  all.run_on_all([&](Communicator& ranks) {
+    std::vector<std::string> const texts = texts_in(gather(ranks, message_with(text_of_rank(ranks.rank()))));
     EXPECT_EQ(texts, ranks.rank() == 0 ? texts_of(GetParam()) : std::vector<std::string>()) << "rank " << ranks.rank();
   });
   EXPECT_EQ(all.messages(), GetParam() - 1);
@@ -84,19 +86,19 @@ TEST_P(TreeOfRanks, GathersForTheLeaderAlone) {
 
 TEST_P(TreeOfRanks, MergesInTheOrderOfTheRanks) {
   ThreadRanks all(GetParam());
-  all.run_on_all([&](Ranks& ranks) {
-    Ranks::Bytes const own = message_with(text_of_rank(ranks.rank()));
-    EXPECT_EQ(text_in(merge_for_leader(ranks, own, joined)), ranks.rank() == 0 ? one_text_of(GetParam()) : "");
-    EXPECT_EQ(text_in(merge_for_all(ranks, own, joined)), one_text_of(GetParam())) << "rank " << ranks.rank();
+  all.run_on_all([&](Communicator& ranks) {
+    Message const own = message_with(text_of_rank(ranks.rank()));
+    EXPECT_EQ(text_in(reduce(ranks, own, joined)), ranks.rank() == 0 ? one_text_of(GetParam()) : "");
+    EXPECT_EQ(text_in(all_reduce(ranks, own, joined)), one_text_of(GetParam())) << "rank " << ranks.rank();
   });
   EXPECT_EQ(all.messages(), 3 * (GetParam() - 1));
 }
 
 TEST_P(TreeOfRanks, HandsDownWhatTheLeaderGives) {
   ThreadRanks all(GetParam());
-  all.run_on_all([&](Ranks& ranks) {
+  all.run_on_all([&](Communicator& ranks) {
     for (std::string_view const text : {"forward", "", "back"}) {
-      EXPECT_EQ(text_in(hand_down(ranks, message_with(ranks.rank() == 0 ? text : "nobody hears this"))), text);
+      EXPECT_EQ(text_in(broadcast(ranks, message_with(ranks.rank() == 0 ? text : "nobody hears this"))), text);
     }
   });
   EXPECT_EQ(all.messages(), 3 * (GetParam() - 1));

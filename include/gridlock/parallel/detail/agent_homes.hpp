@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "gridlock/core/detail/exchange.hpp"
 #include "gridlock/core/detail/large_array.hpp"
-#include "gridlock/core/detail/ranks.hpp"
 #include "gridlock/core/detail/rows_in_order.hpp"
 #include "gridlock/core/population.hpp"
+#include "gridlock/parallel/communicator.hpp"
+#include "gridlock/parallel/detail/exchange.hpp"
 
 namespace gridlock {
 
@@ -21,15 +21,12 @@ namespace gridlock {
 /// noted for an agent stays where it is, and each rank has about as many, however far the population grows.
 inline std::size_t home_of(Id id, std::size_t ranks) { return static_cast<std::size_t>(id & 0xFFFFFFFFU) % ranks; }
 
-/// The sum of a number of each rank. All call it.
-std::uint64_t sum_over_ranks(Ranks& ranks, std::uint64_t own);
-
 /// How many agents come to this rank, where each sends so many to each rank. All call it.
-std::uint64_t count_of_arrivals(Ranks& ranks, std::vector<std::uint64_t> leaving);
+std::uint64_t count_of_arrivals(Communicator& ranks, std::vector<std::uint64_t> leaving);
 
 /// Cuts all agents in the order of their Ids into a block for each rank, of as many each: the first Id of each block. `own` are those of
 /// this rank, in order. All call it. Cost: a round of messages for each bit of the largest Id.
-std::vector<Id> first_ids_of_blocks(Ranks& ranks, std::span<Id const> own);
+std::vector<Id> first_ids_of_blocks(Communicator& ranks, std::span<Id const> own);
 
 template <class... Values>
 constexpr std::size_t bytes_of_values(std::tuple<Values...> const* /*values*/) {
@@ -54,8 +51,8 @@ struct AgentRows {
 
 /// Each rank sends its agents to where they belong, rank_of(row), and gets those that have come. All call it.
 template <class Agents, class RankOf>
-AgentRows<Agents> exchanged_agents(Ranks& ranks, std::span<Id const> ids, typename Agents::AllValues const& values,
-                                   RankOf rank_of) {
+AgentRows<Agents> exchanged_agents(Communicator& ranks, std::span<Id const> ids,
+                                   typename Agents::AllValues const& values, RankOf rank_of) {
   AgentRows<Agents> arrived;
   std::vector<std::uint64_t> leaving(ranks.count(), 0);
   for (std::size_t row = 0; row < ids.size(); ++row) ++leaving[rank_of(row)];
@@ -103,7 +100,7 @@ void sort_agents(AgentRows<Agents>& agents) {
 
 /// Brings agents home, in the order of their Ids. All call it.
 template <class Agents>
-void bring_home(Ranks& ranks, AgentRows<Agents>& agents) {
+void bring_home(Communicator& ranks, AgentRows<Agents>& agents) {
   agents = exchanged_agents<Agents>(ranks, agents.ids, agents.values,
                                     [&](std::size_t row) { return home_of(agents.ids[row], ranks.count()); });
   sort_agents(agents);

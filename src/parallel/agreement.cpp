@@ -1,18 +1,20 @@
-#include "gridlock/core/detail/agreement.hpp"
+#include "gridlock/parallel/detail/agreement.hpp"
 
 #include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "gridlock/core/detail/message.hpp"
 #include "gridlock/core/error.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
 
 namespace gridlock {
 
 namespace {
 
 /// What is wrong, in a message; places in files are not known yet.
-Ranks::Bytes message_of_problems(std::optional<Error> const& error) {
+Message message_of_problems(std::optional<Error> const& error) {
   MessageWriter message;
   if (!error) return message.take();
   for (Problem const& problem : error->problems()) {
@@ -23,14 +25,14 @@ Ranks::Bytes message_of_problems(std::optional<Error> const& error) {
 
 }  // namespace
 
-void agree_on_errors(Ranks& ranks, std::function<void()> const& work) {
+void agree_on_errors(Communicator& ranks, std::function<void()> const& work) {
   std::optional<Error> error;
   try {
     work();
   } catch (Error const& refused) {
     error = refused;
   }
-  for (Ranks::Bytes const& bytes : ranks.gather_for_all(message_of_problems(error))) {
+  for (Message const& bytes : all_gather(ranks, message_of_problems(error))) {
     MessageReader message(bytes);
     std::vector<Problem> problems;
     while (!message.is_at_end()) {
@@ -42,8 +44,8 @@ void agree_on_errors(Ranks& ranks, std::function<void()> const& work) {
   }
 }
 
-std::string first_text_of_all(Ranks& ranks, std::string const& text) {
-  for (Ranks::Bytes const& bytes : ranks.gather_for_all(message_of_all(std::span<char const>(text)))) {
+std::string first_text_of_all(Communicator& ranks, std::string const& text) {
+  for (Message const& bytes : all_gather(ranks, message_of_all(std::span<char const>(text)))) {
     if (!bytes.empty()) return {reinterpret_cast<char const*>(bytes.data()), bytes.size()};
   }
   return {};

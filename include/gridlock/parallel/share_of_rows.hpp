@@ -13,8 +13,10 @@
 #include <cstdint>
 #include <utility>
 
-#include "gridlock/core/detail/ranks.hpp"
-#include "gridlock/core/detail/row_division.hpp"
+#include "gridlock/parallel/communicator.hpp"
+#include "gridlock/parallel/detail/all_processes.hpp"
+#include "gridlock/parallel/detail/collectives.hpp"
+#include "gridlock/parallel/detail/row_division.hpp"
 
 namespace gridlock {
 
@@ -24,7 +26,7 @@ class ShareOfRows {
   /// All of so many rows, in one process.
   explicit ShareOfRows(std::uint64_t rows) : division_(RowDivision::even(rows, 1)) {}
   /// Those of this rank, which outlives the share.
-  ShareOfRows(Ranks& ranks, RowDivision division) : ranks_(&ranks), division_(std::move(division)) {}
+  ShareOfRows(Communicator& ranks, RowDivision division) : processes_(ranks), division_(std::move(division)) {}
 
   /// Rows first() … end() − 1 of all().
   [[nodiscard]] std::uint64_t first() const { return division_.first(rank()); }
@@ -36,19 +38,16 @@ class ShareOfRows {
   /// share. All processes call it.
   template <class Sums, class Add>
   [[nodiscard]] Sums add_in_order(Sums sums, Add add) const {
-    if (ranks_ != nullptr) return gridlock::add_in_order(*ranks_, std::move(sums), std::move(add));
-    add(sums);
-    return sums;
+    return gridlock::ordered_reduce(processes(), std::move(sums), std::move(add));
   }
 
-  /// nullptr in one process.
-  [[nodiscard]] Ranks* ranks() const { return ranks_; }
+  [[nodiscard]] Communicator& processes() const { return processes_.communicator(); }
   [[nodiscard]] RowDivision const& division() const { return division_; }
 
  private:
-  [[nodiscard]] std::size_t rank() const { return ranks_ != nullptr ? ranks_->rank() : 0; }
+  [[nodiscard]] std::size_t rank() const { return processes().rank(); }
 
-  Ranks* ranks_ = nullptr;
+  AllProcesses processes_;
   RowDivision division_;
 };
 

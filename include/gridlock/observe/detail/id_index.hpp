@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "gridlock/core/archive.hpp"
 #include "gridlock/core/population.hpp"
 
 namespace gridlock {

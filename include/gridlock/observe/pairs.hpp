@@ -1,0 +1,73 @@
+#pragma once
+
+/// \file
+/// The pairs of near agents of a snapshot.
+///
+/// ```cpp
+/// State state{.box = Box(4.0, 3.0, Edge::periodic)};
+/// for (double const x : {0.5, 1.4, 3.0}) state.agents.add(x, 0.5, 0.0, 0.0, 0.5, 1.0, 0, 0);
+/// Counters const counters;
+/// Snapshot const now(state, counters);
+/// std::array<std::uint64_t, 1> twice_pairs{};
+/// now.pairs(1.0, [&](NearPair const& pair) { twice_pairs[0] += pair.own; });
+/// now.counts(twice_pairs);
+/// double const neighbours = static_cast<double>(twice_pairs[0]) / static_cast<double>(now.count());  // 2/3
+/// ```
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "gridlock/core/disks.hpp"
+#include "gridlock/grid/cell_layout.hpp"
+#include "gridlock/grid/detail/packed_grid.hpp"
+#include "gridlock/grid/detail/point_pairs.hpp"
+#include "gridlock/observe/snapshot.hpp"
+
+namespace gridlock {
+
+/// The points of a part of the box, and those around it as far as a cutoff: each agent is an own one of one process, which has all of its
+/// neighbours too. A process that is alone has all agents, in the order of their rows.
+/// Contract: as for Snapshot::pairs(). All processes make theirs together.
+class LocalPoints {
+ public:
+  /// `count` is the number of points of all processes, (x[i], y[i]) are some of them.
+  LocalPoints(Box const& box, std::span<double const> x, std::span<double const> y, double cutoff,
+              Communicator& processes, std::size_t count);
+  LocalPoints(Snapshot const& now, double cutoff)
+      : LocalPoints(now.box, now.agents.column<X>(), now.agents.column<Y>(), cutoff, now.processes.communicator(),
+                    now.count()) {}
+  LocalPoints(LocalPoints const&) = delete;
+  LocalPoints& operator=(LocalPoints const&) = delete;
+
+  /// Points 0 … own() − 1 are the own ones, those up to size() lie around them.
+  [[nodiscard]] std::size_t own() const { return own_; }
+  [[nodiscard]] std::size_t size() const { return points_.x.size(); }
+
+  /// Calls visit(i, j, separation) once for every pair with an own point, and for some pairs without, separation = r_j − r_i.
+  template <class Visit>
+  void for_each_pair(Visit visit) const {
+    gridlock::for_each_pair(points_, *grid_, cutoff_, std::move(visit));
+  }
+
+ private:
+  std::vector<double> x_, y_;  ///< empty where the points of the caller are all
+  double cutoff_;
+  PointsInBox points_;
+  std::size_t own_;
+  std::optional<PackedGrid> grid_;
+};
+
+template <class Visit>
+void Snapshot::pairs(double cutoff, Visit visit) const {
+  LocalPoints const points(*this, cutoff);
+  std::size_t const own = points.own();
+  points.for_each_pair([&](std::size_t i, std::size_t j, Vector separation) {
+    std::uint32_t const of_pair = (i < own ? 1U : 0U) + (j < own ? 1U : 0U);
+    if (of_pair > 0) visit(NearPair{i, j, separation, of_pair});
+  });
+}
+
+}  // namespace gridlock

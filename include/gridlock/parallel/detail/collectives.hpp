@@ -1,0 +1,110 @@
+#pragma once
+
+// Functions that all ranks of a communicator call together, in the same order. With one rank each returns its own argument and sends nothing.
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "gridlock/core/detail/exact_sum.hpp"
+#include "gridlock/core/detail/message.hpp"
+#include "gridlock/parallel/communicator.hpp"
+
+namespace gridlock {
+
+/// The message of each rank, by rank, on all ranks. Each sends and receives ⌈log₂ ranks⌉ messages.
+[[nodiscard]] std::vector<Message> all_gather(Communicator& ranks, Message own);
+
+/// Merges the messages of all ranks; the root gets the result, others nothing. Rank r gets the merged messages of ranks r + 1, r + 2,
+/// r + 4 … as far as they are in its part of the tree, and gives its own to the rank without its lowest bit: no rank receives more
+/// than ⌈log₂ ranks⌉ messages. merge(left, right) returns both as one message, and the ranks of `right` follow those of `left`.
+///
+///     0 ◄─ 1    2 ◄─ 3        0 ◄─ 2        0 ◄─ 4
+template <class Merge>
+Message reduce(Communicator& ranks, Message own, Merge merge) {
+  std::size_t const rank = ranks.rank();
+  for (std::size_t step = 1; step < ranks.count(); step *= 2) {
+    if ((rank & step) != 0) {
+      ranks.send(rank - step, std::move(own));
+      return {};
+    }
+    if (rank + step < ranks.count()) own = merge(std::move(own), ranks.receive(rank + step));
+  }
+  return own;
+}
+
+/// The message of the root, on all ranks, along the same tree the other way; those of others are ignored.
+[[nodiscard]] Message broadcast(Communicator& ranks, Message of_root);
+
+/// The message of each rank, by rank, on the root; others get nothing. Along the same tree.
+[[nodiscard]] std::vector<Message> gather(Communicator& ranks, Message own);
+
+/// Merges the messages of all ranks, for all.
+template <class Merge>
+Message all_reduce(Communicator& ranks, Message own, Merge merge) {
+  return broadcast(ranks, reduce(ranks, std::move(own), merge));
+}
+
+/// Rank after rank adds its terms to sums, in the order of the ranks; all get them.
+template <class Sums, class Add>
+Sums ordered_reduce(Communicator& ranks, Sums sums, Add add) {
+  std::size_t const rank = ranks.rank();
+  std::size_t const last = ranks.count() - 1;
+  if (rank > 0) sums = MessageReader(ranks.receive(rank - 1)).next<Sums>();
+  add(sums);
+  if (rank < last) {
+    ranks.send(rank + 1, message_of(sums));
+    return MessageReader(ranks.receive(last)).template next<Sums>();
+  }
+  for (std::size_t to = 0; to < last; ++to) ranks.send(to, message_of(sums));
+  return sums;
+}
+
+/// Combines each number with those of all other ranks by combine(number, other).
+template <class Number, class Combine>
+void all_combine(Communicator& ranks, std::span<Number> numbers, Combine combine) {
+  if (ranks.count() == 1 || numbers.empty()) return;
+  Message const all = all_reduce(ranks, message_of_all(std::span<Number const>(numbers)),
+                                 [&](Message const& left, Message const& right) {
+                                   auto combined = MessageReader(left).next_values<Number>(numbers.size());
+                                   auto const others = MessageReader(right).next_values<Number>(numbers.size());
+                                   for (std::size_t k = 0; k < combined.size(); ++k) combine(combined[k], others[k]);
+                                   return message_of_all(std::span<Number const>(combined));
+                                 });
+  MessageReader(all).read_into(numbers);
+}
+
+/// Each number becomes the sum of those of all ranks.
+inline void all_sum(Communicator& ranks, std::span<std::uint64_t> counts) {
+  all_combine(ranks, counts, [](std::uint64_t& sum, std::uint64_t other) { sum += other; });
+}
+inline void all_sum(Communicator& ranks, std::span<ExactSum> sums) {
+  all_combine(ranks, sums, [](ExactSum& sum, ExactSum const& other) { sum.add(other); });
+}
+inline std::uint64_t all_sum(Communicator& ranks, std::uint64_t own) {
+  all_sum(ranks, std::span(&own, 1));
+  return own;
+}
+
+/// The minimum and the maximum of a number of each rank.
+template <class Number>
+Number all_min(Communicator& ranks, Number own) {
+  all_combine(ranks, std::span(&own, 1), [](Number& min, Number other) { min = std::min(min, other); });
+  return own;
+}
+template <class Number>
+Number all_max(Communicator& ranks, Number own) {
+  all_combine(ranks, std::span(&own, 1), [](Number& max, Number other) { max = std::max(max, other); });
+  return own;
+}
+
+/// The highest bit of the largest key of all ranks, 0 where that is 0.
+inline std::uint64_t highest_bit_of_all(Communicator& ranks, std::uint64_t max_own) {
+  return std::bit_floor(all_max(ranks, max_own));
+}
+
+}  // namespace gridlock
