@@ -37,17 +37,17 @@ std::vector<std::size_t> cuts(std::span<std::uint64_t const> weights, std::span<
 
 }  // namespace
 
-std::vector<Tiling::Rectangle> divide(std::span<std::uint64_t const> weights_of_rows, double shape, std::size_t ranks,
+std::vector<Tiling::Rectangle> divide(std::span<std::uint64_t const> weights_of_rows, double shape, std::size_t parts,
                                       WeightsOfColumns const& weights_of_columns) {
   std::size_t const rows = weights_of_rows.size();
-  auto const strips = static_cast<std::size_t>(std::clamp(std::round(std::sqrt(static_cast<double>(ranks) * shape)),
-                                                          1.0, static_cast<double>(std::min(ranks, rows))));
-  std::vector<std::size_t> ranks_of_strip(strips);
-  for (std::size_t k = 0; k < strips; ++k) ranks_of_strip[k] = ranks * (k + 1) / strips - ranks * k / strips;
-  std::vector<std::size_t> const row_cuts = cuts(weights_of_rows, ranks_of_strip);
+  auto const strips = static_cast<std::size_t>(std::clamp(std::round(std::sqrt(static_cast<double>(parts) * shape)),
+                                                          1.0, static_cast<double>(std::min(parts, rows))));
+  std::vector<std::size_t> parts_of_strip(strips);
+  for (std::size_t k = 0; k < strips; ++k) parts_of_strip[k] = parts * (k + 1) / strips - parts * k / strips;
+  std::vector<std::size_t> const row_cuts = cuts(weights_of_rows, parts_of_strip);
   std::vector<Tiling::Rectangle> rectangles;
   for (std::size_t strip = 0; strip < strips; ++strip) {
-    std::vector<std::size_t> const ones(ranks_of_strip[strip], 1);
+    std::vector<std::size_t> const ones(parts_of_strip[strip], 1);
     std::vector<std::size_t> const column_cuts = cuts(weights_of_columns(row_cuts[strip], row_cuts[strip + 1]), ones);
     for (std::size_t k = 0; k < ones.size(); ++k) {
       rectangles.push_back({.first_column = column_cuts[k],

@@ -1,7 +1,6 @@
 #include "gridlock/grid/detail/tile_division.hpp"
 
 #include "grid/division.hpp"
-#include "gridlock/parallel/detail/collectives.hpp"
 
 namespace gridlock {
 
@@ -30,7 +29,7 @@ std::vector<std::size_t> tiles_of_cells(std::size_t tiles, EndOf end_of) {
 }  // namespace
 
 std::vector<Tiling::Rectangle> divide_tiles(Tiling const& tiling, std::span<std::uint64_t const> agents,
-                                            std::size_t ranks) {
+                                            std::size_t parts) {
   std::size_t const columns = tiling.columns();
   std::size_t const rows = tiling.rows();
   // An empty tile is work, too.
@@ -40,19 +39,13 @@ std::vector<Tiling::Rectangle> divide_tiles(Tiling const& tiling, std::span<std:
     for (std::size_t column = 0; column < columns; ++column) weights[row] += weight_of(column, row);
   }
   double const shape = static_cast<double>(rows) / static_cast<double>(columns);
-  return divide(weights, shape, ranks, [&](std::size_t first_row, std::size_t end_row) {
+  return divide(weights, shape, parts, [&](std::size_t first_row, std::size_t end_row) {
     std::vector<std::uint64_t> of_columns(columns, 0);
     for (std::size_t column = 0; column < columns; ++column) {
       for (std::size_t row = first_row; row < end_row; ++row) of_columns[column] += weight_of(column, row);
     }
     return of_columns;
   });
-}
-
-std::vector<Tiling::Rectangle> divide_tiles(Communicator& ranks, Tiling const& tiling,
-                                            std::vector<std::uint64_t> own_agents) {
-  all_sum(ranks, own_agents);
-  return divide_tiles(tiling, own_agents, ranks.count());
 }
 
 CellWindow window_around(CellLayout const& layout, Tiling const& tiling, Tiling::Rectangle const& rectangle,

@@ -33,11 +33,11 @@ constexpr std::size_t numbers_per_part = 3;
 
 char in_parts(char letter) { return static_cast<char>(std::toupper(static_cast<unsigned char>(letter))); }
 
-std::string name_of_part(std::size_t rank, CheckpointPart const& part) {
-  return fmt::format("{}{}.{:016x}{:016x}{}", part_prefix, rank, part.checksum[1], part.checksum[0], part_suffix);
+std::string name_of_part(std::size_t number, CheckpointPart const& part) {
+  return fmt::format("{}{}.{:016x}{:016x}{}", part_prefix, number, part.checksum[1], part.checksum[0], part_suffix);
 }
 
-/// checkpoint.part.RANK.CHECKSUM.gridlock with a number and 32 hexadecimal digits, and no other name: files of users stay.
+/// checkpoint.part.NUMBER.CHECKSUM.gridlock with a number and 32 hexadecimal digits, and no other name: files of users stay.
 bool is_name_of_part(std::string_view name) {
   if (!name.starts_with(part_prefix) || !name.ends_with(part_suffix)) return false;
   name = name.substr(part_prefix.size(), name.size() - part_prefix.size() - part_suffix.size());
@@ -120,7 +120,7 @@ class SavingArchive final : public NamedArchive {
   checkpoint::Members members_;
 };
 
-/// The parts that a checkpoint names, in the order of the ranks; none where it has its rows itself.
+/// The parts that a checkpoint names, in their order; none where it has its rows itself.
 std::vector<CheckpointPart> parts_of(checkpoint::File const& file) {
   if (file.version() == checkpoint::whole_version) return {};
   std::vector<CheckpointPart> parts;
@@ -141,7 +141,7 @@ std::vector<CheckpointPart> parts_of(checkpoint::File const& file) {
 std::pair<std::uint64_t, std::uint64_t> rows_of(CheckpointShare const& share, std::uint64_t rows) {
   if (share.end_row != CheckpointShare::any_rows) return {share.first_row, share.end_row};
   RowDivision const even = RowDivision::even(rows, share.count);
-  return {even.first(share.rank), even.end(share.rank)};
+  return {even.first(share.part), even.end(share.part)};
 }
 
 checkpoint::File opened_part(fs::path const& path, CheckpointPart const& part) {
@@ -162,11 +162,11 @@ class Parts {
       : directory_(std::move(directory)), parts_(parts_of(file)), files_(parts_.size()) {}
 
   [[nodiscard]] std::size_t size() const { return parts_.size(); }
-  [[nodiscard]] std::uint64_t rows(std::size_t rank) const { return parts_[rank].rows; }
+  [[nodiscard]] std::uint64_t rows(std::size_t part) const { return parts_[part].rows; }
   /// Errors: Error naming the file that is missing or damaged.
-  [[nodiscard]] checkpoint::File const& file(std::size_t rank) const {
-    std::optional<checkpoint::File>& file = files_[rank];
-    if (!file) file.emplace(opened_part(directory_ / name_of_part(rank, parts_[rank]), parts_[rank]));
+  [[nodiscard]] checkpoint::File const& file(std::size_t part) const {
+    std::optional<checkpoint::File>& file = files_[part];
+    if (!file) file.emplace(opened_part(directory_ / name_of_part(part, parts_[part]), parts_[part]));
     return *file;
   }
 
@@ -208,7 +208,7 @@ std::vector<Piece> pieces_of(checkpoint::File const& file, Parts const& parts, C
   std::vector<Piece> pieces =
       pieces_between(share.first_row, share.end_row, parts.size(), [&](std::size_t part) { return parts.rows(part); });
   for (Piece const& piece : pieces) static_cast<void>(parts.file(piece.part));
-  bool const is_last = share.rank + 1 == share.count && !has_any;
+  bool const is_last = share.part + 1 == share.count && !has_any;
   std::uint64_t const least = has_any ? share.first_row : share.end_row;
   if (rows < least || (is_last && rows > least)) {
     checkpoint::refuse(file.name(), fmt::format("its parts have {} rows, and this run has others", rows),
@@ -261,7 +261,7 @@ class RestoringArchive final : public NamedArchive {
     std::uint64_t const count = file_.count<Number>(list);
     bool const is_empty = count == 0;
     auto const [first, end] = is_empty ? std::pair<std::uint64_t, std::uint64_t>(0, 0) : rows_of(share_, count);
-    bool const is_last = share_.rank + 1 == share_.count;
+    bool const is_last = share_.part + 1 == share_.count;
     require(first <= end && end <= count && (is_empty || !is_last || end == count),
             "a list has not a value for each agent");
     values.resize(end - first);
@@ -390,7 +390,7 @@ void remove_unneeded_parts(fs::path const& directory) {
     for (char const* name : {newest_name, previous_name}) {
       if (!fs::exists(directory / name, ignored)) continue;
       std::vector<CheckpointPart> const parts = parts_of(checkpoint::File(checkpoint::bytes_of_file(directory / name)));
-      for (std::size_t rank = 0; rank < parts.size(); ++rank) needed.insert(name_of_part(rank, parts[rank]));
+      for (std::size_t part = 0; part < parts.size(); ++part) needed.insert(name_of_part(part, parts[part]));
     }
   } catch (Error const&) {
     return;
@@ -426,7 +426,7 @@ CheckpointPart write_checkpoint_part(fs::path const& directory, CheckpointShare 
   } else {
     part.rows = share.end_row - share.first_row;
   }
-  AtomicFile file(directory / name_of_part(share.rank, part));
+  AtomicFile file(directory / name_of_part(share.part, part));
   append_to(file, checkpoint::whole_version, archive.members());
   file.commit();
   return part;

@@ -41,7 +41,7 @@ void from_checkpoint(std::string_view bytes, std::string const& name, SerializeA
 /// All of them where there is one process.
 struct CheckpointShare {
   static constexpr std::uint64_t any_rows = std::numeric_limits<std::uint64_t>::max();
-  std::size_t rank = 0;
+  std::size_t part = 0;   ///< of this process
   std::size_t count = 1;  ///< processes
   std::uint64_t first_row = 0;
   std::uint64_t end_row = any_rows;
@@ -61,9 +61,9 @@ struct CheckpointPart {
 /// checkpoint. It is on the disk when this returns, and is nothing until write_checkpoint() names it: first every process
 /// writes its part, then one of them the checkpoint. Where the share says which rows it has, each list has a value for each, or none in any process.
 ///
-/// The name has the rank and the checksum, so that a part replaces nothing but its own copy:
+/// The name has the number of the part and the checksum, so that a part replaces nothing but its own copy:
 ///
-///     checkpoint.part.RANK.CHECKSUM.gridlock
+///     checkpoint.part.NUMBER.CHECKSUM.gridlock
 ///
 /// Errors: RunFailure with the reason of the operating system.
 CheckpointPart write_checkpoint_part(std::filesystem::path const& directory, CheckpointShare const& share,
@@ -75,7 +75,7 @@ CheckpointPart write_checkpoint_part(std::filesystem::path const& directory, Che
 ///     checkpoint.gridlock  →  checkpoint.previous.gridlock
 ///     (a temporary file)   →  checkpoint.gridlock
 ///
-/// With parts, those of all processes in the order of their ranks, the file has everything but the rows, and which parts have
+/// With parts, those of all processes in their order, the file has everything but the rows, and which parts have
 /// them. Afterwards parts are removed that neither this checkpoint nor the previous one has.
 ///
 /// Errors: RunFailure with the reason of the operating system; the checkpoints that are there stay as they are.

@@ -99,13 +99,13 @@ void OwnTrajectory::open() {
 void OwnTrajectory::find_elements() {
   for (std::string& name : hdf5::names_in(hdf5::open_group(file_, group_))) {
     if (name == "box" || name == "id") continue;
-    std::size_t const rank = hdf5::extent_of(hdf5::open_dataset(file_, group_ + "/" + name + "/value")).size();
-    if (rank != 2 && rank != 3) throw hdf5::Failure(name + " is not stored as it should be");
+    std::size_t const dimensions = hdf5::extent_of(hdf5::open_dataset(file_, group_ + "/" + name + "/value")).size();
+    if (dimensions != 2 && dimensions != 3) throw hdf5::Failure(name + " is not stored as it should be");
     Handle const group = hdf5::open_group(file_, group_ + "/" + name);
     if (hdf5::has_attribute(group, h5md::value_names)) {
       settings_.value_names[name] = hdf5::read_texts(group, h5md::value_names);
     }
-    elements_.push_back({std::move(name), rank == 3});
+    elements_.push_back({std::move(name), dimensions == 3});
   }
 }
 

@@ -1,11 +1,15 @@
 #include "gridlock/parallel/detail/all_processes.hpp"
 
+#include <algorithm>
+
 #include "gridlock/parallel/communicator.hpp"
 #include "gridlock/parallel/detail/collectives.hpp"
 
 namespace gridlock {
 
 AllProcesses::AllProcesses() : AllProcesses(Communicator::alone()) {}
+
+std::size_t AllProcesses::rank() const { return communicator_->rank(); }
 
 std::size_t AllProcesses::count() const { return communicator_->count(); }
 
@@ -14,5 +18,21 @@ void AllProcesses::sum(std::span<ExactSum> sums) const { all_sum(*communicator_,
 void AllProcesses::sum(std::span<std::uint64_t> counts) const { all_sum(*communicator_, counts); }
 
 double AllProcesses::min(double value) const { return all_min(*communicator_, value); }
+
+void AllProcesses::take_turns(std::span<std::byte> value, std::function<void()> const& change) const {
+  Communicator& ranks = *communicator_;
+  std::size_t const rank = ranks.rank();
+  std::size_t const last = ranks.count() - 1;
+  auto const take = [&](std::size_t from) { std::ranges::copy(ranks.receive(from), value.begin()); };
+  auto const give = [&](std::size_t to) { ranks.send(to, Message(value.begin(), value.end())); };
+  if (rank > 0) take(rank - 1);
+  change();
+  if (rank < last) {
+    give(rank + 1);
+    take(last);
+  } else {
+    for (std::size_t to = 0; to < last; ++to) give(to);
+  }
+}
 
 }  // namespace gridlock

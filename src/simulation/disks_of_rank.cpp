@@ -119,7 +119,8 @@ void DisksOfRank::receive_rows() {
 }
 
 double DisksOfRank::patience() const {
-  return patience_for(own_, all_, [&](auto const& add) { return ordered_reduce(ranks_, SpeedSums{}, add); });
+  return patience_for(own_, all_,
+                      [&](auto const& add) { return AllProcesses(ranks_).change_in_order(SpeedSums{}, add); });
 }
 
 void DisksOfRank::begin(EngineSettings const& settings, RunSettings const& run) {

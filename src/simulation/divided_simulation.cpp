@@ -81,10 +81,10 @@ std::uint64_t RunOfRank::state_hash() const {
 }
 
 CheckpointShare RunOfRank::share() const {
-  CheckpointShare share{.rank = ranks_.rank(), .count = ranks_.count()};
+  CheckpointShare share{.part = ranks_.rank(), .count = ranks_.count()};
   if (RowDivision const* const rows = agents_->rows()) {
-    share.first_row = rows->first(share.rank);
-    share.end_row = rows->end(share.rank);
+    share.first_row = rows->first(share.part);
+    share.end_row = rows->end(share.part);
   }
   return share;
 }

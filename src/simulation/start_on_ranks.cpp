@@ -139,7 +139,7 @@ class PartOfStart {
       is_first = false;
     }
     // In the order of one process: sums of floating-point numbers depend on it.
-    double const squares = ordered_reduce(ranks_, 0.0, [&](double& sum) {
+    double const squares = AllProcesses(ranks_).change_in_order(0.0, [&](double& sum) {
       for (double const radius : own.agents.column<Radius>()) sum += radius * radius;
     });
     summary.covered_area = std::numbers::pi * squares;

@@ -34,12 +34,14 @@ std::map<std::string, std::set<std::string>> const allowed{
     {"protocol", {"core", "grid", "engine", "packing", "protocol"}},
     {"models", {"core", "parallel", "grid", "lattice", "model", "models"}},
     {"simulation",
-     {"core", "parallel", "grid", "io", "lattice", "engine", "observe", "model", "models", "packing", "protocol", "simulation"}},
-    {"workspace", {"core", "parallel", "grid", "io", "lattice", "engine", "observe", "model", "simulation", "workspace"}},
+     {"core", "parallel", "grid", "io", "lattice", "engine", "observe", "model", "models", "packing", "protocol",
+      "simulation"}},
+    {"workspace",
+     {"core", "parallel", "grid", "io", "lattice", "engine", "observe", "model", "simulation", "workspace"}},
     {"drawing", {"core", "io", "observe", "simulation", "workspace", "drawing"}},
     {"apps",
-     {"core", "parallel", "grid", "io", "lattice", "engine", "observe", "model", "packing", "analysis", "simulation", "workspace",
-      "drawing", "apps"}},
+     {"core", "parallel", "grid", "io", "lattice", "engine", "observe", "model", "packing", "analysis", "simulation",
+      "workspace", "drawing", "apps"}},
 };
 
 struct Include {
@@ -124,6 +126,81 @@ TEST(Layers, NoFileIncludesAHigherLayerOrASibling) {
       EXPECT_EQ(complaint(source, include), "") << source.name << ":" << include.line << "  " << include.text;
     }
   }
+}
+
+/// The lines of a file that speak of ranks, but for calls of Communicator::rank().
+std::vector<int> lines_with_ranks(fs::path const& path) {
+  static std::regex const word(R"((^|[^A-Za-z.])ranks?([^A-Za-z]|$)|Ranks?([^a-z]|$)|_ranks?([^a-z]|$))");
+  std::vector<int> lines;
+  std::ifstream file(path);
+  int number = 0;
+  for (std::string line; std::getline(file, line);) {
+    ++number;
+    if (std::regex_search(line, word)) lines.push_back(number);
+  }
+  return lines;
+}
+
+/// That several processes share a run is the matter of `parallel`. These rooms still speak of it, in so many lines at most: fewer are welcome.
+std::map<std::string, std::size_t> const max_lines_with_ranks{{"lattice", 71},     {"engine", 171},   {"model", 238},
+                                                              {"simulation", 305}, {"workspace", 23}, {"apps", 40}};
+
+TEST(Layers, OnlyTheRoomForItSpeaksOfRanks) {
+  std::map<std::string, std::size_t> lines_of_room;
+  for (Source const& source : all_sources()) {
+    if (source.layer == "parallel") continue;
+    std::vector<int> const lines = lines_with_ranks(source.path);
+    lines_of_room[source.layer] += lines.size();
+    if (!max_lines_with_ranks.contains(source.layer)) {
+      EXPECT_TRUE(lines.empty()) << source.name << ":" << lines.front() << " speaks of ranks";
+    }
+  }
+  for (auto const& [room, max_lines] : max_lines_with_ranks) {
+    EXPECT_LE(lines_of_room[room], max_lines) << room << " speaks of ranks in more lines than before";
+  }
+}
+
+/// The file in the repository that an include names, or nothing.
+std::string included_file(std::set<std::string> const& names, Source const& from, std::string const& include) {
+  std::string const beside = (fs::path(from.name).parent_path() / include).string();
+  for (std::string const& name : {"include/" + include, "src/" + include, beside}) {
+    if (names.contains(name)) return name;
+  }
+  return "";
+}
+
+/// The files that include a header, directly or not.
+std::set<std::string> files_that_include(std::string const& header) {
+  std::vector<Source> const sources = all_sources();
+  std::set<std::string> names;
+  for (Source const& source : sources) names.insert(source.name);
+  std::map<std::string, std::set<std::string>> including;
+  for (Source const& source : sources) {
+    for (Include const& include : includes_of(source.path)) {
+      including[included_file(names, source, include.text)].insert(source.name);
+    }
+  }
+  std::set<std::string> found;
+  std::vector<std::string> next{header};
+  while (!next.empty()) {
+    std::string const last = next.back();
+    next.pop_back();
+    for (std::string const& name : including[last]) {
+      if (found.insert(name).second) next.push_back(name);
+    }
+  }
+  return found;
+}
+
+TEST(Layers, FewFilesIncludeTheCommunicator) {
+  std::set<std::string> const files = files_that_include("include/gridlock/parallel/communicator.hpp");
+  std::size_t public_headers = 0;
+  for (std::string const& file : files) {
+    if (file.starts_with("include/") && file.find("/detail/") == std::string::npos) ++public_headers;
+  }
+  EXPECT_GT(files.size(), 20U) << "the includes were not found";
+  EXPECT_LE(files.size(), 60U);
+  EXPECT_LE(public_headers, 4U);
 }
 
 TEST(Layers, TheRuleItselfTellsGoodFromBad) {

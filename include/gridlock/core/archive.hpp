@@ -50,7 +50,7 @@ class Archive {
   virtual void visit(std::string_view name, std::vector<std::uint32_t>& values) = 0;
   virtual void visit(std::string_view name, std::vector<std::uint64_t>& values) = 0;
 
-  /// A value for each row of the agents, now or when they were noted down, or no values. Where ranks divide the rows among them, each has
+  /// A value for each row of the agents, now or when they were noted down, or no values. Where processes divide the rows, each has
   /// those of its own rows, and an archive may put them together.
   virtual void visit_rows(std::string_view name, std::vector<double>& values) { visit(name, values); }
   virtual void visit_rows(std::string_view name, std::vector<std::int32_t>& values) { visit(name, values); }

@@ -36,7 +36,7 @@ constexpr Purpose purpose_of_turn(std::uint64_t number) {
 
 /// The random numbers of one agent, at one step, for one purpose.
 ///
-/// A pure function of (seed, step, id, purpose) and of how many were drawn before: never of thread, rank or visiting
+/// A pure function of (seed, step, id, purpose) and of how many were drawn before: never of thread, process or visiting
 /// order. Philox-4x64-10, period 2⁶⁴ blocks per stream (Salmon et al. 2011, doi:10.1145/2063384.2063405).
 /// Uniform and normal numbers come out of exactly rounded operations alone, so every compiler gives the same bits.
 /// Cost: about 12 ns for every four numbers, which are drawn at once.

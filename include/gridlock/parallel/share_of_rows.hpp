@@ -13,9 +13,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "gridlock/parallel/communicator.hpp"
 #include "gridlock/parallel/detail/all_processes.hpp"
-#include "gridlock/parallel/detail/collectives.hpp"
 #include "gridlock/parallel/detail/row_division.hpp"
 
 namespace gridlock {
@@ -38,14 +36,14 @@ class ShareOfRows {
   /// share. All processes call it.
   template <class Sums, class Add>
   [[nodiscard]] Sums add_in_order(Sums sums, Add add) const {
-    return gridlock::ordered_reduce(processes(), std::move(sums), std::move(add));
+    return processes_.change_in_order(std::move(sums), std::move(add));
   }
 
   [[nodiscard]] Communicator& processes() const { return processes_.communicator(); }
   [[nodiscard]] RowDivision const& division() const { return division_; }
 
  private:
-  [[nodiscard]] std::size_t rank() const { return processes().rank(); }
+  [[nodiscard]] std::size_t rank() const { return processes_.rank(); }
 
   AllProcesses processes_;
   RowDivision division_;

@@ -95,7 +95,7 @@ std::vector<CheckpointShare> shares_of(std::size_t count, std::size_t rows, Rand
   std::ranges::sort(cuts);
   std::vector<CheckpointShare> shares;
   for (std::size_t rank = 0; rank < count; ++rank) {
-    shares.push_back({.rank = rank, .count = count, .first_row = cuts[rank], .end_row = cuts[rank + 1]});
+    shares.push_back({.part = rank, .count = count, .first_row = cuts[rank], .end_row = cuts[rank + 1]});
   }
   return shares;
 }
@@ -166,7 +166,7 @@ TEST(CheckpointParts, OfAnyNumberOfProcessesAreRestoredByAnyOther) {
     for (CheckpointShare const& share : shares_of(1 + random.below(6), rows, random)) {
       Agents part;
       ASSERT_TRUE(restore_checkpoint(directory.path(), serializing(part), share));
-      EXPECT_EQ(part, part_of(agents, share)) << writers << " writers, rank " << share.rank;
+      EXPECT_EQ(part, part_of(agents, share)) << writers << " writers, rank " << share.part;
     }
   }
 }
@@ -188,7 +188,7 @@ TEST(CheckpointParts, OfAgentsThatComeAndGoHaveListsOfAnyLengths) {
       alive.origins.clear();
       Agents part = part_of(alive, of_agents[rank]);
       part.origins = rows_of(all.origins, of_origins[rank]);
-      parts.push_back(write_checkpoint_part(directory.path(), {.rank = rank, .count = writers}, serializing(part)));
+      parts.push_back(write_checkpoint_part(directory.path(), {.part = rank, .count = writers}, serializing(part)));
       written.push_back(part);
     }
     write_checkpoint(directory.path(), serializing(written.front()), parts);
@@ -199,7 +199,7 @@ TEST(CheckpointParts, OfAgentsThatComeAndGoHaveListsOfAnyLengths) {
     for (auto* list : {&together.x, &together.origins}) list->clear();
     for (std::size_t rank = 0; rank < readers; ++rank) {
       Agents part;
-      ASSERT_TRUE(restore_checkpoint(directory.path(), serializing(part), {.rank = rank, .count = readers}));
+      ASSERT_TRUE(restore_checkpoint(directory.path(), serializing(part), {.part = rank, .count = readers}));
       EXPECT_NEAR(static_cast<double>(part.x.size()), static_cast<double>(all.x.size()) / static_cast<double>(readers),
                   1.0);
       EXPECT_EQ(part.x.size(), part.ids.size());
@@ -213,7 +213,7 @@ TEST(CheckpointParts, OfAgentsThatComeAndGoHaveListsOfAnyLengths) {
 TEST(CheckpointParts, OfAgentsThatComeAndGoAreNamedOnceWhereOneIsMissing) {
   TemporaryDirectory const directory;
   Agents all = agents_at(1, 20);
-  CheckpointShare const share{.rank = 0, .count = 1};
+  CheckpointShare const share{.part = 0, .count = 1};
   write_checkpoint(directory.path(), serializing(all),
                    {write_checkpoint_part(directory.path(), share, serializing(all))});
   std::string const part = parts_in(directory.path()).front();
@@ -255,7 +255,7 @@ TEST(CheckpointParts, OfACheckpointThatCouldNotBeWrittenGo) {
   save(path, agents_at(1, 50), 3);
   Agents next = agents_at(2, 50);
   static_cast<void>(
-      write_checkpoint_part(path, {.rank = 0, .count = 2, .first_row = 0, .end_row = 50}, serializing(next)));
+      write_checkpoint_part(path, {.part = 0, .count = 2, .first_row = 0, .end_row = 50}, serializing(next)));
   EXPECT_EQ(parts_in(path).size(), 4U);
   remove_unneeded_parts(path);
   EXPECT_EQ(parts_in(path).size(), 3U);
@@ -389,24 +389,24 @@ TEST(CheckpointParts, WithAnotherNumberOfRowsAreRefusedNamingThem) {
     }
     return std::string();
   };
-  EXPECT_EQ(refusal_to({.rank = 1, .count = 2, .first_row = 12, .end_row = 30}), "");
+  EXPECT_EQ(refusal_to({.part = 1, .count = 2, .first_row = 12, .end_row = 30}), "");
   for (std::uint64_t const end : {29, 31}) {
-    std::string const refusal = refusal_to({.rank = 1, .count = 2, .first_row = 12, .end_row = end});
+    std::string const refusal = refusal_to({.part = 1, .count = 2, .first_row = 12, .end_row = end});
     EXPECT_NE(refusal.find("checkpoint.gridlock: its parts have 30 rows"), std::string::npos) << refusal;
   }
-  EXPECT_NE(refusal_to({.rank = 0, .count = 2, .first_row = 0, .end_row = 31}), "");
+  EXPECT_NE(refusal_to({.part = 0, .count = 2, .first_row = 0, .end_row = 31}), "");
 
   Agents whole = agents;
   write_checkpoint(directory.path(), serializing(whole));
   remove_previous_checkpoint(directory.path());
-  EXPECT_EQ(refusal_to({.rank = 1, .count = 2, .first_row = 12, .end_row = 30}), "");
+  EXPECT_EQ(refusal_to({.part = 1, .count = 2, .first_row = 12, .end_row = 30}), "");
   for (std::uint64_t const end : {29, 31}) {
-    EXPECT_NE(refusal_to({.rank = 1, .count = 2, .first_row = 12, .end_row = end}), "");
+    EXPECT_NE(refusal_to({.part = 1, .count = 2, .first_row = 12, .end_row = end}), "");
   }
 
   // A list that lacks a value.
-  CheckpointShare const first{.rank = 0, .count = 2, .first_row = 0, .end_row = 10};
-  CheckpointShare const second{.rank = 1, .count = 2, .first_row = 10, .end_row = 30};
+  CheckpointShare const first{.part = 0, .count = 2, .first_row = 0, .end_row = 10};
+  CheckpointShare const second{.part = 1, .count = 2, .first_row = 10, .end_row = 30};
   Agents part = part_of(agents, first);
   part.x.pop_back();
   std::vector<CheckpointPart> const parts{write_checkpoint_part(directory.path(), first, serializing(part)), [&] {
@@ -425,9 +425,9 @@ TEST(CheckpointParts, WhereOneProcessFindsDamageAllGoBackToThePreviousCheckpoint
   save(directory.path(), agents_at(1, 30), 2);
   save(directory.path(), agents_at(2, 30), 3);
   RandomStream random(3, 0, 0, Purpose::start_position);
-  std::vector<CheckpointShare> const shares{{.rank = 0, .count = 3, .first_row = 0, .end_row = 2},
-                                            {.rank = 1, .count = 3, .first_row = 2, .end_row = 28},
-                                            {.rank = 2, .count = 3, .first_row = 28, .end_row = 30}};
+  std::vector<CheckpointShare> const shares{{.part = 0, .count = 3, .first_row = 0, .end_row = 2},
+                                            {.part = 1, .count = 3, .first_row = 2, .end_row = 28},
+                                            {.part = 2, .count = 3, .first_row = 28, .end_row = 30}};
   // The last rows, which only the last process needs.
   std::string last;
   for (std::string const& name : parts_in(directory.path())) {

@@ -10,7 +10,7 @@
 namespace gridlock {
 
 /// What tiles have counted in one step. Sums of floating-point numbers are exact until all tiles are in: so the tiles may come in any order
-/// and from any rank, and the bits are the same.
+/// and from any process, and the bits are the same.
 class CountersOfStep {
  public:
   void add(Counters const& of_tile);

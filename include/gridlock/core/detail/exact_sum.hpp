@@ -16,7 +16,7 @@ namespace gridlock {
 ///
 /// Infinities and NaN are those of a plain sum: +∞ with −∞ is NaN. Finite terms overflow only where their whole sum does. A
 /// sum that is zero is +0, as that of terms to a first +0.
-/// Cost: about 3 ns a term, 1 ns in a span of hundreds, as a plain sum; 552 bytes, trivially copyable, so that ranks can send it.
+/// Cost: about 3 ns a term, 1 ns in a span of hundreds, as a plain sum; 552 bytes, trivially copyable, so that processes can send it.
 /// Source: R. M. Neal, Fast exact summation using small and large superaccumulators (2015), arXiv:1505.05571; U. W. Kulisch,
 /// Computer Arithmetic and Validity (2013).
 ///

@@ -9,17 +9,12 @@
 #include "gridlock/grid/cell_layout.hpp"
 #include "gridlock/grid/detail/cell_window.hpp"
 #include "gridlock/grid/detail/tiling.hpp"
-#include "gridlock/parallel/communicator.hpp"
 
 namespace gridlock {
 
-/// The tiles of each rank, with about as many agents in each; `agents` has a number for each tile.
+/// The tiles of each part, with about as many agents in each; `agents` has a number for each tile.
 std::vector<Tiling::Rectangle> divide_tiles(Tiling const& tiling, std::span<std::uint64_t const> agents,
-                                            std::size_t ranks);
-
-/// The same where each rank has some of the agents, so many in each tile. All call it, and get the same.
-std::vector<Tiling::Rectangle> divide_tiles(Communicator& ranks, Tiling const& tiling,
-                                            std::vector<std::uint64_t> own_agents);
+                                            std::size_t parts);
 
 /// The cells of a rectangle of tiles and `margin` more to each side, as far as the box has them.
 CellWindow window_around(CellLayout const& layout, Tiling const& tiling, Tiling::Rectangle const& rectangle,

@@ -102,7 +102,8 @@ class StepsFromHomes {
       TileFinder const finder(layout, tiling);
       std::vector<std::uint64_t> agents_of_tile(tiling.tiles().size(), 0);
       for (std::size_t row = 0; row < rows_.ids.size(); ++row) ++agents_of_tile[finder.tile_of({x[row], y[row]})];
-      return divide_tiles(ranks_, tiling, std::move(agents_of_tile));
+      all_sum(ranks_, agents_of_tile);
+      return divide_tiles(tiling, agents_of_tile, ranks_.count());
     }
   }
 

@@ -512,7 +512,8 @@ class TiledModelShare final : public AgentsOfShare<Model> {
       if (!dead.contains(ids_[row])) count(row);
     }
     for (std::size_t row = agents; row < ids_.size(); ++row) count(row);
-    tiles_of_ranks_ = divide_tiles(ranks_, tiling, std::move(agents_of_tile));
+    all_sum(ranks_, agents_of_tile);
+    tiles_of_ranks_ = divide_tiles(tiling, agents_of_tile, ranks_.count());
     division_ = division_in(layout, tiles_of_ranks_, ranks_.rank());
     begin_in(layout);
   }

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <type_traits>
 
 #include "gridlock/core/detail/exact_sum.hpp"
 
@@ -19,6 +21,8 @@ class AllProcesses {
   AllProcesses();
   AllProcesses(Communicator& communicator) : communicator_(&communicator) {}  // NOLINT(google-explicit-constructor)
 
+  /// The number of this process.
+  [[nodiscard]] std::size_t rank() const;
   /// The number of processes that share the run.
   [[nodiscard]] std::size_t count() const;
 
@@ -26,9 +30,20 @@ class AllProcesses {
   void sum(std::span<std::uint64_t> counts) const;
   [[nodiscard]] double min(double value) const;
 
+  /// Process after process changes one value of all in their order, and all get the result: so sums over rows in their order have the
+  /// bits of one process. change(value) works on it in place.
+  template <class Value, class Change>
+  [[nodiscard]] Value change_in_order(Value value, Change change) const {
+    static_assert(std::is_trivially_copyable_v<Value>);
+    take_turns(std::as_writable_bytes(std::span(&value, 1)), [&] { change(value); });
+    return value;
+  }
+
   [[nodiscard]] Communicator& communicator() const { return *communicator_; }
 
  private:
+  void take_turns(std::span<std::byte> value, std::function<void()> const& change) const;
+
   Communicator* communicator_;
 };
 

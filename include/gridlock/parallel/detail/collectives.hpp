@@ -49,21 +49,6 @@ Message all_reduce(Communicator& ranks, Message own, Merge merge) {
   return broadcast(ranks, reduce(ranks, std::move(own), merge));
 }
 
-/// Rank after rank adds its terms to sums, in the order of the ranks; all get them.
-template <class Sums, class Add>
-Sums ordered_reduce(Communicator& ranks, Sums sums, Add add) {
-  std::size_t const rank = ranks.rank();
-  std::size_t const last = ranks.count() - 1;
-  if (rank > 0) sums = MessageReader(ranks.receive(rank - 1)).next<Sums>();
-  add(sums);
-  if (rank < last) {
-    ranks.send(rank + 1, message_of(sums));
-    return MessageReader(ranks.receive(last)).template next<Sums>();
-  }
-  for (std::size_t to = 0; to < last; ++to) ranks.send(to, message_of(sums));
-  return sums;
-}
-
 /// Combines each number with those of all other ranks by combine(number, other).
 template <class Number, class Combine>
 void all_combine(Communicator& ranks, std::span<Number> numbers, Combine combine) {
