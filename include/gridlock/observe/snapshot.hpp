@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -31,6 +32,7 @@
 #include "gridlock/core/box.hpp"
 #include "gridlock/core/counters.hpp"
 #include "gridlock/core/detail/exact_sum.hpp"
+#include "gridlock/core/disks.hpp"
 #include "gridlock/core/vector.hpp"
 #include "gridlock/core/world.hpp"
 #include "gridlock/observe/detail/attached.hpp"
